@@ -1,0 +1,30 @@
+# make demo      the whole chain on the built-in example camera, into demo/
+# make test      every test, Verilator and Icarus
+# make regress   the long version: exhaustive sweeps, full-size frames
+# make setup     install only: .venv, pinned packages, missing Debian packages
+
+PYTHON ?= python3
+BIN    := .venv/bin
+STAMP  := .venv/installed
+
+.PHONY: setup demo test regress clean
+
+setup: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt .ci/debian
+	sh .ci/debian
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test]'
+	@touch $@
+
+demo: setup
+	$(BIN)/ncdc demo -o demo
+
+test: setup
+	$(BIN)/python -m pytest -m 'not regress' -n 2 --dist worksteal
+
+regress: setup
+	$(BIN)/python -m pytest -n 2 --dist worksteal
+
+clean:
+	rm -rf build demo

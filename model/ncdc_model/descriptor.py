@@ -1,0 +1,253 @@
+"""The descriptor: one human-readable file per trained camera, from which everything is made."""
+
+import hashlib
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.files import read_bytes, write_text
+from ncdc_model.fixed import Q
+from ncdc_model.geometry import Geometry, ValidRows
+
+__all__ = ["Descriptor", "FloatNetwork", "Formats", "MAX_NEURONS", "VERSION"]
+
+VERSION = 1
+MAX_NEURONS = 32
+
+
+@dataclass(frozen=True)
+class Formats:
+    """Fixed-point format of every signal of the network, input to output.
+
+    ``tansig`` holds the tan-sigmoid's value with one bit more than its accuracy: the last bit is
+    the constant one that stands for rounding (zero for the value 0), see ``tansig``.
+    """
+    input: Q = Q(1, 23)             # normalised scan coordinate
+    hidden_weight: Q = Q(4, 20)
+    hidden_bias: Q = Q(5, 27)
+    net: Q = Q(5, 19)               # weighted sum of a hidden neuron, input of the tan-sigmoid
+    tansig: Q = Q(1, 21)            # 20 fraction bits and the last one
+    output_weight: Q = Q(12, 12)    # pixels
+    output_bias: Q = Q(14, 18)      # pixels
+    coordinate: Q = Q(14, 10)       # pixels
+
+
+@dataclass(frozen=True)
+class FloatNetwork:
+    """The network in real numbers: 2 inputs, HN tan-sigmoid neurons, 2 linear outputs in pixels.
+
+    Equations (15)-(18) of the paper with gamma = 1::
+
+        n[j] = hidden_weights[j] . (x, y) + hidden_biases[j]
+        (x', y')[k] = sum over j of output_weights[k, j] f(n[j]) + output_biases[k]
+        f(n) = 2 / (1 + exp(-n)) - 1
+
+    Inputs are normalised coordinates (:meth:`Geometry.normalise`); outputs are pixels of the
+    distorted image. Shapes: (HN, 2), (HN,), (2, HN), (2,).
+    """
+    hidden_weights: np.ndarray
+    hidden_biases: np.ndarray
+    output_weights: np.ndarray
+    output_biases: np.ndarray
+
+    @property
+    def hidden_neurons(self):
+        """HN."""
+        return len(self.hidden_biases)
+
+    def __call__(self, x, y):
+        """(x', y') in pixels of normalised coordinates of any one shape."""
+        x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
+        outputs = [np.full(np.broadcast(x, y).shape, bias) for bias in self.output_biases]
+        for (wx, wy), bias, *columns in zip(self.hidden_weights, self.hidden_biases,
+                                            *self.output_weights):
+            a = np.tanh((wx * x + wy * y + bias) / 2)
+            for output, weight in zip(outputs, columns):
+                output += weight * a
+        return tuple(outputs)
+
+
+@dataclass(frozen=True)
+class Descriptor:
+    """A trained camera as integers, with the formats, the geometry and where they came from.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    network : FloatNetwork
+        Before quantisation; the reference of the fixed-point errors.
+    hidden_weights, hidden_biases, output_weights, output_biases : ndarray of int
+        Raw integers in ``formats``; shapes (HN, 2), (HN,), (2, HN), (2,).
+    valid : ValidRows
+        Which corrected pixels have a source.
+    formats : Formats
+    errors : dict
+        Errors measured at training, as in every report.
+    provenance : dict
+        Trainer, seed, source of the points and their hash; ``homography``: nine numbers, row by
+        row, that take the target's plane to corrected pixels (points only).
+
+    Raises
+    ------
+    InputError
+        If a shape is wrong, an integer does not fit its format, or a span leaves the image.
+    """
+    geometry: Geometry
+    network: FloatNetwork
+    hidden_weights: np.ndarray
+    hidden_biases: np.ndarray
+    output_weights: np.ndarray
+    output_biases: np.ndarray
+    valid: ValidRows
+    formats: Formats = Formats()
+    errors: dict = field(default_factory=dict)
+    provenance: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        hn = self.hidden_neurons
+        if not 1 <= hn <= MAX_NEURONS:
+            raise InputError(f"the network has {hn} hidden neurons, the limits are 1 and {MAX_NEURONS}")
+        for name, shape, q in self._layers():
+            raw = getattr(self, name)
+            if raw.shape != shape or getattr(self.network, name).shape != shape:
+                raise InputError(f"{name} has shape {raw.shape}, {hn} hidden neurons need {shape}")
+            if not q.holds(raw):
+                worst = raw.flat[np.abs(raw).argmax()]
+                raise InputError(f"{name} holds {worst} ({q.real(worst):g}), "
+                                 f"the limits of {q} are {q.lo} and {q.hi}")
+        self.valid.check(*self.geometry.corrected)
+
+    def _layers(self):
+        hn, q = self.hidden_neurons, self.formats
+        return (("hidden_weights", (hn, 2), q.hidden_weight), ("hidden_biases", (hn,), q.hidden_bias),
+                ("output_weights", (2, hn), q.output_weight), ("output_biases", (2,), q.output_bias))
+
+    @property
+    def hidden_neurons(self):
+        """HN."""
+        return len(self.hidden_biases)
+
+    @property
+    def digest(self):
+        """Twelve hex digits of the hash of all that the hardware depends on."""
+        state = hashlib.sha256(repr((self.geometry, self.formats)).encode())
+        for name, _, _ in self._layers():
+            state.update(getattr(self, name).astype("<i8").tobytes())
+        state.update(self.valid.spans.astype("<i8").tobytes())
+        return state.hexdigest()[:12]
+
+    @classmethod
+    def quantise(cls, network, geometry, valid, formats=Formats(), **about):
+        """Descriptor of ``network``, its numbers rounded to nearest in ``formats``.
+
+        Raises
+        ------
+        InputError
+            If a weight or bias leaves the range of its format.
+        """
+        raw = {name: getattr(formats, key).quantise(getattr(network, name))
+               for name, key in (("hidden_weights", "hidden_weight"), ("hidden_biases", "hidden_bias"),
+                                 ("output_weights", "output_weight"), ("output_biases", "output_bias"))}
+        return cls(geometry=geometry, network=network, valid=valid, formats=formats, **raw, **about)
+
+    def save(self, path):
+        """Write the descriptor as TOML; the file is replaced whole or not at all."""
+        write_text(path, _to_toml(self))
+
+    @classmethod
+    def load(cls, path):
+        """Read and check a descriptor.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, is truncated, is of another version, lacks a value, or
+            holds one that does not fit.
+        """
+        try:
+            table = tomllib.loads(read_bytes(path).decode())
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            raise InputError(f"{path} is no descriptor: {error}") from error
+        if table.get("version") != VERSION:
+            raise InputError(f"{path} has descriptor version {table.get('version')}, "
+                             f"version {VERSION} is needed")
+        try:
+            return _of_table(table)
+        except KeyError as error:
+            raise InputError(f"{path} lacks the value {error}") from error
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"{path} holds a value of the wrong kind: {error}") from error
+
+
+def _of_table(table):
+    geometry = dict(table["geometry"])
+    geometry["fill"] = tuple(geometry["fill"])
+    scan = {name: geometry.pop(name) for name in _SCAN}
+    geometry = Geometry(**geometry)
+    if tuple(scan.values()) != geometry.scan():
+        raise InputError(f"the scan {list(scan.values())} is not that of the image size, "
+                         f"{list(geometry.scan())}")
+    if table["tansig"] != _TANSIG:
+        raise InputError(f"tansig is {table['tansig']}, only {_TANSIG} is known")
+    formats = Formats(**{name: Q(*bits) for name, bits in table["formats"].items()})
+    network = FloatNetwork(**{name: np.array(table["network"]["real"][name], np.float64)
+                              for name in _LAYERS})
+    raw = {name: _integers(table["network"][name], name) for name in _LAYERS}
+    spans = _integers(table["valid"]["rows"], "valid rows").reshape(-1, 4)
+    return Descriptor(geometry=geometry, network=network, **raw, valid=ValidRows(spans),
+                      formats=formats, errors=table["errors"], provenance=table["provenance"])
+
+
+_LAYERS = ("hidden_weights", "hidden_biases", "output_weights", "output_biases")
+_SCAN = ("scan_origin_x", "scan_step_x", "scan_origin_y", "scan_step_y")
+_TANSIG = {"variant": "mmhbc", "gamma": 1.0}
+
+
+def _integers(values, name):
+    array = np.array(values)
+    if array.dtype.kind != "i":
+        raise InputError(f"{name} holds values that are no integers")
+    return array.astype(np.int64)
+
+
+def _to_toml(d):
+    lines = ["# NCDC descriptor: a trained camera distortion corrector.",
+             f"version = {VERSION}", "", "[geometry]  # pixels"]
+    lines += [f"{name} = {_toml(value)}" for name, value in vars(d.geometry).items()]
+    lines += [f"{name} = {value}" for name, value in zip(_SCAN, d.geometry.scan())]
+    lines += ["", "[formats]  # integer bits with sign, fraction bits"]
+    lines += [f"{name} = [{q.i_bits}, {q.f_bits}]" for name, q in vars(d.formats).items()]
+    lines += ["", "[tansig]"]
+    lines += [f"{name} = {_toml(value)}" for name, value in _TANSIG.items()]
+    lines += ["", "[network]  # raw integers in the formats above; one line per neuron"]
+    lines += [f"{name} = {_toml(getattr(d, name))}" for name in _LAYERS]
+    lines += ["", "[network.real]  # the same before quantisation; output layer in pixels"]
+    lines += [f"{name} = {_toml(getattr(d.network, name))}" for name in _LAYERS]
+    for title in ("errors", "provenance"):
+        lines += ["", f"[{title}]"]
+        lines += [f"{name} = {_toml(value)}" for name, value in getattr(d, title).items()]
+    lines += ["", "[valid]  # corrected pixels with a source: start, stop, start, stop of each row",
+              f"rows = {_toml(d.valid.spans)}", ""]
+    return "\n".join(lines)
+
+
+def _toml(value):
+    """TOML text of a number, string, list, table, or array (two-dimensional: a line per row)."""
+    if isinstance(value, np.ndarray):
+        if value.ndim == 2:
+            return "[\n" + "".join(f"    {_toml(row)},\n" for row in value) + "]"
+        value = value.tolist()
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (int, float, np.integer, np.floating)):
+        return repr(value.item() if isinstance(value, np.generic) else value)
+    return '"' + str(value).replace("\\", "\\\\").replace('"', '\\"') + '"'

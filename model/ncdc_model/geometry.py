@@ -1,0 +1,140 @@
+"""Image sizes, the colour filter phase, the scan normalisation, and which pixels have a source."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.fixed import Q
+
+__all__ = ["BAYER_PHASE", "Geometry", "SCAN", "ValidRows", "WINDOW"]
+
+WINDOW = 3             # rows and columns of the raw window that one corrected pixel is made from
+MAX_SIZE = 4096        # pixels per side that the coordinate formats can address
+SPANS = 2              # spans of pixels with a source that one row can have
+SCAN = Q(1, 31)        # origin and step of the normalised scan
+
+# Phase of the colour filter array: (column, row) parity of its red samples.
+BAYER_PHASE = {"RGGB": (0, 0), "GRBG": (1, 0), "GBRG": (0, 1), "BGGR": (1, 1)}
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Sizes in pixels of the corrected and the distorted image, filter phase and fill colour.
+
+    Pixel centres are at integer coordinates; the corrected image spans (0, 0) to
+    (corrected_width - 1, corrected_height - 1).
+
+    Raises
+    ------
+    InputError
+        If a side is outside 8..4096, the Bayer pattern is unknown or the fill is no 8-bit RGB.
+    """
+    corrected_width: int
+    corrected_height: int
+    distorted_width: int
+    distorted_height: int
+    bayer: str = "RGGB"
+    fill: tuple = (0, 0, 0)
+
+    def __post_init__(self):
+        for name in ("corrected_width", "corrected_height", "distorted_width", "distorted_height"):
+            value = getattr(self, name)
+            if not 8 <= value <= MAX_SIZE:
+                raise InputError(f"{name} is {value}, the limits are 8 and {MAX_SIZE}")
+        if self.bayer not in BAYER_PHASE:
+            raise InputError(f"bayer is {self.bayer!r}, one of {', '.join(BAYER_PHASE)} is needed")
+        if len(self.fill) != 3 or not all(0 <= c <= 255 for c in self.fill):
+            raise InputError(f"fill is {list(self.fill)}, three values of 0..255 are needed")
+
+    @property
+    def corrected(self):
+        """(width, height) of the corrected image."""
+        return self.corrected_width, self.corrected_height
+
+    @property
+    def distorted(self):
+        """(width, height) of the distorted image."""
+        return self.distorted_width, self.distorted_height
+
+    @property
+    def phase(self):
+        """(column, row) parity of the red samples."""
+        return BAYER_PHASE[self.bayer]
+
+    def scan(self):
+        """(origin_x, step_x, origin_y, step_y), raw in :data:`SCAN`.
+
+        The normalised coordinate of pixel u is origin + u * step, between -0.9999 and 0.9999 and
+        symmetric about the centre of the image. The step is even, so that the origin, half of
+        the span, is exact: no rounding enters before the one to the neuron's input format.
+        """
+        values = []
+        for size in self.corrected:
+            step = 2 * int(0.9999 * 2**SCAN.f_bits / (size - 1))
+            values += [-step * (size - 1) // 2, step]
+        return tuple(values)
+
+    def normalise(self, u, v):
+        """Real normalised coordinates of corrected pixels, exactly those of the hardware's scan."""
+        origin_x, step_x, origin_y, step_y = (value / 2.0**SCAN.f_bits for value in self.scan())
+        return origin_x + np.asarray(u) * step_x, origin_y + np.asarray(v) * step_y
+
+    def window_inside(self, x, y):
+        """Whether the 3x3 window of distorted coordinates (x, y) lies wholly in the image.
+
+        The window's origin is floor(x - 0.5): four quads of 2x2 samples, whose centres are half
+        a pixel right of and below the samples', surround the point.
+        """
+        x0, y0 = np.floor(np.asarray(x) - 0.5), np.floor(np.asarray(y) - 0.5)
+        return ((x0 >= 0) & (x0 <= self.distorted_width - WINDOW)
+                & (y0 >= 0) & (y0 <= self.distorted_height - WINDOW))
+
+
+@dataclass(frozen=True)
+class ValidRows:
+    """Which corrected pixels have a source: up to two spans in each row.
+
+    A barrel lens leaves the top and bottom middle of a filled frame without a source while the
+    corners have one, so that a row may have two spans.
+
+    Parameters
+    ----------
+    spans : ndarray of int, shape (height, 4)
+        start0, stop0, start1, stop1 of each row: pixel u is valid if start <= u < stop of
+        either span; an empty span has start = stop = 0.
+    """
+    spans: np.ndarray
+
+    @classmethod
+    def of_mask(cls, mask):
+        """Spans of a boolean (height, width) ``mask``; of more than two, the two longest stay."""
+        spans = np.zeros((mask.shape[0], 2 * SPANS), np.int64)
+        edges = np.diff(np.pad(mask.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+        for row in range(mask.shape[0]):
+            starts, stops = np.flatnonzero(edges[row] == 1), np.flatnonzero(edges[row] == -1)
+            longest = np.sort(np.argsort(starts - stops, kind="stable")[:SPANS])
+            for k, j in enumerate(longest):
+                spans[row, 2 * k:2 * k + 2] = starts[j], stops[j]
+        return cls(spans)
+
+    @classmethod
+    def everything(cls, width, height):
+        """Every pixel valid."""
+        return cls(np.tile([0, width, 0, 0], (height, 1)))
+
+    def mask(self, width):
+        """Boolean (height, width) array, true where a pixel has a source."""
+        u = np.arange(width)
+        start0, stop0, start1, stop1 = self.spans.T[:, :, None]
+        return (u >= start0) & (u < stop0) | (u >= start1) & (u < stop1)
+
+    def check(self, width, height):
+        """Raise :class:`InputError` unless the spans fit an image of ``width`` x ``height``."""
+        if self.spans.shape != (height, 2 * SPANS):
+            raise InputError(f"the valid spans cover {len(self.spans)} rows, the image has {height}")
+        bad = (self.spans < 0) | (self.spans > width)
+        if bad.any():
+            row = int(np.flatnonzero(bad.any(axis=1))[0])
+            raise InputError(f"valid span {self.spans[row].tolist()} of row {row} "
+                             f"leaves the limits 0 and {width}")
