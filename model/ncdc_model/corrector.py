@@ -1,0 +1,64 @@
+"""The whole frame in integers: what the generated Verilog must give, bit for bit."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.geometry import WINDOW
+from ncdc_model.network import coordinates
+from ncdc_model.picture import bayer_quads, bilinear, fetches, window_address
+
+__all__ = ["Corrected", "check_raw", "correct"]
+
+_ROWS = 32  # corrected rows at a time: bounds the memory that the windows take
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """A corrected frame: ``picture`` (height, width, 3) uint8 RGB, ``filled`` (height, width),
+    true where the pixel has no source, and ``fetches``, the windows that ``multiport`` reads."""
+    picture: np.ndarray
+    filled: np.ndarray
+    fetches: int
+
+
+def check_raw(raw, geometry):
+    """Raise :class:`InputError` unless ``raw`` is an 8-bit raw frame of the distorted size."""
+    if raw.ndim != 2 or raw.dtype != np.uint8:
+        raise InputError(f"the raw frame has shape {raw.shape} and type {raw.dtype}, "
+                         "one 8-bit channel is needed")
+    if raw.shape != geometry.distorted[::-1]:
+        raise InputError(f"the picture has {raw.shape[1]}x{raw.shape[0]} pixels, the descriptor is "
+                         "for {}x{}".format(*geometry.distorted))
+
+
+def correct(descriptor, raw, progress=lambda done, total: None):
+    """Correct the ``raw`` Bayer frame (distorted height, width) uint8; returns :class:`Corrected`.
+
+    ``progress(done, total)`` is called with the corrected rows done.
+
+    Raises
+    ------
+    InputError
+        If the frame is not of the descriptor's distorted size.
+    """
+    geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
+    check_raw(raw, geometry)
+    width, height = geometry.corrected
+    windows = np.lib.stride_tricks.sliding_window_view(raw, (WINDOW, WINDOW))
+    picture = np.empty((height, width, 3), np.uint8)
+    used = descriptor.valid.mask(width)
+    origins = np.empty((2, height, width), np.int64)
+    for top in range(0, height, _ROWS):
+        rows = slice(top, min(top + _ROWS, height))
+        v, u = np.mgrid[rows, 0:width]
+        x, y = coordinates(descriptor, u, v)
+        x0, y0, fx, fy, inside = window_address(x, y, geometry, coordinate)
+        used[rows] &= inside
+        quads = bayer_quads(windows[y0, x0], x0, y0, geometry.phase)
+        picture[rows] = bilinear(quads, fx, fy, coordinate.f_bits)
+        origins[:, rows] = x0, y0
+        progress(rows.stop, height)
+    picture[~used] = geometry.fill
+    return Corrected(picture, ~used, fetches(*origins, used))

@@ -1,0 +1,64 @@
+"""The front end in integers: scan, hidden neurons, tan-sigmoid, output neurons."""
+
+import numpy as np
+
+from ncdc_model.fixed import requantise
+from ncdc_model.geometry import SCAN
+from ncdc_model.tansig import TansigDesign, tansig
+
+__all__ = ["coordinates", "frame_coordinates", "hidden_neuron", "normalised_scan", "output_neuron",
+           "tansig_design"]
+
+
+def tansig_design(formats):
+    """The tan-sigmoid's parameters that fit ``formats``."""
+    return TansigDesign(input=formats.net, fraction_bits=formats.tansig.f_bits - 1)
+
+
+def normalised_scan(u, v, geometry, formats):
+    """Raw ``formats.input`` coordinates (x, y) of corrected pixels ``u``, ``v`` (integers).
+
+    origin + u * step, exact in :data:`SCAN`, rounded once.
+    """
+    origin_x, step_x, origin_y, step_y = geometry.scan()
+    shift = SCAN.f_bits - formats.input.f_bits
+    return (requantise(origin_x + np.asarray(u, np.int64) * step_x, shift, formats.input),
+            requantise(origin_y + np.asarray(v, np.int64) * step_y, shift, formats.input))
+
+
+def hidden_neuron(x, y, weights, bias, formats):
+    """Raw net of a hidden neuron, equation (15): weights . (x, y) + bias, exact, rounded once."""
+    products = formats.input.f_bits + formats.hidden_weight.f_bits
+    total = (np.asarray(x, np.int64) * int(weights[0]) + np.asarray(y, np.int64) * int(weights[1])
+             + (int(bias) << (products - formats.hidden_bias.f_bits)))
+    return requantise(total, products - formats.net.f_bits, formats.net)
+
+
+def output_neuron(activations, weights, bias, formats):
+    """Raw coordinate in pixels: weights . activations + bias, exact, rounded once, saturated.
+
+    Denormalisation is part of it: the weights are in pixels. ``activations``: the raw
+    tan-sigmoid results, one array per hidden neuron.
+    """
+    products = formats.tansig.f_bits + formats.output_weight.f_bits
+    total = np.full(np.shape(activations[0]),
+                    int(bias) << (products - formats.output_bias.f_bits), np.int64)
+    for a, weight in zip(activations, weights):
+        total += a * int(weight)
+    return requantise(total, products - formats.coordinate.f_bits, formats.coordinate)
+
+
+def coordinates(descriptor, u, v):
+    """Raw back-map coordinates (x', y') in ``formats.coordinate`` of corrected pixels (u, v)."""
+    formats, design = descriptor.formats, tansig_design(descriptor.formats)
+    x, y = normalised_scan(u, v, descriptor.geometry, formats)
+    activations = [tansig(hidden_neuron(x, y, weights, bias, formats), design)
+                   for weights, bias in zip(descriptor.hidden_weights, descriptor.hidden_biases)]
+    return tuple(output_neuron(activations, weights, bias, formats)
+                 for weights, bias in zip(descriptor.output_weights, descriptor.output_biases))
+
+
+def frame_coordinates(descriptor):
+    """Raw (x', y') of the whole corrected frame, each of shape (height, width)."""
+    v, u = np.indices(descriptor.geometry.corrected[::-1])
+    return coordinates(descriptor, u, v)
