@@ -1,0 +1,76 @@
+"""Driving components in the Amaranth simulator: free-running pipelines and streams."""
+
+from amaranth.sim import Simulator
+
+__all__ = ["get", "put", "run_bench", "run_pipeline", "run_stream"]
+
+
+def run_bench(dut, *benches):
+    """Simulate ``dut`` with the given async test benches until all have ended."""
+    simulator = Simulator(dut)
+    simulator.add_clock(1e-8)
+    for bench in benches:
+        simulator.add_testbench(bench)
+    simulator.run()
+
+
+def run_pipeline(dut, inputs, drive, sample):
+    """Feed one of ``inputs`` per clock to a free-running pipeline; results in order.
+
+    ``drive(ctx, item)`` sets the inputs, ``sample()`` gives the output signals. Exactly
+    ``dut.latency`` clocks later the result must be there: the list would be shifted otherwise.
+    """
+    results = []
+
+    async def bench(ctx):
+        for k in range(len(inputs) + dut.latency):
+            if k < len(inputs):
+                drive(ctx, inputs[k])
+            await ctx.tick()
+            if k >= dut.latency - 1 and len(results) < len(inputs):
+                results.append(tuple(ctx.get(signal) for signal in sample()))
+
+    run_bench(dut, bench)
+    return results
+
+
+async def put(ctx, stream, items, pause):
+    """Offer ``items`` in order, idling while ``pause()`` says so."""
+    for item in items:
+        while pause():
+            await ctx.tick()
+        ctx.set(stream.payload, item)
+        ctx.set(stream.valid, 1)
+        taken = False
+        while not taken:
+            _, _, taken = await ctx.tick().sample(stream.ready)
+        ctx.set(stream.valid, 0)
+
+
+async def get(ctx, stream, count, pause):
+    """Take ``count`` payloads; one that is stalled must stay valid and unchanged."""
+    got, held = [], None
+    while len(got) < count:
+        ready = not pause()
+        ctx.set(stream.ready, ready)
+        _, _, valid, payload = await ctx.tick().sample(stream.valid, stream.payload)
+        assert held is None or (valid and payload == held), f"payload {len(got)} changed in a stall"
+        held = payload if valid and not ready else None
+        if valid and ready:
+            got.append(payload)
+    ctx.set(stream.ready, 0)
+    return got
+
+
+def run_stream(dut, items, count, gap, stall):
+    """Send ``items`` into ``dut.i`` and take ``count`` from ``dut.o``, with the given pauses."""
+    results = []
+
+    async def source(ctx):
+        await put(ctx, dut.i, items, gap)
+
+    async def sink(ctx):
+        results.extend(await get(ctx, dut.o, count, stall))
+
+    run_bench(dut, source, sink)
+    return results
