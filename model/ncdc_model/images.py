@@ -1,0 +1,86 @@
+"""Image files, the Bayer mosaic, and its plain conversions. Colours are in R, G, B order."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.files import read_bytes, replace_file
+from ncdc_model.geometry import BAYER_PHASE
+
+__all__ = ["demosaic", "is_raw", "mosaic", "read_image", "write_image"]
+
+# OpenCV names a pattern by the 2x2 block that starts at the second row and column, so that its
+# "BG" is the pattern whose first two samples are R, G.
+_OPENCV = {"RGGB": cv2.COLOR_BayerBG2RGB, "GRBG": cv2.COLOR_BayerGB2RGB,
+           "GBRG": cv2.COLOR_BayerGR2RGB, "BGGR": cv2.COLOR_BayerRG2RGB}
+
+
+def read_image(path):
+    """The image file ``path`` as uint8: (height, width) if single-channel, else (h, w, 3) RGB.
+
+    Sixteen-bit files keep their upper eight bits; an alpha channel is dropped.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds no image that OpenCV can decode.
+    """
+    data = np.frombuffer(read_bytes(path), np.uint8)
+    try:
+        image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
+    except cv2.error:
+        image = None
+    if image is None:
+        raise InputError(f"{path} holds no image that can be decoded")
+    if image.dtype == np.uint16:
+        image = (image >> 8).astype(np.uint8)
+    if image.dtype != np.uint8:
+        raise InputError(f"{path} holds {image.dtype} samples, 8 or 16 bit integers are needed")
+    if image.ndim == 3 and image.shape[2] == 1:
+        return image[:, :, 0]
+    if image.ndim == 3:
+        return np.ascontiguousarray(image[:, :, 2::-1])
+    return image
+
+
+def write_image(path, image):
+    """Write uint8 ``image``, (h, w) or (h, w, 3) RGB, in the format that the suffix names.
+
+    The file is replaced whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If OpenCV knows no format of that suffix or the folder cannot be written.
+    """
+    image = np.asarray(image)
+    try:
+        if not cv2.haveImageWriter(f"x{Path(path).suffix}"):
+            raise InputError(f"{path} has the suffix {Path(path).suffix!r}, which names no image "
+                             f"format; .png is one")
+        content = cv2.imencode(Path(path).suffix, image[:, :, ::-1] if image.ndim == 3 else image)[1]
+    except cv2.error as error:
+        raise InputError(f"cannot write {path}: {error.err}") from error
+    with replace_file(path) as temporary:
+        temporary.write_bytes(content.tobytes())
+
+
+def is_raw(image):
+    """Whether ``image`` has one channel, as the raw frame of a sensor has."""
+    return np.ndim(image) == 2
+
+
+def mosaic(rgb, bayer="RGGB"):
+    """Raw (h, w) frame: of each pixel of ``rgb`` (h, w, 3) the colour that the filter passes."""
+    column, row = BAYER_PHASE[bayer]
+    raw = np.array(rgb[:, :, 1])
+    raw[row::2, column::2] = rgb[row::2, column::2, 0]
+    raw[1 - row::2, 1 - column::2] = rgb[1 - row::2, 1 - column::2, 2]
+    return raw
+
+
+def demosaic(raw, bayer="RGGB"):
+    """RGB (h, w, 3) of a uint8 ``raw`` frame by OpenCV's bilinear interpolation."""
+    return cv2.cvtColor(np.ascontiguousarray(raw), _OPENCV[bayer])

@@ -1,0 +1,210 @@
+"""The composite camera: a wide-angle lens with manufacturing flaws, and its file."""
+
+import json
+import tomllib
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.files import read_bytes, write_text
+from ncdc_model.geometry import MAX_SIZE
+from ncdc_model.lens.flaws import AsymmetricSurface, BrownWeng, TiltedSensor
+from ncdc_model.lens.frame import Frame, choose_frame
+from ncdc_model.lens.radial import AsariPolynomial, KannalaBrandt, Rational
+
+__all__ = ["Camera"]
+
+_RADIAL = {"kb": KannalaBrandt, "brown": Rational, "asari": AsariPolynomial}
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Corrected pixel to distorted pixel through every stage of a real, cheap camera.
+
+    ``back_map`` of (u, v): the ideal point (a, b) of the corrected frame; ``radial``;
+    ``decentring`` (14) and thin prism; ``tilt``; distorted pixel = ``focal`` (x, y) + ``centre``;
+    ``surface`` adds pixels. Pixel centres are integers.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Width and height of the distorted image.
+    radial : KannalaBrandt, Rational or AsariPolynomial
+    focal : float
+        Distorted pixels per unit of the ideal plane at the centre.
+    centre : (float, float)
+        Distorted pixel of the optical axis.
+    frame : Frame
+        The corrected picture.
+    decentring : BrownWeng
+    tilt : TiltedSensor
+    surface : AsymmetricSurface
+    """
+    size: tuple
+    radial: object
+    focal: float
+    centre: tuple
+    frame: Frame
+    decentring: BrownWeng
+    tilt: TiltedSensor
+    surface: AsymmetricSurface
+
+    def distort(self, a, b):
+        """Distorted pixel of the ideal point (a, b); not-a-number beyond the lens's view."""
+        x, y = self.tilt.distort(*self.decentring.distort(*self.radial.distort(a, b)))
+        return self.surface.distort(self.focal * x + self.centre[0], self.focal * y + self.centre[1])
+
+    def undistort(self, x, y):
+        """Ideal point of the distorted pixel (x, y); not-a-number where the lens has none."""
+        x, y = self.surface.undistort(x, y)
+        x, y = (x - self.centre[0]) / self.focal, (y - self.centre[1]) / self.focal
+        return self.radial.undistort(*self.decentring.undistort(*self.tilt.undistort(x, y)))
+
+    def back_map(self, u, v):
+        """Distorted pixel (x, y) of the corrected pixel (u, v)."""
+        return self.distort(*self.frame.ideal(u, v))
+
+    def corrected(self, x, y):
+        """Corrected pixel (u, v) of the distorted pixel (x, y), the inverse of ``back_map``."""
+        return self.frame.pixel(*self.undistort(x, y))
+
+    def project(self, rays):
+        """Distorted pixel of directions or points ``rays`` (..., 3) in camera coordinates.
+
+        Not-a-number for a ray that is not in front of the camera.
+        """
+        a, b, z = np.moveaxis(np.asarray(rays, np.float64), -1, 0)
+        z = np.where(z > 0, z, np.nan)
+        return self.distort(a / z, b / z)
+
+    def ray(self, x, y):
+        """Unit direction, shape (..., 3), that the distorted pixel (x, y) looks in."""
+        a, b = self.undistort(x, y)
+        ray = np.stack([a, b, np.ones_like(a)], axis=-1)
+        return ray / np.linalg.norm(ray, axis=-1, keepdims=True)
+
+    def framed(self, size=None, zoom="fit"):
+        """The same camera with the corrected frame of ``size`` (default: the image's) and zoom."""
+        return replace(self, frame=choose_frame(self.undistort, self.distort, self.size,
+                                                tuple(size or self.size), zoom))
+
+    def to_dict(self):
+        """Plain numbers, strings and lists, as in the camera file."""
+        kind = next(name for name, model in _RADIAL.items() if isinstance(self.radial, model))
+        p0, p1 = self.decentring.p[:2]
+        table = {
+            "width": self.size[0], "height": self.size[1], "radial": kind,
+            "k": list(self.radial.a if kind == "asari" else self.radial.k),
+            "p": [p1, p0, *self.decentring.p[2:]], "s": list(self.decentring.s),
+            "tilt_rad": list(self.tilt.angles), "centre": list(self.centre),
+            "f_distorted": self.focal, "f_corrected": self.frame.focal,
+            "corrected_size": list(self.frame.size), "corrected_centre": list(self.frame.centre)}
+        if self.surface.scale:
+            surface = self.surface
+            table["residual"] = {
+                "scale": surface.scale, "bump_centres": surface.bump_centres,
+                "bump_sigmas": surface.bump_sigmas, "bump_vectors": surface.bump_vectors,
+                "poly": surface.poly}
+        return table
+
+    @classmethod
+    def from_dict(cls, table):
+        """Camera of :meth:`to_dict`'s table.
+
+        ``width``, ``height``, ``f_distorted`` and ``centre`` are needed. ``radial`` is kb
+        (default, equidistant), brown (rational) or asari, ``k`` its coefficients; ``p``
+        (OpenCV's order), ``s``, ``tilt_rad`` and ``residual`` are the flaws. Without
+        ``f_corrected`` the frame is that of zoom fit.
+
+        Raises
+        ------
+        InputError
+            If a value is missing, of the wrong kind, not finite or out of range.
+        """
+        try:
+            return cls._of_table(table)
+        except KeyError as error:
+            raise InputError(f"the camera lacks the value {error}") from error
+        except InputError:
+            raise
+        except (TypeError, ValueError) as error:
+            raise InputError(f"the camera holds a value of the wrong kind: {error}") from error
+
+    @classmethod
+    def _of_table(cls, table):
+        size = _vector(table, "corrected_size", None, 2)
+        width, height = _number(table, "width"), _number(table, "height")
+        for name, value in (("width", width), ("height", height)):
+            if value != int(value) or not 8 <= value <= MAX_SIZE:
+                raise InputError(f"the camera's {name} is {value:g}, the limits are 8 and {MAX_SIZE}")
+        focal = _number(table, "f_distorted")
+        if focal <= 0:
+            raise InputError(f"the camera's f_distorted is {focal:g}, it must be positive")
+        kind = table.get("radial", "kb")
+        if kind not in _RADIAL:
+            raise InputError(f"the camera's radial model is {kind!r}, one of {', '.join(_RADIAL)} "
+                             f"is needed")
+        p = _vector(table, "p", (0.0, 0.0))
+        residual = table.get("residual", {})
+        surface = AsymmetricSurface(
+            size=(int(width), int(height)),
+            **{name: _frozen(residual[name], f"residual {name}") for name in
+               ("scale", "bump_centres", "bump_sigmas", "bump_vectors", "poly") if name in residual})
+        camera = cls(
+            size=(int(width), int(height)), radial=_RADIAL[kind](_vector(table, "k", ())),
+            focal=focal, centre=_vector(table, "centre", None, 2), frame=None,
+            decentring=BrownWeng(p=(p[1], p[0], *p[2:]), s=_vector(table, "s", (0.0,) * 4, 4)),
+            tilt=TiltedSensor(_vector(table, "tilt_rad", (0.0, 0.0), 2)), surface=surface)
+        size = tuple(int(value) for value in size) if size else camera.size
+        if "f_corrected" not in table:
+            return camera.framed(size)
+        middle = (size[0] - 1) / 2, (size[1] - 1) / 2
+        return replace(camera, frame=Frame(size, _number(table, "f_corrected"),
+                                           _vector(table, "corrected_centre", middle, 2)))
+
+    def save(self, path):
+        """Write the camera file (TOML); it is replaced whole or not at all."""
+        table = self.to_dict()
+        residual = table.pop("residual", None)
+        lines = ["# NCDC camera: ideal lens and manufacturing flaws; pixels, radians."]
+        lines += [f"{name} = {json.dumps(value)}" for name, value in table.items()]
+        if residual:
+            lines += ["", "[residual]"]
+            lines += [f"{name} = {json.dumps(value)}" for name, value in residual.items()]
+        write_text(path, "\n".join(lines) + "\n")
+
+    @classmethod
+    def load(cls, path):
+        """Read and check a camera file; raises :class:`InputError` as :meth:`from_dict`."""
+        try:
+            table = tomllib.loads(read_bytes(path).decode())
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            raise InputError(f"{path} is no camera file: {error}") from error
+        try:
+            return cls.from_dict(table)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
+
+
+def _frozen(value, name):
+    """``value`` with lists as tuples, every number finite."""
+    if isinstance(value, (list, tuple)):
+        return tuple(_frozen(item, name) for item in value)
+    number = float(value)
+    if not np.isfinite(number):
+        raise InputError(f"the camera's {name} holds {number}, a finite number is needed")
+    return number
+
+
+def _number(table, name):
+    return _frozen(float(table[name]), name)
+
+
+def _vector(table, name, default, length=None):
+    if name not in table and (default is not None or name == "corrected_size"):
+        return default
+    vector = _frozen(table[name], name)
+    if not isinstance(vector, tuple) or length not in (None, len(vector)):
+        raise InputError(f"the camera's {name} is {table[name]!r}, {length or 'some'} numbers are needed")
+    return vector

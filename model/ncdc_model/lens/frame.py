@@ -1,0 +1,130 @@
+"""The corrected picture's place in the ideal plane, and how it is chosen from a zoom."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.geometry import MAX_SIZE, Geometry
+
+__all__ = ["Frame", "choose_frame", "parse_zoom"]
+
+MAX_STRETCH = 8.0      # a frame that magnifies the middle less than 1/8 shows a blur at its rim
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Corrected pixels: u = focal a + centre[0], v = focal b + centre[1] of ideal point (a, b).
+
+    ``size`` is (width, height); ``focal`` is corrected pixels per unit of the ideal plane.
+    """
+    size: tuple
+    focal: float
+    centre: tuple
+
+    def ideal(self, u, v):
+        """Ideal point of the corrected pixel (u, v)."""
+        return ((np.asarray(u, np.float64) - self.centre[0]) / self.focal,
+                (np.asarray(v, np.float64) - self.centre[1]) / self.focal)
+
+    def pixel(self, a, b):
+        """Corrected pixel of the ideal point (a, b)."""
+        return self.focal * a + self.centre[0], self.focal * b + self.centre[1]
+
+    @property
+    def matrix(self):
+        """3x3 homography from the ideal plane to corrected pixels."""
+        return np.array([[self.focal, 0, self.centre[0]], [0, self.focal, self.centre[1]], [0, 0, 1]])
+
+
+def parse_zoom(zoom):
+    """'fit', 'fill', or a positive float of the text or number ``zoom``."""
+    if zoom in ("fit", "fill"):
+        return zoom
+    try:
+        number = float(zoom)
+    except (TypeError, ValueError):
+        number = np.nan
+    if not 0.01 <= number <= 100:
+        raise InputError(f"zoom is {zoom!r}, fit, fill or a number of 0.01..100 is needed")
+    return number
+
+
+def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
+    """The corrected frame of ``size`` that shows the lens at ``zoom``.
+
+    ``fit``: the middle row of the distorted image, from its left to its right edge, fills the
+    corrected width; then some corrected pixels have no source. ``fill``: the smallest zoom at
+    which every corrected pixel has a whole 3x3 raw window. A number: corrected pixels per
+    distorted pixel at the middle. The frame is centred between the edges of the middle row and
+    of the middle column; at a number, if an edge has no ideal point, on the image's middle.
+
+    Parameters
+    ----------
+    to_ideal, to_distorted : callable
+        Between distorted pixels (x, y) and ideal points (a, b); not-a-number where undefined.
+    distorted_size, size : (int, int)
+        Width and height in pixels.
+    zoom : str or float
+
+    Raises
+    ------
+    InputError
+        If the zoom is none of these, a size is out of range, or the lens sees so far that the
+        edges of the image have no place (or none of use) in a flat picture.
+    """
+    zoom = parse_zoom(zoom)
+    geometry = Geometry(*size, *distorted_size)
+    (width, height), (dw, dh) = size, distorted_size
+    mx, my = (dw - 1) / 2, (dh - 1) / 2
+    a, b = to_ideal(np.array([0, dw - 1, mx, mx, mx]), np.array([my, my, 0, dh - 1, my]))
+    edges = np.array([a[0], a[1], b[2], b[3]])
+    if np.isfinite(edges).all():
+        middle = (a[0] + a[1]) / 2, (b[2] + b[3]) / 2
+    else:
+        middle = a[4], b[4]
+    magnification = _magnification(to_distorted, *middle)
+
+    def frame(focal):
+        return Frame(tuple(size), float(focal), (float((width - 1) / 2 - focal * middle[0]),
+                                                 float((height - 1) / 2 - focal * middle[1])))
+    if isinstance(zoom, float):
+        return frame(zoom * magnification)
+    if not np.isfinite(edges[:2]).all():
+        raise InputError(f"zoom {zoom} needs a place in the flat picture for the left and right "
+                         f"edges of the image, which this lens sees at 90 degrees or more")
+    fit = frame((width - 1) / (a[1] - a[0]))
+    if zoom == "fit":
+        shrink = magnification / fit.focal * (width / dw)
+        if shrink > MAX_STRETCH:
+            raise InputError(f"zoom fit would shrink the middle of the image {shrink:.1f} times, "
+                             f"the limit is {MAX_STRETCH:g}; give the zoom as a number")
+        return fit
+    return frame(_fill(frame, to_distorted, geometry, fit.focal))
+
+
+def _magnification(to_distorted, a, b):
+    """Distorted pixels per unit of the ideal plane at (a, b), the mean of both directions."""
+    h = 1e-5
+    x, y = to_distorted(a + h * np.array([1, -1, 0, 0]), b + h * np.array([0, 0, 1, -1]))
+    return np.sqrt(abs((x[0] - x[1]) * (y[2] - y[3]) - (x[2] - x[3]) * (y[0] - y[1]))) / (2 * h)
+
+
+def _fill(frame, to_distorted, geometry, focal):
+    """Smallest focal length, from ``focal`` up, whose frame's border has whole windows."""
+    width, height = geometry.corrected
+    u = np.concatenate([np.arange(width)] * 2 + [np.zeros(height), np.full(height, width - 1)])
+    v = np.concatenate([np.zeros(width), np.full(width, height - 1)] + [np.arange(height)] * 2)
+
+    def whole(focal):
+        x, y = to_distorted(*frame(focal).ideal(u, v))
+        return bool(geometry.window_inside(x, y).all())
+    lo = hi = focal
+    while not whole(hi):
+        lo, hi = hi, 1.25 * hi
+        if hi > MAX_SIZE * focal:
+            raise InputError("zoom fill found no frame in which every corrected pixel has a source")
+    for _ in range(40):
+        middle = (lo + hi) / 2
+        lo, hi = (lo, middle) if whole(middle) else (middle, hi)
+    return hi * (1 + 1e-9)
