@@ -10,7 +10,7 @@ __all__ = ["COLUMNS", "PAGE_TO_IDEAL", "PITCH", "RADIUS", "ROWS", "page_dots", "
 
 COLUMNS, ROWS = 31, 23     # dots
 PITCH = 10.0               # millimetres between neighbouring dots
-RADIUS = 3.0               # millimetres
+RADIUS = 2.3               # millimetres
 
 # Homography from the page (millimetres, origin in its middle) to the ideal plane of the camera:
 # the page is turned by 0.7 degrees in its plane and tilted by about 3 degrees.

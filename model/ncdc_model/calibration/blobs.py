@@ -1,0 +1,133 @@
+"""Dark blobs on a bright page: flat field, threshold, sub-pixel centres."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from scipy.spatial import cKDTree
+
+__all__ = ["Blobs", "find_blobs", "flat_field"]
+
+_SMALL = 5             # pixels
+_FAINT = 0.25          # of the middle contrast of the page: less is noise, not a dot
+_DARK = 0.15           # part of a dot's contrast below which a pixel does not count as ink
+_RIM = 2               # pixels around a blob that still hold some of its ink
+_FILL = (0.80, 1.15)   # area over the area of the ellipse with the same second moments
+
+
+@dataclass(frozen=True)
+class Blobs:
+    """Centres (n, 2) in pixels, areas (n,) in pixels, and how many blobs were rejected, by reason."""
+    xy: np.ndarray
+    area: np.ndarray
+    rejected: dict
+
+
+def flat_field(image):
+    """Brightness of ``image`` relative to its surroundings, float32, about 1 on average.
+
+    Divides by a Gaussian a sixteenth of the image wide. A single-channel image is divided
+    separately for each of the four positions of a colour filter, which makes a raw frame of a
+    black and white target grey without any interpolation and leaves a grey image as it is.
+    """
+    if image.ndim == 3:
+        return _relative(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY))
+    flat = np.empty(image.shape, np.float32)
+    for row in range(2):
+        for column in range(2):
+            flat[row::2, column::2] = _relative(np.ascontiguousarray(image[row::2, column::2]))
+    return flat
+
+
+def _relative(grey):
+    grey = grey.astype(np.float32) + 1.0
+    # The wide Gaussian is smooth: a picture of a quarter of the size gives the same.
+    small = cv2.resize(grey, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
+    wide = cv2.GaussianBlur(small, (0, 0), max(small.shape) / 16)
+    return grey / cv2.resize(wide, grey.shape[::-1], interpolation=cv2.INTER_LINEAR)
+
+
+def find_blobs(image):
+    """Dark round blobs of the uint8 ``image``, (h, w) raw or grey, or (h, w, 3) RGB.
+
+    Flat field and Otsu's threshold find most dots, and so their size and distance. Then every
+    pixel is taken relative to the page around it, with dots of that size closed, and a dot is
+    what is darker than half of its own depth: this finds dots under smudges and glare too. The
+    centre is the centroid of the ink, each pixel weighted by its darkness. A blob is rejected if
+    the border cuts it, if it is much smaller than the others, or no filled ellipse.
+    """
+    flat = flat_field(image)
+    smooth = cv2.GaussianBlur(flat, (0, 0), 0.7)
+    grey = np.clip(smooth * 128, 0, 255).astype(np.uint8)
+    level = cv2.threshold(grey, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)[0]
+    first = _blobs(smooth, smooth < (level + 0.5) / 128, _SMALL)
+    if len(first.xy) < 9:
+        return first
+    typical = np.median(first.area)
+    distance = cKDTree(first.xy).query(first.xy, 2)[0][:, 1]
+    # Noise inside a large dot would break its edge up.
+    smooth = cv2.GaussianBlur(flat, (0, 0), max(0.7, 0.1 * np.sqrt(typical)))
+    page = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, _square(
+        1.4 * np.sqrt(np.percentile(first.area, 90) * 4 / np.pi)))
+    depth = 1 - smooth / page
+    deepest = cv2.dilate(depth, _square(0.8 * np.percentile(distance, 90)))
+    usual = np.median(deepest)
+    return _blobs(smooth, (depth > deepest / 2) & (deepest > _FAINT * usual),
+                  max(_SMALL, 0.15 * typical))
+
+
+def _square(side):
+    return np.ones((2 * int(side / 2) + 1,) * 2, np.uint8)
+
+
+def _blobs(smooth, dark, smallest):
+    """Blobs of the connected regions, of at least ``smallest`` pixels, of the mask ``dark``."""
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(dark.astype(np.uint8),
+                                                               connectivity=4)
+    height, width = smooth.shape
+    left, top, wide, high, area = stats.T
+    cut = (left <= 0) | (top <= 0) | (left + wide >= width) | (top + high >= height)
+    small = area < smallest
+    cut &= ~small
+    good = ~(cut | small)
+    good[0] = False
+    if not good.any():
+        return Blobs(np.empty((0, 2)), np.empty(0), _counts(cut, small, good & False))
+    xy, fill = _centres(smooth, labels, good, count, area)
+    odd = good & ~((fill > _FILL[0]) & (fill < _FILL[1]))
+    keep = good & ~odd
+    return Blobs(xy[keep], area[keep].astype(np.float64), _counts(cut, small, odd))
+
+
+def _counts(cut, small, odd):
+    reasons = {"cut by the border": cut[1:], "too small": small[1:], "not a filled ellipse": odd[1:]}
+    return {reason: int(which.sum()) for reason, which in reasons.items() if which.any()}
+
+
+def _centres(flat, labels, good, count, area):
+    """Centroid of the ink and fill of every component; rows of bad components mean nothing."""
+    size = int(np.sqrt(np.median(area[good]))) + 2
+    white = cv2.dilate(flat, np.ones((2 * size + 1,) * 2, np.uint8))
+    white = cv2.blur(cv2.erode(white, np.ones((size, size), np.uint8)), (2 * size + 1,) * 2)
+    owner = np.where(good[labels], labels, 0).astype(np.float32)
+    near = cv2.dilate(owner, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _RIM + 1,) * 2))
+    near = np.where(labels > 0, labels, near.astype(np.int64))
+    rows, columns = np.nonzero(near)
+    which = near[rows, columns]
+    depth = (white - flat)[rows, columns]
+    deepest = np.zeros(count, np.float32)
+    np.maximum.at(deepest, which, depth)
+    ink = np.clip(depth - _DARK * deepest[which], 0, None)
+
+    def total(weights):
+        return np.bincount(which, weights, count)
+    with np.errstate(all="ignore"):
+        mass = total(ink)
+        x, y = total(ink * columns) / mass, total(ink * rows) / mass
+        # The fill is that of the flat region itself, as a binary shape.
+        inside = labels[rows, columns] > 0
+        dx, dy = (columns - x[which]) * inside, (rows - y[which]) * inside
+        xx, yy, xy = (total(value) / area + extra for value, extra in
+                      ((dx * dx, 1 / 12), (dy * dy, 1 / 12), (dx * dy, 0)))
+        fill = area / (4 * np.pi * np.sqrt(np.maximum(xx * yy - xy * xy, 1e-12)))
+    return np.stack([x, y], axis=1), fill

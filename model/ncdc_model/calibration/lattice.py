@@ -1,0 +1,160 @@
+"""Walks a distorted square lattice of points from its middle and numbers them."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+__all__ = ["number_lattice"]
+
+_REACH = 0.30          # of a step: farthest that a point may lie from where it is expected
+_AGREE = 0.20          # of a step: farthest from the mean of its two neighbours in a line
+_SEEDS = 12            # points nearest the middle that a walk may start from
+
+
+def number_lattice(xy, middle):
+    """Index (i, j) of the points ``xy`` (n, 2) that lie on one square lattice.
+
+    A walk starts at a point near ``middle``, (x, y). Each step expects the next point where the
+    step vectors of its nearest numbered neighbours put it; so the vectors follow the distortion
+    all over the picture. Afterwards every number is checked against the neighbours on either
+    side. i grows to the right and j downwards; the smallest of each is 0.
+
+    Returns
+    -------
+    where : ndarray of int, shape (m,)
+        Which points were numbered.
+    index : ndarray of int, shape (m, 2)
+        Their (i, j), each once.
+    dropped : int
+        Points that had a number but failed the check.
+    """
+    if len(xy) < 9:
+        return np.empty(0, int), np.empty((0, 2), int), 0
+    tree, best = cKDTree(xy), {}
+    for seed in tree.query(middle, min(_SEEDS, len(xy)))[1]:
+        steps = _first_steps(xy, tree, seed)
+        if steps is None:
+            continue
+        found = _walk(xy, tree, seed, *steps)
+        if len(found) > len(best):
+            best = found
+        if len(best) > 0.5 * len(xy):
+            break
+    numbered = _checked(xy, best)
+    index = np.array(sorted(numbered), int).reshape(-1, 2)
+    where = np.array([numbered[tuple(key)] for key in index.tolist()], int)
+    if len(index):
+        index = index - index.min(axis=0)
+    return where, index, len(best) - len(numbered)
+
+
+def _first_steps(xy, tree, seed):
+    """Step vectors to the right and downwards at point ``seed``, or None if it has no cross."""
+    _, near = tree.query(xy[seed], min(9, len(xy)))
+    vectors = xy[near[1:]] - xy[seed]
+    first = vectors[0]
+    # The second direction: the nearest neighbour well off the line of the first one.
+    cosine = np.abs(vectors @ first) / (np.linalg.norm(vectors, axis=1) * np.linalg.norm(first))
+    across = np.flatnonzero(cosine < 0.6)
+    if not across.size:
+        return None
+    second = vectors[across[0]]
+    if abs(first[0]) * np.linalg.norm(second) < abs(second[0]) * np.linalg.norm(first):
+        first, second = second, first
+    right, down = first * np.sign(first[0]), second * np.sign(second[1])
+    size = min(np.linalg.norm(right), np.linalg.norm(down))
+    ends = xy[seed] + np.array([right, -right, down, -down])
+    distance, _ = tree.query(ends)
+    return (right, down) if (distance < _REACH * size).all() else None
+
+
+def _walk(xy, tree, seed, right, down):
+    """Numbers {(i, j): point} of all points that can be reached from ``seed``."""
+    found, used = {(0, 0): seed}, {seed}
+    frame = {(0, 0): np.array([right, down])}
+    front = [(0, 0)]
+    while front:
+        reached = []
+        for key in front:
+            for axis in (0, 1):
+                for sign in (1, -1):
+                    target = (key[0] + sign, key[1]) if axis == 0 else (key[0], key[1] + sign)
+                    if target in found:
+                        continue
+                    steps = frame[key]
+                    expected = _expected(xy, found, target, xy[found[key]] + sign * steps[axis])
+                    distance, point = tree.query(expected)
+                    if point in used or not _near(steps, xy[point] - expected):
+                        continue
+                    found[target] = point
+                    used.add(point)
+                    frame[target] = steps
+                    reached.append(target)
+        for key in reached:
+            frame[key] = _steps(xy, found, key, frame[key])
+        front = reached
+    return found
+
+
+def _near(steps, offset):
+    """Whether ``offset`` is short, measured in ``steps``."""
+    try:
+        return np.abs(np.linalg.solve(steps.T, offset)).max() < _REACH
+    except np.linalg.LinAlgError:
+        return False
+
+
+def _expected(xy, found, target, simple):
+    """Where point ``target`` should be: mean of the parallelograms of three neighbours."""
+    i, j = target
+    guesses = []
+    for di in (-1, 1):
+        for dj in (-1, 1):
+            corner = [found.get(key) for key in ((i + di, j), (i, j + dj), (i + di, j + dj))]
+            if None not in corner:
+                guesses.append(xy[corner[0]] + xy[corner[1]] - xy[corner[2]])
+    return np.mean(guesses, axis=0) if guesses else simple
+
+
+def _steps(xy, found, key, inherited):
+    """Step vectors at ``key`` from its numbered neighbours; those of its parent for the rest."""
+    i, j = key
+    steps = inherited.copy()
+    for axis, (before, after) in enumerate((((i - 1, j), (i + 1, j)), ((i, j - 1), (i, j + 1)))):
+        known = [found[k] for k in (before, key, after) if k in found]
+        if len(known) > 1:
+            steps[axis] = (xy[known[-1]] - xy[known[0]]) / (len(known) - 1)
+    return steps
+
+
+def _checked(xy, found):
+    """``found`` without the points that lie off the line of their neighbours.
+
+    The worst is taken out first and the rest judged anew, so that one stray point does not take
+    its neighbours with it. A point without two neighbours in any line has nothing to be checked
+    against and is taken out as well.
+    """
+    found = dict(found)
+    while found:
+        scores = {key: _misfit(xy, found, key) for key in found}
+        worst = max(scores, key=scores.get)
+        if scores[worst] <= _AGREE:
+            return found
+        for key in [key for key, score in scores.items() if np.isinf(score)] or [worst]:
+            del found[key]
+    return found
+
+
+def _misfit(xy, found, key):
+    """Largest distance, in steps, of point ``key`` from lines through its neighbours."""
+    i, j = key
+    point, worst = xy[found[key]], -1.0
+    for di, dj in ((1, 0), (0, 1)):
+        for a, b in ((-1, 1), (1, 2), (-1, -2)):
+            first, second = found.get((i + a * di, j + a * dj)), found.get((i + b * di, j + b * dj))
+            if first is None or second is None:
+                continue
+            step = (xy[second] - xy[first]) / (b - a)
+            offset = np.linalg.norm(point - xy[first] + a * step) / np.linalg.norm(step)
+            # Beyond the ends of a line the curve of the lens adds up: three steps' worth.
+            worst = max(worst, offset if (a, b) == (-1, 1) else offset / 3)
+    return np.inf if worst < 0 else worst

@@ -1,0 +1,185 @@
+"""The points found on photos of a target, and their file."""
+
+import hashlib
+import json
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.files import read_bytes, write_text
+from ncdc_model.geometry import MAX_SIZE
+
+__all__ = ["PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
+
+VERSION = 1
+TARGETS = ("dots", "circles", "chessboard")
+
+
+@dataclass(frozen=True)
+class PhotoPoints:
+    """Numbered points of one photo of a flat target.
+
+    Parameters
+    ----------
+    index : ndarray of int, shape (n, 2)
+        Column and row on the target, each pair once.
+    xy : ndarray, shape (n, 2)
+        Distorted pixels; pixel centres are integers.
+    area : ndarray, shape (n,)
+        Size of the dots in square pixels; zeros where the target's points have none.
+    rejected : dict
+        How many candidates were not used, by reason.
+    name : str
+        File name of the photo.
+    """
+    index: np.ndarray
+    xy: np.ndarray
+    area: np.ndarray
+    rejected: dict = field(default_factory=dict)
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class TargetPoints:
+    """Points of all photos that one camera took of one kind of flat target.
+
+    Parameters
+    ----------
+    target : str
+        dots, circles or chessboard.
+    size : (int, int)
+        Width and height of the photos.
+    photos : tuple of PhotoPoints
+    rejected_photos : dict
+        Why a photo was not used, by its name.
+
+    Raises
+    ------
+    InputError
+        If the target is unknown, no photo is left, lengths differ, an index occurs twice, a
+        number is not finite, or a point lies outside the image.
+    """
+    target: str
+    size: tuple
+    photos: tuple
+    rejected_photos: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        if self.target not in TARGETS:
+            raise InputError(f"target is {self.target!r}, one of {', '.join(TARGETS)} is needed")
+        if not all(8 <= value <= MAX_SIZE for value in self.size):
+            raise InputError(f"the image size is {self.size[0]}x{self.size[1]}, the limits are 8 "
+                             f"and {MAX_SIZE}")
+        if not self.photos:
+            raise InputError("there are points of 0 photos, at least 1 is needed")
+        for photo in self.photos:
+            self._check(photo)
+
+    def _check(self, photo):
+        n = len(photo.index)
+        for name, array, shape in (("index", photo.index, (n, 2)), ("xy", photo.xy, (n, 2)),
+                                   ("area", photo.area, (n,))):
+            if array.shape != shape:
+                raise InputError(f"{photo.name}: {name} has shape {array.shape}, {shape} is needed")
+            if not np.isfinite(array).all():
+                raise InputError(f"{photo.name}: {name} holds a number that is not finite")
+        if not n:
+            raise InputError(f"{photo.name} has 0 points, at least 1 is needed")
+        if len(np.unique(photo.index, axis=0)) < n:
+            raise InputError(f"{photo.name}: {n} points have {len(np.unique(photo.index, axis=0))} "
+                             f"different indices")
+        limit = np.array(self.size) - 0.5
+        outside = ((photo.xy < -0.5) | (photo.xy > limit)).any(axis=1)
+        if outside.any():
+            x, y = photo.xy[outside.argmax()]
+            raise InputError(f"{photo.name}: point ({x:g}, {y:g}) lies outside the image of "
+                             f"{self.size[0]}x{self.size[1]}")
+
+    @property
+    def columns(self):
+        """Columns that the indices span, the largest of all photos."""
+        return int(max(np.ptp(photo.index[:, 0]) for photo in self.photos)) + 1
+
+    @property
+    def rows(self):
+        """Rows that the indices span, the largest of all photos."""
+        return int(max(np.ptp(photo.index[:, 1]) for photo in self.photos)) + 1
+
+    @property
+    def count(self):
+        """Points in all photos."""
+        return sum(len(photo.index) for photo in self.photos)
+
+    @property
+    def digest(self):
+        """Twelve hex digits of the hash of the image size, the indices and the points."""
+        state = hashlib.sha256(repr((self.target, tuple(self.size))).encode())
+        for photo in self.photos:
+            state.update(np.asarray(photo.index).astype("<i8").tobytes())
+            state.update(np.asarray(photo.xy).astype("<f8").tobytes())
+        return state.hexdigest()[:12]
+
+    def save(self, path):
+        """Write the points as JSON; the file is replaced whole or not at all."""
+        lines = [f'"format": "ncdc points", "version": {VERSION}',
+                 f'"target": {json.dumps(self.target)}',
+                 f'"columns": {self.columns}, "rows": {self.rows}',
+                 f'"width": {self.size[0]}, "height": {self.size[1]}',
+                 f'"rejected_photos": {json.dumps(self.rejected_photos)}',
+                 '"photos": [\n' + ",\n".join(map(_photo_text, self.photos)) + "\n]"]
+        write_text(path, "{" + ",\n".join(lines) + "}\n")
+
+    @classmethod
+    def load(cls, path):
+        """Read and check a points file.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, is no points file, is of another version, or fails a
+            check of this class.
+        """
+        try:
+            table = json.loads(read_bytes(path))
+        except (json.JSONDecodeError, UnicodeDecodeError) as error:
+            raise InputError(f"{path} is no points file: {error}") from error
+        if not isinstance(table, dict) or table.get("format") != "ncdc points":
+            raise InputError(f"{path} is no points file: it lacks the format 'ncdc points'")
+        if table.get("version") != VERSION:
+            raise InputError(f"{path} has points version {table.get('version')}, version {VERSION} "
+                             f"is needed")
+        try:
+            points = cls(target=table["target"], size=(int(table["width"]), int(table["height"])),
+                         photos=tuple(map(_photo, table["photos"])),
+                         rejected_photos=dict(table["rejected_photos"]))
+            if (points.columns, points.rows) != (table["columns"], table["rows"]):
+                raise InputError(f"columns and rows are {table['columns']} and {table['rows']}, the "
+                                 f"indices span {points.columns} and {points.rows}")
+            return points
+        except KeyError as error:
+            raise InputError(f"{path} lacks the value {error}") from error
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"{path} holds a value of the wrong kind: {error}") from error
+
+
+def _photo_text(photo):
+    """One photo as JSON, a line per point: column, row, x, y, area."""
+    rows = [json.dumps([int(i), int(j), round(float(x), 4), round(float(y), 4),
+                        round(float(area), 1)])
+            for (i, j), (x, y), area in zip(photo.index, photo.xy, photo.area)]
+    return (f'{{"name": {json.dumps(photo.name)}, "rejected": {json.dumps(photo.rejected)},\n'
+            f'"points": [\n' + ",\n".join(rows) + "\n]}")
+
+
+def _photo(table):
+    points = np.array(table["points"], np.float64)
+    if points.ndim != 2 or points.shape[1] != 5:
+        raise InputError(f"{table['name']}: a point needs 5 numbers: column, row, x, y, area")
+    index = points[:, :2]
+    if not (np.isfinite(index) & (index == np.floor(index)) & (np.abs(index) < 1e6)).all():
+        raise InputError(f"{table['name']}: an index is no whole number below 1000000")
+    return PhotoPoints(index=index.astype(np.int64), xy=points[:, 2:4], area=points[:, 4],
+                       rejected=dict(table["rejected"]), name=str(table["name"]))
