@@ -1,0 +1,153 @@
+"""Default trainer: bounded Levenberg-Marquardt from many starts, the output layer eliminated."""
+
+import numpy as np
+
+from ncdc_model.descriptor import FloatNetwork
+from ncdc_model.training.problem import spread
+from ncdc_model.training.varpro import Batch
+
+__all__ = ["train_levenberg"]
+
+OUTPUT_LIMIT = 2047.0              # pixels, Q12.12
+OUTPUT_BIAS_LIMIT = 8191.0         # pixels, Q14.18
+RIDGE = 2e-10                      # keeps output weights near 1000 pixels, costs < 1 % in MSE
+SEARCH_POINTS = 700                # the search uses a subset, the polish every point
+
+
+def train_levenberg(problem, neurons, seed=0, starts=96, rounds=4, progress=None):
+    """Network of least summed squared error on the pairs of ``problem``, and its learning curve.
+
+    Equations (15)-(18) of the paper, gamma = 1, trained by Levenberg-Marquardt instead of error
+    back-propagation. For given hidden neurons the linear output layer is a least-squares solution,
+    so that only the hidden weights and biases are searched (variable projection); they are kept
+    within the limits of ``varpro``. The search knows three kinds of start:
+    random ones, the best network with one neuron less plus a random neuron, and good networks with
+    one neuron drawn anew. The winner is polished on all pairs.
+
+    Parameters
+    ----------
+    problem : Problem
+    neurons : int
+        Hidden neurons HN.
+    seed : int
+        Same seed, same network, bit for bit, whatever the number of threads.
+    starts : int
+        Random starts.
+    rounds : int
+        Rounds of redrawing neurons.
+    progress : callable, optional
+        Called with (fraction done, MSE in px^2 so far).
+
+    Returns
+    -------
+    network : FloatNetwork
+    curve : list of (int, float)
+        Iterations over all starts, and the best MSE in px^2 up to there.
+
+    Raises
+    ------
+    InputError
+        If the pairs are too few.
+    """
+    problem.check(neurons)
+    search = _Search(problem, seed, starts, rounds, progress)
+    return search.run(neurons)
+
+
+class _Search:
+    def __init__(self, problem, seed, starts, rounds, progress):
+        self.random = np.random.default_rng(seed)
+        self.starts, self.rounds, self.progress = starts, rounds, progress
+        self.inputs, targets = problem.inputs, problem.targets
+        self.offset = targets.mean(1)
+        self.scale = max(problem.geometry.distorted) / 2
+        self.targets = (targets - self.offset[:, None]) / self.scale
+        self.subset = spread(len(problem), SEARCH_POINTS)
+        self.iterations, self.curve, self.done = 0, [], 0.0
+
+    def run(self, neurons):
+        """Best network with ``neurons`` and the learning curve."""
+        smaller = None
+        sizes = range(max(1, neurons - 2), neurons + 1)
+        for size in sizes:
+            last = size == neurons
+            share = (.8 if last else .2 / max(1, len(sizes) - 1)) / (1 + self.rounds)
+            theta = self._random(self.starts if last else self.starts // 3, size)
+            if smaller is not None:
+                theta = np.concatenate([theta, self._grown(smaller, self.starts // 3)])
+            best = self._descend(theta, last, share)
+            for _ in range(self.rounds):
+                best = self._descend(self._redrawn(best, self.starts // 3), last, share, best)
+            smaller = best
+        return self._polish(best)
+
+    def _random(self, count, neurons):
+        # Ridges of random direction and steepness through random places, and plain uniform ones.
+        shape = (count // 2, neurons)
+        angle, steep = self.random.uniform(0, 2 * np.pi, shape), self.random.uniform(.5, 2, shape)
+        w = np.stack([steep * np.cos(angle), steep * np.sin(angle)], axis=-1)
+        place = self.random.uniform(-1.2, 1.2, w.shape)
+        ridges = np.concatenate([w, -(w * place).sum(2, keepdims=True)], axis=2)
+        reach = self.random.choice([1.0, 3.0], (count - count // 2, 1, 1))
+        uniform = reach * self.random.uniform(-1, 1, (len(reach), neurons, 3))
+        return np.concatenate([ridges, uniform])
+
+    def _grown(self, batch, count):
+        source = batch.theta[np.arange(count) % len(batch.theta)]
+        return np.concatenate([source, self._random(count, 1)], axis=1)
+
+    def _redrawn(self, batch, count):
+        # Copy k of a network gets its neuron k drawn anew.
+        theta = batch.theta[np.arange(count) % len(batch.theta)].copy()
+        which = (np.arange(count) // len(batch.theta)
+                 + self.random.integers(theta.shape[1])) % theta.shape[1]
+        theta[np.arange(count), which] = self._random(count, 1)[:, 0]
+        return theta
+
+    def _descend(self, theta, report, share, rivals=None):
+        """Successive halving of the starts ``theta``; the survivors and ``rivals``, best first."""
+        batch = Batch(theta, self.inputs[:, self.subset], self.targets[:, self.subset], RIDGE)
+        stages = ((25, .4), (50, .4), (100, .5), (150, .5))
+        for iterations, kept in stages:
+            for _ in range(iterations):
+                batch.step()
+                self.iterations += len(batch.cost)
+                if report:
+                    self._record(batch.cost.min())
+            batch.keep(max(4, int(len(batch.cost) * kept)))
+        if rivals is not None:
+            batch.join(rivals)
+        batch.keep_different(4)
+        self.done += share
+        if self.progress and self.curve:
+            self.progress(min(self.done, 1.0), self.curve[-1][1])
+        return batch
+
+    def _record(self, cost):
+        mse = float(cost / len(self.subset) * self.scale**2)
+        if not self.curve or mse < self.curve[-1][1]:
+            self.curve.append((self.iterations, mse))
+
+    def _polish(self, batch):
+        ridge = RIDGE
+        while True:
+            final = Batch(batch.theta, self.inputs, self.targets, ridge)
+            for _ in range(200):
+                if not final.step().any() and (final.damping > 1e3).all():
+                    break
+            for k in np.argsort(final.cost, kind="stable"):
+                network = self._network(final, k)
+                if (np.abs(network.output_weights).max() < OUTPUT_LIMIT
+                        and np.abs(network.output_biases).max() < OUTPUT_BIAS_LIMIT):
+                    mse = float((final.residual[k]**2).sum() / self.inputs.shape[1] * self.scale**2)
+                    self.curve.append((self.iterations, mse))
+                    if self.progress:
+                        self.progress(1.0, mse)
+                    return network, self.curve
+            ridge *= 100
+
+    def _network(self, batch, k):
+        theta, output = batch.theta[k], batch.output[k]
+        return FloatNetwork(theta[:, :2].copy(), theta[:, 2].copy(),
+                            (output[:-1] * self.scale).T.copy(),
+                            output[-1] * self.scale + self.offset)

@@ -1,0 +1,77 @@
+"""Training a camera's network: the split, the trainer, the report."""
+
+from dataclasses import dataclass
+
+from ncdc_model.descriptor import MAX_NEURONS, FloatNetwork
+from ncdc_model.errors import InputError
+from ncdc_model.training.backprop import train_backprop
+from ncdc_model.training.levenberg import train_levenberg
+from ncdc_model.training.problem import Problem, errors_of, split
+
+__all__ = ["HELD_OUT", "TRAINERS", "Training", "train"]
+
+TRAINERS = {"lm": train_levenberg, "ebp": train_backprop}
+HELD_OUT = 7       # one point in seven, by hash, is held out
+
+
+@dataclass(frozen=True)
+class Training:
+    """A trained network and how it got there.
+
+    Parameters
+    ----------
+    network : FloatNetwork
+    curve : list of (int, float)
+        Learning curve: iterations or epochs, and MSE on the training points in px^2.
+    training, held_out : dict
+        mse, mean, max (px of the distorted image) and the number of points; the values of no
+        points are ``nan``.
+    """
+    network: FloatNetwork
+    curve: list
+    training: dict
+    held_out: dict
+
+
+def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progress=None,
+          **options):
+    """Train a network on calibrated ``pairs`` and measure it.
+
+    Parameters
+    ----------
+    pairs : (u, v, x, y) of ndarray, shape (N,)
+        Corrected pixels (u, v) and their sources (x, y) in the distorted image.
+    geometry : Geometry
+    neurons : int
+        Hidden neurons HN.
+    trainer : {"lm", "ebp"}
+        Levenberg-Marquardt, or the paper's error back-propagation.
+    seed : int
+        The same seed gives the same network.
+    held_out : int
+        One point in ``held_out`` measures only; 0 trains on all.
+    progress : callable, optional
+        Called with (fraction done, MSE in px^2).
+    options
+        Further arguments of the trainer.
+
+    Returns
+    -------
+    Training
+
+    Raises
+    ------
+    InputError
+        If the number of neurons is out of range, the trainer unknown or the points too few.
+    """
+    if not 1 <= neurons <= MAX_NEURONS:
+        raise InputError(f"{neurons} hidden neurons are asked for, "
+                         f"the limits are 1 and {MAX_NEURONS}")
+    if trainer not in TRAINERS:
+        raise InputError(f"trainer is {trainer!r}, one of {', '.join(TRAINERS)} is needed")
+    problem = Problem(*pairs, geometry)
+    out = split(len(problem), held_out)
+    kept = problem.take(~out)
+    kept.check(neurons)
+    network, curve = TRAINERS[trainer](kept, neurons, seed=seed, progress=progress, **options)
+    return Training(network, curve, errors_of(network, kept), errors_of(network, problem.take(out)))
