@@ -41,6 +41,8 @@ class BackMap(wiring.Component):
     o : ``Out(stream.Signature(coordinate_layout(formats)))``
     idle : ``Out(1)``
         Nothing is under way in the network and nothing may enter: a board may gate its clock.
+    stalled : ``Out(1)``
+        A pixel waits for room in the queue.
 
     Raises
     ------
@@ -59,7 +61,7 @@ class BackMap(wiring.Component):
             "start": In(1), "scan": In(scan_layout()),
             "network": In(network_layout(hidden_neurons, formats)),
             "row": Out(SIZE), "spans": In(SPANS), "fresh": In(1),
-            "o": Out(stream.Signature(coordinate_layout(formats))), "idle": Out(1),
+            "o": Out(stream.Signature(coordinate_layout(formats))), "idle": Out(1), "stalled": Out(1),
         })
 
     @property
@@ -104,7 +106,7 @@ class BackMap(wiring.Component):
         m.d.comb += [
             queue.arrive.eq(delay(m, issue, self.latency, "issue", reset_less=False)),
             Value.cast(queue.i).eq(Cat(self.output[0].o, self.output[1].o, flags)),
-            self.idle.eq(queue.idle),
+            self.idle.eq(queue.idle), self.stalled.eq(scan.active & ~queue.room),
         ]
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m

@@ -1,0 +1,158 @@
+"""The registers, declared once: gateware, host software and documentation read this table."""
+
+from dataclasses import dataclass
+
+from amaranth import signed, unsigned
+
+from ncdc_hdl.avalon.bus import ADDRESS_BITS
+from ncdc_hdl.backend.packer import PIXEL_BYTES
+from ncdc_model.geometry import MAX_SIZE, SCAN
+
+__all__ = ["ADDRESS_WORDS_BITS", "CTRL_START", "ID", "Register", "STATUS_BUSY", "STATUS_DONE",
+           "STATUS_PENDING", "TABLE", "frame_bytes", "host_values", "network_values", "registers", "table_words"]
+
+ADDRESS_WORDS_BITS = 14
+TABLE = 1 << 13           # word address of the window on the table of valid rows
+ID = 0x4E434443           # "NCDC"
+
+CTRL_START = 1
+STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
+
+_SIZE = unsigned(MAX_SIZE.bit_length())
+
+
+@dataclass(frozen=True)
+class Register:
+    """One 32-bit register.
+
+    Parameters
+    ----------
+    name : str
+    address : int
+        In words.
+    access : str
+        "rw"; "shadow": rw, takes effect at the next frame; "ro"; "action": read and written as
+        its text says.
+    shape : Shape
+        Bits that are kept; a signed value is sign-extended on reading.
+    text : str
+    """
+    name: str
+    address: int
+    access: str
+    shape: object
+    text: str
+
+
+_FIXED = (
+    Register("ID", 0x00, "ro", unsigned(32), "Constant 0x4E434443, \"NCDC\"."),
+    Register("DIGEST", 0x01, "ro", unsigned(32),
+             "First 32 bits of the hash of the descriptor that the reset values are from."),
+    Register("NEURONS", 0x02, "ro", unsigned(6), "Hidden neurons of this instance."),
+    Register("CTRL", 0x03, "action", unsigned(1),
+             "Write 1 to bit 0: correct one frame; while busy, one more frame waits its turn."),
+    Register("STATUS", 0x04, "action", unsigned(3),
+             "Bit 0 busy, bit 1 done (write 1 to clear), bit 2 another frame waits."),
+    Register("IRQ_ENABLE", 0x05, "rw", unsigned(1), "Bit 0: irq follows STATUS.done."),
+    Register("VALID_WINDOW", 0x06, "rw", unsigned(1),
+             "Bank of the valid rows that the table window reads and writes."),
+    Register("VALID_BANK", 0x07, "shadow", unsigned(1), "Bank of the valid rows in use."),
+    Register("SOURCE_BASE", 0x08, "shadow", unsigned(ADDRESS_BITS),
+             "Byte address of the raw frame, a multiple of the memory word."),
+    Register("SOURCE_PITCH", 0x09, "shadow", _SIZE,
+             "Bytes from row to row of the raw frame, a multiple of the memory word."),
+    Register("TARGET_BASE", 0x0A, "shadow", unsigned(ADDRESS_BITS),
+             "Byte address of the corrected frame, a multiple of the memory word."),
+    Register("CORRECTED_WIDTH", 0x0B, "shadow", _SIZE, "Corrected image, pixels per row."),
+    Register("CORRECTED_HEIGHT", 0x0C, "shadow", _SIZE, "Corrected image, rows."),
+    Register("DISTORTED_WIDTH", 0x0D, "shadow", _SIZE, "Raw frame, samples per row."),
+    Register("DISTORTED_HEIGHT", 0x0E, "shadow", _SIZE, "Raw frame, rows."),
+    Register("SCAN_ORIGIN_X", 0x10, "shadow", signed(SCAN.width),
+             f"Normalised x of the first column, {SCAN}."),
+    Register("SCAN_STEP_X", 0x11, "shadow", signed(SCAN.width),
+             f"Normalised distance of two columns, {SCAN}."),
+    Register("SCAN_ORIGIN_Y", 0x12, "shadow", signed(SCAN.width),
+             f"Normalised y of the first row, {SCAN}."),
+    Register("SCAN_STEP_Y", 0x13, "shadow", signed(SCAN.width),
+             f"Normalised distance of two rows, {SCAN}."),
+    Register("BAYER_PHASE", 0x14, "shadow", unsigned(2),
+             "Parity of the column (bit 0) and the row (bit 1) of the red samples."),
+    Register("FILL", 0x15, "shadow", unsigned(24),
+             "Colour of pixels without a source, 0xRRGGBB."),
+    Register("CLOCKS", 0x18, "ro", unsigned(32), "Clocks of the last frame, start to last pixel."),
+    Register("PIXELS", 0x19, "ro", unsigned(32), "Pixels of the last frame."),
+    Register("FETCHES", 0x1A, "ro", unsigned(32), "Windows the last frame read from memory."),
+    Register("FRONT_END_STALLS", 0x1B, "ro", unsigned(32),
+             "Clocks in which the last frame's front end waited for room behind it."),
+    Register("FRAMES", 0x1C, "ro", unsigned(32), "Frames completed since reset."),
+)
+_HIDDEN, _OUTPUT, _OUTPUT_BIAS = 0x100, 0x200, 0x280
+
+
+def registers(hidden_neurons, formats):
+    """All registers of an instance, by ascending address."""
+    rows = list(_FIXED)
+    for j in range(hidden_neurons):
+        for k, (part, q) in enumerate((("WEIGHT_X", formats.hidden_weight),
+                                       ("WEIGHT_Y", formats.hidden_weight),
+                                       ("BIAS", formats.hidden_bias))):
+            rows.append(Register(f"HIDDEN{j}_{part}", _HIDDEN + 4 * j + k, "shadow",
+                                 signed(q.width), f"Hidden neuron {j}, {q}."))
+    for j in range(hidden_neurons):
+        for k, axis in enumerate("XY"):
+            rows.append(Register(f"OUTPUT_{axis}_WEIGHT{j}", _OUTPUT + 4 * j + k, "shadow",
+                                 signed(formats.output_weight.width),
+                                 f"Weight of hidden neuron {j} in output {axis.lower()}', "
+                                 f"pixels, {formats.output_weight}."))
+    for k, axis in enumerate("XY"):
+        rows.append(Register(f"OUTPUT_{axis}_BIAS", _OUTPUT_BIAS + k, "shadow",
+                             signed(formats.output_bias.width),
+                             f"Bias of output {axis.lower()}', pixels, {formats.output_bias}."))
+    return tuple(rows)
+
+
+def network_values(descriptor):
+    """Register values, by name, of the network of ``descriptor``."""
+    values = {}
+    for j in range(descriptor.hidden_neurons):
+        values[f"HIDDEN{j}_WEIGHT_X"], values[f"HIDDEN{j}_WEIGHT_Y"] = (
+            int(w) for w in descriptor.hidden_weights[j])
+        values[f"HIDDEN{j}_BIAS"] = int(descriptor.hidden_biases[j])
+        for k, axis in enumerate("XY"):
+            values[f"OUTPUT_{axis}_WEIGHT{j}"] = int(descriptor.output_weights[k, j])
+    for k, axis in enumerate("XY"):
+        values[f"OUTPUT_{axis}_BIAS"] = int(descriptor.output_biases[k])
+    return values
+
+
+def host_values(descriptor, data_width):
+    """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera:
+    network, geometry, and a raw frame at address 0 with the corrected frame behind it."""
+    g = descriptor.geometry
+    word = data_width // 8
+    pitch = -(-g.distorted_width // word) * word
+    origin_x, step_x, origin_y, step_y = g.scan()
+    red, green, blue = g.fill
+    return {
+        **network_values(descriptor),
+        "VALID_BANK": 0,
+        "SOURCE_BASE": 0, "SOURCE_PITCH": pitch,
+        "TARGET_BASE": -(-pitch * g.distorted_height // 4096) * 4096,
+        "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
+        "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
+        "SCAN_ORIGIN_X": origin_x, "SCAN_STEP_X": step_x,
+        "SCAN_ORIGIN_Y": origin_y, "SCAN_STEP_Y": step_y,
+        "BAYER_PHASE": g.phase[0] | g.phase[1] << 1,
+        "FILL": red << 16 | green << 8 | blue,
+    }
+
+
+def frame_bytes(geometry):
+    """Bytes of a corrected frame in memory."""
+    return geometry.corrected_width * geometry.corrected_height * PIXEL_BYTES
+
+
+def table_words(valid):
+    """(word address, value) of every entry of the table of valid rows."""
+    return [(TABLE + 2 * row + k, spans[2 * k] | spans[2 * k + 1] << 16)
+            for row, spans in enumerate(valid.spans.tolist()) for k in range(2)]

@@ -1,0 +1,52 @@
+"""Fast Bayer decoder: four colours from the four overlapping quads of a 3x3 raw window."""
+
+from amaranth import *
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_model.geometry import WINDOW
+
+__all__ = ["BayerQuads", "QUADS"]
+
+# Quad (j, i), colours red, green, blue in units of a half: index 6 j + 3 i + colour.
+QUADS = data.ArrayLayout(9, 12)
+
+
+class BayerQuads(wiring.Component):
+    """The colour of each quad of 2x2 samples: one red, one blue, the sum of two greens.
+
+    All in units of a half (red and blue doubled), so that nothing is rounded here. Equal bit for
+    bit to ``ncdc_model.picture.bayer_quads``; section III.A and Fig. 12 of the paper.
+    Timing: free-running, latency 1.
+
+    Members
+    -------
+    samples : ``In(ArrayLayout(8, 9))``
+        Row by row.
+    red_column, red_row : ``In(1)``
+        Whether the window's first sample is in a column, a row, that holds red samples.
+    o : ``Out(QUADS)``
+    """
+
+    latency = 1
+
+    def __init__(self):
+        super().__init__({"samples": In(data.ArrayLayout(8, WINDOW * WINDOW)),
+                          "red_column": In(1), "red_row": In(1), "o": Out(QUADS)})
+
+    def elaborate(self, platform):
+        m = Module()
+        for j in range(2):
+            for i in range(2):
+                k = WINDOW * j + i
+                a, b = self.samples[k], self.samples[k + 1]
+                c, d = self.samples[k + WINDOW], self.samples[k + WINDOW + 1]
+                # A quad one further on starts in a column, a row, of the other kind.
+                red_column, red_row = self.red_column ^ i, self.red_row ^ j
+                red = Mux(red_row, Mux(red_column, a, b), Mux(red_column, c, d))
+                blue = Mux(red_row, Mux(red_column, d, c), Mux(red_column, b, a))
+                green = Mux(red_row == red_column, b, a) + Mux(red_row == red_column, c, d)
+                n = 6 * j + 3 * i
+                m.d.sync += [self.o[n].eq(red << 1), self.o[n + 1].eq(green),
+                             self.o[n + 2].eq(blue << 1)]
+        return m

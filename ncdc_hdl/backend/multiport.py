@@ -1,0 +1,161 @@
+"""The paper's fetcher: three burst readers, one per row of the window."""
+
+from amaranth import *
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.fifo import SyncFIFOBuffered
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import ceil_log2
+
+from ncdc_hdl.avalon.burst_reader import BurstReader
+from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
+from ncdc_hdl.backend.layouts import request_layout, window_layout
+from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_model.geometry import WINDOW
+
+__all__ = ["Multiport"]
+
+_MAX_BURST = 2  # words that three bytes can lie in
+
+
+class Multiport(wiring.Component):
+    """Three-port fetch of 3x3 windows with reuse, section III.C and Fig. 30 of the paper.
+
+    Row r of a window is read by reader r in a burst of one or two words. A window at the same
+    place as the one before it is not read again (Fig. 18). Byte (x, y) of the raw frame is at
+    ``base + y pitch + x``. Windows leave in order; a blank request reads nothing.
+
+    Timing: ``in_flight`` windows may be under way, which hides part of the memory's latency.
+
+    Parameters
+    ----------
+    f_bits : int
+        Fraction bits of the place in the window.
+    data_width : int
+        Bits of a memory word: 32, 64 or 128.
+    in_flight : int
+        Windows asked for and not yet handed on.
+
+    Members
+    -------
+    base, pitch : ``In``
+        Of the raw frame in bytes, multiples of the word, constant during a frame.
+    i : ``In(stream.Signature(request_layout(f_bits)))``
+    o : ``Out(stream.Signature(window_layout(f_bits)))``
+    bus0, bus1, bus2 : ``Out(ReadHost(...))``
+    fetched : ``Out(1)``
+        High for one clock per window read from memory.
+    """
+
+    ports = WINDOW
+
+    def __init__(self, f_bits, data_width, *, in_flight=4):
+        self.f_bits, self.data_width, self.in_flight = f_bits, data_width, in_flight
+        super().__init__({
+            "base": In(ADDRESS_BITS), "pitch": In(SIZE),
+            "i": In(stream.Signature(request_layout(f_bits))),
+            "o": Out(stream.Signature(window_layout(f_bits))),
+            **{f"bus{r}": Out(ReadHost(data_width, _MAX_BURST)) for r in range(WINDOW)},
+            "fetched": Out(1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        word_bytes = self.data_width // 8
+        byte_bits = ceil_log2(word_bytes)
+
+        readers = []
+        for r in range(WINDOW):
+            reader = BurstReader(self.data_width, depth=_MAX_BURST * self.in_flight,
+                                 max_burst=_MAX_BURST)
+            m.submodules[f"reader{r}"] = reader
+            wiring.connect(m, reader.bus, wiring.flipped(getattr(self, f"bus{r}")))
+            readers.append(reader)
+
+        token_layout = data.StructLayout({
+            "fetch": 1, "two_words": 1, "offset": byte_bits,
+            "odd_column": 1, "odd_row": 1, "fx": self.f_bits, "fy": self.f_bits,
+            "blank": 1, "first": 1, "last": 1})
+        m.submodules.tokens = tokens = SyncFIFOBuffered(width=token_layout.size,
+                                                        depth=4 * self.in_flight)
+        self._ask(m, readers, tokens, token_layout, byte_bits)
+        self._answer(m, readers, tokens, token_layout)
+        return m
+
+    def _ask(self, m, readers, tokens, token_layout, byte_bits):
+        """Requests to commands of the readers, and a token for each request, in order."""
+        request = self.i.p
+        # A: row offset, and whether the window is where the last one was.
+        a_valid, a, a_offset, a_reuse = (Signal(), Signal(request.shape()),
+                                         Signal(ADDRESS_BITS), Signal())
+        last = Signal(data.StructLayout({"x0": len(request.x0), "y0": len(request.y0),
+                                         "known": 1}))
+        sent = Signal(WINDOW + 1)                    # which of readers and tokens have taken it
+        taken = Signal(WINDOW + 1)
+        fetch = ~a.blank & ~a_reuse
+        first_byte = Signal(ADDRESS_BITS)
+        end = Signal(byte_bits + 1)
+        token = Signal(token_layout)
+        m.d.comb += [
+            first_byte.eq(self.base + a_offset + a.x0),
+            end.eq(a.x0[:byte_bits] + WINDOW - 1),
+            token.fetch.eq(fetch), token.two_words.eq(end[byte_bits]),
+            token.offset.eq(a.x0), token.odd_column.eq(a.x0[0]), token.odd_row.eq(a.y0[0]),
+            *(token[name].eq(a[name]) for name in ("fx", "fy", "blank", "first", "last")),
+            tokens.w_data.eq(token),
+            tokens.w_en.eq(a_valid & ~sent[WINDOW]),
+            taken[WINDOW].eq(sent[WINDOW] | tokens.w_rdy),
+        ]
+        for r, reader in enumerate(readers):
+            address = first_byte + (0, self.pitch, self.pitch << 1)[r]
+            m.d.comb += [
+                reader.i.p.address.eq(Cat(Const(0, byte_bits), address[byte_bits:])),
+                reader.i.p.words.eq(1 + token.two_words),
+                reader.i.valid.eq(a_valid & fetch & ~sent[r]),
+                taken[r].eq(sent[r] | ~fetch | reader.i.ready),
+            ]
+        done = Signal()
+        m.d.comb += [done.eq(a_valid & taken.all()), self.fetched.eq(done & fetch)]
+        with m.If(a_valid):
+            m.d.sync += sent.eq(Mux(done, 0, taken))
+        with m.If(done | ~a_valid):
+            m.d.comb += self.i.ready.eq(1)
+            same = last.known & (last.x0 == request.x0) & (last.y0 == request.y0)
+            m.d.sync += [
+                a_valid.eq(self.i.valid), a.eq(request), a_offset.eq(request.y0 * self.pitch),
+                a_reuse.eq(same & ~request.first),
+            ]
+            with m.If(self.i.valid & ~request.blank):
+                m.d.sync += [last.x0.eq(request.x0), last.y0.eq(request.y0), last.known.eq(1)]
+            with m.Elif(self.i.valid & request.first):
+                # Another frame: what the window holds is of the old one.
+                m.d.sync += last.known.eq(0)
+
+    def _answer(self, m, readers, tokens, token_layout):
+        """Words of the readers to windows, in the tokens' order."""
+        token = data.View(token_layout, tokens.r_data)
+        offset = Signal(len(token.offset))
+        here = Signal(len(token.offset))
+        complete = []
+        for r, reader in enumerate(readers):
+            words = Signal(2 * self.data_width, name=f"words{r}")
+            count = Signal(range(_MAX_BURST + 1), name=f"count{r}")
+            needed = 1 + token.two_words
+            m.d.comb += reader.o.ready.eq(tokens.r_rdy & token.fetch & (count != needed))
+            with m.If(reader.o.valid & reader.o.ready):
+                m.d.sync += [words.word_select(count[0], self.data_width).eq(reader.o.payload),
+                             count.eq(count + 1)]
+            with m.If(self.o.valid & self.o.ready):
+                m.d.sync += count.eq(0)
+            complete.append(count == needed)
+            row = (words >> (here << 3))[:8 * WINDOW]
+            m.d.comb += [self.o.p.samples[WINDOW * r + k].eq(row.word_select(k, 8))
+                         for k in range(WINDOW)]
+        m.d.comb += [
+            here.eq(Mux(token.fetch, token.offset, offset)),
+            self.o.valid.eq(tokens.r_rdy & (~token.fetch | Cat(complete).all())),
+            tokens.r_en.eq(self.o.valid & self.o.ready),
+            *(self.o.p[name].eq(token[name]) for name in
+              ("odd_column", "odd_row", "fx", "fy", "blank", "first", "last")),
+        ]
+        with m.If(self.o.valid & self.o.ready & token.fetch):
+            m.d.sync += offset.eq(token.offset)

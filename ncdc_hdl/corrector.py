@@ -1,0 +1,188 @@
+"""The corrector: front end, back end, registers, as one module with Avalon ports."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.avalon.burst_writer import BurstWriter
+from ncdc_hdl.avalon.bus import Agent, ReadHost, WriteHost
+from ncdc_hdl.avalon.register_table import ADDRESS_WORDS_BITS, host_values, registers
+from ncdc_hdl.avalon.registers import Registers
+from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.backend.multiport import Multiport
+from ncdc_hdl.backend.packer import Packer
+from ncdc_hdl.backend.window import WindowAddress
+from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.frontend.valid import ValidTable
+from ncdc_model.errors import InputError
+
+__all__ = ["Corrector", "DATA_WIDTHS", "OUTPUTS"]
+
+DATA_WIDTHS = (32, 64, 128)
+OUTPUTS = ("memory", "stream")
+_WRITE_BURST = 16  # words
+
+
+def _flat(prefix, signature, flow):
+    """Members of ``signature`` as ports called prefix_member."""
+    return {f"{prefix}_{name}": flow(member.shape) if member.flow is Out else
+            flow(member.shape).flip() for name, member in signature.members.items()}
+
+
+class Corrector(wiring.Component):
+    """Corrects one frame per start: raw Bayer frame in memory to corrected pixels.
+
+    Equal bit for bit to ``ncdc_model.corrector.correct``. After configuration all parameters
+    have the descriptor's values; a host may change any of them for the next frame.
+
+    Parameters
+    ----------
+    descriptor : ncdc_model.descriptor.Descriptor
+    data_width : int
+        Bits of the memory ports: 32, 64 or 128.
+    output : str
+        "memory": a burst writer stores four bytes per pixel (blue, green, red, zero), row after
+        row without a gap; "stream": a video stream source in its place.
+
+    Members
+    -------
+    csr_* : Avalon-MM agent, see the register table
+    read0_*, read1_*, read2_* : Avalon-MM read hosts
+    write_* : Avalon-MM write host (``output`` "memory")
+    stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
+        video stream, red in the top byte of 24 (``output`` "stream")
+    irq : ``Out(1)``
+        Frame complete.
+    front_end_idle : ``Out(1)``
+        The network rests; a board may feed this to a clock gate.
+
+    Raises
+    ------
+    InputError
+        If ``data_width`` or ``output`` is none of the above.
+    """
+
+    def __init__(self, descriptor, *, data_width=32, output="memory"):
+        if data_width not in DATA_WIDTHS:
+            raise InputError(f"the memory's data width is {data_width}, one of "
+                             f"{', '.join(map(str, DATA_WIDTHS))} is needed")
+        if output not in OUTPUTS:
+            raise InputError(f"the output is {output!r}, one of {', '.join(OUTPUTS)} is needed")
+        self.descriptor, self.data_width, self.output = descriptor, data_width, output
+        formats = descriptor.formats
+        self.backmap = BackMap(descriptor.hidden_neurons, formats)
+        self.table = ValidTable(descriptor.valid, descriptor.geometry.corrected_height)
+        self.window = WindowAddress(formats)
+        self.fetch = Multiport(formats.coordinate.f_bits, data_width)
+        self.interpolator = Interpolator(formats.coordinate.f_bits)
+        self.registers = Registers(
+            registers(descriptor.hidden_neurons, formats), host_values(descriptor, data_width),
+            digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons)
+        ports = _flat("csr", Agent(ADDRESS_WORDS_BITS), In)
+        for r in range(self.fetch.ports):
+            ports |= _flat(f"read{r}", getattr(self.fetch, f"bus{r}").signature, Out)
+        if output == "memory":
+            self.writer = BurstWriter(data_width, burst=_WRITE_BURST)
+            ports |= _flat("write", self.writer.bus.signature, Out)
+        else:
+            ports |= {"stream_valid": Out(1), "stream_ready": In(1), "stream_data": Out(24),
+                      "stream_startofpacket": Out(1), "stream_endofpacket": Out(1)}
+        super().__init__(ports | {"irq": Out(1), "front_end_idle": Out(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        for name in ("backmap", "table", "window", "fetch", "interpolator", "registers"):
+            m.submodules[name] = getattr(self, name)
+        registers, active = self.registers, self.registers.active
+        begun = Signal()
+        m.d.sync += begun.eq(registers.begin)
+
+        self._join(m, "csr", registers.bus)
+        for r in range(self.fetch.ports):
+            self._join(m, f"read{r}", getattr(self.fetch, f"bus{r}"))
+        m.d.comb += [self.irq.eq(registers.irq), self.front_end_idle.eq(self.backmap.idle)]
+        self._table(m)
+        self._parameters(m, active)
+        m.d.comb += self.backmap.start.eq(begun)
+        wiring.connect(m, self.backmap.o, self.window.i)
+        wiring.connect(m, self.window.o, self.fetch.i)
+        wiring.connect(m, self.fetch.o, self.interpolator.i)
+        pixels = self.interpolator.o
+        if self.output == "memory":
+            m.submodules.packer = packer = Packer(self.data_width)
+            m.submodules.writer = writer = self.writer
+            wiring.connect(m, pixels, packer.i)
+            wiring.connect(m, packer.o, writer.i)
+            self._join(m, "write", writer.bus)
+            m.d.comb += [writer.start.eq(begun), writer.base.eq(active.TARGET_BASE),
+                         registers.ended.eq(writer.done)]
+        else:
+            m.d.comb += [
+                self.stream_valid.eq(pixels.valid), pixels.ready.eq(self.stream_ready),
+                self.stream_data.eq(Cat(pixels.p.b, pixels.p.g, pixels.p.r)),
+                self.stream_startofpacket.eq(pixels.p.first),
+                self.stream_endofpacket.eq(pixels.p.last),
+                registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last),
+            ]
+        self._counters(m, begun, pixels)
+        return m
+
+    def _join(self, m, prefix, interface):
+        """Connect the ports prefix_member with the members of ``interface``."""
+        for name, member in interface.signature.members.items():
+            port = getattr(self, f"{prefix}_{name}")
+            inner = getattr(interface, name)
+            m.d.comb += port.eq(inner) if self.signature.members[f"{prefix}_{name}"].flow is Out \
+                else inner.eq(port)
+
+    def _table(self, m):
+        table, registers, backmap = self.table, self.registers, self.backmap
+        m.d.comb += [
+            table.bank.eq(registers.active.VALID_BANK), table.row.eq(backmap.row),
+            backmap.spans.eq(table.spans), backmap.fresh.eq(table.fresh),
+            table.host_bank.eq(registers.window_bank), table.host_row.eq(registers.table_row),
+            table.host_span.eq(registers.table_span), table.host_write.eq(registers.table_write),
+            table.host_read.eq(registers.table_read),
+            table.host_start.eq(registers.table_start), table.host_stop.eq(registers.table_stop),
+            registers.table_span_start.eq(table.host_span_start),
+            registers.table_span_stop.eq(table.host_span_stop),
+        ]
+
+    def _parameters(self, m, active):
+        scan, network = self.backmap.scan, self.backmap.network
+        m.d.comb += [
+            scan.width.eq(active.CORRECTED_WIDTH), scan.height.eq(active.CORRECTED_HEIGHT),
+            scan.origin_x.eq(active.SCAN_ORIGIN_X), scan.step_x.eq(active.SCAN_STEP_X),
+            scan.origin_y.eq(active.SCAN_ORIGIN_Y), scan.step_y.eq(active.SCAN_STEP_Y),
+            self.window.width.eq(active.DISTORTED_WIDTH),
+            self.window.height.eq(active.DISTORTED_HEIGHT),
+            self.fetch.base.eq(active.SOURCE_BASE), self.fetch.pitch.eq(active.SOURCE_PITCH),
+            self.interpolator.phase.eq(active.BAYER_PHASE), self.interpolator.fill.eq(active.FILL),
+        ]
+        for j in range(self.descriptor.hidden_neurons):
+            hidden = network.hidden[j]
+            m.d.comb += [
+                hidden.weights[0].eq(active[f"HIDDEN{j}_WEIGHT_X"]),
+                hidden.weights[1].eq(active[f"HIDDEN{j}_WEIGHT_Y"]),
+                hidden.bias.eq(active[f"HIDDEN{j}_BIAS"]),
+                network.output[0].weights[j].eq(active[f"OUTPUT_X_WEIGHT{j}"]),
+                network.output[1].weights[j].eq(active[f"OUTPUT_Y_WEIGHT{j}"]),
+            ]
+        m.d.comb += [network.output[0].bias.eq(active.OUTPUT_X_BIAS),
+                     network.output[1].bias.eq(active.OUTPUT_Y_BIAS)]
+
+    def _counters(self, m, begun, pixels):
+        counters = self.registers.counters
+        running = Signal()
+        values = {name: Signal(32, name=name.lower()) for name in
+                  ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS")}
+        events = {"CLOCKS": running, "PIXELS": pixels.valid & pixels.ready,
+                  "FETCHES": self.fetch.fetched, "FRONT_END_STALLS": self.backmap.stalled}
+        with m.If(begun):
+            m.d.sync += running.eq(1)
+        with m.Elif(self.registers.ended):
+            m.d.sync += running.eq(0)
+        for name, value in values.items():
+            # The count includes the clock in which the frame ends.
+            m.d.comb += counters[name].eq(value + events[name])
+            m.d.sync += value.eq(Mux(begun, 0, counters[name]))

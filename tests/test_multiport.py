@@ -1,0 +1,99 @@
+"""The three-port fetcher: windows, order and number of reads against the golden model."""
+
+import numpy as np
+import pytest
+from amaranth.sim import Simulator
+from memory import read_agent
+from pipelines import get, put
+
+from ncdc_hdl.backend.multiport import Multiport
+from ncdc_model.picture import fetches
+
+F = 10
+WIDTH, HEIGHT = 37, 20
+
+
+def requests(rng, count):
+    """Origins that wander, jump, stay, with blanks between; the image's corners first."""
+    x0, y0 = rng.integers(0, WIDTH - 2, count), rng.integers(0, HEIGHT - 2, count)
+    for k in range(8, count):
+        if rng.random() < .6:
+            x0[k] = min(max(x0[k - 1] + rng.integers(0, 2), 0), WIDTH - 3)
+            y0[k] = y0[k - 1]
+    x0[:4], y0[:4] = (0, WIDTH - 3, 0, WIDTH - 3), (0, 0, HEIGHT - 3, HEIGHT - 3)
+    return x0, y0, rng.random(count) < .15
+
+
+@pytest.mark.parametrize("data_width", [32, 64, 128])
+@pytest.mark.parametrize("gap,stall,wait,latency", [
+    (0, 0, 0, (1, 1)), (.3, 0, .5, (1, 20)), (0, .5, .3, (8, 8)), (.5, .5, .7, (1, 60))])
+def test_windows_equal_model(data_width, gap, stall, wait, latency):
+    rng, count = np.random.default_rng(data_width), 150
+    word, base = data_width // 8, 64
+    pitch = -(-WIDTH // word) * word
+    raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)
+    content = np.concatenate([np.zeros(base, np.uint8), raw.ravel(), np.zeros(64, np.uint8)])
+    x0, y0, blank = requests(rng, count)
+    items = [{"x0": int(x0[k]), "y0": int(y0[k]), "fx": k, "fy": 1023 - k, "blank": int(blank[k]),
+              "first": k == 0, "last": k == count - 1} for k in range(count)]
+    dut, got, fetched, logs = Multiport(F, data_width), [], [], [[], [], []]
+
+    async def source(ctx):
+        ctx.set(dut.base, base)
+        ctx.set(dut.pitch, pitch)
+        await put(ctx, dut.i, items, lambda: rng.random() < gap)
+
+    async def sink(ctx):
+        got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
+
+    async def count_fetches(ctx):
+        while True:
+            fetched.append((await ctx.tick().sample(dut.fetched))[2])
+
+    simulator = Simulator(dut)
+    simulator.add_clock(1e-8)
+    simulator.add_testbench(source)
+    simulator.add_testbench(sink)
+    simulator.add_testbench(count_fetches, background=True)
+    for r in range(3):
+        simulator.add_testbench(read_agent(getattr(dut, f"bus{r}"), content, word, rng, wait=wait,
+                                           latency=latency, log=logs[r]), background=True)
+    simulator.run()
+
+    for k, window in enumerate(got):
+        assert (window.fx, window.fy, window.blank) == (k, 1023 - k, blank[k])
+        assert (window.first, window.last) == (k == 0, k == count - 1)
+        if not blank[k]:
+            expected = raw[y0[k]:y0[k] + 3, x0[k]:x0[k] + 3]
+            assert list(window.samples) == expected.ravel().tolist(), f"window {k}"
+            assert (window.odd_column, window.odd_row) == (x0[k] & 1, y0[k] & 1)
+    expected = fetches(x0, y0, ~blank)
+    assert sum(fetched) == expected < count
+    assert [len(log) for log in logs] == [expected] * 3
+
+
+def test_a_new_frame_is_read_again():
+    """The same quad in the next frame is another frame's: it must not be reused."""
+    rng = np.random.default_rng(1)
+    raw = rng.integers(0, 256, (8, 8), np.uint8)
+    item = {"x0": 2, "y0": 3, "fx": 0, "fy": 0, "blank": 0, "first": 1, "last": 1}
+    blank_first = {**item, "blank": 1, "last": 0}
+    items = [item, item, blank_first, {**item, "first": 0}]
+    dut, logs = Multiport(F, 32), [[], [], []]
+    simulator = Simulator(dut)
+    simulator.add_clock(1e-8)
+
+    async def bench(ctx):
+        ctx.set(dut.pitch, 8)
+        await put(ctx, dut.i, items, lambda: False)
+
+    async def sink(ctx):
+        await get(ctx, dut.o, len(items), lambda: False)
+
+    simulator.add_testbench(bench)
+    simulator.add_testbench(sink)
+    for r in range(3):
+        simulator.add_testbench(read_agent(getattr(dut, f"bus{r}"), raw.ravel(), 4, rng,
+                                           log=logs[r]), background=True)
+    simulator.run()
+    assert [len(log) for log in logs] == [3, 3, 3]
