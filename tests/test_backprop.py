@@ -49,7 +49,8 @@ def test_runs_side_by_side_do_not_touch_each_other():
     alone = [BackPropagation(hidden[k:k + 1], output[k:k + 1], [rate])
              for k, rate in enumerate((.1, .3))]
     for _ in range(50):
-        pattern, target = np.append(random.uniform(-1, 1, 2), 1)[:, None], random.uniform(-1, 1, (2, 1))
+        pattern = np.append(random.uniform(-1, 1, 2), 1)[:, None]
+        target = random.uniform(-1, 1, (2, 1))
         for networks in (together, *alone):
             networks.learn(pattern, target)
     for k in range(2):

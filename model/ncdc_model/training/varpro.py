@@ -59,7 +59,7 @@ class Batch:
         return hidden, gram, output, residual, cost
 
     def gauss_newton(self):
-        """Descent direction (S, 3 HN), half the negative gradient of the cost, and normal matrix."""
+        """Descent direction (S, 3 HN), half the cost's negative gradient, and normal matrix."""
         starts, neurons, _ = self.theta.shape
         active = self.hidden[:, :-1]
         slope = .5 * (1 - active**2)
