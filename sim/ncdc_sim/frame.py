@@ -1,0 +1,209 @@
+"""Simulation of whole frames: the generated Verilog against a memory model."""
+
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ncdc_model.errors import InputError
+from ncdc_sim.memories import memory_timing
+from ncdc_sim.ports import ports_of
+from ncdc_sim.runner import HDL, build, run
+from ncdc_sim.tools import SimulationError
+
+__all__ = ["FrameResult", "Program", "simulate_frame"]
+
+TOP = "ncdc"
+BENCH = ("frame_bench.v", "avalon_memory.v", "avalon_checker.v", "stream_checker.v")
+LEAST_MEMORY = 1 << 24          # bytes; more frame sizes share one build
+PROGRAM_LIMIT = 65536           # operations that the bench holds
+
+
+@dataclass
+class Program:
+    """Register accesses that the bench plays one after the other; addresses count words."""
+    operations: list = field(default_factory=list)
+
+    def write(self, address, value):
+        """Write ``value`` (32 bits)."""
+        return self._add(1, address, value & 0xFFFFFFFF)
+
+    def compare(self, address, value):
+        """Read, and fail the run unless ``value`` is read."""
+        return self._add(2, address, value & 0xFFFFFFFF)
+
+    def wait_irq(self):
+        """Wait for the interrupt; the frame's clocks count from the write before it."""
+        return self._add(3, 0, 0)
+
+    def read(self, address):
+        """Read; the value appears in :attr:`FrameResult.registers`."""
+        return self._add(4, address, 0)
+
+    def text(self):
+        """The program as the bench reads it."""
+        return "".join(f"{op:02x}{address:06x}{value:08x}\n"
+                       for op, address, value in [*self.operations, (0, 0, 0)])
+
+    def _add(self, op, address, value):
+        self.operations.append((op, address, value))
+        return self
+
+
+@dataclass
+class FrameResult:
+    """What a run measured.
+
+    Parameters
+    ----------
+    output : bytes
+        The output frame: memory content, or 3 bytes (R, G, B) per pixel of a stream.
+    clocks : tuple of int
+        Clocks of each frame, from the register write before the wait to the interrupt.
+    total_clocks : int
+    bytes_read : tuple of int
+        Bytes delivered by each read port.
+    bytes_written : int
+        Bytes written (enabled lanes only), or 3 per pixel of a stream.
+    registers : dict
+        Word address: value last read.
+    counters : dict
+        Commands, beats and wait clocks of each port: ``read0_commands``, ``output_waits`` ...
+    errors : tuple of str
+        Protocol errors and failures, as printed.
+    """
+    output: bytes = b""
+    clocks: tuple = ()
+    total_clocks: int = 0
+    bytes_read: tuple = ()
+    bytes_written: int = 0
+    registers: dict = field(default_factory=dict)
+    counters: dict = field(default_factory=dict)
+    errors: tuple = ()
+
+
+def simulate_frame(verilog, source, program, *, source_base, output_base, output_bytes,
+                   memory="ideal", simulator="verilator", clock_limit=None, seed=1,
+                   sink_chance=256, progress=None):
+    """Run the module ``ncdc`` of ``verilog`` on one raw frame.
+
+    The data width, the number of read ports and the kind of output follow from its ports.
+
+    Parameters
+    ----------
+    verilog : str
+    source : bytes
+        Content of the memory from byte address ``source_base`` on.
+    program : Program
+        Sets the registers up, starts, waits for the interrupt.
+    source_base, output_base : int
+        Byte addresses, multiples of 16.
+    output_bytes : int
+        Size of the output: in memory from ``output_base`` on, or 3 bytes per pixel of a stream.
+    memory : str or MemoryTiming
+        One of ``ncdc_sim.memories.MEMORIES``, or a timing of your own.
+    simulator : str
+        ``verilator`` or ``icarus``.
+    clock_limit : int
+        Clocks after which the run is given up; default 100 per output byte and a million.
+    seed : int
+        Of all random behaviour.
+    sink_chance : int
+        How often, of 256 clocks, the sink of a stream is ready.
+    progress : callable
+        Called with the fraction of the output done, 0..1, now and then.
+
+    Returns
+    -------
+    FrameResult
+
+    Raises
+    ------
+    InputError
+        If the simulator is missing, or a base or size does not fit.
+    SimulationError
+        If the Verilog does not compile, breaks a rule of its buses, reads a wrong register value,
+        or does not end in time; it holds the result as far as it goes.
+    """
+    timing = memory_timing(memory)
+    ports = ports_of(verilog, TOP)
+    readers = sum(name.endswith("_readdata") and name.startswith("read") for name in ports)
+    stream = "stream_data" in ports
+    width = ports.get("read0_readdata", 0)
+    if width not in (32, 64, 128) or readers not in (1, 3):
+        raise InputError(f"the module {TOP} has {readers} read ports of {width} bits, "
+                         "1 or 3 of 32, 64 or 128 bits are needed")
+    end = max(source_base + len(source), 0 if stream else output_base + output_bytes)
+    if source_base % 16 or output_base % 16 or min(source_base, output_base) < 0 or end > 1 << 31:
+        raise InputError(f"bases {source_base:#x} and {output_base:#x} with frames up to {end:#x} "
+                         "do not fit: multiples of 16 below 0x80000000 are needed")
+    if len(program.operations) >= PROGRAM_LIMIT:
+        raise InputError(f"the program has {len(program.operations)} operations, "
+                         f"the limit is {PROGRAM_LIMIT - 1}")
+    defines = {"NCDC_DATA_WIDTH": width, "NCDC_READ_PORTS": readers,
+               "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
+               "NCDC_WRITE_BURST_WIDTH": ports.get("write_burstcount", 1),
+               "NCDC_CSR_ADDRESS_WIDTH": ports["csr_address"],
+               "NCDC_MEMORY_BYTES": max(LEAST_MEMORY, 1 << (end - 1).bit_length())}
+    defines |= {"NCDC_THREE_READ_PORTS": None} if readers == 3 else {}
+    defines |= {"NCDC_STREAM": None} if stream else {}
+    sources = [(name, (HDL / name).read_text()) for name in BENCH] + [("ncdc.v", verilog)]
+    top = "frame_bench"
+    if simulator == "icarus":
+        top = "frame_clock"
+        sources.insert(0, ("frame_clock.v", (HDL / "frame_clock.v").read_text()))
+    command = build("frame", top, sources, defines=defines, simulator=simulator,
+                    main=HDL / "frame_main.cpp")
+    settings = timing.plusargs(width, readers) | {
+        "source_base": source_base, "source_bytes": len(source), "output_base": output_base,
+        "output_bytes": output_bytes, "program_words": len(program.operations) + 1,
+        "clock_limit": clock_limit or 1000000 + 100 * output_bytes, "seed": seed,
+        "sink_chance": sink_chance, "progress_step": max(1, output_bytes // 100)}
+    listener = _Listener(output_bytes, width // 8, readers, progress)
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        (folder / "source.bin").write_bytes(source + bytes(-len(source) % (width // 8)))
+        (folder / "program.hex").write_text(program.text())
+        run([*command, *(f"+{key}={value}" for key, value in settings.items())], folder,
+            listener.line)
+        output = folder / "output.bin"
+        listener.result.output = output.read_bytes()[:output_bytes] if output.exists() else b""
+    return listener.finish()
+
+
+class _Listener:
+    """Turns the bench's lines into a :class:`FrameResult`."""
+
+    def __init__(self, output_bytes, word, readers, progress):
+        self.result = FrameResult()
+        self.output_bytes, self.word, self.readers = output_bytes, word, readers
+        self.progress = progress or (lambda fraction: None)
+
+    def line(self, line):
+        kind, *values = line.split() or [""]
+        result = self.result
+        if kind == "PROGRESS":
+            self.progress(min(1.0, int(values[0]) / self.output_bytes))
+        elif kind == "FRAME":
+            result.clocks += (int(values[0]),)
+        elif kind == "READ":
+            # A register that reads X keeps the text of its digits, so that it equals no number.
+            result.registers[int(values[0])] = int(values[1]) if values[1].isdigit() else values[1]
+        elif kind == "RESULT":
+            result.counters[values[0]] = int(values[1])
+        elif kind in ("AVALON-ERROR", "FAILED"):
+            result.errors += (line,)
+
+    def finish(self):
+        """The result, if the run was right and complete."""
+        result, counters = self.result, self.result.counters
+        result.total_clocks = counters.pop("total_clocks", 0)
+        result.bytes_written = counters.pop("output_bytes", 0)
+        result.bytes_read = tuple(counters.get(f"read{k}_beats", 0) * self.word
+                                  for k in range(self.readers))
+        if not result.total_clocks:
+            result.errors += ("FAILED the simulation ended without a result",)
+        if result.errors:
+            more = f" and {len(result.errors) - 1} more" if len(result.errors) > 1 else ""
+            raise SimulationError(f"simulation failed: {result.errors[0]}{more}", result)
+        self.progress(1.0)
+        return result

@@ -1,0 +1,309 @@
+// Runs whole frames through the generated module `ncdc`: memory model, protocol checkers, and a
+// program of register accesses played from a file. Self-contained, so that a frame runs at the
+// simulator's own speed.
+//
+// Files, in the working directory: source.bin (raw frame), program.hex (one access per line,
+// 2 hex digits of operation, 6 of word address, 8 of data), output.bin (written at the end).
+//
+// Operations: 00 end, 01 write, 02 read and compare, 03 wait for irq, 04 read and report.
+// The clocks of a frame run from the last register write before a wait to the irq.
+//
+// Settings are decimal plusargs, read below. Lines printed: PROGRESS bytes; FRAME clocks;
+// READ address data; RESULT name value; AVALON-ERROR port rule time; FAILED reason.
+//
+// Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH,
+// NCDC_WRITE_BURST_WIDTH, NCDC_CSR_ADDRESS_WIDTH, NCDC_MEMORY_BYTES, NCDC_THREE_READ_PORTS,
+// NCDC_STREAM (stream instead of memory output).
+
+`timescale 1ns/1ps
+
+module frame_bench (
+    input wire clk
+);
+    localparam DW = `NCDC_DATA_WIDTH;
+    localparam PORTS = `NCDC_READ_PORTS;
+    localparam BW = `NCDC_READ_BURST_WIDTH;
+    localparam WBW = `NCDC_WRITE_BURST_WIDTH;
+    localparam PROGRAM = 65536;
+    localparam POISON = 8'hA5;          // output bytes that nobody wrote
+
+    localparam END = 0, WRITE = 1, COMPARE = 2, WAIT_IRQ = 3, REPORT = 4;
+
+    reg rst = 1;
+
+    // Settings of this run.
+    reg [31:0] source_base, source_bytes, output_base, output_bytes, output_pixels;
+    reg [31:0] program_words, clock_limit, progress_step;
+    reg [31:0] latency_min, latency_max, rate, granule, wait_chance, max_pending, seed;
+    reg [31:0] sink_chance;             // of 256: how often the sink of the stream is ready
+
+    reg [63:0] instructions [0:PROGRAM-1];
+    integer file;
+
+    initial begin
+        if (!$value$plusargs("source_base=%d", source_base)) source_base = 0;
+        if (!$value$plusargs("source_bytes=%d", source_bytes)) source_bytes = 0;
+        if (!$value$plusargs("output_base=%d", output_base)) output_base = 0;
+        if (!$value$plusargs("output_bytes=%d", output_bytes)) output_bytes = 0;
+        if (!$value$plusargs("program_words=%d", program_words)) program_words = 1;
+        if (!$value$plusargs("clock_limit=%d", clock_limit)) clock_limit = 1000000;
+        if (!$value$plusargs("progress_step=%d", progress_step)) progress_step = 1000000;
+        if (!$value$plusargs("latency_min=%d", latency_min)) latency_min = 1;
+        if (!$value$plusargs("latency_max=%d", latency_max)) latency_max = latency_min;
+        if (!$value$plusargs("rate=%d", rate)) rate = 256 * (PORTS + 1);
+        if (!$value$plusargs("granule=%d", granule)) granule = 1;
+        if (!$value$plusargs("wait_chance=%d", wait_chance)) wait_chance = 0;
+        if (!$value$plusargs("max_pending=%d", max_pending)) max_pending = 64;
+        if (!$value$plusargs("seed=%d", seed)) seed = 1;
+        if (!$value$plusargs("sink_chance=%d", sink_chance)) sink_chance = 256;
+        output_pixels = output_bytes / 3;
+        $readmemh("program.hex", instructions, 0, program_words - 1);
+        file = $fopen("source.bin", "rb");
+        memory.load(file, source_base, source_bytes);
+        $fclose(file);
+`ifndef NCDC_STREAM
+        memory.fill(output_base, output_bytes, POISON);
+`endif
+    end
+
+    // The module under test.
+    wire [`NCDC_CSR_ADDRESS_WIDTH-1:0] csr_address;
+    reg         csr_read = 0, csr_write = 0;
+    wire [31:0] csr_writedata, csr_readdata;
+    wire        csr_readdatavalid, csr_waitrequest, irq, front_end_idle;
+
+    wire [PORTS*32-1:0] read_address;
+    wire [PORTS-1:0]    read_read, read_waitrequest, read_readdatavalid;
+    wire [PORTS*BW-1:0] read_burstcount;
+    wire [PORTS*DW-1:0] read_readdata;
+
+    wire [31:0]         write_address;
+    wire                write_write, write_waitrequest;
+    wire [WBW-1:0]      write_burstcount;
+    wire [DW-1:0]       write_writedata;
+    wire [DW/8-1:0]     write_byteenable;
+
+`define NCDC_READ_PORT(k) \
+        .read``k``_address(read_address[32*k +: 32]), .read``k``_read(read_read[k]), \
+        .read``k``_burstcount(read_burstcount[BW*k +: BW]), \
+        .read``k``_waitrequest(read_waitrequest[k]), \
+        .read``k``_readdata(read_readdata[DW*k +: DW]), \
+        .read``k``_readdatavalid(read_readdatavalid[k])
+
+    ncdc dut (
+        .clk(clk), .rst(rst),
+        .csr_address(csr_address), .csr_read(csr_read), .csr_write(csr_write),
+        .csr_writedata(csr_writedata), .csr_readdata(csr_readdata),
+        .csr_readdatavalid(csr_readdatavalid), .csr_waitrequest(csr_waitrequest),
+        .irq(irq), .front_end_idle(front_end_idle),
+        `NCDC_READ_PORT(0),
+`ifdef NCDC_THREE_READ_PORTS
+        `NCDC_READ_PORT(1),
+        `NCDC_READ_PORT(2),
+`endif
+`ifdef NCDC_STREAM
+        .stream_valid(stream_valid), .stream_ready(stream_ready), .stream_data(stream_data),
+        .stream_startofpacket(stream_startofpacket), .stream_endofpacket(stream_endofpacket)
+`else
+        .write_address(write_address), .write_write(write_write),
+        .write_burstcount(write_burstcount), .write_writedata(write_writedata),
+        .write_byteenable(write_byteenable), .write_waitrequest(write_waitrequest)
+`endif
+    );
+
+    wire [31:0] memory_errors;
+    avalon_memory #(
+        .PORTS(PORTS), .DATA_WIDTH(DW), .BURST_WIDTH(BW), .WRITE_BURST_WIDTH(WBW),
+        .BYTES(`NCDC_MEMORY_BYTES)
+    ) memory (
+        .clk(clk), .rst(rst),
+        .latency_min(latency_min[15:0]), .latency_max(latency_max[15:0]), .rate(rate[15:0]),
+        .granule(granule[15:0]), .wait_chance(wait_chance[8:0]), .max_pending(max_pending[15:0]), .seed(seed),
+        .errors(memory_errors),
+        .read_address(read_address), .read_read(read_read), .read_burstcount(read_burstcount),
+        .read_waitrequest(read_waitrequest), .read_readdata(read_readdata),
+        .read_readdatavalid(read_readdatavalid),
+        .write_address(write_address), .write_write(write_write),
+        .write_burstcount(write_burstcount), .write_writedata(write_writedata),
+        .write_byteenable(write_byteenable), .write_waitrequest(write_waitrequest)
+    );
+
+    // Checkers and counters.
+    wire [31:0] read_errors [0:PORTS-1], read_commands [0:PORTS-1];
+    wire [31:0] read_beats [0:PORTS-1], read_waits [0:PORTS-1];
+    genvar g;
+    generate
+        for (g = 0; g < PORTS; g = g + 1) begin : reader
+            avalon_checker #(
+                .NAME(g == 0 ? "read0" : g == 1 ? "read1" : "read2"),
+                .DATA_WIDTH(DW), .BURST_WIDTH(BW), .MAX_BURST(1 << (BW - 1))
+            ) checker_of_port (
+                .clk(clk), .rst(rst), .address(read_address[32*g +: 32]), .read(read_read[g]),
+                .write(1'b0), .burstcount(read_burstcount[BW*g +: BW]), .writedata({DW{1'b0}}),
+                .byteenable({DW/8{1'b0}}), .waitrequest(read_waitrequest[g]),
+                .readdatavalid(read_readdatavalid[g]), .errors(read_errors[g]),
+                .commands(read_commands[g]), .beats(read_beats[g]), .bytes(),
+                .waits(read_waits[g])
+            );
+        end
+    endgenerate
+
+    wire [31:0] output_errors, output_done;     // breaches, bytes delivered
+`ifdef NCDC_STREAM
+    wire        stream_valid, stream_startofpacket, stream_endofpacket;
+    wire [23:0] stream_data;
+    reg         stream_ready = 0;
+    wire [31:0] stream_beats, stream_packets, stream_waits;
+    reg  [31:0] sink_random;
+
+    assign write_address = 0, write_write = 0, write_burstcount = 0;
+    assign write_writedata = 0, write_byteenable = 0;
+    assign output_done = 3 * stream_beats;
+
+    stream_checker #(.NAME("stream"), .WIDTH(24)) stream_checker (
+        .clk(clk), .rst(rst), .valid(stream_valid), .ready(stream_ready), .data(stream_data),
+        .startofpacket(stream_startofpacket), .endofpacket(stream_endofpacket),
+        .errors(output_errors), .beats(stream_beats), .packets(stream_packets),
+        .waits(stream_waits)
+    );
+
+    integer pixels;
+    initial begin
+        pixels = $fopen("output.bin", "wb");
+        sink_random = 32'h2545F491;
+    end
+
+    always @(posedge clk) begin
+        sink_random = sink_random ^ (sink_random << 13);
+        sink_random = sink_random ^ (sink_random >> 17);
+        sink_random = sink_random ^ (sink_random << 5);
+        stream_ready <= sink_random[15:8] < sink_chance;
+        if (!rst && stream_valid && stream_ready)
+            $fwrite(pixels, "%c%c%c", stream_data[23:16], stream_data[15:8], stream_data[7:0]);
+    end
+`else
+    wire [31:0] write_commands, write_beats, write_waits;
+
+    avalon_checker #(
+        .NAME("write"), .DATA_WIDTH(DW), .BURST_WIDTH(WBW), .MAX_BURST(1 << (WBW - 1))
+    ) write_checker (
+        .clk(clk), .rst(rst), .address(write_address), .read(1'b0), .write(write_write),
+        .burstcount(write_burstcount), .writedata(write_writedata),
+        .byteenable(write_byteenable), .waitrequest(write_waitrequest), .readdatavalid(1'b0),
+        .errors(output_errors), .commands(write_commands), .beats(write_beats),
+        .bytes(output_done), .waits(write_waits)
+    );
+`endif
+
+    // The register program.
+    reg [31:0] clocks = 0, started = 0, position = 0, progress = 0, closing = 0;
+    reg        reading = 0;
+    reg [63:0] now;
+    wire [7:0] operation = now[63:56];
+    assign csr_address = now[32 +: `NCDC_CSR_ADDRESS_WIDTH];
+    assign csr_writedata = now[31:0];
+
+    task next;
+        begin
+            position = position + 1;
+            now <= instructions[position];
+        end
+    endtask
+
+    task report;
+        integer i;
+        begin
+            for (i = 0; i < PORTS; i = i + 1) begin
+                $display("RESULT read%0d_commands %0d", i, read_commands[i]);
+                $display("RESULT read%0d_beats %0d", i, read_beats[i]);
+                $display("RESULT read%0d_waits %0d", i, read_waits[i]);
+                if (read_errors[i] != 0)
+                    $display("RESULT read%0d_errors %0d", i, read_errors[i]);
+            end
+`ifdef NCDC_STREAM
+            $display("RESULT output_commands %0d", stream_packets);
+            $display("RESULT output_beats %0d", stream_beats);
+            $display("RESULT output_waits %0d", stream_waits);
+            $fclose(pixels);
+`else
+            $display("RESULT output_commands %0d", write_commands);
+            $display("RESULT output_beats %0d", write_beats);
+            $display("RESULT output_waits %0d", write_waits);
+            file = $fopen("output.bin", "wb");
+            memory.save(file, output_base, output_bytes);
+            $fclose(file);
+`endif
+            $display("RESULT output_bytes %0d", output_done);
+            $display("RESULT memory_errors %0d", memory_errors);
+            $display("RESULT total_clocks %0d", clocks);
+            $finish;
+        end
+    endtask
+
+    always @(posedge clk) begin
+        clocks = clocks + 1;
+        rst <= clocks < 8;
+        if (clocks == 8)
+            now <= instructions[0];
+        if (clocks > 16) begin
+            if (output_done - progress >= progress_step) begin
+                progress = output_done;
+                $display("PROGRESS %0d", output_done);
+                $fflush;
+            end
+            case (operation)
+                END: begin
+                    // A stream's sink may still be taking pixels that the module has let go.
+                    closing = closing + 1;
+`ifdef NCDC_STREAM
+                    if (closing == 16 + 64 * 256 || (closing > 16 && stream_beats >= output_pixels))
+`else
+                    if (closing == 16)
+`endif
+                        report;
+                end
+                WRITE: begin
+                    csr_write <= 1;
+                    if (csr_write && !csr_waitrequest) begin
+                        csr_write <= 0;
+                        started = clocks;
+                        next;
+                    end
+                end
+                COMPARE, REPORT: begin
+                    csr_read <= !reading;
+                    if (csr_read && !csr_waitrequest) begin
+                        csr_read <= 0;
+                        reading = 1;
+                    end
+                    if (csr_readdatavalid) begin
+                        csr_read <= 0;
+                        reading = 0;
+                        if (operation == REPORT)
+                            $display("READ %0d %0d", csr_address, csr_readdata);
+                        else if (csr_readdata !== csr_writedata) begin
+                            $display("FAILED register-compare word %0d reads %h instead of %h",
+                                     csr_address, csr_readdata, csr_writedata);
+                            report;
+                        end
+                        next;
+                    end
+                end
+                WAIT_IRQ:
+                    if (irq) begin
+                        $display("FRAME %0d", clocks - started);
+                        next;
+                    end
+                default: begin
+                    $display("FAILED program-operation %h at %0d", operation, position);
+                    report;
+                end
+            endcase
+        end
+        if (clocks == clock_limit) begin
+            $display("FAILED clock-limit %0d clocks, operation %0d of the program, %0d output bytes",
+                     clocks, position, output_done);
+            report;
+        end
+    end
+endmodule

@@ -1,0 +1,9 @@
+// The clock of the frame bench for simulators that keep time themselves.
+
+`timescale 1ns/1ps
+
+module frame_clock;
+    reg clk = 0;
+    always #5 clk = !clk;
+    frame_bench bench (.clk(clk));
+endmodule

@@ -1,0 +1,93 @@
+"""Compiling Verilog with Verilator or Icarus, once, and running it with its output watched."""
+
+import shutil
+import subprocess
+from collections import deque
+from pathlib import Path
+
+from ncdc_sim.cache import cached, key_of, without_header
+from ncdc_sim.tools import SimulationError, call, environment, tool, version
+
+__all__ = ["HDL", "WAIVERS", "build", "run"]
+
+HDL = Path(__file__).parent / "hdl"
+
+# What Yosys's Verilog always provokes: expressions wider or narrower than their target, and
+# cases that rely on the value assigned before them.
+WAIVERS = ("-Wno-WIDTHEXPAND", "-Wno-WIDTHTRUNC", "-Wno-CASEINCOMPLETE")
+
+
+def build(name, top, sources, *, defines=None, simulator="verilator", main=None):
+    """Command that runs the simulation of module ``top``, compiled if it was not yet.
+
+    Parameters
+    ----------
+    name : str
+        Start of the cache entry's name.
+    top : str
+        Top module. Under Verilator its clock comes from ``main``.
+    sources : list of (file name, Verilog text)
+        Compiled in this order.
+    defines : dict
+        Verilog macros and their values.
+    simulator : str
+        One of ``ncdc_sim.tools.SIMULATORS``.
+    main : Path
+        C++ main program (Verilator only).
+
+    Raises
+    ------
+    InputError
+        If the simulator is unknown or not installed.
+    SimulationError
+        If the sources do not compile.
+    """
+    compiler = tool(simulator)
+    defines = [f"-D{key}" if value is None else f"-D{key}={value}"
+               for key, value in sorted((defines or {}).items())]
+    if simulator == "icarus":
+        program = "simulation.vvp"
+        command = [compiler, "-g2012", "-s", top, "-o", program, *defines]
+    else:
+        program = "simulation"
+        command = [compiler, "--cc", "--exe", "--build", "-j", "2", "-O3", "--top-module", top,
+                   "--timescale", "1ns/1ps", "--Mdir", "model", "-o", f"../{program}",
+                   "-MAKEFLAGS", "OPT_FAST=-O2", *WAIVERS, *defines]
+    texts = [(file, without_header(text)) for file, text in sources]
+    if main is not None and simulator == "verilator":
+        texts.append((main.name, main.read_text()))
+
+    def compile_in(folder):
+        for file, text in texts:
+            (folder / file).write_text(text)
+        call([*command, *(file for file, _ in texts)], folder)
+        for file, _ in texts:
+            (folder / file).unlink()
+        shutil.rmtree(folder / "model", ignore_errors=True)
+
+    key = key_of(name, simulator, version(simulator), *command[1:], *sum(texts, ()))
+    path = cached(key, compile_in) / program
+    return ["vvp", "-N", str(path)] if simulator == "icarus" else [str(path)]
+
+
+def run(command, folder, on_line=lambda line: None):
+    """Run a built simulation in ``folder``, handing each line it prints to ``on_line``.
+
+    Raises
+    ------
+    SimulationError
+        If it ends with an error status; the message holds the last lines it printed.
+    """
+    last = deque(maxlen=20)
+    with subprocess.Popen(command, cwd=folder, env=environment(), text=True, errors="replace",
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+        try:
+            for line in process.stdout:
+                last.append(line.rstrip())
+                on_line(last[-1])
+        except BaseException:
+            process.kill()
+            raise
+    if process.returncode:
+        raise SimulationError(f"the simulation ended with status {process.returncode}:\n"
+                              + "\n".join(last))

