@@ -1,0 +1,138 @@
+"""Errors of a map in pixels: the float network and the integers, on points and on whole frames."""
+
+import numpy as np
+
+from ncdc_model.network import coordinates, hidden_neuron, output_neuron, tansig_design
+from ncdc_model.tansig import tansig
+
+__all__ = ["evaluate_frame", "evaluate_points", "fixed_map", "float_map", "map_error"]
+
+_ROWS = 64             # corrected rows at a time: bounds the memory
+
+
+def map_error(map_a, map_b, mask=None):
+    """Error of one map against another: dict of ``mse``, ``mean`` and ``max``.
+
+    ``map_a`` and ``map_b`` are pairs (x, y) of arrays in pixels of the distorted image, ``mask``
+    (optional, bool) selects. ``mse`` is the mean of dx^2 + dy^2, ``mean`` and ``max`` are of the
+    Euclidean distance. Nothing selected: the three are ``nan``.
+    """
+    square = ((np.asarray(map_a[0], np.float64) - map_b[0])**2
+              + (np.asarray(map_a[1], np.float64) - map_b[1])**2)
+    tally = _Tally()
+    tally.add(square if mask is None else square[mask])
+    return tally.errors()
+
+
+def float_map(network, geometry):
+    """The map (u, v) -> (x, y) in pixels of a :class:`FloatNetwork`."""
+    return lambda u, v: network(*geometry.normalise(u, v))
+
+
+def fixed_map(descriptor):
+    """The map (u, v) -> (x, y) in pixels of the integer network, at real coordinates.
+
+    The hardware knows whole pixels only, for which this equals ``network.coordinates``; between
+    them the normalised coordinate is rounded to the format of the neurons' input. It saturates
+    outside the frame.
+    """
+    geometry, formats = descriptor.geometry, descriptor.formats
+    design = tansig_design(formats)
+
+    def back_map(u, v):
+        x, y = (np.clip(formats.input.quantise(n), formats.input.lo, formats.input.hi)
+                for n in geometry.normalise(u, v))
+        activations = [tansig(hidden_neuron(x, y, weights, bias, formats), design)
+                       for weights, bias in zip(descriptor.hidden_weights,
+                                                descriptor.hidden_biases)]
+        return tuple(formats.coordinate.real(output_neuron(activations, weights, bias, formats))
+                     for weights, bias in zip(descriptor.output_weights,
+                                              descriptor.output_biases))
+    return back_map
+
+
+def evaluate_points(descriptor, u, v, x, y):
+    """Errors at calibrated points (u, v) -> (x, y), those inside the corrected frame.
+
+    Returns a dict of ``points`` and, as in :func:`map_error`, ``map_error_float_px`` and
+    ``map_error_fixed_px``.
+    """
+    width, height = descriptor.geometry.corrected
+    u, v, x, y = (np.asarray(values, np.float64) for values in (u, v, x, y))
+    on = (u >= 0) & (u <= width - 1) & (v >= 0) & (v <= height - 1)
+    u, v, truth = u[on], v[on], (x[on], y[on])
+    return {"points": int(on.sum()),
+            "map_error_float_px": map_error(
+                float_map(descriptor.network, descriptor.geometry)(u, v), truth),
+            "map_error_fixed_px": map_error(fixed_map(descriptor)(u, v), truth)}
+
+
+def evaluate_frame(descriptor, back_map=None, maps=None):
+    """Errors at every valid pixel of the corrected frame.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    back_map : callable, optional
+        The true map (u, v) -> (x, y); not-a-number where there is no source.
+    maps : dict, optional
+        Filled with ``float`` and ``fixed``, the Euclidean distances to the truth in pixels,
+        float32 of shape (height, width), ``nan`` where a pixel is not valid.
+
+    Returns
+    -------
+    dict
+        ``hidden_neurons``; ``valid_pixels``; ``fixed_minus_float_max_px``, the largest
+        difference on an axis between the integer and the float network; with ``back_map`` also
+        ``map_error_float_px`` and ``map_error_fixed_px`` as in :func:`map_error`.
+    """
+    geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
+    width, height = geometry.corrected
+    valid = descriptor.valid.mask(width)
+    network = float_map(descriptor.network, geometry)
+    tallies, worst = {"float": _Tally(), "fixed": _Tally()}, 0.0
+    for name in tallies if maps is not None else ():
+        maps[name] = np.full((height, width), np.nan, np.float32)
+    for top in range(0, height, _ROWS):
+        v, u = np.nonzero(valid[top:top + _ROWS])
+        v += top
+        if not len(u):
+            continue
+        both = {"float": network(u, v),
+                "fixed": tuple(coordinate.real(raw) for raw in coordinates(descriptor, u, v))}
+        worst = max(worst, *(float(np.abs(a - b).max()) for a, b in zip(*both.values())))
+        if back_map is None:
+            continue
+        x, y = back_map(u.astype(np.float64), v.astype(np.float64))
+        known = np.isfinite(x) & np.isfinite(y)
+        for name, (a, b) in both.items():
+            square = (a - x)**2 + (b - y)**2
+            tallies[name].add(square[known])
+            if maps is not None:
+                maps[name][v, u] = np.sqrt(square)
+    report = {"hidden_neurons": descriptor.hidden_neurons, "valid_pixels": int(valid.sum()),
+              "fixed_minus_float_max_px": worst}
+    if back_map is not None:
+        report["map_error_float_px"] = tallies["float"].errors()
+        report["map_error_fixed_px"] = tallies["fixed"].errors()
+    return report
+
+
+class _Tally:
+    """Sums of squared distances that come in parts."""
+
+    def __init__(self):
+        self.count, self.square, self.distance, self.worst = 0, 0.0, 0.0, 0.0
+
+    def add(self, square):
+        if square.size:
+            self.count += square.size
+            self.square += float(square.sum())
+            self.distance += float(np.sqrt(square).sum())
+            self.worst = max(self.worst, float(square.max()))
+
+    def errors(self):
+        if not self.count:
+            return dict.fromkeys(("mse", "mean", "max"), float("nan"))
+        return {"mse": self.square / self.count, "mean": self.distance / self.count,
+                "max": self.worst**.5}
