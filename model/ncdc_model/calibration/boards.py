@@ -1,9 +1,12 @@
 """Finds circle grids and chessboards with OpenCV."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
+from scipy.spatial import cKDTree
 
-from ncdc_model.calibration.blobs import flat_field
+from ncdc_model.calibration.blobs import find_blobs, flat_field
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.errors import InputError
 
@@ -25,8 +28,22 @@ def find_circles(image, columns, rows):
                   cv2.CALIB_CB_SYMMETRIC_GRID):
         found, centres = cv2.findCirclesGrid(grey, (columns, rows), flags=flags)
         if found:
-            return _points(centres, columns, rows)
+            return _refined(image, _points(centres, columns, rows))
     raise InputError(f"no grid of {columns}x{rows} circles was found")
+
+
+def _refined(image, photo):
+    """``photo`` with the blobs' centres and areas in place of OpenCV's coarser centres.
+
+    A circle that is no blob by itself, as one in a shadow, keeps its centre and the area zero.
+    """
+    blobs = find_blobs(image)
+    if not len(blobs.xy):
+        return photo
+    distance, nearest = cKDTree(blobs.xy).query(photo.xy)
+    same = distance < 0.25 * np.sqrt(blobs.area[nearest])
+    return replace(photo, xy=np.where(same[:, None], blobs.xy[nearest], photo.xy),
+                   area=np.where(same, blobs.area[nearest], 0.0))
 
 
 def find_chessboard(image, columns, rows):

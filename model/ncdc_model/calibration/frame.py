@@ -1,0 +1,147 @@
+"""The ideal frame: what a flat target's points are in a picture without distortion."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
+from ncdc_model.errors import InputError
+from ncdc_model.lens import Camera, choose_frame
+
+__all__ = ["IdealFrame", "ideal_frame"]
+
+_MARGIN = 0.05         # of the corrected size: points farther outside do not help to train
+_GROSS = 8.0           # times the usual residual, but at least 3 pixels: farther from the smooth
+_GROSS_PIXELS = 3.0    # lens than its neighbours are, a point was numbered or detected wrongly
+
+
+@dataclass(frozen=True)
+class IdealFrame:
+    """Training pairs, and the flat picture that they belong to.
+
+    Parameters
+    ----------
+    camera : Camera
+        The smooth lens, with the corrected frame; describes the points up to ``rms``.
+    homographies : tuple of ndarray, shape (3, 3)
+        Take (column, row, 1) of each photo's target to corrected pixels.
+    corrected, distorted : ndarray, shape (n, 2)
+        Pairs (u, v) and (x, y) in pixels. (u, v) are exactly the homography's of the index;
+        (x, y) are measured.
+    index : ndarray of int, shape (n, 2)
+        Column and row on the target.
+    photo : ndarray of int, shape (n,)
+        Which photo each pair is from.
+    rms : float
+        Root mean square distance, in distorted pixels, of the used points from the smooth lens.
+    rejected : dict
+        How many points were not used, by reason.
+    """
+    camera: Camera
+    homographies: tuple
+    corrected: np.ndarray
+    distorted: np.ndarray
+    index: np.ndarray
+    photo: np.ndarray
+    rms: float
+    rejected: dict
+
+
+def ideal_frame(points, size=None, zoom="fit"):
+    """Training pairs of :class:`TargetPoints` for a corrected picture of ``size`` at ``zoom``.
+
+    A smooth lens and the target's poses are fitted to all photos at once. The flat picture is
+    what a pinhole camera in the same place and position sees: its rows and columns are parallel
+    to the sensor's at the centre of distortion, whatever the rotation and tilt of the target, and
+    its scale and place follow from ``zoom`` (see :func:`ncdc_model.lens.choose_frame`; at zoom
+    1 the magnification in the middle is 1). The centre of gravity of a round dot's picture is
+    moved by the lens and by perspective; it is corrected for the size of the dots.
+
+    Raises
+    ------
+    InputError
+        If no photo has 12 points, no lens explains them, or ``zoom`` does not suit the lens.
+    """
+    size = tuple(size or points.size)
+    rejected, names = {}, []
+    photos = []
+    for photo in points.photos:
+        if len(photo.index) < MIN_POINTS:
+            _count(rejected, "in a photo with too few points", len(photo.index))
+        else:
+            photos.append(photo)
+            names.append(photo.name)
+    if not photos:
+        raise InputError(f"no photo has {MIN_POINTS} points")
+    index = [np.asarray(photo.index, np.float64) for photo in photos]
+    xy = [photo.xy for photo in photos]
+    fit = fit_smooth(points.size, list(zip(index, xy)))
+    if points.target != "chessboard":
+        xy = [photo.xy - _eccentricity(fit, number, photo) for number, photo in enumerate(photos)]
+        fit = fit_smooth(points.size, list(zip(index, xy)))
+
+    residual = [fit.pixels(number, index[number]) - xy[number] for number in range(len(photos))]
+    far = [np.linalg.norm(offset, axis=1) for offset in residual]
+    limit = max(_GROSS_PIXELS, _GROSS * float(np.median(np.concatenate(far))))
+    frame = choose_frame(fit.camera.undistort, fit.camera.distort, points.size, size, zoom)
+    camera = replace(fit.camera, frame=frame)
+    homographies, kept = [], []
+    for number, distance in enumerate(far):
+        homography = frame.matrix @ fit.planes[number]
+        homographies.append(homography / homography[2, 2])
+        rays = fit.rays(number, index[number])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            uv = np.stack(frame.pixel(rays[:, 0] / rays[:, 2], rays[:, 1] / rays[:, 2]), axis=1)
+        gross = _against_neighbours(index[number], residual[number]) > limit
+        margin = _MARGIN * np.array(size)
+        inside = ((uv >= -margin) & (uv <= np.array(size) - 1 + margin)).all(axis=1)
+        inside &= rays[:, 2] > 0
+        _count(rejected, "off the smooth lens by more than its neighbours", int(gross.sum()))
+        _count(rejected, "outside the corrected frame", int((~inside & ~gross).sum()))
+        use = inside & ~gross
+        kept.append((uv[use], xy[number][use], photos[number].index[use],
+                     np.full(int(use.sum()), number), distance[use]))
+    corrected, distorted, used, photo, distance = (np.concatenate(part) for part in zip(*kept))
+    if len(used) < MIN_POINTS:
+        raise InputError(f"{len(used)} points lie inside the corrected frame, at least {MIN_POINTS} "
+                         f"are needed")
+    return IdealFrame(camera=camera, homographies=tuple(homographies), corrected=corrected,
+                      distorted=distorted, index=used, photo=photo,
+                      rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected)
+
+
+def _against_neighbours(index, residual):
+    """Distance of each point's residual from the median of its eight nearest neighbours'."""
+    nearest = cKDTree(index).query(index, min(9, len(index)))[1][:, 1:]
+    return np.linalg.norm(residual - np.median(residual[nearest], axis=1), axis=1)
+
+
+def _count(rejected, reason, count):
+    if count:
+        rejected[reason] = rejected.get(reason, 0) + count
+
+
+def _eccentricity(fit, number, photo):
+    """Centre of gravity of each dot's picture minus the picture of its centre, (n, 2) pixels.
+
+    The dots' radius on the target follows from their areas. The integrals over a disc are those
+    of the seven-point formula of degree five.
+    """
+    def pixels(offset):
+        return fit.pixels(number, photo.index + np.asarray(offset, np.float64))
+
+    def stretch(offset, h=1e-3):
+        (xa, ya), (xb, yb) = (((pixels(np.add(offset, d)) - pixels(np.subtract(offset, d))) / (2 * h)).T
+                              for d in ((h, 0), (0, h)))
+        return np.abs(xa * yb - xb * ya)
+    usable = photo.area > 0
+    if not usable.any():
+        return np.zeros_like(photo.xy)
+    radius = np.sqrt(np.median((photo.area / stretch((0, 0)))[usable]) / np.pi)
+    turns = np.arange(6) * np.pi / 3
+    ring = radius * np.sqrt(2 / 3) * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    offsets, weights = np.vstack([[0, 0], ring]), np.array([1 / 4] + [1 / 8] * 6)
+    mass = np.array([weight * stretch(offset) for weight, offset in zip(weights, offsets)])
+    places = np.array([pixels(offset) for offset in offsets])
+    return (mass[:, :, None] * places).sum(axis=0) / mass.sum(axis=0)[:, None] - places[0]

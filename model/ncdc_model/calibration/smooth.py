@@ -1,0 +1,176 @@
+"""One smooth lens and a pose of the target per photo, fitted together to the points."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from ncdc_model.errors import InputError
+from ncdc_model.lens import (AsymmetricSurface, BrownWeng, Camera, Frame, KannalaBrandt,
+                             TiltedSensor)
+
+__all__ = ["MIN_POINTS", "SmoothFit", "fit_smooth"]
+
+MIN_POINTS = 12        # of a photo: its pose has six unknowns, the lens has nine more
+_FOCALS = (0.3, 0.45, 0.7, 1.1)     # first guesses, in image widths
+_ROBUST = 0.5          # pixels: residuals beyond count linearly
+_TERMS = 4             # of the radial polynomial
+_LENS = 3 + _TERMS + 4 + 1
+
+# One photo cannot tell an asymmetric lens from a tilted page, nor a long lens near the page from a
+# short one far away: what is usual of a lens decides. Mean and standard deviation of the focal
+# length (its logarithm, in widths), the centre (from the middle, in widths), k, (p0, p1, s0, s2),
+# and the ratio of the target's distances. Photos from several sides do tell; then the usual
+# counts for little.
+_MEAN = np.array([np.log(0.5)] + [0.0] * (_TERMS + 6) + [1.0])
+_SPREAD = np.array([0.4] + [0.03] * 2 + [0.15] * _TERMS + [0.002] * 4 + [0.01])
+_ALONE, _TOGETHER = 1 / 128, 1 / 1280     # of the width: what one deviation weighs in a residual
+
+
+@dataclass(frozen=True)
+class SmoothFit:
+    """A smooth camera and, per photo, the target's plane seen by it.
+
+    Parameters
+    ----------
+    camera : Camera
+        Radial (equidistant with polynomial), decentring and thin prism; frame as the image.
+    planes : tuple of ndarray, shape (3, 3)
+        Take (column, row, 1) of a photo's target to a direction in camera coordinates.
+    """
+    camera: Camera
+    planes: tuple
+
+    def rays(self, photo, index):
+        """Directions (n, 3) of the target's points ``index`` (n, 2) in photo number ``photo``."""
+        return index @ self.planes[photo][:, :2].T + self.planes[photo][:, 2]
+
+    def pixels(self, photo, index):
+        """Distorted pixels (n, 2) of the target's points ``index`` (n, 2)."""
+        return _project(self.camera, self.rays(photo, index))
+
+
+def fit_smooth(size, photos):
+    """Robust least squares of the distance between points and their projections, in pixels.
+
+    The target is flat with equal distances along columns and rows up to a common ratio, which
+    is fitted too. So a tilt of the page is explained by its pose and does not end up in the
+    lens. The lens: equidistant with a polynomial of four terms, free centre and focal length,
+    decentring and thin prism of first order (equation (14) of the paper and Weng's).
+
+    Parameters
+    ----------
+    size : (int, int)
+        Width and height of the photos.
+    photos : sequence of (index, xy)
+        Arrays (n, 2) of each photo.
+
+    Returns
+    -------
+    SmoothFit
+
+    Raises
+    ------
+    InputError
+        If a photo has fewer than 12 points or no lens explains the points.
+    """
+    for index, _ in photos:
+        if len(index) < MIN_POINTS:
+            raise InputError(f"a photo has {len(index)} points, at least {MIN_POINTS} are needed")
+    indices = [np.asarray(index, np.float64) for index, _ in photos]
+    points = [np.asarray(xy, np.float64) for _, xy in photos]
+    measured = np.concatenate(points)
+
+    middle = (np.array(size) - 1) / 2
+    weight = size[0] * max(_ALONE / len(photos)**2, _TOGETHER) / _SPREAD
+
+    def residuals(parameters):
+        camera, planes = _unpack(parameters, size)
+        xy = np.concatenate([_project(camera, index @ plane[:, :2].T + plane[:, 2])
+                             for index, plane in zip(indices, planes)])
+        error = np.nan_to_num((xy - measured).ravel(), nan=1e4)
+        unusual = np.concatenate([[np.log(max(parameters[0], 1.0) / size[0])],
+                                  (parameters[1:3] - middle) / size[0],
+                                  parameters[3:_LENS]]) - _MEAN
+        return np.concatenate([error, weight * unusual])
+
+    guesses = sorted((_guess(size, focal * size[0], indices, points) for focal in _FOCALS),
+                     key=lambda guess: np.median(np.abs(residuals(guess))))
+    best = None
+    for guess in guesses[:2]:
+        result = least_squares(residuals, guess, x_scale="jac", loss="huber", f_scale=_ROBUST,
+                               max_nfev=200)
+        if best is None or result.cost < best.cost:
+            best = result
+    camera, planes = _unpack(best.x, size)
+    typical = np.median(np.abs(best.fun))
+    if not typical < 0.02 * max(size):
+        raise InputError(f"no smooth lens explains the points: half of them are off by more than "
+                         f"{typical:.1f} pixels")
+    return SmoothFit(camera, tuple(planes))
+
+
+def _unpack(parameters, size):
+    """Camera and planes of the vector: focal, centre, k, p, s, ratio, then six per photo."""
+    focal, cx, cy = parameters[:3]
+    k, (p0, p1, s0, s2) = parameters[3:3 + _TERMS], parameters[3 + _TERMS:7 + _TERMS]
+    ratio = parameters[_LENS - 1]
+    camera = Camera(size=tuple(size), radial=KannalaBrandt(tuple(k.tolist())), focal=float(focal),
+                    centre=(float(cx), float(cy)), frame=Frame(tuple(size), float(focal), (cx, cy)),
+                    decentring=BrownWeng(p=(float(p0), float(p1)),
+                                         s=(float(s0), 0.0, float(s2), 0.0)),
+                    tilt=TiltedSensor(), surface=AsymmetricSurface(tuple(size)))
+    poses = parameters[_LENS:].reshape(-1, 6)
+    planes = []
+    for matrix, shift in zip(Rotation.from_rotvec(poses[:, :3]).as_matrix(), poses[:, 3:]):
+        planes.append(np.stack([matrix[:, 0], ratio * matrix[:, 1], shift], axis=1))
+    return camera, planes
+
+
+def _project(camera, rays):
+    """Pixels (n, 2) of directions that may be more than 90 degrees off the axis."""
+    x, y, z = rays.T
+    across = np.hypot(x, y)
+    angle = np.arctan2(across, z)
+    q = angle * angle
+    radius = np.ones_like(q)
+    for power, coefficient in enumerate(camera.radial.k, 1):
+        radius = radius + coefficient * q**power
+    scale = angle * radius / np.maximum(across, 1e-12)
+    x, y = camera.decentring.distort(x * scale, y * scale)
+    return np.stack([camera.focal * x + camera.centre[0], camera.focal * y + camera.centre[1]],
+                    axis=1)
+
+
+def _guess(size, focal, indices, points):
+    """Parameters of an equidistant lens of ``focal`` pixels, the poses by direct linear fits."""
+    centre = (np.array(size) - 1) / 2
+    lens = np.concatenate([[focal], centre, _MEAN[3:]])
+    return np.concatenate([lens] + [_pose(index, (xy - centre) / focal)
+                                    for index, xy in zip(indices, points)])
+
+
+def _pose(index, flat):
+    """Rotation vector and shift that take (i, j, 0) to the directions of points ``flat``.
+
+    The points are those of an equidistant lens of focal length 1.
+    """
+    angle = np.linalg.norm(flat, axis=1, keepdims=True)
+    rays = np.hstack([flat * np.sinc(angle / np.pi), np.cos(angle)])
+    # Centred and scaled indices keep the linear system well conditioned.
+    middle, spread = index.mean(axis=0), index.std() + 1e-9
+    plane = np.column_stack([(index - middle) / spread, np.ones(len(index))])
+    a, b, c = rays.T[:, :, None] * plane.T[None].swapaxes(1, 2)
+    nothing = np.zeros_like(a)
+    system = np.vstack([np.hstack([nothing, -c, b]), np.hstack([c, nothing, -a]),
+                        np.hstack([-b, a, nothing])])
+    matrix = np.linalg.svd(system, full_matrices=False)[2][-1].reshape(3, 3)
+    if np.sum((plane @ matrix.T) * rays) < 0:
+        matrix = -matrix
+    matrix = matrix @ np.array([[1, 0, -middle[0]], [0, 1, -middle[1]], [0, 0, spread]]) / spread
+    first, second, shift = matrix.T
+    scale = np.sqrt(np.linalg.norm(first) * np.linalg.norm(second))
+    left, _, right = np.linalg.svd(np.column_stack([first, second, np.cross(first, second) / scale]))
+    turn = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
+    return np.concatenate([Rotation.from_matrix(turn).as_rotvec(), shift / scale])

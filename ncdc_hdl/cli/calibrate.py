@@ -1,0 +1,63 @@
+"""``ncdc calibrate``: finds a target's points in real photos."""
+
+import json
+import sys
+from pathlib import Path
+
+from ncdc_model.calibration.detect import detect_points
+from ncdc_model.calibration.overlay import draw_points
+from ncdc_model.files import write_text
+from ncdc_model.images import read_image, write_image
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "find a target's points in photos of it"
+EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("photos", nargs="+", metavar="PHOTO",
+                        help="photo of the target: colour, grey, or the raw Bayer frame")
+    parser.add_argument("--target", default="auto", metavar="KIND",
+                        help="dots (a page of black dots that fills the picture), circles:CxR, "
+                             "chessboard:CxR (inner corners), or auto (default)")
+    parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
+                        help="points file (default: points.json); each photo with its points "
+                             "drawn over it goes beside it as a PNG")
+    parser.add_argument("--json", metavar="FILE", help="write the report as JSON; - for stdout")
+
+
+def run(args):
+    """Detect, write the points file and the overlays, report."""
+    points = detect_points(((name, read_image(name)) for name in args.photos), args.target)
+    points.save(args.output)
+    output = Path(args.output)
+    used = [name for name in args.photos if name not in points.rejected_photos]
+    overlays = []
+    for number, (name, photo) in enumerate(zip(used, points.photos), 1):
+        tag = "" if len(used) == 1 else f"-{number}-{Path(name).stem}"
+        overlays.append(str(output.with_name(f"{output.stem}{tag}.png")))
+        write_image(overlays[-1], draw_points(read_image(name), photo))
+    rejected = {}
+    for photo in points.photos:
+        for reason, count in photo.rejected.items():
+            rejected[reason] = rejected.get(reason, 0) + count
+    report = {
+        "target": points.target, "columns": points.columns, "rows": points.rows,
+        "points_found": points.count, "points_rejected": sum(rejected.values()),
+        "points_rejected_by_reason": rejected, "photos_used": len(points.photos),
+        "photos_rejected": points.rejected_photos, "points": str(output), "overlays": overlays,
+    }
+    for name, reason in points.rejected_photos.items():
+        print(f"{name}: not used: {reason}", file=sys.stderr)
+    if args.json == "-":
+        print(json.dumps(report, indent=2))
+        return
+    if args.json:
+        write_text(args.json, json.dumps(report, indent=2) + "\n")
+    print(f"{points.count} points ({points.target}, {points.columns} columns x {points.rows} rows) "
+          f"in {len(points.photos)} of {len(args.photos)} photos")
+    for reason, count in rejected.items():
+        print(f"  {count} rejected: {reason}")
+    print(f"{output}; look at {overlays[0]}" + (" and the others" if overlays[1:] else ""))
