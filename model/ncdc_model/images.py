@@ -60,7 +60,8 @@ def write_image(path, image):
         if not cv2.haveImageWriter(f"x{Path(path).suffix}"):
             raise InputError(f"{path} has the suffix {Path(path).suffix!r}, which names no image "
                              f"format; .png is one")
-        content = cv2.imencode(Path(path).suffix, image[:, :, ::-1] if image.ndim == 3 else image)[1]
+        picture = image[:, :, ::-1] if image.ndim == 3 else image
+        content = cv2.imencode(Path(path).suffix, picture)[1]
     except cv2.error as error:
         raise InputError(f"cannot write {path}: {error.err}") from error
     with replace_file(path) as temporary:

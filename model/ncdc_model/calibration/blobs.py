@@ -17,7 +17,7 @@ _FILL = (0.80, 1.15)   # area over the area of the ellipse with the same second 
 
 @dataclass(frozen=True)
 class Blobs:
-    """Centres (n, 2) in pixels, areas (n,) in pixels, and how many blobs were rejected, by reason."""
+    """Centres (n, 2), areas (n,) in square pixels, and how many were rejected, by reason."""
     xy: np.ndarray
     area: np.ndarray
     rejected: dict
@@ -100,8 +100,9 @@ def _blobs(smooth, dark, smallest):
 
 
 def _counts(cut, small, odd):
-    reasons = {"cut by the border": cut[1:], "too small": small[1:], "not a filled ellipse": odd[1:]}
-    return {reason: int(which.sum()) for reason, which in reasons.items() if which.any()}
+    reasons = {"cut by the border": cut, "too small": small, "not a filled ellipse": odd}
+    # Component 0 is the page.
+    return {reason: int(which[1:].sum()) for reason, which in reasons.items() if which[1:].any()}
 
 
 def _centres(flat, labels, good, count, area):

@@ -56,7 +56,8 @@ def find_chessboard(image, columns, rows):
     """
     for side, count in (("columns", columns), ("rows", rows)):
         if count < 3:
-            raise InputError(f"a chessboard has {count} {side} of inner corners, at least 3 are needed")
+            raise InputError(f"the chessboard has {count} {side} of inner corners, at least 3 "
+                             f"are needed")
     grey = _grey(image)
     flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
     for effort in (0, cv2.CALIB_CB_EXHAUSTIVE):

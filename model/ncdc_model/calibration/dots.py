@@ -32,5 +32,6 @@ def find_dots(image):
         if count:
             rejected[reason] = count
     if len(where) < _ENOUGH:
-        raise InputError(f"{len(where)} dots on one lattice were found, at least {_ENOUGH} are needed")
+        raise InputError(f"{len(where)} dots on one lattice were found, at least {_ENOUGH} are "
+                         f"needed")
     return PhotoPoints(index=index, xy=blobs.xy[where], area=blobs.area[where], rejected=rejected)

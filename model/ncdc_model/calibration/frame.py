@@ -104,8 +104,8 @@ def ideal_frame(points, size=None, zoom="fit"):
                      np.full(int(use.sum()), number), distance[use]))
     corrected, distorted, used, photo, distance = (np.concatenate(part) for part in zip(*kept))
     if len(used) < MIN_POINTS:
-        raise InputError(f"{len(used)} points lie inside the corrected frame, at least {MIN_POINTS} "
-                         f"are needed")
+        raise InputError(f"{len(used)} points lie inside the corrected frame, at least "
+                         f"{MIN_POINTS} are needed")
     return IdealFrame(camera=camera, homographies=tuple(homographies), corrected=corrected,
                       distorted=distorted, index=used, photo=photo,
                       rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected)
@@ -132,8 +132,9 @@ def _eccentricity(fit, number, photo):
         return fit.pixels(number, photo.index + np.asarray(offset, np.float64))
 
     def stretch(offset, h=1e-3):
-        (xa, ya), (xb, yb) = (((pixels(np.add(offset, d)) - pixels(np.subtract(offset, d))) / (2 * h)).T
-                              for d in ((h, 0), (0, h)))
+        change = (pixels(np.add(offset, d)) - pixels(np.subtract(offset, d))
+                  for d in ((h, 0), (0, h)))
+        (xa, ya), (xb, yb) = (pair.T / (2 * h) for pair in change)
         return np.abs(xa * yb - xb * ya)
     usable = photo.area > 0
     if not usable.any():

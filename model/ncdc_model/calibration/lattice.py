@@ -130,8 +130,8 @@ def _checked(xy, found):
     """``found`` without the points that lie off the line of their neighbours.
 
     The worst is taken out first and the rest judged anew, so that one stray point does not take
-    its neighbours with it. A point without two neighbours in any line has nothing to be checked
-    against and is taken out as well.
+    its neighbours with it. A point without two neighbours in any line, as in a corner, is
+    judged by the steps of the lines beside it; without those it is taken out.
     """
     found = dict(found)
     while found:
@@ -157,4 +157,25 @@ def _misfit(xy, found, key):
             offset = np.linalg.norm(point - xy[first] + a * step) / np.linalg.norm(step)
             # Beyond the ends of a line the curve of the lens adds up: three steps' worth.
             worst = max(worst, offset if (a, b) == (-1, 1) else offset / 3)
-    return np.inf if worst < 0 else worst
+    return worst if worst >= 0 else _lonely_misfit(xy, found, key)
+
+
+def _lonely_misfit(xy, found, key):
+    """:func:`_misfit` of a point at the rim that has no two neighbours in a line.
+
+    Its step from a neighbour must be that of the line beside it: level with it, or one further
+    in, where the step may have changed by twice as much.
+    """
+    scores = []
+    for away in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        for side in (away[::-1], (-away[1], -away[0])):
+            for shift, allow in ((0, 2), (1, 4)):
+                points = [found.get((key[0] + a * away[0] + b * side[0],
+                                     key[1] + a * away[1] + b * side[1]))
+                          for a, b in ((1, 0), (shift, 1), (shift + 1, 1))]
+                if None not in points:
+                    near, first, second = (xy[point] for point in points)
+                    step = first - second
+                    offset = np.linalg.norm(near + step - xy[found[key]])
+                    scores.append(offset / np.linalg.norm(step) / allow)
+    return min(scores, default=np.inf)

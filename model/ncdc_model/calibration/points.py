@@ -154,8 +154,8 @@ class TargetPoints:
                          photos=tuple(map(_photo, table["photos"])),
                          rejected_photos=dict(table["rejected_photos"]))
             if (points.columns, points.rows) != (table["columns"], table["rows"]):
-                raise InputError(f"columns and rows are {table['columns']} and {table['rows']}, the "
-                                 f"indices span {points.columns} and {points.rows}")
+                raise InputError(f"columns and rows are {table['columns']} and {table['rows']}, "
+                                 f"the indices span {points.columns} and {points.rows}")
             return points
         except KeyError as error:
             raise InputError(f"{path} lacks the value {error}") from error

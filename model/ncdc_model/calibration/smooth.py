@@ -171,6 +171,7 @@ def _pose(index, flat):
     matrix = matrix @ np.array([[1, 0, -middle[0]], [0, 1, -middle[1]], [0, 0, spread]]) / spread
     first, second, shift = matrix.T
     scale = np.sqrt(np.linalg.norm(first) * np.linalg.norm(second))
-    left, _, right = np.linalg.svd(np.column_stack([first, second, np.cross(first, second) / scale]))
+    third = np.cross(first, second) / scale
+    left, _, right = np.linalg.svd(np.column_stack([first, second, third]))
     turn = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
     return np.concatenate([Rotation.from_matrix(turn).as_rotvec(), shift / scale])

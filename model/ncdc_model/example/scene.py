@@ -59,7 +59,8 @@ def _windows(image, a, b, top, storey):
     glass = (abs(x) < 0.080) & (y > 0.015) & (y < 0.285)
     shine = 0.75 + 0.35 * (np.mod(x + 0.45 * y, 0.13) < 0.035) - 0.8 * y
     image[glass] = (shine[..., None] * np.array([70, 112, 140]))[glass]
-    colours = np.array([[196, 60, 52], [240, 186, 64], [62, 128, 96], [70, 92, 170], [220, 214, 200]])
+    colours = np.array([[196, 60, 52], [240, 186, 64], [62, 128, 96], [70, 92, 170],
+                        [220, 214, 200]])
     pick = colours[np.mod(3 * number + 2 * storey, 5).astype(int)]
     blind = glass & (y < 0.06 + 0.05 * np.mod(number + storey, 3))
     stripe = np.where(np.mod(x, 0.016) < 0.008, 1.0, 0.82)[..., None]

@@ -16,6 +16,7 @@ from ncdc_model.lens.radial import AsariPolynomial, KannalaBrandt, Rational
 __all__ = ["Camera"]
 
 _RADIAL = {"kb": KannalaBrandt, "brown": Rational, "asari": AsariPolynomial}
+_SURFACE = ("scale", "bump_centres", "bump_sigmas", "bump_vectors", "poly")
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,8 @@ class Camera:
     def distort(self, a, b):
         """Distorted pixel of the ideal point (a, b); not-a-number beyond the lens's view."""
         x, y = self.tilt.distort(*self.decentring.distort(*self.radial.distort(a, b)))
-        return self.surface.distort(self.focal * x + self.centre[0], self.focal * y + self.centre[1])
+        return self.surface.distort(self.focal * x + self.centre[0],
+                                    self.focal * y + self.centre[1])
 
     def undistort(self, x, y):
         """Ideal point of the distorted pixel (x, y); not-a-number where the lens has none."""
@@ -101,11 +103,7 @@ class Camera:
             "f_distorted": self.focal, "f_corrected": self.frame.focal,
             "corrected_size": list(self.frame.size), "corrected_centre": list(self.frame.centre)}
         if self.surface.scale:
-            surface = self.surface
-            table["residual"] = {
-                "scale": surface.scale, "bump_centres": surface.bump_centres,
-                "bump_sigmas": surface.bump_sigmas, "bump_vectors": surface.bump_vectors,
-                "poly": surface.poly}
+            table["residual"] = {name: getattr(self.surface, name) for name in _SURFACE}
         return table
 
     @classmethod
@@ -137,7 +135,8 @@ class Camera:
         width, height = _number(table, "width"), _number(table, "height")
         for name, value in (("width", width), ("height", height)):
             if value != int(value) or not 8 <= value <= MAX_SIZE:
-                raise InputError(f"the camera's {name} is {value:g}, the limits are 8 and {MAX_SIZE}")
+                raise InputError(f"the camera's {name} is {value:g}, the limits are 8 and "
+                                 f"{MAX_SIZE}")
         focal = _number(table, "f_distorted")
         if focal <= 0:
             raise InputError(f"the camera's f_distorted is {focal:g}, it must be positive")
@@ -149,8 +148,8 @@ class Camera:
         residual = table.get("residual", {})
         surface = AsymmetricSurface(
             size=(int(width), int(height)),
-            **{name: _frozen(residual[name], f"residual {name}") for name in
-               ("scale", "bump_centres", "bump_sigmas", "bump_vectors", "poly") if name in residual})
+            **{name: _frozen(residual[name], f"residual {name}")
+               for name in _SURFACE if name in residual})
         camera = cls(
             size=(int(width), int(height)), radial=_RADIAL[kind](_vector(table, "k", ())),
             focal=focal, centre=_vector(table, "centre", None, 2), frame=None,
@@ -206,5 +205,6 @@ def _vector(table, name, default, length=None):
         return default
     vector = _frozen(table[name], name)
     if not isinstance(vector, tuple) or length not in (None, len(vector)):
-        raise InputError(f"the camera's {name} is {table[name]!r}, {length or 'some'} numbers are needed")
+        raise InputError(f"the camera's {name} is {table[name]!r}, {length or 'some'} numbers are "
+                         f"needed")
     return vector

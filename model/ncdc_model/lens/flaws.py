@@ -17,8 +17,10 @@ class BrownWeng:
 
     With (x, y) relative to ``centre`` and q = x^2 + y^2::
 
-        xd = x + x (k0 q + k1 q^2 + ...) + (p0 (q + 2 x^2) + 2 p1 x y) (1 + p2 q + ...) + s0 q + s1 q^2
-        yd = y + y (k0 q + k1 q^2 + ...) + (2 p0 x y + p1 (q + 2 y^2)) (1 + p2 q + ...) + s2 q + s3 q^2
+        xd = x (1 + k0 q + k1 q^2 + ...)
+             + (p0 (q + 2 x^2) + 2 p1 x y) (1 + p2 q + ...) + s0 q + s1 q^2
+        yd = y (1 + k0 q + k1 q^2 + ...)
+             + (2 p0 x y + p1 (q + 2 y^2)) (1 + p2 q + ...) + s2 q + s3 q^2
 
     The thin prism terms s are Weng's. Coefficients belong to the units of the points.
     ``undistort`` yields not-a-number where it finds no inverse, as beyond the fold of the model.
@@ -31,16 +33,16 @@ class BrownWeng:
 
     def distort(self, x, y):
         """Distorted point of the ideal point (x, y)."""
-        x, y = np.asarray(x, np.float64) - self.centre[0], np.asarray(y, np.float64) - self.centre[1]
+        cx, cy = self.centre
+        x, y = np.asarray(x, np.float64) - cx, np.asarray(y, np.float64) - cy
         q = x * x + y * y
         radial = _powers(q, (1.0, *self.k))
         higher = _powers(q, (1.0, *self.p[2:]))
         p0, p1 = self.p[:2]
         s0, s1, s2, s3 = self.s
-        return (x * radial + (p0 * (q + 2 * x * x) + 2 * p1 * x * y) * higher + q * (s0 + s1 * q)
-                + self.centre[0],
-                y * radial + (2 * p0 * x * y + p1 * (q + 2 * y * y)) * higher + q * (s2 + s3 * q)
-                + self.centre[1])
+        xt, yt = p0 * (q + 2 * x * x) + 2 * p1 * x * y, 2 * p0 * x * y + p1 * (q + 2 * y * y)
+        return (cx + x * radial + xt * higher + q * (s0 + s1 * q),
+                cy + y * radial + yt * higher + q * (s2 + s3 * q))
 
     def undistort(self, x, y):
         """Ideal point of the distorted point (x, y)."""
@@ -93,8 +95,9 @@ class AsymmetricSurface:
 
     With X = (x - cx) / (W/2), Y = (y - cy) / (W/2), r2 = X^2 + Y^2, (cx, cy) the image's middle::
 
-        (dx, dy) = scale ( sum over bumps of vector exp(-((X - bx)^2 + (Y - by H/W)^2) / (2 sigma^2))
+        (dx, dy) = scale ( sum over bumps of vector exp(-d^2 / (2 sigma^2))
                            + sum over i of poly[:, i] B_i )
+        d^2 = (X - bx)^2 + (Y - by H/W)^2
         B = X^2, XY, Y^2, X r2, Y r2, X^3 - 3 X Y^2, 3 X^2 Y - Y^3, X^2 r2, X Y r2
 
     Parameters
@@ -123,7 +126,8 @@ class AsymmetricSurface:
         width, height = self.size
         dx, dy = 0.0, 0.0
         px, py = (x - (width - 1) / 2) / (width / 2), (y - (height - 1) / 2) / (width / 2)
-        for (bx, by), sigma, (vx, vy) in zip(self.bump_centres, self.bump_sigmas, self.bump_vectors):
+        for (bx, by), sigma, (vx, vy) in zip(self.bump_centres, self.bump_sigmas,
+                                             self.bump_vectors):
             distance = (px - bx)**2 + (py - by * height / width)**2
             bump = np.exp(-distance / (2 * sigma * sigma))
             dx, dy = dx + vx * bump, dy + vy * bump

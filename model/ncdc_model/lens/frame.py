@@ -34,7 +34,9 @@ class Frame:
     @property
     def matrix(self):
         """3x3 homography from the ideal plane to corrected pixels."""
-        return np.array([[self.focal, 0, self.centre[0]], [0, self.focal, self.centre[1]], [0, 0, 1]])
+        return np.array([[self.focal, 0, self.centre[0]],
+                         [0, self.focal, self.centre[1]],
+                         [0, 0, 1]])
 
 
 def parse_zoom(zoom):

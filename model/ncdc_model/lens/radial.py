@@ -23,11 +23,12 @@ class _Radial:
         return self._scaled(x, y, self._backward)
 
     def _scaled(self, x, y, function):
-        x, y = np.asarray(x, np.float64) - self.centre[0], np.asarray(y, np.float64) - self.centre[1]
+        cx, cy = self.centre
+        x, y = np.asarray(x, np.float64) - cx, np.asarray(y, np.float64) - cy
         r = np.hypot(x, y)
         near = r < 1e-12
         ratio = function(np.where(near, 1e-12, r)) / np.where(near, 1e-12, r)
-        return self.centre[0] + x * ratio, self.centre[1] + y * ratio
+        return cx + x * ratio, cy + y * ratio
 
 
 @dataclass(frozen=True)
