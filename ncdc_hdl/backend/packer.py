@@ -32,7 +32,8 @@ class Packer(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         lanes = self.data_width // (8 * PIXEL_BYTES)
-        lane = Signal(range(lanes))
+        # At least one bit: Verilog has no signal of none.
+        lane = Signal(range(max(lanes, 2)))
         pixel = Cat(self.i.p.b, self.i.p.g, self.i.p.r, Const(0, 8))
         word, enable = self.o.p.data, self.o.p.enable
         with m.If(~self.o.valid | self.o.ready):

@@ -1,0 +1,159 @@
+"""``ncdc train``: from points or a camera file to a descriptor."""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.evaluate import fixed_map
+from ncdc_model.files import write_text
+from ncdc_model.geometry import BAYER_PHASE
+from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
+from ncdc_model.training.pipeline import train_camera
+from ncdc_model.training.problem import split
+from ncdc_model.training.source import load_source
+from ncdc_model.training.train import HELD_OUT, TRAINERS
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "error_table", "plot_training", "run",
+           "show_progress", "write_report"]
+
+HELP = "train a camera's network and write its descriptor"
+EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("source", metavar="FILE",
+                        help="points.json of ncdc calibrate, or a camera file: OpenCV or ROS "
+                             "(YAML, XML, JSON), or our own (TOML)")
+    parser.add_argument("--neurons", type=int, required=True, metavar="N",
+                        help="hidden neurons; 4 to 12 are usual")
+    parser.add_argument("--trainer", choices=list(TRAINERS), default="lm",
+                        help="lm: Levenberg-Marquardt from many starts (default); ebp: the "
+                             "paper's error back-propagation, for comparison")
+    parser.add_argument("--size", type=_size, metavar="WxH",
+                        help="corrected picture (default: as large as the camera's)")
+    parser.add_argument("--zoom", metavar="Z",
+                        help="fit: the camera's full width fills the picture (default); fill: no "
+                             "pixel without a source; or a number: magnification in the middle")
+    parser.add_argument("--seed", type=int, default=0, metavar="S",
+                        help="same seed, same descriptor (default: 0)")
+    parser.add_argument("--held-out", type=int, default=HELD_OUT, metavar="K",
+                        help=f"one point in K only measures; 0: none (default: {HELD_OUT})")
+    parser.add_argument("--bayer", choices=list(BAYER_PHASE), default="RGGB",
+                        help="colour filter of the sensor, first two rows (default: RGGB)")
+    parser.add_argument("--fill", type=_colour, default=(0, 0, 0), metavar="R,G,B",
+                        help="colour of pixels without a source (default: 0,0,0)")
+    parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
+                        help="descriptor (default: net.toml); plots go beside it")
+    parser.add_argument("--json", metavar="FILE", help="write the report as JSON; - for stdout")
+
+
+def run(args):
+    """Train, quantise, measure; write the descriptor, the plots and the report."""
+    if args.seed < 0:
+        raise InputError(f"seed is {args.seed}, it must not be negative")
+    source = load_source(args.source, args.size, args.zoom, args.bayer, args.fill)
+    trained = train_camera(source, args.neurons, args.trainer, args.seed, args.held_out,
+                           show_progress("training"))
+    trained.descriptor.save(args.output)
+    plots = plot_training(trained, source, args.output, args.held_out)
+    report = trained.report | {"descriptor": str(args.output), "digest": trained.descriptor.digest,
+                               "plots": plots}
+    lost = report["valid_pixels_lost"]
+    if lost:
+        print(f"warning: {lost} pixels with a source are left blank, because their row has more "
+              f"than two spans", file=sys.stderr)
+    if write_report(report, args.json):
+        return
+    width, height = source.geometry.corrected
+    print(f"{args.neurons} hidden neurons, {width}x{height} corrected pixels, "
+          f"{report['valid_percent']:.1f} % with a source")
+    print(error_table({name: report[name] for name in ("training", "held_out", "frame")
+                       if name in report}))
+    print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")
+    print(f"{args.output}; look at {' and '.join(plots)}")
+
+
+def plot_training(trained, source, output, held_out=HELD_OUT):
+    """Write OUTPUT.errors.png and OUTPUT.learning.png beside ``output``; return their names."""
+    output = Path(output)
+    errors, learning = (str(output.with_name(f"{output.stem}.{name}.png"))
+                        for name in ("errors", "learning"))
+    report = trained.report
+    title = f"integer network, {report['hidden_neurons']} hidden neurons, "
+    if trained.error_maps:
+        plot_error_map(errors, trained.error_maps["fixed"], title + "against the true map")
+    else:
+        u, v, x, y = source.pairs
+        width, height = source.geometry.corrected
+        on = (u >= 0) & (u <= width - 1) & (v >= 0) & (v <= height - 1)
+        a, b = fixed_map(trained.descriptor)(u[on], v[on])
+        plot_point_errors(errors, source.geometry, u[on], v[on], np.hypot(a - x[on], b - y[on]),
+                          split(len(u), held_out)[on], title + "at the calibrated points")
+    steps = {"lm": "iterations, all starts together", "ebp": "epochs"}[report["trainer"]]
+    plot_learning_curve(learning, trained.training.curve,
+                        f"{report['trainer']}, seed {report['seed']}", steps)
+    return [errors, learning]
+
+
+def error_table(parts):
+    """Text table of the float and fixed errors of each named part of a report."""
+    lines = [f"{'':10} {'':6} {'MSE px²':>10} {'mean px':>9} {'max px':>9}"]
+    for name, part in parts.items():
+        for kind in ("float", "fixed"):
+            errors = part[f"map_error_{kind}_px"]
+            lines.append(f"{name.replace('_', ' '):10} {kind:6} {errors['mse']:10.6f} "
+                         f"{errors['mean']:9.5f} {errors['max']:9.5f}")
+    return "\n".join(lines)
+
+
+def write_report(report, target):
+    """Write ``report`` as JSON to the file ``target``; ``-``: to stdout, and return True."""
+    text = json.dumps(_finite(report), indent=2) + "\n"
+    if target == "-":
+        print(text, end="")
+        return True
+    if target:
+        write_text(target, text)
+    return False
+
+
+def _finite(value):
+    """``value`` with numbers that JSON does not know as null."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def show_progress(name):
+    """A progress callback that keeps one line of a terminal's stderr; None elsewhere."""
+    if not sys.stderr.isatty():
+        return None
+    shown = -1
+
+    def show(done, mse):
+        nonlocal shown
+        percent = int(100 * done)
+        if percent != shown:
+            shown = percent
+            print(f"\r{name}: {percent:3d} %, MSE {mse:.5g} px²   ", end="\n" if done >= 1 else "",
+                  file=sys.stderr, flush=True)
+    return show
+
+
+def _size(text):
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.isdecimal() for part in parts):
+        raise InputError(f"size is {text!r}, WxH is needed, as in 1280x1024")
+    return tuple(map(int, parts))
+
+
+def _colour(text):
+    parts = text.split(",")
+    if len(parts) != 3 or not all(part.isdecimal() and int(part) < 256 for part in parts):
+        raise InputError(f"fill is {text!r}, R,G,B is needed, each of 0..255")
+    return tuple(map(int, parts))

@@ -1,0 +1,135 @@
+"""The generated corrector on a raw frame, compared with the golden model pixel by pixel."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_hdl.avalon.register_table import (CTRL_START, frame_bytes, host_values, registers,
+                                            table_words)
+from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_model.corrector import check_raw, correct
+from ncdc_sim.frame import Program, simulate_frame
+
+__all__ = ["Simulation", "corrector_program", "raw_image", "simulate_correction"]
+
+_COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS")
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """What the Verilog made of a frame, beside the golden model's.
+
+    Parameters
+    ----------
+    picture, golden : ndarray of uint8, shape (height, width, 3)
+    filled : ndarray of bool, shape (height, width)
+        Pixels without a source, of the golden model.
+    counters : dict
+        The corrector's own counters, by name.
+    fetches_expected : int
+        Windows that the golden model says are read.
+    bytes_read, bytes_written : int
+        On the memory's ports.
+    setup : dict
+        ``simulator``, ``memory``, ``fetch``, ``data_width``, ``output``.
+    """
+    picture: np.ndarray
+    golden: np.ndarray
+    filled: np.ndarray
+    counters: dict
+    fetches_expected: int
+    bytes_read: int
+    bytes_written: int
+    setup: dict
+
+    @property
+    def differing(self):
+        """(u, v) of the pixels that differ, in raster order."""
+        rows, columns = np.nonzero((self.picture != self.golden).any(axis=2))
+        return list(zip(columns.tolist(), rows.tolist()))
+
+    def report(self):
+        """The figures under their names in every report."""
+        pixels = self.golden.shape[0] * self.golden.shape[1]
+        return {
+            "pixels_compared": pixels, "pixels_different": len(self.differing),
+            "clocks": self.counters["CLOCKS"],
+            "clocks_per_pixel": self.counters["CLOCKS"] / pixels,
+            "bytes_read_per_pixel": self.bytes_read / pixels,
+            "bytes_written_per_pixel": self.bytes_written / pixels,
+            "windows_fetched": self.counters["FETCHES"],
+            "windows_fetched_expected": self.fetches_expected,
+            "front_end_stalls": self.counters["FRONT_END_STALLS"],
+            **self.setup,
+        }
+
+
+def corrector_program(descriptor, data_width, checked=True):
+    """Register accesses that a host makes to correct one frame: every parameter is written
+    (and, if ``checked``, read back), a frame started and awaited, the counters read."""
+    rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
+    writes = [(rows[name].address, value)
+              for name, value in host_values(descriptor, data_width).items()]
+    writes += table_words(descriptor.valid)
+    program = Program()
+    for address, value in [*writes, (rows["IRQ_ENABLE"].address, 1)]:
+        program.write(address, value)
+    if checked:
+        for address, value in writes:
+            program.compare(address, value)
+    program.write(rows["CTRL"].address, CTRL_START).wait_irq()
+    for name in _COUNTERS:
+        program.read(rows[name].address)
+    return program
+
+
+def raw_image(raw, pitch):
+    """Bytes of the ``raw`` frame in memory, rows ``pitch`` bytes apart."""
+    return np.pad(raw, ((0, 0), (0, pitch - raw.shape[1]))).tobytes()
+
+
+def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output="memory",
+                        memory="sdram", simulator="verilator", seed=1, progress=None):
+    """Correct the ``raw`` frame with the generated Verilog and with the golden model.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    raw : ndarray of uint8, shape (distorted height, distorted width)
+    verilog : str
+        The corrector's text; generated if absent.
+    data_width, output :
+        As of :class:`ncdc_hdl.corrector.Corrector`.
+    memory, simulator, seed, progress :
+        As of :func:`ncdc_sim.frame.simulate_frame`.
+
+    Raises
+    ------
+    InputError
+        If the frame is not of the descriptor's size, or an option is unknown.
+    SimulationError
+        If the simulation fails; differing pixels are no failure, see :attr:`Simulation.differing`.
+    """
+    check_raw(raw, descriptor.geometry)
+    if verilog is None:
+        verilog = corrector_verilog(descriptor, data_width=data_width, output=output)
+    values = host_values(descriptor, data_width)
+    width, height = descriptor.geometry.corrected
+    stream = output == "stream"
+    result = simulate_frame(
+        verilog, raw_image(raw, values["SOURCE_PITCH"]), corrector_program(descriptor, data_width),
+        source_base=values["SOURCE_BASE"], output_base=values["TARGET_BASE"],
+        output_bytes=3 * width * height if stream else frame_bytes(descriptor.geometry),
+        memory=memory, simulator=simulator, seed=seed, progress=progress)
+    picture = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
+    if not stream:
+        picture = picture[..., 2::-1]  # stored blue first, a zero byte last
+    golden = correct(descriptor, raw)
+    rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
+    return Simulation(
+        picture=picture, golden=golden.picture, filled=golden.filled,
+        counters={name: result.registers[rows[name].address] for name in _COUNTERS},
+        fetches_expected=golden.fetches, bytes_read=sum(result.bytes_read),
+        bytes_written=result.bytes_written,
+        setup={"simulator": simulator, "memory": memory if isinstance(memory, str) else "custom",
+               "fetch": "multiport", "data_width": data_width, "output": output})
