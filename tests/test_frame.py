@@ -111,13 +111,28 @@ def board_photos(camera, count=5):
 
 
 def test_several_photos_share_one_lens():
-    camera = Camera.from_dict({"width": 640, "height": 480, "k": [0.02, -0.01], "f_distorted": 330.0,
-                               "centre": [327, 233], "p": [0.001, -0.0005]})
+    camera = Camera.from_dict({"width": 640, "height": 480, "k": [0.02, -0.01],
+                               "f_distorted": 330.0, "centre": [327, 233], "p": [0.001, -0.0005]})
     frame = ideal_frame(board_photos(camera))
     assert frame.rms < 0.12
     assert frame.camera.focal == pytest.approx(330, rel=0.02)
     np.testing.assert_allclose(frame.camera.centre, (327, 233), atol=3)
     assert set(frame.photo) == {0, 1, 2, 3, 4} and len(frame.homographies) == 5
+
+
+def test_points_beside_and_behind_the_camera_are_outside_a_flat_picture():
+    """A floor that runs under an equidistant fisheye, half of it more than 90 degrees off axis."""
+    i, j = np.meshgrid(np.arange(9), np.arange(12))
+    index = np.stack([i.ravel(), j.ravel()], axis=1)
+    x, y, z = (i.ravel() - 4.0) / 2, np.ones(108), (j.ravel() - 4.0) / 2
+    across = np.hypot(x, y)
+    radius = 150 * np.arctan2(across, z) / across
+    xy = np.stack([320 + radius * x, 320 + radius * y], axis=1)
+    photo = PhotoPoints(index, xy, np.zeros(108), {}, "floor.png")
+    frame = ideal_frame(TargetPoints("chessboard", (641, 641), (photo,)), zoom=0.3)
+    assert frame.rms < 0.1
+    assert frame.index[:, 1].min() > 4 and len(frame.index) > 40
+    assert (frame.corrected[:, 1] > 320).all()
 
 
 def test_random_points_have_no_lens():
@@ -177,3 +192,9 @@ def test_fisheye_of_180_degrees_needs_a_zoom_in_numbers():
     uv = np.stack(frame.camera.corrected(*frame.distorted.T), axis=1)
     after = straightness(uv, frame.index, frame.photo).rms
     assert after < 0.1 * straightness(frame.distorted, frame.index, frame.photo).rms
+
+
+def test_warnings_that_are_not_waived_are_shown():
+    with pytest.raises(SimulationError, match="%Warning-PINMISSING"):
+        copy(copier().replace("endmodule", "part p();\nendmodule")
+             + "module part(input a);\nendmodule\n")

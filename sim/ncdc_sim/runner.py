@@ -6,15 +6,11 @@ from collections import deque
 from pathlib import Path
 
 from ncdc_sim.cache import cached, key_of, without_header
-from ncdc_sim.tools import SimulationError, call, environment, tool, version
+from ncdc_sim.tools import WAIVERS, SimulationError, call, environment, tool, version
 
-__all__ = ["HDL", "WAIVERS", "build", "run"]
+__all__ = ["HDL", "build", "run"]
 
 HDL = Path(__file__).parent / "hdl"
-
-# What Yosys's Verilog always provokes: expressions wider or narrower than their target, and
-# cases that rely on the value assigned before them.
-WAIVERS = ("-Wno-WIDTHEXPAND", "-Wno-WIDTHTRUNC", "-Wno-CASEINCOMPLETE")
 
 
 def build(name, top, sources, *, defines=None, simulator="verilator", main=None):

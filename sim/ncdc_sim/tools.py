@@ -9,9 +9,13 @@ from pathlib import Path
 
 from ncdc_model.errors import InputError
 
-__all__ = ["SIMULATORS", "SimulationError", "call", "environment", "tool", "version"]
+__all__ = ["SIMULATORS", "SimulationError", "WAIVERS", "call", "environment", "tool", "version"]
 
 SIMULATORS = ("verilator", "icarus")
+
+# Verilator's options for what Yosys's Verilog always provokes: expressions wider or narrower than
+# their target, and cases that rely on the value assigned before them.
+WAIVERS = ("-Wno-WIDTHEXPAND", "-Wno-WIDTHTRUNC", "-Wno-CASEINCOMPLETE")
 
 _COMMAND = {"verilator": "verilator", "icarus": "iverilog"}
 
@@ -77,6 +81,10 @@ def environment():
     return env
 
 
+def _waived(line):
+    return any(f"-{waiver.removeprefix('-Wno-')}:" in line for waiver in WAIVERS)
+
+
 def call(command, cwd):
     """Run a compiler in the folder ``cwd``.
 
@@ -90,5 +98,6 @@ def call(command, cwd):
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if done.returncode:
         lines = done.stdout.splitlines()
-        lines = [line for line in lines if "rror" in line][:20] or lines[-20:]
+        lines = [line for line in lines if "%Warning-" in line and not _waived(line)
+                 or "rror" in line][:20] or lines[-20:]
         raise SimulationError(f"{Path(command[0]).name} failed:\n" + "\n".join(lines))
