@@ -26,6 +26,7 @@ def run(args):
         return
     count = (f"{report['points']} points" if "points" in report
              else f"{report['valid_pixels']} pixels")
-    print(f"{report['hidden_neurons']} hidden neurons, measured on {report['measured_on']}: {count}")
+    print(f"{report['hidden_neurons']} hidden neurons, "
+          f"measured on {report['measured_on']}: {count}")
     print(error_table({"": report}))
     print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")

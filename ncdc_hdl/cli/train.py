@@ -34,7 +34,7 @@ def add_arguments(parser):
     parser.add_argument("--trainer", choices=list(TRAINERS), default="lm",
                         help="lm: Levenberg-Marquardt from many starts (default); ebp: the "
                              "paper's error back-propagation, for comparison")
-    parser.add_argument("--size", type=_size, metavar="WxH",
+    parser.add_argument("--size", metavar="WxH",
                         help="corrected picture (default: as large as the camera's)")
     parser.add_argument("--zoom", metavar="Z",
                         help="fit: the camera's full width fills the picture (default); fill: no "
@@ -45,7 +45,7 @@ def add_arguments(parser):
                         help=f"one point in K only measures; 0: none (default: {HELD_OUT})")
     parser.add_argument("--bayer", choices=list(BAYER_PHASE), default="RGGB",
                         help="colour filter of the sensor, first two rows (default: RGGB)")
-    parser.add_argument("--fill", type=_colour, default=(0, 0, 0), metavar="R,G,B",
+    parser.add_argument("--fill", default="0,0,0", metavar="R,G,B",
                         help="colour of pixels without a source (default: 0,0,0)")
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
                         help="descriptor (default: net.toml); plots go beside it")
@@ -56,7 +56,8 @@ def run(args):
     """Train, quantise, measure; write the descriptor, the plots and the report."""
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
-    source = load_source(args.source, args.size, args.zoom, args.bayer, args.fill)
+    source = load_source(args.source, _size(args.size) if args.size else None, args.zoom,
+                         args.bayer, _colour(args.fill))
     trained = train_camera(source, args.neurons, args.trainer, args.seed, args.held_out,
                            show_progress("training"))
     trained.descriptor.save(args.output)

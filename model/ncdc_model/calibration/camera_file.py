@@ -32,6 +32,8 @@ class CameraMap:
         The corrected image.
     distort : callable
         Distorted pixel of ideal point (a, b); not-a-number where the model folds back.
+    undistort : callable
+        Its inverse; not-a-number where there is none.
     model : str
         Which model the file holds, for reports.
     digest : str
@@ -40,6 +42,7 @@ class CameraMap:
     size: tuple
     frame: Frame
     distort: object
+    undistort: object
     model: str
     digest: str
 
@@ -79,14 +82,15 @@ def load_camera_map(path, size=None, zoom=None):
         camera = Camera.load(path)
         if size is not None or zoom is not None:
             camera = camera.framed(size, zoom or "fit")
-        return CameraMap(camera.size, camera.frame, camera.distort, "ncdc camera", digest)
+        return CameraMap(camera.size, camera.frame, camera.distort, camera.undistort, "ncdc camera",
+                         digest)
     try:
         lens = lens_of_table(read_table(path))
         frame = choose_frame(lens.undistort, lens.distort, lens.size, tuple(size or lens.size),
                              zoom or "fit")
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return CameraMap(lens.size, frame, lens.distort, lens.model, digest)
+    return CameraMap(lens.size, frame, lens.distort, lens.undistort, lens.model, digest)
 
 
 def training_grid(camera_map):

@@ -68,16 +68,18 @@ class _Search:
     def run(self, neurons):
         """Best network with ``neurons`` and the learning curve."""
         smaller = None
-        sizes = range(max(1, neurons - 2), neurons + 1)
-        for size in sizes:
+        first = max(1, neurons - 2)
+        for size in range(first, neurons + 1):
             last = size == neurons
-            share = (.8 if last else .2 / max(1, len(sizes) - 1)) / (1 + self.rounds)
-            theta = self._random(self.starts if last else self.starts // 3, size)
+            starts, rounds = (self.starts, self.rounds) if last else (self.starts // 3,
+                                                                      self.rounds // 2)
+            share = (.8 if last else .2 / (neurons - first)) / (1 + rounds)
+            theta = self._random(starts, size)
             if smaller is not None:
                 theta = np.concatenate([theta, self._grown(smaller, self.starts // 3)])
-            best = self._descend(theta, last, share)
-            for _ in range(self.rounds):
-                best = self._descend(self._redrawn(best, self.starts // 3), last, share, best)
+            best = self._descend(theta, share)
+            for _ in range(rounds):
+                best = self._descend(self._redrawn(best, self.starts // 3), share, best)
             smaller = best
         return self._polish(best)
 
@@ -104,7 +106,7 @@ class _Search:
         theta[np.arange(count), which] = self._random(count, 1)[:, 0]
         return theta
 
-    def _descend(self, theta, report, share, rivals=None):
+    def _descend(self, theta, share, rivals=None):
         """Successive halving of the starts ``theta``; the survivors and ``rivals``, best first."""
         batch = Batch(theta, self.inputs[:, self.subset], self.targets[:, self.subset], RIDGE)
         stages = ((25, .4), (50, .4), (100, .5), (150, .5))
@@ -112,14 +114,13 @@ class _Search:
             for _ in range(iterations):
                 batch.step()
                 self.iterations += len(batch.cost)
-                if report:
-                    self._record(batch.cost.min())
+                self._record(batch.cost.min())
             batch.keep(max(4, int(len(batch.cost) * kept)))
         if rivals is not None:
             batch.join(rivals)
         batch.keep_different(4)
         self.done += share
-        if self.progress and self.curve:
+        if self.progress:
             self.progress(min(self.done, 1.0), self.curve[-1][1])
         return batch
 

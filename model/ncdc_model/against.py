@@ -1,0 +1,151 @@
+"""An existing descriptor against points of photos or a camera file."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial import cKDTree
+
+from ncdc_model.calibration.camera_file import load_camera_map
+from ncdc_model.calibration.frame import ideal_frame
+from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.errors import InputError
+from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
+from ncdc_model.lens import Frame
+from ncdc_model.lens.inverse import planar_inverse
+from ncdc_model.training.source import is_points_file
+
+__all__ = ["corrected_points", "evaluate_against", "fitted_view"]
+
+_WIDE = 0.01       # zoom at which no point of a photo falls outside the frame
+
+
+def evaluate_against(descriptor, path):
+    """Errors of ``descriptor`` against a points or camera file.
+
+    A camera file is compared at every valid pixel: in the corrected frame of training
+    (``trained``) if the descriptor is from a camera file. Points leave open from which direction
+    the flat picture is seen, so that a descriptor from points is compared in the plane that fits
+    the float network best (``fitted``). Points are compared where they lie, see
+    :func:`corrected_points`.
+
+    Returns
+    -------
+    dict
+        ``hidden_neurons``, ``measured_on`` (frame and its view, points and their pose, trained
+        or fitted), ``map_error_float_px``, ``map_error_fixed_px``,
+        ``fixed_minus_float_max_px``, and ``valid_pixels`` or ``points``.
+
+    Raises
+    ------
+    InputError
+        If the file is bad, of a camera of another image size, or no point is inside the frame.
+    """
+    if not is_points_file(path):
+        back_map, view = _true_map(descriptor, path)
+        return {"measured_on": f"frame, view {view}", **evaluate_frame(descriptor, back_map)}
+    points = TargetPoints.load(path)
+    u, v, x, y, pose = corrected_points(descriptor, points, path)
+    report = evaluate_points(descriptor, u, v, x, y)
+    if not report["points"]:
+        raise InputError(f"no point of {path} is inside the corrected frame")
+    return {"measured_on": f"points, pose {pose}", "hidden_neurons": descriptor.hidden_neurons,
+            "fixed_minus_float_max_px": evaluate_frame(descriptor)["fixed_minus_float_max_px"],
+            **report}
+
+
+def _true_map(descriptor, path):
+    geometry, provenance = descriptor.geometry, descriptor.provenance
+    camera = load_camera_map(path, geometry.corrected, _WIDE)
+    _same_size(geometry, camera.size, path)
+    if "frame" not in provenance or "homography" in provenance:
+        return fitted_view(descriptor, camera), "fitted"
+    focal, *centre = provenance["frame"]
+    frame = Frame(geometry.corrected, focal, tuple(centre))
+    return replace(camera, frame=frame).back_map, "trained"
+
+
+def fitted_view(descriptor, camera):
+    """The camera's map from the plane whose homography to (u, v) fits the network best."""
+    network = float_map(descriptor.network, descriptor.geometry)
+    u, v = _some_valid(descriptor, 2500)
+    x, y = network(u, v)
+    a, b = camera.undistort(x, y)
+    known = np.isfinite(a) & np.isfinite(b)
+    if known.sum() < 8:
+        raise InputError(f"the camera sees {known.sum()} of {len(u)} points of the corrected "
+                         f"frame, at least 8 are needed")
+    u, v, x, y = (values[known] for values in (u, v, x, y))
+    start = cv2.findHomography(np.stack([u, v], axis=1), np.stack([a, b], axis=1)[known], 0)[0]
+
+    def through(matrix):
+        def back_map(u, v):
+            flat = np.stack([np.ravel(u), np.ravel(v)], axis=1)[:, None]
+            a, b = cv2.perspectiveTransform(flat, matrix)[:, 0].T
+            return camera.distort(a.reshape(np.shape(u)), b.reshape(np.shape(v)))
+        return back_map
+
+    def residuals(parameters):
+        a, b = through(np.append(parameters, 1).reshape(3, 3))(u, v)
+        return np.nan_to_num(np.concatenate([a - x, b - y]), nan=100.0)
+    fit = least_squares(residuals, (start / start[2, 2]).ravel()[:8], x_scale="jac")
+    return through(np.append(fit.x, 1).reshape(3, 3))
+
+
+def corrected_points(descriptor, points, path):
+    """Corrected and distorted pixels of :class:`TargetPoints`, and where the pose is from.
+
+    If the descriptor was trained on these points, the target's pose is that of its provenance
+    (``trained``). Points of other photos of the same camera get the homography that fits the
+    float network best (``fitted``): an error that a pose can explain is not seen then.
+
+    Returns (u, v, x, y, pose); the arrays have shape (N,).
+    """
+    _same_size(descriptor.geometry, points.size, path)
+    frame = ideal_frame(points, descriptor.geometry.corrected, _WIDE)
+    provenance = descriptor.provenance
+    trained = "homography" in provenance and provenance.get("source_hash") == points.digest
+    if trained:
+        matrices = np.array(provenance["homography"], np.float64).reshape(-1, 3, 3)
+    parts = []
+    for number in np.unique(frame.photo):
+        on = frame.photo == number
+        index, (x, y) = frame.index[on].astype(np.float64), frame.distorted[on].T
+        matrix = matrices[number] if trained else _fitted(descriptor, index, x, y)
+        if matrix is not None:
+            u, v = cv2.perspectiveTransform(index[:, None], matrix)[:, 0].T
+            parts.append((u, v, x, y))
+    if not parts:
+        raise InputError(f"no photo of {path} has points enough inside the corrected frame")
+    return *(np.concatenate(part) for part in zip(*parts)), "trained" if trained else "fitted"
+
+
+def _fitted(descriptor, index, x, y):
+    """Homography from ``index`` to corrected pixels by the network's inverse; None: too few."""
+    geometry = descriptor.geometry
+    network = float_map(descriptor.network, geometry)
+    u, v = _some_valid(descriptor, 5000)
+    nearest = cKDTree(np.stack(network(u, v), axis=1)).query(np.stack([x, y], axis=1))[1]
+    u0, v0 = u[nearest], v[nearest]
+    # planar_inverse starts at its target: shift so that this is the nearest known pixel.
+    a, b = planar_inverse(lambda a, b: network(u0 + a - x, v0 + b - y), x, y,
+                          scale=geometry.distorted_width)
+    u, v = u0 + a - x, v0 + b - y
+    width, height = geometry.corrected
+    on = (u >= 0) & (u <= width - 1) & (v >= 0) & (v <= height - 1)
+    if on.sum() < 8:
+        return None
+    return cv2.findHomography(index[on], np.stack([u, v], axis=1)[on], 0)[0]
+
+
+def _some_valid(descriptor, count):
+    v, u = np.nonzero(descriptor.valid.mask(descriptor.geometry.corrected_width))
+    some = np.linspace(0, len(u) - 1, min(count, len(u))).astype(int)
+    return u[some].astype(np.float64), v[some].astype(np.float64)
+
+
+def _same_size(geometry, size, path):
+    if tuple(size) != geometry.distorted:
+        raise InputError(f"{path} is of a camera with {size[0]}x{size[1]} pixels, the descriptor "
+                         "is for {}x{}".format(*geometry.distorted))

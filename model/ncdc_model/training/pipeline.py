@@ -1,0 +1,83 @@
+"""From a source of training pairs to a descriptor with its error table."""
+
+from dataclasses import dataclass
+
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
+from ncdc_model.geometry import ValidRows
+from ncdc_model.training.problem import split
+from ncdc_model.training.train import HELD_OUT, Training, train
+from ncdc_model.valid import lost_pixels, valid_mask
+
+__all__ = ["TrainedCamera", "train_camera"]
+
+
+@dataclass(frozen=True)
+class TrainedCamera:
+    """A descriptor, how it was trained, and its errors.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    training : Training
+    report : dict
+        ``hidden_neurons``, ``trainer``, ``seed``; ``training``, ``held_out`` (not if no point is
+        held out) and ``frame``, each with ``map_error_float_px`` and ``map_error_fixed_px``
+        (``frame`` only where the true map is known); the two of the best evidence there is
+        again at the top, ``measured_on`` tells which; ``fixed_minus_float_max_px``;
+        ``valid_pixels``, ``valid_percent`` and ``valid_pixels_lost``, those that two spans a
+        row cannot hold.
+    error_maps : dict
+        ``float`` and ``fixed``: distance to the true map in pixels, float32 (height, width),
+        ``nan`` where a pixel has no source; empty if the true map is not known.
+    """
+    descriptor: Descriptor
+    training: Training
+    report: dict
+    error_maps: dict
+
+
+def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progress=None,
+                 **options):
+    """Train, quantise and measure a :class:`~ncdc_model.training.source.Source`.
+
+    The valid region comes from the exact map where the source has one, else from the float
+    network where the calibrated points vouch for it. Arguments as in
+    :func:`ncdc_model.training.train.train`.
+
+    Returns
+    -------
+    TrainedCamera
+
+    Raises
+    ------
+    InputError
+        If the request is bad, or a weight leaves its format.
+    """
+    geometry = source.geometry
+    training = train(source.pairs, geometry, neurons, trainer, seed, held_out, progress, **options)
+    network = training.network
+    mask = valid_mask(source.back_map or float_map(network, geometry), geometry, source.calibrated)
+    rows = ValidRows.of_mask(mask)
+    provenance = {"trainer": trainer, "seed": seed, **source.provenance}
+    draft = Descriptor.quantise(network, geometry, rows)
+    maps = {}
+    frame = evaluate_frame(draft, source.back_map, maps if source.back_map else None)
+    out = split(len(source.pairs[0]), held_out)
+    report = {"hidden_neurons": neurons, "trainer": trainer, "seed": seed}
+    parts = {"training": ~out, "held_out": out}
+    tables = {name: evaluate_points(draft, *(values[mask] for values in source.pairs))
+              for name, mask in parts.items() if mask.any()}
+    if source.back_map:
+        tables["frame"] = {name: frame[name] for name in ("map_error_float_px",
+                                                          "map_error_fixed_px")}
+    best = list(tables)[-1]
+    report |= {"measured_on": best,
+               **{name: tables[best][name] for name in ("map_error_float_px",
+                                                        "map_error_fixed_px")},
+               "fixed_minus_float_max_px": frame["fixed_minus_float_max_px"],
+               "valid_pixels": frame["valid_pixels"],
+               "valid_percent": round(100 * frame["valid_pixels"] / mask.size, 3),
+               "valid_pixels_lost": lost_pixels(mask, rows), **tables}
+    descriptor = Descriptor.quantise(network, geometry, rows, errors=report, provenance=provenance)
+    return TrainedCamera(descriptor, training, report, maps)

@@ -1,0 +1,98 @@
+"""What a network is trained on: a points file of photos, or the file of a calibrated camera."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ncdc_model.calibration.camera_file import load_camera_map, training_grid
+from ncdc_model.calibration.frame import ideal_frame
+from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.files import read_bytes
+from ncdc_model.geometry import Geometry
+from ncdc_model.valid import REACH, Calibrated, grid_pitch
+
+__all__ = ["Source", "is_points_file", "load_source"]
+
+
+@dataclass(frozen=True)
+class Source:
+    """Training pairs and what else is known of the map.
+
+    Parameters
+    ----------
+    pairs : (u, v, x, y) of ndarray, shape (N,)
+        Corrected pixels and their sources in the distorted image.
+    geometry : Geometry
+    back_map : callable or None
+        The exact map (u, v) -> (x, y) over the whole frame, where a camera file gives it.
+    calibrated : Calibrated or None
+        Where the points vouch for a map, where no exact one is known.
+    provenance : dict
+        For the descriptor: ``source`` (file name), ``source_kind``, ``source_hash``, ``frame``
+        (focal length and centre of the corrected image in pixels), and of points ``homography``.
+    """
+    pairs: tuple
+    geometry: Geometry
+    back_map: object = None
+    calibrated: Calibrated | None = None
+    provenance: dict = field(default_factory=dict)
+
+
+def is_points_file(path):
+    """Whether ``path`` is a file of ``ncdc calibrate``; :class:`InputError` if unreadable."""
+    try:
+        table = json.loads(read_bytes(path))
+    except ValueError:
+        return False
+    return isinstance(table, dict) and table.get("format") == "ncdc points"
+
+
+def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0)):
+    """Read a points or camera file and choose the corrected frame.
+
+    Parameters
+    ----------
+    path : path
+    size : (int, int), optional
+        Corrected width and height; default that of the photos.
+    zoom : str or float, optional
+        As in :func:`ncdc_model.lens.choose_frame`; default fit.
+    bayer, fill
+        As in :class:`Geometry`.
+
+    Raises
+    ------
+    InputError
+        If the file or an option is bad.
+    """
+    read = _of_points if is_points_file(path) else _of_camera
+    return read(path, size, zoom, dict(bayer=bayer, fill=tuple(fill)))
+
+
+def _of_camera(path, size, zoom, options):
+    camera = load_camera_map(path, size, zoom)
+    provenance = {"source": Path(path).name, "source_kind": camera.model,
+                  "source_hash": camera.digest, "frame": _numbers(camera.frame)}
+    return Source(training_grid(camera), camera.geometry(**options), back_map=camera.back_map,
+                  provenance=provenance)
+
+
+def _of_points(path, size, zoom, options):
+    points = TargetPoints.load(path)
+    frame = ideal_frame(points, size, zoom or "fit")
+    geometry = Geometry(*frame.camera.frame.size, *points.size, **options)
+    (u, v), (x, y) = frame.corrected.T, frame.distorted.T
+    pitch = grid_pitch([(u[frame.photo == k], v[frame.photo == k]) for k in np.unique(frame.photo)])
+    matrices = [matrix.ravel().tolist() for matrix in frame.homographies]
+    provenance = {"source": Path(path).name, "source_kind": f"{points.target} points",
+                  "source_hash": points.digest, "frame": _numbers(frame.camera.frame),
+                  "points_rejected": sum(frame.rejected.values()),
+                  "homography": matrices[0] if len(matrices) == 1 else matrices}
+    return Source((u, v, x, y), geometry, calibrated=Calibrated(u, v, x, y, REACH * pitch),
+                  provenance=provenance)
+
+
+def _numbers(frame):
+    return [float(frame.focal), *map(float, frame.centre)]
