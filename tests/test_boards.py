@@ -29,6 +29,13 @@ def test_rendered_chessboard(columns, rows):
     assert found.index.tolist()[:2] == [[0, 0], [1, 0]] and len(found.index) == columns * rows
 
 
+@pytest.mark.parametrize("columns,rows", [(9, 6), (8, 6), (6, 4)])
+def test_board_upside_down_is_numbered_from_the_top_left(columns, rows):
+    picture, first = chessboard(columns, rows)
+    found = find_chessboard(np.ascontiguousarray(picture[::-1, ::-1]), columns, rows)
+    np.testing.assert_allclose(found.xy, first + 40 * found.index, atol=0.05)
+
+
 def test_raw_chessboard_with_colour_cast():
     picture, first = chessboard(9, 6, colour=(130, 230, 100))
     found = find_chessboard(mosaic(picture), 9, 6)

@@ -1,200 +1,136 @@
-"""The ideal frame: training pairs against truth, straightness, real photos."""
+"""Whole frames through the bench, with a stand-in for the corrector."""
 
 import numpy as np
 import pytest
-from photos import real_photos
 
-from ncdc_model.calibration.detect import detect_points
-from ncdc_model.calibration.frame import ideal_frame
-from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.calibration.straightness import straightness
+from copier import copier
 from ncdc_model.errors import InputError
-from ncdc_model.example import example_camera, page_dots, page_to_distorted, target_photo
-from ncdc_model.images import read_image
-from ncdc_model.lens import Camera, rotation
+from ncdc_sim.frame import Program, simulate_frame
+from ncdc_sim.memories import MemoryTiming
+from ncdc_sim.tools import SIMULATORS, SimulationError
+
+WORDS = 512
+SOURCE, OUTPUT = 0x2000, 0x10000
+WORDS_REGISTER, MAGIC_REGISTER, MAGIC = 2, 5, 0x4E434443
 
 
-@pytest.fixture(scope="module")
-def points():
-    return detect_points([("page.png", target_photo(example_camera()))], "dots")
+def program(words=WORDS):
+    return (Program().compare(MAGIC_REGISTER, MAGIC).write(0, SOURCE).write(1, OUTPUT)
+            .write(2, words).write(3, 1).wait_irq().read(WORDS_REGISTER).write(4, 0))
 
 
-@pytest.fixture(scope="module")
-def frame(points):
-    return ideal_frame(points)
+def frame(width=32, words=WORDS):
+    return np.random.default_rng(1).integers(0, 256, words * width // 8, np.uint8)
 
 
-def projective_fit(source, target):
-    """Homography from ``source`` to ``target`` (n, 2), and the distances (n,) that it leaves."""
-    middle, size = source.mean(axis=0), source.std()
-    plane = np.column_stack([(source - middle) / size, np.ones(len(source))])
-    nothing = np.zeros_like(plane)
-    system = np.vstack([np.hstack([plane, nothing, -target[:, :1] * plane]),
-                        np.hstack([nothing, plane, -target[:, 1:] * plane])])
-    matrix = np.linalg.svd(system, full_matrices=False)[2][-1].reshape(3, 3)
-    image = plane @ matrix.T
-    return matrix / matrix[2, 2], np.linalg.norm(image[:, :2] / image[:, 2:] - target, axis=1)
+def copy(verilog, width=32, words=WORDS, **options):
+    options = {"program": program(words), "output_bytes": words * width // 8} | options
+    return simulate_frame(verilog, frame(width, words).tobytes(), source_base=SOURCE,
+                          output_base=OUTPUT, **options)
 
 
-def test_corrected_points_are_a_plane_view_of_the_scene(frame):
-    """A true pinhole view of a plane: projective to the truth, hardly tilted, not stretched."""
-    ideal = np.stack(example_camera().undistort(*frame.distorted.T), axis=1)
-    matrix, left = projective_fit(frame.corrected, ideal)
-    assert np.sqrt(np.mean(left**2)) * 250 < 0.15          # 250 corrected pixels per unit
-    # Keystone: change of magnification over the standard deviation of the points.
-    assert np.abs(matrix[2, :2]).max() < 0.03
-    assert matrix[0, 0] == pytest.approx(matrix[1, 1], rel=0.02)
-    assert abs(matrix[0, 1]) + abs(matrix[1, 0]) < 0.02 * matrix[0, 0]
+@pytest.mark.parametrize("simulator", SIMULATORS)
+@pytest.mark.parametrize("width", [32, 128])
+@pytest.mark.parametrize("memory", ["ideal", "hostile"])
+def test_copies(memory, width, simulator):
+    result = copy(copier(width), width, memory=memory, simulator=simulator)
+    np.testing.assert_array_equal(np.frombuffer(result.output, np.uint8), ~frame(width))
+    assert result.bytes_read == (WORDS * width // 8,)
+    assert result.bytes_written == WORDS * width // 8
+    assert result.registers == {WORDS_REGISTER: WORDS}
+    assert result.counters["read0_commands"] == result.counters["output_commands"] == WORDS // 8
 
 
-def test_dot_size_correction_moves_the_points_nearer_to_the_truth(points, frame):
-    exact = page_to_distorted(example_camera(), page_dots()).reshape(-1, 2)
-
-    def rms(xy):
-        return np.sqrt(np.mean(((xy[:, None] - exact[None])**2).sum(axis=2).min(axis=1)))
-    assert rms(frame.distorted) < 0.6 * rms(points.photos[0].xy)
-    assert rms(frame.distorted) < 0.04
-
-
-def test_homography_takes_the_index_to_corrected_pixels(frame):
-    image = np.column_stack([frame.index, np.ones(len(frame.index))]) @ frame.homographies[0].T
-    np.testing.assert_allclose(image[:, :2] / image[:, 2:], frame.corrected, atol=1e-6)
+@pytest.mark.parametrize("sink_chance", [256, 100])
+@pytest.mark.parametrize("simulator", SIMULATORS)
+def test_streams(simulator, sink_chance):
+    result = copy(copier(stream=True), simulator=simulator, sink_chance=sink_chance,
+                  output_bytes=3 * WORDS)
+    pixels = (~frame()).reshape(-1, 4)[:, 2::-1]
+    np.testing.assert_array_equal(np.frombuffer(result.output, np.uint8), pixels.ravel())
+    assert result.counters["output_commands"] == 1
+    assert (result.counters["output_waits"] > 0) == (sink_chance < 256)
 
 
-def test_smooth_lens_describes_the_points(frame):
-    x, y = frame.camera.back_map(*frame.corrected.T)
-    distance = np.linalg.norm(np.stack([x, y], axis=1) - frame.distorted, axis=1)
-    assert frame.rms == pytest.approx(np.sqrt(np.mean(distance**2)), abs=1e-6)
-    assert frame.rms < 0.6
+@pytest.mark.parametrize("latency", [1, 2, 37])
+def test_latency_is_exact(latency):
+    """A burst of the copier takes a clock to ask, 8 beats in, 8 beats out, and the latency."""
+    result = copy(copier(), memory=MemoryTiming(latency=(latency, latency)))
+    assert result.clocks == (WORDS // 8 * (16 + latency) + 1,)
 
 
-def test_zoom_fit_fills_the_width(frame):
-    assert frame.camera.frame.size == (640, 480)
-    u, _ = frame.camera.corrected(np.array([0.0, 639.0]), np.array([239.5, 239.5]))
-    np.testing.assert_allclose(u, (0, 639), atol=1e-6)
-    u, v = frame.corrected.T
-    assert np.ptp(u) > 600 and np.ptp(v) > 420
+@pytest.mark.parametrize("bytes_per_clock", [3.5, 1.0, 0.25])
+def test_bandwidth_is_kept(bytes_per_clock):
+    result = copy(copier(), memory=MemoryTiming(bytes_per_clock=bytes_per_clock))
+    # Before the start two beats are saved up; each burst idles a clock or two at its turns.
+    least = (2 * WORDS - 2) * 4 / bytes_per_clock - 1
+    assert least <= result.clocks[0] <= least + WORDS // 8 * 3
 
 
-def test_points_far_outside_the_frame_are_left_out(points):
-    close = ideal_frame(points, size=(320, 240), zoom=1.5)
-    assert close.rejected["outside the corrected frame"] > 200
-    assert len(close.index) + sum(close.rejected.values()) == points.count
-    assert (close.corrected > (-16.1, -12.1)).all() and (close.corrected < (335.1, 251.1)).all()
+def test_simulators_agree_on_every_clock():
+    results = [copy(copier(), memory="hostile", seed=5, simulator=s) for s in SIMULATORS]
+    assert results[0] == results[1]
 
 
-def test_grossly_wrong_points_are_rejected(points):
-    photo = points.photos[0]
-    xy = photo.xy.copy()
-    victims = np.flatnonzero(np.linalg.norm(xy - (320, 240), axis=1) < 120)[[3, 15, 28]]
-    xy[victims] += ((9, 0), (0, -8), (6, 6))
-    spoilt = TargetPoints("dots", points.size, (PhotoPoints(photo.index, xy, photo.area),))
-    frame = ideal_frame(spoilt)
-    assert frame.rejected["off the smooth lens by more than its neighbours"] == 3
-    kept = {tuple(key) for key in frame.index.tolist()}
-    assert not kept & {tuple(key) for key in photo.index[victims].tolist()}
+def test_seed_changes_the_timing():
+    assert copy(copier(), memory="hostile").clocks != copy(copier(), memory="hostile", seed=9).clocks
 
 
-def board_photos(camera, count=5):
-    """Exact photos of a 9x6 board, each from another side, with 0.05 pixels of noise."""
-    rng = np.random.default_rng(7)
-    i, j = np.meshgrid(np.arange(9), np.arange(6))
-    index = np.stack([i.ravel(), j.ravel()], axis=1)
-    photos = []
-    for k in range(count):
-        turn = rotation(*rng.uniform(-0.5, 0.5, 2), rng.uniform(-0.3, 0.3))
-        flat = np.column_stack([index - (4.0, 2.5), np.zeros(54)]) @ turn.T
-        place = flat + (*rng.uniform(-2, 2, 2), rng.uniform(7, 9))
-        xy = np.stack(camera.project(place), axis=1) + rng.normal(0, 0.05, (54, 2))
-        photos.append(PhotoPoints(index, xy, np.zeros(54), {}, f"{k}.png"))
-    return TargetPoints("chessboard", camera.size, tuple(photos))
+@pytest.mark.parametrize("simulator", SIMULATORS)
+@pytest.mark.parametrize("fault,stream,message", [
+    (1, False, "AVALON-ERROR write held"), (2, False, "FAILED clock-limit 4000 clocks"),
+    (3, False, "AVALON-ERROR read0 aligned"), (4, True, "AVALON-ERROR stream held")])
+def test_faults_are_named(fault, stream, message, simulator):
+    with pytest.raises(SimulationError, match=message):
+        copy(copier(stream=stream, fault=fault), memory=MemoryTiming(wait_chance=100),
+             simulator=simulator, sink_chance=128, clock_limit=4000)
 
 
-def test_several_photos_share_one_lens():
-    camera = Camera.from_dict({"width": 640, "height": 480, "k": [0.02, -0.01],
-                               "f_distorted": 330.0, "centre": [327, 233], "p": [0.001, -0.0005]})
-    frame = ideal_frame(board_photos(camera))
-    assert frame.rms < 0.12
-    assert frame.camera.focal == pytest.approx(330, rel=0.02)
-    np.testing.assert_allclose(frame.camera.centre, (327, 233), atol=3)
-    assert set(frame.photo) == {0, 1, 2, 3, 4} and len(frame.homographies) == 5
+def test_output_nobody_wrote_is_seen():
+    result = copy(copier(), output_bytes=4 * WORDS + 16)
+    assert result.output[-16:] == bytes([0xA5] * 16)
 
 
-def test_points_beside_and_behind_the_camera_are_outside_a_flat_picture():
-    """A floor that runs under an equidistant fisheye, half of it more than 90 degrees off axis."""
-    i, j = np.meshgrid(np.arange(9), np.arange(12))
-    index = np.stack([i.ravel(), j.ravel()], axis=1)
-    x, y, z = (i.ravel() - 4.0) / 2, np.ones(108), (j.ravel() - 4.0) / 2
-    across = np.hypot(x, y)
-    radius = 150 * np.arctan2(across, z) / across
-    xy = np.stack([320 + radius * x, 320 + radius * y], axis=1)
-    photo = PhotoPoints(index, xy, np.zeros(108), {}, "floor.png")
-    frame = ideal_frame(TargetPoints("chessboard", (641, 641), (photo,)), zoom=0.3)
-    assert frame.rms < 0.1
-    assert frame.index[:, 1].min() > 4 and len(frame.index) > 40
-    assert (frame.corrected[:, 1] > 320).all()
+def test_access_beyond_the_memory():
+    with pytest.raises(SimulationError, match="memory read-range"):
+        copy(copier(), program=Program().write(0, 0x20000000).write(1, OUTPUT).write(2, 8)
+             .write(3, 1).wait_irq())
 
 
-def test_random_points_have_no_lens():
-    rng = np.random.default_rng(1)
-    index = np.stack([np.arange(60) % 10, np.arange(60) // 10], axis=1)
-    photo = PhotoPoints(index, rng.uniform((0, 0), (639, 479), (60, 2)), np.zeros(60), {}, "a.png")
-    with pytest.raises(InputError, match="no smooth lens explains the points"):
-        ideal_frame(TargetPoints("chessboard", (640, 480), (photo,)))
+def test_wrong_register_value():
+    with pytest.raises(SimulationError, match="register-compare word 5 reads 4e434443 instead of 00000001"):
+        copy(copier(), program=Program().compare(MAGIC_REGISTER, 1))
 
 
-def test_too_few_points():
-    index = np.stack([np.arange(9) % 3, np.arange(9) // 3], axis=1)
-    photo = PhotoPoints(index, 20.0 * index + 30, np.zeros(9), {}, "a.png")
-    with pytest.raises(InputError, match="no photo has 12 points"):
-        ideal_frame(TargetPoints("chessboard", (640, 480), (photo,)))
+def test_progress_rises_to_one():
+    seen = []
+    copy(copier(), progress=seen.append)
+    assert len(seen) > 20 and seen == sorted(seen) and seen[-1] == 1.0
 
 
-def test_straightness_of_known_lines():
-    index = np.stack([np.arange(30) % 6, np.arange(30) // 6], axis=1)
-    flat = index @ np.array([[20.0, 3.0], [-2.0, 25.0]])
-    result = straightness(flat, index)
-    assert result.lines == 11 and result.max < 1e-12
-    bent = flat.copy()
-    bent[index[:, 0] == 2] += (0.0, 0.9)       # along the columns' direction almost: moves rows
-    result = straightness(bent, index)
-    assert 0.5 < result.max < 0.9 and 0.1 < result.rms < result.max
-    # Points of different photos are on different lines.
-    assert straightness(flat, index, np.arange(30) % 2).lines < 30
-    assert straightness(flat[:2], index[:2]).lines == 0
+def test_verilog_that_does_not_compile():
+    with pytest.raises(SimulationError, match="verilator failed"):
+        copy(copier().replace("endmodule", "assign nothing = ;\nendmodule"))
 
 
-@pytest.mark.parametrize("pattern,target,zoom,smooth,straight", [
-    ("dots/dot_pattern_06.jpg", "dots", "fit", 2.0, 1.3),
-    ("dots/dot_pattern_05.jpg", "dots", "fit", 0.1, 0.05),
-    ("chessboard_wide/GOPR003*.jpg", "chessboard:8x6", "fit", 0.8, 0.5),
-    ("opencv/left0[1-6].jpg", "chessboard:9x6", "fill", 0.4, 0.2)])
-def test_real_photos(pattern, target, zoom, smooth, straight):
-    files = real_photos(pattern)
-    points = detect_points(((file.name, read_image(file)) for file in files), target)
-    frame = ideal_frame(points, zoom=zoom)
-    assert frame.rms < smooth
-    before = straightness(frame.distorted, frame.index, frame.photo)
-    uv = np.stack(frame.camera.corrected(*frame.distorted.T), axis=1)
-    after = straightness(uv, frame.index, frame.photo)
-    assert after.rms < straight and after.rms < 0.3 * before.rms
+@pytest.mark.parametrize("options,message", [
+    ({"memory": "sram"}, "memory is 'sram', one of ideal, sdram, ddr3, hostile is needed"),
+    ({"simulator": "questa"}, "simulator is 'questa', one of verilator, icarus is needed"),
+    ({"memory": MemoryTiming(latency=(0, 3))}, r"latency is 0\.\.3 clocks, the limits are 1"),
+    ({"memory": MemoryTiming(max_pending=65)}, "max_pending is 65, the limits are 1 and 64"),
+    ({"memory": MemoryTiming(wait_chance=256)}, "wait_chance is 256, the limits are 0 and 255")])
+def test_bad_options(options, message):
+    with pytest.raises(InputError, match=message):
+        copy(copier(), **options)
 
 
-def test_fisheye_of_180_degrees_needs_a_zoom_in_numbers():
-    files = real_photos("fisheye/*.jpg")
-    points = detect_points(((file.name, read_image(file)) for file in files), "chessboard:6x4")
-    with pytest.raises(InputError, match="zoom fit needs a place in the flat picture"):
-        ideal_frame(points, zoom="fit")
-    frame = ideal_frame(points, zoom=1.0)
-    assert frame.rms < 0.5 and len(frame.index) > 150
-    # 90 degrees off the axis are at pi/2 focal lengths of an equidistant lens, inside the image.
-    assert np.pi / 2 * frame.camera.focal < 320
-    uv = np.stack(frame.camera.corrected(*frame.distorted.T), axis=1)
-    after = straightness(uv, frame.index, frame.photo).rms
-    assert after < 0.1 * straightness(frame.distorted, frame.index, frame.photo).rms
+def test_bad_module():
+    with pytest.raises(InputError, match="no module ncdc"):
+        copy("module other();\nendmodule\n")
+    with pytest.raises(InputError, match="1 read ports of 16 bits"):
+        copy(copier(16))
 
 
-def test_warnings_that_are_not_waived_are_shown():
-    with pytest.raises(SimulationError, match="%Warning-PINMISSING"):
-        copy(copier().replace("endmodule", "part p();\nendmodule")
-             + "module part(input a);\nendmodule\n")
+def test_bad_base():
+    with pytest.raises(InputError, match="multiples of 16"):
+        simulate_frame(copier(), b"", program(), source_base=8, output_base=0, output_bytes=16)

@@ -102,12 +102,13 @@ def _grey(image):
 
 
 def _points(found, columns, rows):
-    """Rows from the top and columns from the left of the picture, as far as the board allows."""
+    """PhotoPoints of a grid found in order, turned by half a turn if its last point comes first.
+
+    Half a turn, not a flip: the target must not be seen as if from behind.
+    """
     grid = np.asarray(found, np.float64).reshape(rows, columns, 2)
-    if (grid[:, -1] - grid[:, 0]).sum(axis=0)[0] < 0:
-        grid = grid[:, ::-1]
-    if (grid[-1] - grid[0]).sum(axis=0)[1] < 0:
-        grid = grid[::-1]
+    if (grid[-1, -1] - grid[0, 0]).sum() < 0:
+        grid = grid[::-1, ::-1]
     i, j = np.meshgrid(np.arange(columns), np.arange(rows))
     return PhotoPoints(index=np.stack([i.ravel(), j.ravel()], axis=1), xy=grid.reshape(-1, 2),
                        area=np.zeros(columns * rows))
