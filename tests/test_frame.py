@@ -134,3 +134,9 @@ def test_bad_module():
 def test_bad_base():
     with pytest.raises(InputError, match="multiples of 16"):
         simulate_frame(copier(), b"", program(), source_base=8, output_base=0, output_bytes=16)
+
+
+def test_warnings_that_are_not_waived_are_shown():
+    with pytest.raises(SimulationError, match="%Warning-PINMISSING"):
+        copy(copier().replace("endmodule", "part p();\nendmodule")
+             + "module part(input a);\nendmodule\n")
