@@ -55,3 +55,11 @@ def test_nothing_usable(folder):
     assert not (folder / "none.json").exists()
     with pytest.raises(InputError, match="cannot read .*absent.png"):
         command(folder / "absent.png", "-o", folder / "none.json")
+
+
+def test_photo_is_never_replaced(folder):
+    before = (folder / "page.png").read_bytes()
+    for name in ("page.json", "page.png"):
+        with pytest.raises(InputError, match="would replace the photo of that name"):
+            command(folder / "page.png", "-o", folder / name)
+    assert (folder / "page.png").read_bytes() == before and not (folder / "page.json").exists()

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.overlay import draw_points
+from ncdc_model.errors import InputError
 from ncdc_model.files import write_text
 from ncdc_model.images import read_image, write_image
 
@@ -31,14 +32,18 @@ def add_arguments(parser):
 def run(args):
     """Detect, write the points file and the overlays, report."""
     points = detect_points(((name, read_image(name)) for name in args.photos), args.target)
-    points.save(args.output)
     output = Path(args.output)
     used = [name for name in args.photos if name not in points.rejected_photos]
-    overlays = []
-    for number, (name, photo) in enumerate(zip(used, points.photos), 1):
-        tag = "" if len(used) == 1 else f"-{number}-{Path(name).stem}"
-        overlays.append(str(output.with_name(f"{output.stem}{tag}.png")))
-        write_image(overlays[-1], draw_points(read_image(name), photo))
+    tags = [""] if len(used) == 1 else [f"-{k}-{Path(name).stem}" for k, name in enumerate(used, 1)]
+    overlays = [str(output.with_name(f"{output.stem}{tag}.png")) for tag in tags]
+    inputs = {Path(name).resolve() for name in args.photos}
+    for path in (args.output, *overlays):
+        if Path(path).resolve() in inputs:
+            raise InputError(f"the output {path} would replace the photo of that name, choose "
+                             f"another -o")
+    points.save(output)
+    for name, overlay, photo in zip(used, overlays, points.photos):
+        write_image(overlay, draw_points(read_image(name), photo))
     rejected = {}
     for photo in points.photos:
         for reason, count in photo.rejected.items():
