@@ -10,7 +10,7 @@ from ncdc_model.errors import InputError
 from ncdc_sim import runner, tools
 from ncdc_sim.cache import cached, key_of, without_header
 from ncdc_sim.ports import ports_of
-from ncdc_sim.runner import build, run
+from ncdc_sim.runner import build, command_of, run
 from ncdc_sim.tools import SimulationError
 
 HELLO = 'module hello;\n  initial begin $display("hello"); $finish; end\nendmodule\n'
@@ -26,12 +26,12 @@ def build_hello(text=HELLO, **options):
 
 
 def test_second_build_is_not_made(monkeypatch, tmp_path):
-    command = build_hello()
+    program = build_hello()
     monkeypatch.setattr(runner, "call", None)
-    assert build_hello() == command
-    assert build_hello("// made on another day\n\n" + HELLO) == command
+    assert build_hello() == program
+    assert build_hello("// made on another day\n\n" + HELLO) == program
     lines = []
-    run(command, tmp_path, lines.append)
+    run(command_of(program), tmp_path, lines.append)
     assert lines[0] == "hello"
 
 

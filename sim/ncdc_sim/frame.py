@@ -7,7 +7,7 @@ from pathlib import Path
 from ncdc_model.errors import InputError
 from ncdc_sim.memories import memory_timing
 from ncdc_sim.ports import ports_of
-from ncdc_sim.runner import HDL, build, run
+from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_sim.tools import SimulationError
 
 __all__ = ["FrameResult", "Program", "simulate_frame"]
@@ -151,8 +151,8 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     if simulator == "icarus":
         top = "frame_clock"
         sources.insert(0, ("frame_clock.v", (HDL / "frame_clock.v").read_text()))
-    command = build("frame", top, sources, defines=defines, simulator=simulator,
-                    main=HDL / "frame_main.cpp")
+    binary = build("frame", top, sources, defines=defines, simulator=simulator,
+                   main=HDL / "frame_main.cpp")
     settings = timing.plusargs(width, readers) | {
         "source_base": source_base, "source_bytes": len(source), "output_base": output_base,
         "output_bytes": output_bytes, "program_words": len(program.operations) + 1,
@@ -163,8 +163,8 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         folder = Path(name)
         (folder / "source.bin").write_bytes(source + bytes(-len(source) % (width // 8)))
         (folder / "program.hex").write_text(program.text())
-        run([*command, *(f"+{key}={value}" for key, value in settings.items())], folder,
-            listener.line)
+        run([*command_of(binary), *(f"+{key}={value}" for key, value in settings.items())],
+            folder, listener.line)
         output = folder / "output.bin"
         listener.result.output = output.read_bytes()[:output_bytes] if output.exists() else b""
     return listener.finish()

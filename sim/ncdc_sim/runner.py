@@ -8,13 +8,13 @@ from pathlib import Path
 from ncdc_sim.cache import cached, key_of, without_header
 from ncdc_sim.tools import WAIVERS, SimulationError, call, environment, tool, version
 
-__all__ = ["HDL", "build", "run"]
+__all__ = ["HDL", "build", "command_of", "run"]
 
 HDL = Path(__file__).parent / "hdl"
 
 
-def build(name, top, sources, *, defines=None, simulator="verilator", main=None):
-    """Command that runs the simulation of module ``top``, compiled if it was not yet.
+def build(name, top, sources, *, defines=None, simulator="verilator", main=None, options=()):
+    """Program that simulates module ``top``, compiled if it was not yet; see :func:`command_of`.
 
     Parameters
     ----------
@@ -30,6 +30,8 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None)
         One of ``ncdc_sim.tools.SIMULATORS``.
     main : Path
         C++ main program (Verilator only).
+    options : sequence of str
+        More options for Verilator.
 
     Raises
     ------
@@ -42,13 +44,13 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None)
     defines = [f"-D{key}" if value is None else f"-D{key}={value}"
                for key, value in sorted((defines or {}).items())]
     if simulator == "icarus":
-        program = "simulation.vvp"
+        program = f"{top}.vvp"
         command = [compiler, "-g2012", "-s", top, "-o", program, *defines]
     else:
-        program = "simulation"
+        program = top
         command = [compiler, "--cc", "--exe", "--build", "-j", "2", "-O3", "--top-module", top,
                    "--timescale", "1ns/1ps", "--Mdir", "model", "-o", f"../{program}",
-                   "-MAKEFLAGS", "OPT_FAST=-O2", *WAIVERS, *defines]
+                   "-MAKEFLAGS", "OPT_FAST=-O2", *WAIVERS, *options, *defines]
     texts = [(file, without_header(text)) for file, text in sources]
     if main is not None and simulator == "verilator":
         texts.append((main.name, main.read_text()))
@@ -62,8 +64,12 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None)
         shutil.rmtree(folder / "model", ignore_errors=True)
 
     key = key_of(name, simulator, version(simulator), *command[1:], *sum(texts, ()))
-    path = cached(key, compile_in) / program
-    return ["vvp", "-N", str(path)] if simulator == "icarus" else [str(path)]
+    return cached(key, compile_in) / program
+
+
+def command_of(program):
+    """Command line, without arguments, that runs what :func:`build` made."""
+    return ["vvp", "-N", str(program)] if program.suffix == ".vvp" else [str(program)]
 
 
 def run(command, folder, on_line=lambda line: None):
