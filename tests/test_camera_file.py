@@ -121,7 +121,7 @@ def test_back_map_ends_where_the_model_folds(tmp_path):
     x, y = read.distort(np.array([1.0, 1.1, 5.0]), np.zeros(3))    # r - .3 r^3 turns at 1.054
     assert np.isfinite(x[0]) and np.isnan(x[1:]).all()
     mask = valid_mask(read.back_map, read.geometry())
-    u, v, _, _ = training_grid(read)
+    u, v, _, _ = training_grid(read.back_map, read.geometry())
     assert mask[v.round().astype(int), u.round().astype(int)].all()
 
 
@@ -136,7 +136,7 @@ def test_our_camera_file_keeps_its_frame_unless_told(tmp_path):
 
 def test_training_grid_holds_exact_pairs_and_the_border(tmp_path):
     camera_map = load_camera_map(opencv_file(tmp_path / "c.yml", RATIONAL))
-    u, v, x, y = training_grid(camera_map)
+    u, v, x, y = training_grid(camera_map.back_map, camera_map.geometry())
     np.testing.assert_array_equal(camera_map.back_map(u, v), (x, y))
     mask = valid_mask(camera_map.back_map, camera_map.geometry())
     assert 1500 < len(u) < 61 * 41 + 240
@@ -213,4 +213,4 @@ def test_bytes_that_are_no_text_and_absent_files(tmp_path):
 def test_a_frame_almost_without_source_is_refused(tmp_path):
     read = load_camera_map(opencv_file(tmp_path / "c.yml", [-.3, 0, 0, 0]), zoom=.05)
     with pytest.raises(InputError, match="of the corrected frame has a source, 5 % is the limit"):
-        training_grid(read)
+        training_grid(read.back_map, read.geometry())

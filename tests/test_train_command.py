@@ -187,6 +187,29 @@ def test_back_propagation_by_name(folder, tmp_path, monkeypatch):
     assert descriptor.errors["map_error_float_px"]["mse"] < 100
 
 
+def test_beyond_its_points_the_network_follows_the_smooth_lens(tmp_path, capsys):
+    whole = page(.02, (.05, -.03), "a.png")
+    x, y = (whole.xy - [160, 120]).T
+    middle = (np.abs(x) < 85) & (np.abs(y) < 65)
+    part = PhotoPoints(whole.index[middle], whole.xy[middle], whole.area[middle], {}, "part.png")
+    TargetPoints("dots", SIZE, (part,)).save(tmp_path / "part.json")
+    lens().save(tmp_path / "camera.toml")
+    report = report_of(train, tmp_path / "part.json", "--neurons", 7, "-o", tmp_path / "net.toml",
+                       capsys=capsys)
+    assert report["extrapolated_percent"] > 25 and report["valid_percent"] > 80
+    assert report["training"]["points"] + report["held_out"]["points"] == middle.sum()
+    against = report_of(evaluate, tmp_path / "net.toml", "--against", tmp_path / "camera.toml",
+                        capsys=capsys)
+    assert against["map_error_float_px"]["max"] < 3
+
+
+def test_the_source_is_not_replaced(folder):
+    before = (folder / "camera.toml").read_bytes()
+    with pytest.raises(InputError, match="camera.toml would replace the input"):
+        call(train, folder / "camera.toml", "--neurons", 2, "-o", folder / "camera.toml")
+    assert (folder / "camera.toml").read_bytes() == before
+
+
 @pytest.mark.parametrize("options,message", [
     (["--size", "320"], "size is '320', WxH is needed"),
     (["--fill", "1,2,300"], "fill is '1,2,300', R,G,B is needed, each of 0..255"),

@@ -8,7 +8,7 @@ from ncdc_model.geometry import Geometry, ValidRows
 from ncdc_model.lens import Camera
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import Problem
-from ncdc_model.valid import Calibrated, grid_pitch, lost_pixels, valid_mask, valid_rows
+from ncdc_model.valid import Calibrated, grid_pitch, grown, lost_pixels, valid_mask, valid_rows
 
 GEOMETRY = Geometry(320, 240, 320, 240)
 
@@ -86,22 +86,22 @@ def test_pitch_is_that_of_each_photo():
     assert grid_pitch([(u[:1], v[:1])]) == 0
 
 
-def test_points_vouch_for_their_hull_and_two_pitches():
+def test_points_cover_their_hull_and_two_pitches():
     u, v = (g.ravel() for g in np.meshgrid(np.arange(100, 221, 20.0), np.arange(80, 161, 20.0)))
     hole = (u == 160) & (v == 120)                          # a missing dot costs nothing
     u, v = u[~hole], v[~hole]
-    mask = valid_mask(lambda u, v: (u, v), GEOMETRY, Calibrated(u, v, u, v, 40.0))
+    mask = Calibrated(u, v, u, v, 40.0).mask(lambda u, v: (u, v), GEOMETRY)
     ys, xs = np.nonzero(mask)
     assert (xs.min(), xs.max(), ys.min(), ys.max()) == (60, 260, 40, 200)
     assert mask[80:161, 100:221].all() and not mask[45, 65]
 
 
-def test_points_outside_the_frame_vouch_for_its_edge():
+def test_points_outside_the_frame_cover_its_edge():
     u, v = (g.ravel() for g in np.meshgrid(np.arange(-10, 340, 20.0), np.arange(-10, 260, 20.0)))
     inside = (u > -15) & (v > -15)
     x, y = np.clip(u, 0, 319), np.clip(v, 0, 239)
-    mask = valid_mask(lambda u, v: (u, v), GEOMETRY,
-                      Calibrated(u[inside], v[inside], x[inside], y[inside], 15.0))
+    mask = Calibrated(u[inside], v[inside], x[inside], y[inside], 15.0).mask(
+        lambda u, v: (u, v), GEOMETRY)
     np.testing.assert_array_equal(mask, window_mask(lambda u, v: (u, v), GEOMETRY))
 
 
@@ -113,8 +113,11 @@ def test_network_trained_on_dots_finds_nearly_the_true_region():
     seen = (x > 4) & (x < 315) & (y > 4) & (y < 235)
     u, v, x, y = u[seen], v[seen], x[seen], y[seen]
     network, _ = train_levenberg(Problem(u, v, x, y, GEOMETRY), 8, starts=24, rounds=1)
-    mask = valid_mask(lambda u, v: network(*GEOMETRY.normalise(u, v)), GEOMETRY,
-                      Calibrated(u, v, x, y, 2 * grid_pitch([(u, v)])))
+
+    def back_map(u, v):
+        return network(*GEOMETRY.normalise(u, v))
+    covered = Calibrated(u, v, x, y, 2 * grid_pitch([(u, v)])).mask(back_map, GEOMETRY)
+    mask = valid_mask(back_map, GEOMETRY, covered)
     assert (mask != truth).mean() < .004
 
 
@@ -126,6 +129,15 @@ def test_extrapolation_of_a_real_lens_network_is_cut_off():
     def back_map(u, v):
         return network(*geometry.normalise(u, v))
     reach = 2 * grid_pitch([(dots.u, dots.v)])
-    region = valid_mask(back_map, geometry, Calibrated(dots.u, dots.v, dots.x, dots.y, reach))
+    covered = Calibrated(dots.u, dots.v, dots.x, dots.y, reach).mask(back_map, geometry)
+    region = valid_mask(back_map, geometry, covered)
     assert 0 < region.sum() <= window_mask(back_map, geometry).sum()
     assert .80 < region.mean() < .87                          # the true share is 83 %
+
+
+def test_grown_adds_a_rim():
+    mask = np.zeros((40, 60), bool)
+    mask[20, 30] = True
+    v, u = np.indices(mask.shape)
+    np.testing.assert_array_equal(grown(mask, 5), np.hypot(u - 30, v - 20) <= 5)
+    assert not grown(mask & False, 5).any()

@@ -8,17 +8,17 @@ from scipy.spatial import cKDTree
 
 from ncdc_model.geometry import ValidRows
 
-__all__ = ["Calibrated", "REACH", "grid_pitch", "lost_pixels", "valid_mask", "valid_rows"]
+__all__ = ["Calibrated", "REACH", "grid_pitch", "grown", "lost_pixels", "valid_mask", "valid_rows"]
 
-REACH = 2.0            # grid pitches beyond the calibrated points that the network is trusted
+REACH = 2.0            # grid pitches beyond the calibrated points that count as covered
 _ROWS = 128            # corrected rows at a time: bounds the memory
 
 
 @dataclass(frozen=True)
 class Calibrated:
-    """Where calibrated points vouch for the map, when no exact camera model does.
+    """Where calibrated points cover the map.
 
-    A pixel is trusted if its source lies in the convex hull of the points in the distorted
+    A pixel is covered if its source lies in the convex hull of the points in the distorted
     image, or if it is at most ``reach`` from a calibrated point in the corrected image. The hull
     is taken on the distorted side because the image there is a rectangle that a target can
     fill, while its corrected counterpart is a concave pincushion. The distance is taken on the
@@ -40,7 +40,17 @@ class Calibrated:
     y: np.ndarray
     reach: float
 
-    def near(self, geometry):
+    def mask(self, map_function, geometry):
+        """Pixels that the points cover: bool (corrected height, width)."""
+        mask, hull = self._near(geometry), self._hull(geometry)
+        for rows, x, y in _bands(map_function, geometry):
+            inside = geometry.window_inside(x, y)
+            column = np.where(inside, x, 0).round().astype(np.int64)
+            row = np.where(inside, y, 0).round().astype(np.int64)
+            mask[rows] = inside & (hull[row, column] | mask[rows])
+        return mask
+
+    def _near(self, geometry):
         """Pixels within ``reach`` of a point: bool (corrected height, width)."""
         width, height = geometry.corrected
         # Points beyond the frame's edge vouch for pixels inside: measure on a larger canvas.
@@ -55,7 +65,7 @@ class Calibrated:
         distance = cv2.distanceTransform(canvas, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
         return distance[margin:-margin, margin:-margin] <= self.reach
 
-    def hull(self, geometry):
+    def _hull(self, geometry):
         """Distorted pixels in the convex hull of the points: bool (distorted height, width)."""
         points = np.round(np.stack([self.x, self.y], axis=1)).astype(np.int32)
         mask = np.zeros(geometry.distorted[::-1], np.uint8)
@@ -74,14 +84,13 @@ def grid_pitch(photos):
     return float(np.median(np.concatenate(nearest))) if nearest else 0.0
 
 
-def valid_mask(map_function, geometry, calibrated=None):
+def valid_mask(map_function, geometry, within=None):
     """Corrected pixels that have a source: bool (height, width).
 
     A pixel is valid if the 3x3 window of its source lies in the distorted image
     (:meth:`Geometry.window_inside`), the map does not fold back there (its Jacobian determinant
-    is positive), ``calibrated`` vouches for it, and it is connected (4-neighbourhood) to the
-    middle of the corrected image through such pixels; if the middle has no source, the largest
-    connected region counts.
+    is positive), and it is connected (4-neighbourhood) to the middle of the corrected image
+    through such pixels; if the middle has no source, the largest connected region counts.
 
     Parameters
     ----------
@@ -89,29 +98,28 @@ def valid_mask(map_function, geometry, calibrated=None):
         (x, y) distorted pixels of arrays (u, v) of corrected pixels; not-a-number where there
         is no source. The camera's exact map where it is known, else the float network.
     geometry : Geometry
-    calibrated : Calibrated, optional
+    within : ndarray of bool, shape (height, width), optional
+        Pixels that can have a source at all.
     """
-    width, height = geometry.corrected
-    mask = np.empty((height, width), bool)
-    hull = calibrated.hull(geometry) if calibrated else None
-    near = calibrated.near(geometry) if calibrated else None
-    for top in range(0, height, _ROWS):
-        rows = np.arange(max(top - 1, 0), min(top + _ROWS + 1, height))
-        v, u = np.meshgrid(rows.astype(np.float64), np.arange(width, dtype=np.float64),
-                           indexing="ij")
-        x, y = map_function(u, v)
-        inside = geometry.window_inside(x, y)
+    mask = np.empty(geometry.corrected[::-1], bool)
+    for rows, x, y in _bands(map_function, geometry, halo=1):
         # Where a neighbour has no source there is no derivative, and no sign of folding.
         folded = (np.gradient(x, axis=1) * np.gradient(y, axis=0)
                   - np.gradient(x, axis=0) * np.gradient(y, axis=1)) <= 0
-        good = inside & ~folded
-        if calibrated:
-            column = np.where(inside, x, 0).round().astype(np.int64)
-            row = np.where(inside, y, 0).round().astype(np.int64)
-            good &= hull[row, column] | near[rows]
-        stop = min(top + _ROWS, height)
-        mask[top:stop] = good[top - rows[0]:stop - rows[0]]
-    return _connected(mask)
+        first = min(rows.start, 1)
+        own = slice(first, first + rows.stop - rows.start)
+        mask[rows] = (geometry.window_inside(x, y) & ~folded)[own]
+    return _connected(mask if within is None else mask & within)
+
+
+def _bands(map_function, geometry, halo=0):
+    """Bands of the frame: (slice of rows, x, y), with ``halo`` rows more on either side."""
+    width, height = geometry.corrected
+    for top in range(0, height, _ROWS):
+        rows = slice(top, min(top + _ROWS, height))
+        v = np.arange(max(top - halo, 0), min(rows.stop + halo, height), dtype=np.float64)
+        v, u = np.meshgrid(v, np.arange(width, dtype=np.float64), indexing="ij")
+        yield rows, *map_function(u, v)
 
 
 def _connected(mask):
@@ -122,9 +130,17 @@ def _connected(mask):
     return (labels == middle) & mask
 
 
-def valid_rows(map_function, geometry, calibrated=None):
+def valid_rows(map_function, geometry, within=None):
     """:func:`valid_mask` as :class:`ValidRows`, at most two spans a row."""
-    return ValidRows.of_mask(valid_mask(map_function, geometry, calibrated))
+    return ValidRows.of_mask(valid_mask(map_function, geometry, within))
+
+
+def grown(mask, distance):
+    """``mask`` and the pixels at most ``distance`` pixels from it."""
+    if not mask.any():
+        return mask.copy()
+    return cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2,
+                                 cv2.DIST_MASK_PRECISE) <= distance
 
 
 def lost_pixels(mask, rows):

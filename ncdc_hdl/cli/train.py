@@ -54,6 +54,8 @@ def add_arguments(parser):
 
 def run(args):
     """Train, quantise, measure; write the descriptor, the plots and the report."""
+    if Path(args.output).resolve() == Path(args.source).resolve():
+        raise InputError(f"the output {args.output} would replace the input")
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
     source = load_source(args.source, _size(args.size) if args.size else None, args.zoom,
@@ -73,6 +75,9 @@ def run(args):
     width, height = source.geometry.corrected
     print(f"{args.neurons} hidden neurons, {width}x{height} corrected pixels, "
           f"{report['valid_percent']:.1f} % with a source")
+    if report.get("extrapolated_percent"):
+        print(f"{report['extrapolated_percent']:.1f} % lie beyond the calibrated points: there the "
+              f"network follows the smooth lens fitted to them")
     print(error_table({name: report[name] for name in ("training", "held_out", "frame")
                        if name in report}))
     print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")

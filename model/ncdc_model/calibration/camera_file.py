@@ -16,7 +16,7 @@ from ncdc_model.valid import valid_mask
 
 __all__ = ["CameraMap", "load_camera_map", "training_grid"]
 
-GRID = (61, 41)        # columns and rows of the training grid
+GRID = 61, 41          # columns and rows of the training grid
 BORDER = 240           # further training points on the border of the valid region
 
 
@@ -93,31 +93,44 @@ def load_camera_map(path, size=None, zoom=None):
     return CameraMap(lens.size, frame, lens.distort, lens.undistort, lens.model, digest)
 
 
-def training_grid(camera_map):
-    """Exact training pairs (u, v, x, y) of a :class:`CameraMap`, each of shape (N,).
+def training_grid(back_map, geometry, grid=GRID, border=BORDER, without=None):
+    """Exact training pairs (u, v, x, y) of a known map, each of shape (N,).
 
     A grid over the corrected frame where it is valid, and points along the border of the valid
     region, where a network that is fitted to a grid alone errs most.
+
+    Parameters
+    ----------
+    back_map : callable
+        (x, y) of (u, v); not-a-number where there is no source.
+    geometry : Geometry
+    grid : (int, int)
+        Columns and rows.
+    border : int
+        Most points on the border.
+    without : ndarray of bool, shape (height, width), optional
+        Pixels from which no pair is taken.
 
     Raises
     ------
     InputError
         If too little of the frame has a source.
     """
-    geometry = camera_map.geometry()
     width, height = geometry.corrected
-    mask = valid_mask(camera_map.back_map, geometry)
+    mask = valid_mask(back_map, geometry)
     if mask.mean() < .05:
         raise InputError(f"only {100 * mask.mean():.1f} % of the corrected frame has a source, "
                          f"5 % is the limit; give another zoom")
-    u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(0, width - 1, GRID[0]),
-                                                 np.linspace(0, height - 1, GRID[1])))
-    on = mask[np.round(v).astype(int), np.round(u).astype(int)]
+    u, v = (line.ravel() for line in np.meshgrid(np.linspace(0, width - 1, grid[0]),
+                                                 np.linspace(0, height - 1, grid[1])))
     padded = np.pad(mask, 1)
     inner = padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
     rows, columns = np.nonzero(mask & ~inner)
-    some = np.linspace(0, len(rows) - 1, min(BORDER, len(rows))).astype(int)
-    u, v = np.concatenate([u[on], columns[some]]), np.concatenate([v[on], rows[some]])
-    x, y = camera_map.back_map(u, v)
+    some = np.linspace(0, len(rows) - 1, min(border, len(rows))).astype(int)
+    u, v = np.concatenate([u, columns[some]]), np.concatenate([v, rows[some]])
+    on = mask if without is None else mask & ~without
+    on = on[np.round(v).astype(int), np.round(u).astype(int)]
+    u, v = u[on], v[on]
+    x, y = back_map(u, v)
     known = np.isfinite(x) & np.isfinite(y)
     return u[known], v[known], x[known], y[known]

@@ -7,9 +7,11 @@ from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
 from ncdc_model.geometry import ValidRows
 from ncdc_model.training.problem import split
 from ncdc_model.training.train import HELD_OUT, Training, train
-from ncdc_model.valid import lost_pixels, valid_mask
+from ncdc_model.valid import grown, lost_pixels, valid_mask
 
 __all__ = ["TrainedCamera", "train_camera"]
+
+_SMOOTH = 16           # corrected pixels by which the smooth lens may miss the border
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,8 @@ class TrainedCamera:
         (``frame`` only where the true map is known); the two of the best evidence there is
         again at the top, ``measured_on`` tells which; ``fixed_minus_float_max_px``;
         ``valid_pixels``, ``valid_percent`` and ``valid_pixels_lost``, those that two spans a
-        row cannot hold.
+        row cannot hold; of points ``extrapolated_percent``, valid pixels that lie beyond
+        the points, where the network follows the smooth lens.
     error_maps : dict
         ``float`` and ``fixed``: distance to the true map in pixels, float32 (height, width),
         ``nan`` where a pixel has no source; empty if the true map is not known.
@@ -42,7 +45,7 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
     """Train, quantise and measure a :class:`~ncdc_model.training.source.Source`.
 
     The valid region comes from the exact map where the source has one, else from the float
-    network where the calibrated points vouch for it. Arguments as in
+    network, near where the smooth lens has a source. Arguments as in
     :func:`ncdc_model.training.train.train`.
 
     Returns
@@ -55,9 +58,16 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
         If the request is bad, or a weight leaves its format.
     """
     geometry = source.geometry
-    training = train(source.pairs, geometry, neurons, trainer, seed, held_out, progress, **options)
+    training = train(source.pairs, geometry, neurons, trainer, seed, held_out, progress,
+                     source.anchors, **options)
     network = training.network
-    mask = valid_mask(source.back_map or float_map(network, geometry), geometry, source.calibrated)
+    back_map = source.back_map or float_map(network, geometry)
+    within = covered = None
+    if source.smooth_map:
+        within = grown(valid_mask(source.smooth_map, geometry), _SMOOTH)
+    if source.calibrated:
+        covered = source.calibrated.mask(back_map, geometry)
+    mask = valid_mask(back_map, geometry, within)
     rows = ValidRows.of_mask(mask)
     provenance = {"trainer": trainer, "seed": seed, **source.provenance}
     draft = Descriptor.quantise(network, geometry, rows)
@@ -79,5 +89,7 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
                "valid_pixels": frame["valid_pixels"],
                "valid_percent": round(100 * frame["valid_pixels"] / mask.size, 3),
                "valid_pixels_lost": lost_pixels(mask, rows), **tables}
+    if covered is not None:
+        report["extrapolated_percent"] = round(100 * float((mask & ~covered).mean()), 3)
     descriptor = Descriptor.quantise(network, geometry, rows, errors=report, provenance=provenance)
     return TrainedCamera(descriptor, training, report, maps)

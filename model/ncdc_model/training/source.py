@@ -16,6 +16,9 @@ from ncdc_model.valid import REACH, Calibrated, grid_pitch
 __all__ = ["Source", "is_points_file", "load_source"]
 
 
+_ANCHORS = 31, 21      # columns and rows of the grid of anchors over the whole frame
+
+
 @dataclass(frozen=True)
 class Source:
     """Training pairs and what else is known of the map.
@@ -28,7 +31,12 @@ class Source:
     back_map : callable or None
         The exact map (u, v) -> (x, y) over the whole frame, where a camera file gives it.
     calibrated : Calibrated or None
-        Where the points vouch for a map, where no exact one is known.
+        Where points cover the map, where no exact one is known.
+    smooth_map : callable or None
+        The smooth lens that was fitted to the points.
+    anchors : (u, v, x, y) or None
+        Pairs of the smooth lens where the points do not cover the frame: there the network is
+        to follow that lens, since left alone it would run off.
     provenance : dict
         For the descriptor: ``source`` (file name), ``source_kind``, ``source_hash``, ``frame``
         (focal length and centre of the corrected image in pixels), and of points ``homography``.
@@ -37,6 +45,8 @@ class Source:
     geometry: Geometry
     back_map: object = None
     calibrated: Calibrated | None = None
+    smooth_map: object = None
+    anchors: tuple | None = None
     provenance: dict = field(default_factory=dict)
 
 
@@ -75,8 +85,8 @@ def _of_camera(path, size, zoom, options):
     camera = load_camera_map(path, size, zoom)
     provenance = {"source": Path(path).name, "source_kind": camera.model,
                   "source_hash": camera.digest, "frame": _numbers(camera.frame)}
-    return Source(training_grid(camera), camera.geometry(**options), back_map=camera.back_map,
-                  provenance=provenance)
+    return Source(training_grid(camera.back_map, camera.geometry()), camera.geometry(**options),
+                  back_map=camera.back_map, provenance=provenance)
 
 
 def _of_points(path, size, zoom, options):
@@ -90,8 +100,12 @@ def _of_points(path, size, zoom, options):
                   "source_hash": points.digest, "frame": _numbers(frame.camera.frame),
                   "points_rejected": sum(frame.rejected.values()),
                   "homography": matrices[0] if len(matrices) == 1 else matrices}
-    return Source((u, v, x, y), geometry, calibrated=Calibrated(u, v, x, y, REACH * pitch),
-                  provenance=provenance)
+    calibrated = Calibrated(u, v, x, y, REACH * pitch)
+    smooth = frame.camera.back_map
+    anchors = training_grid(smooth, geometry, _ANCHORS, sum(_ANCHORS),
+                            without=calibrated.mask(smooth, geometry))
+    return Source((u, v, x, y), geometry, calibrated=calibrated, smooth_map=smooth,
+                  anchors=anchors, provenance=provenance)
 
 
 def _numbers(frame):

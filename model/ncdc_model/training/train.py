@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ncdc_model.descriptor import MAX_NEURONS, FloatNetwork
 from ncdc_model.errors import InputError
 from ncdc_model.training.backprop import train_backprop
@@ -22,7 +24,7 @@ class Training:
     ----------
     network : FloatNetwork
     curve : list of (int, float)
-        Learning curve: iterations or epochs, and MSE on the training points in px^2.
+        Learning curve: iterations or epochs, and MSE in px^2 on all that was trained on.
     training, held_out : dict
         mse, mean, max (px of the distorted image) and the number of points; the values of no
         points are ``nan``.
@@ -34,7 +36,7 @@ class Training:
 
 
 def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progress=None,
-          **options):
+          anchors=None, **options):
     """Train a network on calibrated ``pairs`` and measure it.
 
     Parameters
@@ -52,6 +54,8 @@ def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, pro
         One point in ``held_out`` measures only; 0 trains on all.
     progress : callable, optional
         Called with (fraction done, MSE in px^2).
+    anchors : (u, v, x, y), optional
+        Further pairs to train on that no error is measured on.
     options
         Further arguments of the trainer.
 
@@ -73,5 +77,7 @@ def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, pro
     out = split(len(problem), held_out)
     kept = problem.take(~out)
     kept.check(neurons)
-    network, curve = TRAINERS[trainer](kept, neurons, seed=seed, progress=progress, **options)
+    taught = kept if anchors is None else Problem(
+        *(np.concatenate(both) for both in zip((kept.u, kept.v, kept.x, kept.y), anchors)), geometry)
+    network, curve = TRAINERS[trainer](taught, neurons, seed=seed, progress=progress, **options)
     return Training(network, curve, errors_of(network, kept), errors_of(network, problem.take(out)))
