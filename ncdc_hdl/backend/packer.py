@@ -41,10 +41,12 @@ class Packer(wiring.Component):
             complete = (lane == lanes - 1) | self.i.p.last
             m.d.sync += self.o.valid.eq(self.i.valid & complete)
             with m.If(self.i.valid):
-                m.d.sync += [
-                    word.word_select(lane, 8 * PIXEL_BYTES).eq(pixel),
-                    enable.eq(Mux(lane == 0, 0, enable) | (0xF << (lane * PIXEL_BYTES))),
-                    self.o.p.last.eq(self.i.p.last),
-                    lane.eq(Mux(complete, 0, lane + 1)),
-                ]
+                m.d.sync += [self.o.p.last.eq(self.i.p.last), lane.eq(Mux(complete, 0, lane + 1))]
+                for k in range(lanes):
+                    here = lane == k
+                    with m.If(here):
+                        m.d.sync += word.word_select(k, 8 * PIXEL_BYTES).eq(pixel)
+                    kept = enable.word_select(k, PIXEL_BYTES) & (lane != 0).replicate(PIXEL_BYTES)
+                    m.d.sync += enable.word_select(k, PIXEL_BYTES).eq(
+                        kept | here.replicate(PIXEL_BYTES))
         return m

@@ -73,7 +73,7 @@ class ValidTable(wiring.Component):
             write.data.eq(Cat(self.host_start, self.host_stop).replicate(SPANS_PER_ROW)),
             write.en.eq(self.host_write << self.host_span),
             Cat(self.host_span_start, self.host_span_stop).eq(
-                read.data.word_select(host_span, width // SPANS_PER_ROW)),
+                Mux(host_span, read.data[width // SPANS_PER_ROW:], read.data)),
         ]
         m.d.sync += [asked.eq(wanted), by_scan.eq(~self.host_read), host_span.eq(self.host_span)]
         return m

@@ -5,7 +5,7 @@ import numpy as np
 from ncdc_model.example.camera import BAYER
 from ncdc_model.example.render import expose, ideal_samples, sensor
 
-__all__ = ["noise_picture", "scene_photo"]
+__all__ = ["noise_picture", "scene_light", "scene_photo"]
 
 _HORIZON, _KERB, _EAVES = 0.05, 0.62, -0.98     # ideal y of the horizon, the kerb and the roof
 _STOREYS = (-0.86, -0.46, -0.06)                # ideal y of the tops of the rows of windows
@@ -13,7 +13,12 @@ _STOREYS = (-0.86, -0.46, -0.06)                # ideal y of the tops of the row
 
 def scene_photo(camera, seed=1, bayer=BAYER):
     """Raw uint8 photo (height, width) of the scene by ``camera``, deterministic for ``seed``."""
-    return sensor(expose(_paint(*ideal_samples(camera))), bayer, seed)
+    return sensor(scene_light(camera), bayer, seed)
+
+
+def scene_light(camera):
+    """Linear light (height, width, 3) in 0..255 that falls on each pixel of ``camera``."""
+    return expose(_paint(*ideal_samples(camera)))
 
 
 def noise_picture(width, height, seed=1):

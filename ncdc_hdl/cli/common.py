@@ -1,0 +1,65 @@
+"""What several commands share: the raw frame of an image, progress, reports."""
+
+import json
+import math
+import sys
+
+from ncdc_model.files import write_text
+from ncdc_model.images import is_raw, mosaic, read_image
+
+__all__ = ["Progress", "add_json", "percent", "raw_frame", "write_report"]
+
+
+def raw_frame(path, geometry):
+    """The raw Bayer frame of the image file ``path``, and a note if it had to be made.
+
+    A picture of one channel is taken for the raw frame itself; of a colour picture, each pixel
+    keeps the colour that the filter would have passed.
+    """
+    image = read_image(path)
+    if is_raw(image):
+        return image, None
+    return mosaic(image, geometry.bayer), f"{path} is a colour picture: mosaiced as {geometry.bayer}"
+
+
+class Progress:
+    """One line of a terminal's stderr that tells how far a long step is; silent elsewhere."""
+
+    def __init__(self, name):
+        self.name, self.shown = name, None
+        self.active = sys.stderr.isatty()
+
+    def __call__(self, fraction, note=""):
+        percent = int(100 * fraction)
+        if self.active and percent != self.shown:
+            self.shown = percent
+            print(f"\r{self.name}: {percent:3d} %{note}   ", end="\n" if fraction >= 1 else "",
+                  file=sys.stderr, flush=True)
+
+
+def percent(progress):
+    """``progress(fraction)`` as a callback of (done, total)."""
+    return lambda done, total: progress(done / total)
+
+
+def add_json(parser):
+    """Declare the option --json."""
+    parser.add_argument("--json", metavar="FILE", help="write the report as JSON; - for stdout")
+
+
+def write_report(report, target):
+    """Write ``report`` as JSON to the file ``target``; "-": to stdout, and return True."""
+    text = json.dumps(_finite(report), indent=2) + "\n"
+    if target == "-":
+        print(text, end="")
+        return True
+    if target:
+        write_text(target, text)
+    return False
+
+
+def _finite(value):
+    """``value`` with numbers that JSON does not know as null."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,65 @@
+"""``ncdc simulate``: runs the generated Verilog on an image and compares every pixel."""
+
+import sys
+
+from ncdc_hdl.cli.common import Progress, add_json, raw_frame, write_report
+from ncdc_hdl.cli.generate import add_hardware
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.images import write_image
+from ncdc_sim.corrector import simulate_correction
+from ncdc_sim.memories import MEMORIES
+from ncdc_sim.tools import SIMULATORS
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "difference", "run"]
+
+HELP = "run the generated Verilog on an image and compare every pixel with the golden model"
+EXAMPLE = "ncdc simulate net.toml frame.png -o corrected.png --memory sdram"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
+    parser.add_argument("image", metavar="IMAGE",
+                        help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT",
+                        help="picture as the Verilog corrected it")
+    add_hardware(parser)
+    parser.add_argument("--memory", choices=list(MEMORIES), default="sdram",
+                        help="simulated memory (default: sdram)")
+    parser.add_argument("--simulator", choices=SIMULATORS, default="verilator",
+                        help="verilator (default) or icarus, which takes some 100 times as long")
+    parser.add_argument("--seed", type=int, default=1, metavar="S",
+                        help="of the memory's random behaviour (default: 1)")
+    add_json(parser)
+
+
+def run(args):
+    """Simulate, compare, write, report; 1 if a pixel differs."""
+    descriptor = Descriptor.load(args.descriptor)
+    raw, note = raw_frame(args.image, descriptor.geometry)
+    simulation = simulate_correction(
+        descriptor, raw, data_width=args.data_width, output=args.to, memory=args.memory,
+        simulator=args.simulator, seed=args.seed, progress=Progress("simulating"))
+    write_image(args.output, simulation.picture)
+    if note:
+        print(note, file=sys.stderr)
+    report = simulation.report() | {"hidden_neurons": descriptor.hidden_neurons}
+    if not write_report(report, args.json):
+        print(f"{report['pixels_compared']} pixels compared, {report['pixels_different']} differ; "
+              f"{report['clocks_per_pixel']:.3f} clocks and {report['bytes_read_per_pixel']:.2f} "
+              f"bytes read per pixel ({args.memory}, {args.simulator})")
+    message = difference(simulation)
+    if message:
+        print(f"ncdc simulate: {message}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def difference(simulation):
+    """A sentence that names the first pixel in which a simulation differs; None if none does."""
+    differing = simulation.differing
+    if not differing:
+        return None
+    u, v = differing[0]
+    return (f"{len(differing)} pixels differ from the golden model, the first at column {u}, row "
+            f"{v}: {simulation.picture[v, u].tolist()} instead of {simulation.golden[v, u].tolist()}")

@@ -1,0 +1,1 @@
+"""The report of a whole run: pictures side by side, figures, one HTML page."""
