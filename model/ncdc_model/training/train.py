@@ -77,7 +77,9 @@ def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, pro
     out = split(len(problem), held_out)
     kept = problem.take(~out)
     kept.check(neurons)
-    taught = kept if anchors is None else Problem(
-        *(np.concatenate(both) for both in zip((kept.u, kept.v, kept.x, kept.y), anchors)), geometry)
+    taught = kept
+    if anchors is not None:
+        both = zip((kept.u, kept.v, kept.x, kept.y), anchors)
+        taught = Problem(*map(np.concatenate, both), geometry)
     network, curve = TRAINERS[trainer](taught, neurons, seed=seed, progress=progress, **options)
     return Training(network, curve, errors_of(network, kept), errors_of(network, problem.take(out)))
