@@ -8,9 +8,9 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import cocotb_tools.config
-from amaranth.back import verilog
 from cocotb_tools.runner import get_runner
 
+from ncdc_hdl.export.verilog import module_verilog
 from ncdc_sim.cache import without_header
 from ncdc_sim.runner import build
 from ncdc_sim.tools import SimulationError
@@ -35,8 +35,7 @@ def design_of(component, top="dut"):
 
     A member ``i.payload`` is the port ``i__payload``; clock and reset are ``clk`` and ``rst``.
     """
-    return Design(top, verilog.convert(component, name=top, emit_src=False,
-                                       strip_internal_attrs=True))
+    return Design(top, module_verilog(component, top))
 
 
 def run_cocotb(design, bench, simulator, **settings):

@@ -115,8 +115,7 @@ async def pipeline(dut, inputs, outputs, latency):
     """Feed a free-running pipeline one set of ``inputs`` per clock.
 
     ``inputs``: port name to ints; ``outputs``: port names. Returns port name to ints: output k is
-    what stands there exactly ``latency`` clocks after input k, before it and after it being
-    other inputs' results.
+    what stands there exactly ``latency`` clocks after input k.
     """
     count = len(next(iter(inputs.values())))
     ports = {name: getattr(dut, name) for name in (*inputs, *outputs)}
@@ -124,8 +123,7 @@ async def pipeline(dut, inputs, outputs, latency):
     results = {name: [] for name in outputs}
     for k in range(count + latency):
         for name, values in inputs.items():
-            # The first input again after the last one: its result must not be waited for.
-            ports[name].value = int(values[k if k < count else 0]) & masks[name]
+            ports[name].value = int(values[min(k, count - 1)]) & masks[name]
         await ReadOnly()
         if k >= latency:
             for name in outputs:
