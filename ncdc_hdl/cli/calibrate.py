@@ -1,13 +1,12 @@
 """``ncdc calibrate``: finds a target's points in real photos."""
 
-import json
 import sys
 from pathlib import Path
 
+from ncdc_hdl.cli.common import add_json, write_report
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.errors import InputError
-from ncdc_model.files import write_text
 from ncdc_model.images import read_image, write_image
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
@@ -26,7 +25,7 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
                              "drawn over it goes beside it as a PNG")
-    parser.add_argument("--json", metavar="FILE", help="write the report as JSON; - for stdout")
+    add_json(parser)
 
 
 def run(args):
@@ -56,11 +55,8 @@ def run(args):
     }
     for name, reason in points.rejected_photos.items():
         print(f"{name}: not used: {reason}", file=sys.stderr)
-    if args.json == "-":
-        print(json.dumps(report, indent=2))
+    if write_report(report, args.json):
         return
-    if args.json:
-        write_text(args.json, json.dumps(report, indent=2) + "\n")
     print(f"{points.count} points ({points.target}, {points.columns} columns x {points.rows} rows) "
           f"in {len(points.photos)} of {len(args.photos)} photos")
     for reason, count in rejected.items():

@@ -7,7 +7,7 @@ import numpy as np
 
 from ncdc_hdl.cli.common import Progress, add_json, write_report
 from ncdc_hdl.cli.simulate import difference
-from ncdc_hdl.cli.train import error_table
+from ncdc_hdl.cli.train import error_table, training_progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.size import design_size
 from ncdc_hdl.export.verilog import corrector_verilog
@@ -53,7 +53,7 @@ def run(args):
     folder = Path(args.output)
     camera = example_camera()
     target, points = _photograph(folder, camera)
-    trained, source = _train(folder, args.neurons)
+    trained = _train(folder, args.neurons)
     descriptor = trained.descriptor
     verilog = _generate(folder, descriptor)
     scene = scene_photo(camera)
@@ -109,13 +109,11 @@ def _photograph(folder, camera):
 
 def _train(folder, neurons):
     _step(2, f"training {neurons} hidden neurons, quantising to the fixed-point descriptor")
-    progress = Progress("training")
     source = load_source(folder / "points.json", bayer=BAYER)
-    trained = train_camera(source, neurons,
-                           progress=lambda done, mse: progress(done, f", MSE {mse:.5g} px²"))
+    trained = train_camera(source, neurons, progress=training_progress())
     trained.descriptor.save(folder / "net.toml")
     _say(error_table({name: trained.report[name] for name in ("training", "held_out")}))
-    return trained, source
+    return trained
 
 
 def _generate(folder, descriptor):

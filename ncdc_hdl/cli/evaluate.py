@@ -1,6 +1,7 @@
 """``ncdc evaluate``: the error of an existing descriptor."""
 
-from ncdc_hdl.cli.train import error_table, write_report
+from ncdc_hdl.cli.common import add_json, write_report
+from ncdc_hdl.cli.train import error_table
 from ncdc_model.against import evaluate_against
 from ncdc_model.descriptor import Descriptor
 
@@ -16,7 +17,7 @@ def add_arguments(parser):
     parser.add_argument("--against", required=True, metavar="FILE",
                         help="points.json of this camera, the one of training or another, or its "
                              "camera file")
-    parser.add_argument("--json", metavar="FILE", help="write the report as JSON; - for stdout")
+    add_json(parser)
 
 
 def run(args):

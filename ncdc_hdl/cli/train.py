@@ -1,15 +1,13 @@
 """``ncdc train``: from points or a camera file to a descriptor."""
 
-import json
-import math
 import sys
 from pathlib import Path
 
 import numpy as np
 
+from ncdc_hdl.cli.common import Progress, add_json, write_report
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
-from ncdc_model.files import write_text
 from ncdc_model.geometry import BAYER_PHASE
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
 from ncdc_model.training.pipeline import train_camera
@@ -18,7 +16,7 @@ from ncdc_model.training.source import load_source
 from ncdc_model.training.train import HELD_OUT, TRAINERS
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "error_table", "plot_training", "run",
-           "show_progress", "write_report"]
+           "training_progress"]
 
 HELP = "train a camera's network and write its descriptor"
 EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
@@ -49,7 +47,7 @@ def add_arguments(parser):
                         help="colour of pixels without a source (default: 0,0,0)")
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
                         help="descriptor (default: net.toml); plots go beside it")
-    parser.add_argument("--json", metavar="FILE", help="write the report as JSON; - for stdout")
+    add_json(parser)
 
 
 def run(args):
@@ -61,7 +59,7 @@ def run(args):
     source = load_source(args.source, _size(args.size) if args.size else None, args.zoom,
                          args.bayer, _colour(args.fill))
     trained = train_camera(source, args.neurons, args.trainer, args.seed, args.held_out,
-                           show_progress("training"))
+                           training_progress())
     trained.descriptor.save(args.output)
     plots = plot_training(trained, source, args.output, args.held_out)
     report = trained.report | {"descriptor": str(args.output), "digest": trained.descriptor.digest,
@@ -117,38 +115,10 @@ def error_table(parts):
     return "\n".join(lines)
 
 
-def write_report(report, target):
-    """Write ``report`` as JSON to the file ``target``; ``-``: to stdout, and return True."""
-    text = json.dumps(_finite(report), indent=2) + "\n"
-    if target == "-":
-        print(text, end="")
-        return True
-    if target:
-        write_text(target, text)
-    return False
-
-
-def _finite(value):
-    """``value`` with numbers that JSON does not know as null."""
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def show_progress(name):
-    """A progress callback that keeps one line of a terminal's stderr; None elsewhere."""
-    if not sys.stderr.isatty():
-        return None
-    shown = -1
-
-    def show(done, mse):
-        nonlocal shown
-        percent = int(100 * done)
-        if percent != shown:
-            shown = percent
-            print(f"\r{name}: {percent:3d} %, MSE {mse:.5g} px²   ", end="\n" if done >= 1 else "",
-                  file=sys.stderr, flush=True)
-    return show
+def training_progress():
+    """The trainer's progress callback: how far, and the error reached."""
+    progress = Progress("training")
+    return lambda done, mse: progress(done, f", MSE {mse:.5g} px²")
 
 
 def _size(text):
