@@ -38,7 +38,7 @@ def run(args):
     """Generate and write; files that would not change are left alone."""
     descriptor = Descriptor.load(args.descriptor)
     files = {f"{TOP}.v": corrector_verilog(descriptor, data_width=args.data_width, output=args.to),
-             "ncdc_registers.h": c_header(descriptor)}
+             "ncdc_registers.h": c_header(descriptor, args.data_width)}
     folder = Path(args.output)
     for name, text in files.items():
         write_text(folder / name, text)
