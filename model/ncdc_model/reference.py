@@ -12,19 +12,24 @@ __all__ = ["bayer_psnr", "correct_real", "grey_level_difference", "psnr"]
 def correct_real(descriptor, raw, offset=0.5):
     """Corrected frame (height, width, 3) in real numbers: float network, float interpolation.
 
-    The same fast Bayer interpolation as the hardware's, nothing rounded; coordinates are limited
-    to where the window is inside, pixels without a source (of the descriptor) are ``nan``.
+    The same fast Bayer interpolation as the hardware's, nothing rounded. Windows that leave the
+    image by up to one pixel are moved back in, as in ``picture.window_address``; those further
+    out, and pixels without a source, are ``nan``.
     ``offset``: half a pixel between a quad's centre and its first sample; another value shows
     what forgetting it costs.
     """
     geometry = descriptor.geometry
     v, u = np.indices(geometry.corrected[::-1])
     x, y = descriptor.network(*geometry.normalise(u, v))
-    x = np.clip(x - offset, 0, geometry.distorted_width - WINDOW + 1)
-    y = np.clip(y - offset, 0, geometry.distorted_height - WINDOW + 1)
+    blank = ~descriptor.valid.mask(geometry.corrected_width)
+    place = []
+    for value, size in ((x - offset, geometry.distorted_width),
+                        (y - offset, geometry.distorted_height)):
+        blank |= (value < -1) | (value >= size - WINDOW + 2)
+        place.append(np.clip(value, 0, size - WINDOW + 1))
     quads = _quads(raw.astype(np.float64), geometry.phase)
-    result = np.stack([_sample(plane, x, y) for plane in quads], axis=-1)
-    result[~descriptor.valid.mask(geometry.corrected_width)] = np.nan
+    result = np.stack([_sample(plane, *place) for plane in quads], axis=-1)
+    result[blank] = np.nan
     return result
 
 
