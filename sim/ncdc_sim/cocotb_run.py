@@ -42,7 +42,8 @@ def run_cocotb(design, bench, simulator, **settings):
     """Run all tests of the module ``ncdc_sim.benches.<bench>`` on ``design``.
 
     The design is compiled once per simulator, whatever the ``settings``; these are plain numbers,
-    strings and lists that the bench reads with ``ncdc_sim.benches.common.settings()``.
+    strings and lists that the bench reads with ``ncdc_sim.benches.common.settings()``. Returns
+    the log.
 
     Raises
     ------
@@ -53,7 +54,7 @@ def run_cocotb(design, bench, simulator, **settings):
     """
     program = build(f"cocotb-{design.top}", design.top,
                     [("design.v", "`timescale 1ns/1ps\n" + without_header(design.verilog))], simulator=simulator,
-                    main=_MAIN, options=(
+                    main=_MAIN, optimise="-O0", options=(
                         "--vpi", "--public-flat-rw", "--prefix", "Vtop", "-LDFLAGS",
                         f"-Wl,-rpath,{_LIBRARIES} -L{_LIBRARIES} -lcocotbvpi_verilator"))
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
@@ -69,7 +70,7 @@ def run_cocotb(design, bench, simulator, **settings):
                 extra_env={SETTINGS: json.dumps(settings)})
         except SystemExit:      # the runner's way to say that a test has failed
             pass
-        _check(results, log)
+        return _check(results, log)
 
 
 def _check(results, log):
@@ -86,3 +87,4 @@ def _check(results, log):
         lines = [line.strip() for line in text.splitlines() if " INFO " not in line]
         lines = [line for line in lines if line and not line.startswith("**")]
         raise SimulationError(f"failed: {names}\n" + "\n".join(lines)[-3000:])
+    return text

@@ -13,7 +13,8 @@ __all__ = ["HDL", "build", "command_of", "run"]
 HDL = Path(__file__).parent / "hdl"
 
 
-def build(name, top, sources, *, defines=None, simulator="verilator", main=None, options=()):
+def build(name, top, sources, *, defines=None, simulator="verilator", main=None, options=(),
+          optimise="-O2"):
     """Program that simulates module ``top``, compiled if it was not yet; see :func:`command_of`.
 
     Parameters
@@ -32,6 +33,9 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         C++ main program (Verilator only).
     options : sequence of str
         More options for Verilator.
+    optimise : str
+        Option of the C++ compiler (Verilator only): compiling takes twice as long with -O2 as with
+        -O0, which is repaid after some million clocks.
 
     Raises
     ------
@@ -50,7 +54,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         program = top
         command = [compiler, "--cc", "--exe", "--build", "-j", "2", "-O3", "--top-module", top,
                    "--timescale", "1ns/1ps", "--Mdir", "model", "-o", f"../{program}",
-                   "-MAKEFLAGS", "OPT_FAST=-O2", *WAIVERS, *options, *defines]
+                   "-MAKEFLAGS", f"OPT_FAST={optimise}", *WAIVERS, *options, *defines]
     texts = [(file, without_header(text)) for file, text in sources]
     if main is not None and simulator == "verilator":
         texts.append((main.name, main.read_text()))

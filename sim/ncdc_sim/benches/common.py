@@ -14,7 +14,8 @@ from amaranth.hdl import Const, Shape
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, ReadOnly
 
-__all__ = ["clocks", "get", "pack", "pipeline", "put", "settings", "signed", "start", "unpack"]
+__all__ = ["PERIOD", "clocks", "get", "pack", "pipeline", "put", "settings", "signed", "start",
+           "unpack"]
 
 PERIOD = 10     # ns
 
