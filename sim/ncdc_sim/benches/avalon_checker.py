@@ -18,7 +18,7 @@ GOOD = [
     READ | WAIT, READ, {}, DATA, DATA,
     READ, READ | DATA, DATA, DATA, DATA,                        # pipelined
     WRITE | WAIT, WRITE, {}, WRITE | {"writedata": 9, "address": 1} | WAIT,
-    WRITE | {"writedata": 9, "address": 1},                     # the address counts once
+    WRITE | {"writedata": 9, "address": 2},                     # the address counts once
     READ | {"burstcount": 16}, *[DATA] * 16, WAIT, {},
 ]
 
@@ -26,6 +26,8 @@ GOOD = [
 BREACHES = [
     ("held", [READ | WAIT, READ | {"address": 68}, DATA, DATA]),
     ("held", [READ | WAIT, {}]),
+    ("held", [READ | WAIT, READ | {"read": 0}]),
+    ("held", [WRITE | WAIT, WRITE | {"write": 0}]),
     ("held", [READ | WAIT, READ | {"burstcount": 1}, DATA]),
     ("held", [WRITE | WAIT, WRITE | {"writedata": 8}, WRITE]),
     ("held", [WRITE | WAIT, WRITE | {"byteenable": 7}, WRITE]),
@@ -48,6 +50,9 @@ UNKNOWN = [("unknown", [{"read": X}]), ("unknown", [{"waitrequest": X}]),
            ("unknown", [WRITE | {"writedata": None}, WRITE])]
 
 
+UNUSED = [WRITE | {"writedata": None, "byteenable": 0}, WRITE]
+
+
 async def play(dut, steps):
     """Reset, play the ``steps``, and give the number of errors."""
     await start(dut, **IDLE)
@@ -68,6 +73,7 @@ async def good_traffic(dut):
     assert await play(dut, GOOD) == 0
     assert [int(getattr(dut, name).value) for name in ("commands", "beats", "bytes", "waits")] \
         == [5, 6 + 2 + 16, 8, 3]
+    assert not settings()["four_states"] or await play(dut, UNUSED) == 0
 
 
 @cocotb.test()

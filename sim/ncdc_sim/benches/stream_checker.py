@@ -17,6 +17,7 @@ GOOD = [FIRST | STALL, FIRST, TAKE | {"data": 3} | STALL, TAKE | {"data": 3}, {}
 
 BREACHES = [
     ("held", [FIRST | STALL, {}]),
+    ("held", [FIRST | STALL, FIRST | {"valid": 0}]),
     ("held", [FIRST | STALL, FIRST | {"data": 1}]),
     ("held", [FIRST, TAKE | STALL, LAST]),
     ("packet-start", [TAKE]),
