@@ -12,7 +12,7 @@ __all__ = ["coordinates", "frame_coordinates", "hidden_neuron", "normalised_scan
 
 def tansig_design(formats):
     """The tan-sigmoid's parameters that fit ``formats``."""
-    return TansigDesign(input=formats.net, fraction_bits=formats.tansig.f_bits - 1)
+    return TansigDesign.for_bits(formats.tansig.f_bits - 1, formats.net)
 
 
 def normalised_scan(u, v, geometry, formats):

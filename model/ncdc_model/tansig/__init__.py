@@ -1,0 +1,35 @@
+"""Tan-sigmoid in integers, in three variants behind one interface.
+
+Equation (17) of the paper, for n in a signed format::
+
+    f(n) = 2 / (1 + exp(-gamma n)) - 1 = sign(n) (1 - e) / (1 + e),   e = exp(-gamma |n|)
+
+The designs compute f with gamma = 1; another gamma is folded into the weights before the
+tan-sigmoid, see :mod:`ncdc_model.descriptor`. docs/tansig.md derives the error bounds.
+"""
+
+from ncdc_model.errors import InputError
+from ncdc_model.fixed import Q
+from ncdc_model.tansig.design import Design, tansig
+from ncdc_model.tansig.mmhbc import TansigDesign
+
+__all__ = ["Design", "FRACTION_BITS", "TansigDesign", "VARIANTS", "design_for",
+           "tansig"]
+
+VARIANTS = {"mmhbc": TansigDesign}
+FRACTION_BITS = (16, 18, 20, 22)
+
+
+def design_for(variant="mmhbc", fraction_bits=20, input=Q(5, 19)):
+    """The design of a ``variant`` (a key of VARIANTS) with its parameters for ``fraction_bits``.
+
+    Raises
+    ------
+    InputError
+        If the variant is unknown, there are no parameters for that many bits, or they are not
+        faithful with this input format.
+    """
+    if variant not in VARIANTS:
+        raise InputError(f"tan-sigmoid variant is {variant!r}, one of {', '.join(VARIANTS)} "
+                         f"is needed")
+    return VARIANTS[variant].for_bits(fraction_bits, input)

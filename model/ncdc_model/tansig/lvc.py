@@ -1,0 +1,72 @@
+"""Linear vectoring CORDIC (LVC): the quotient (1 - u) / (1 + u), and a bound of its error."""
+
+from functools import cache
+
+import numpy as np
+
+__all__ = ["largest_rounding", "quotient", "quotient_error", "round_shift"]
+
+
+def round_shift(value, shift):
+    """``value`` >> ``shift``, the last bit shifted out added."""
+    return (value + (1 << (shift - 1))) >> shift
+
+
+def quotient(u, width, digits):
+    """(1 - u) / (1 + u) with ``digits`` digits +-2**-i, the first positive.
+
+    ``u``: raw with ``width`` fraction bits. Returns the raw quotient with ``digits`` fraction
+    bits; the digits are odd, so it is.
+    """
+    one = 1 << width
+    remainder, divisor = one - u, one + u
+    result = np.zeros_like(u)
+    for i in range(1, digits + 1):
+        plus = (remainder >= 0) | (i == 1)
+        step = round_shift(divisor, i)
+        remainder += np.where(plus, -step, step)
+        result += np.where(plus, 1, -1) << (digits - i)
+    return result
+
+
+def largest_rounding(lo, hi):
+    """Largest distance to the nearest integer on each interval [lo, hi]."""
+    near = np.maximum(np.abs(lo - np.round(lo)), np.abs(hi - np.round(hi)))
+    return np.where(np.floor(hi - .5) >= np.ceil(lo - .5), .5, near)
+
+
+def quotient_error(lo, hi, width, digits):
+    """Bound of :func:`quotient`'s error beside the half unit of its last digit, for u in [lo, hi].
+
+    ``lo``, ``hi``: arrays of equal shape, raw with ``width`` fraction bits. Returns |error| of
+    the quotient times 2**width.
+
+    Let x = 1 + u, r(i) the exact remainder after the digits d(1..i) that were taken, and E(i) the
+    sum of d(j) rho(j) up to i, where rho(j) is the rounding of x >> j. The digit i + 1 is of the
+    wrong sign only where \\|r(i)\\| <= \\|E(i)\\|, so that by induction
+    \\|r(i)\\| <= x 2**-i + max \\|E(j)\\|, j < i, and the quotient's error is
+    \\|r(digits)\\| / x <= 2**-digits + max \\|E(j)\\| / x. The roundings of the low shifts
+    depend on low bits of x, which may be anything: their worst pattern counts; those of the high
+    shifts follow from the interval.
+    """
+    narrow = max(float((hi - lo).max()), 1)
+    low = min(int(np.ceil(np.log2(narrow))), digits - 1)
+    one = 1 << width
+    total = _worst_pattern(low) + np.maximum(hi - one, 0)     # u > 1: the first digit is wrong
+    for i in range(low + 1, digits):
+        total = total + largest_rounding((one + lo) / 2.0**i, (one + hi) / 2.0**i)
+    return total / (1 + np.maximum(lo, 0) / one)
+
+
+@cache
+def _worst_pattern(bits):
+    """Largest sum of the distances of x / 2**i to an integer, i = 1..bits, over integers x.
+
+    The distances of x / 2**i depend on i low bits. Of two patterns of equal low bits the sum up
+    to i is known; the next bit adds a term that depends on all: enumerated up to 16 bits, and a
+    half for each bit beyond.
+    """
+    x = np.arange(1 << min(bits, 16))
+    total = sum((np.abs(x / 2.0**i - np.round(x / 2.0**i)) for i in range(1, min(bits, 16) + 1)),
+                start=np.zeros(len(x)))
+    return float(total.max()) + max(bits - 16, 0) / 2
