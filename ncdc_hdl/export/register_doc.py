@@ -1,0 +1,93 @@
+"""The registers as a page of the documentation: ``python -m ncdc_hdl.export.register_doc``."""
+
+import re
+
+from ncdc_hdl.avalon.register_table import ADDRESS_WORDS_BITS, TABLE, registers
+from ncdc_model.descriptor import Formats
+from ncdc_model.geometry import MAX_SIZE
+
+__all__ = ["register_doc"]
+
+_HEAD = """\
+# Registers
+
+Generated from `ncdc_hdl/avalon/register_table.py` by `python -m ncdc_hdl.export.register_doc`;
+a test compares this page with that table.
+
+The corrector's `csr` port is an Avalon-MM agent with {words} words of 32 bits. Offsets are in
+bytes from the agent's base; the port itself counts words. A write is taken at once, a read
+answers after three clocks. A signed value is sign-extended on reading. An unused offset reads
+zero and ignores writes. After configuration every shadow register has the value of the descriptor
+that the Verilog was generated from, with the raw frame at address 0 and the corrected frame on the
+next multiple of 4096 bytes behind it.
+
+Access:
+
+- `ro`: read only;
+- `rw`: takes effect at once;
+- `shadow`: read and written at any time; all of them take effect together when the next frame
+  begins, never in the middle of one;
+- `action`: as its text says.
+
+The sizes of the network's registers are those of {neurons} hidden neurons (j = 0 .. {last}) in the
+default formats.
+
+| offset | name | access | bits | meaning |
+|---|---|---|---|---|
+"""
+
+_TAIL = """
+The table of valid rows has two banks. `VALID_WINDOW` chooses the bank that the host sees at
+`VALID_ROWS`, `VALID_BANK` the one that the next frame uses. Each row r of the corrected image has
+two words, one per span of pixels with a source: start in bits {bits}:0, stop in bits {high}:16. A
+pixel u has a source if start <= u < stop of either span; an empty span is 0. A bank has as many
+rows as the corrected image of the descriptor, rounded up to a power of two; a host that sets a
+taller image than that gets the spans of other rows.
+
+To correct a frame: write what differs from the reset values, write 1 to `CTRL`, wait for bit 1 of
+`STATUS` (or for `irq`, if `IRQ_ENABLE` is 1), write 2 to `STATUS`. A host that wants another lens
+writes the new network and the other bank of valid rows while a frame runs, then `VALID_BANK` and
+`CTRL`.
+"""
+
+_NUMBERED = re.compile(r"(?<=[A-Z])\d+(?=_|$)|(?<=neuron )\d+")
+
+
+def register_doc(hidden_neurons, formats):
+    """Markdown page of the registers of an instance; the neurons' registers have one row each.
+
+    Raises
+    ------
+    ValueError
+        If the registers of one kind are not at equal distances.
+    """
+    rows = {}
+    for register in registers(hidden_neurons, formats):
+        rows.setdefault(_NUMBERED.sub("j", register.name), []).append(register)
+    lines = [_row(_offset(name, same), name, same[0].access, same[0].shape,
+                  _NUMBERED.sub("j", same[0].text)) for name, same in rows.items()]
+    lines.append(f"| 0x{4 * TABLE:04X} + 8 r | `VALID_ROWS` | rw | 2 x 32 | "
+                 "Spans of pixels with a source in row r, see below. |\n")
+    bits = MAX_SIZE.bit_length() - 1
+    return (_HEAD.format(words=1 << ADDRESS_WORDS_BITS, neurons=hidden_neurons,
+                         last=hidden_neurons - 1)
+            + "".join(lines) + _TAIL.format(bits=bits, high=16 + bits))
+
+
+def _offset(name, same):
+    first = 4 * same[0].address
+    if "j" not in name:
+        return f"0x{first:04X}"
+    steps = {4 * (b.address - a.address) for a, b in zip(same, same[1:])}
+    if len(steps) > 1:
+        raise ValueError(f"the registers {name} are at unequal distances {sorted(steps)}")
+    return f"0x{first:04X} + {steps.pop()} j" if steps else f"0x{first:04X}"
+
+
+def _row(offset, name, access, shape, text):
+    bits = f"{shape.width}, signed" if shape.signed else f"{shape.width}"
+    return f"| {offset} | `{name}` | {access} | {bits} | {text} |\n"
+
+
+if __name__ == "__main__":
+    print(register_doc(8, Formats()), end="")
