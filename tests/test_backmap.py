@@ -1,5 +1,7 @@
 """Front end: coordinates in raster order equal the golden model, whatever the back end does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from amaranth import *
@@ -9,14 +11,16 @@ from pipelines import get, run_bench
 
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.valid import ValidTable
+from ncdc_hdl.options import FrontEndOptions
+from ncdc_model.errors import InputError
 from ncdc_model.network import frame_coordinates
 
 
 class FrontEnd(Elaboratable):
     """Front end and table of valid rows, as the corrector joins them."""
 
-    def __init__(self, d):
-        self.backmap = BackMap(d.hidden_neurons, d.formats)
+    def __init__(self, d, **options):
+        self.backmap = BackMap(d.hidden_neurons, d.formats, options=FrontEndOptions(**options))
         self.table = ValidTable(d.valid, d.geometry.corrected_height)
 
     def elaborate(self, platform):
@@ -56,29 +60,71 @@ def fields(items):
     return np.array([[c.x, c.y, c.blank, c.first, c.last] for c in items])
 
 
-@pytest.mark.parametrize("stall", [0, .3, .9])
-def test_two_frames_equal_model(stall):
-    d = barrel_descriptor((20, 16), (24, 18))
-    dut, rng, results = FrontEnd(d), np.random.default_rng(5), []
+def frames(dut, descriptors, stall, seed=5):
+    """The fields of one frame of each of ``descriptors``, one after the other."""
+    rng, results = np.random.default_rng(seed), []
 
     async def bench(ctx):
-        load(ctx, dut.backmap, d)
-        for _ in range(2):
+        for d in descriptors:
+            load(ctx, dut.backmap, d)
             ctx.set(dut.backmap.start, 1)
             await ctx.tick()
             ctx.set(dut.backmap.start, 0)
-            results.append(fields(await get(ctx, dut.backmap.o, 20 * 16,
-                                            lambda: rng.random() < stall)))
+            results.append(fields(await get(ctx, dut.backmap.o, d.valid.mask(
+                d.geometry.corrected_width).size, lambda: rng.random() < stall)))
 
     run_bench(dut, bench)
-    for frame in results:
+    return results
+
+
+@pytest.mark.parametrize("hidden,share,stall", [
+    ("multiply", 1, 0), ("multiply", 1, .3), ("multiply", 1, .9), ("multiply", 2, .3),
+    ("multiply", 3, 0), ("raster", 1, 0), ("raster", 1, .9), ("raster", 2, .3), ("raster", 3, .6)])
+def test_two_frames_equal_model(hidden, share, stall):
+    d = barrel_descriptor((20, 16), (24, 18))
+    for frame in frames(FrontEnd(d, hidden=hidden, share=share), [d, d], stall):
         np.testing.assert_array_equal(frame, expected(d))
     assert 0 < expected(d)[:, 2].sum() < 320
 
 
-def test_one_coordinate_per_clock():
+@pytest.mark.parametrize("hidden,share,neurons", [
+    ("multiply", 1, 1), ("raster", 1, 1), ("multiply", 4, 5), ("raster", 4, 5), ("multiply", 8, 8),
+    ("multiply", 1, 32), ("raster", 1, 32), ("raster", 12, 32), ("multiply", 32, 32)])
+def test_any_number_of_neurons(hidden, share, neurons):
+    d = barrel_descriptor((10, 9), (12, 10), hidden_neurons=neurons)
+    frame, = frames(FrontEnd(d, hidden=hidden, share=share), [d], 0)
+    np.testing.assert_array_equal(frame, expected(d))
+
+
+def extreme(d, seed):
+    """``d`` with every weight and bias at a limit of its format."""
+    rng, f = np.random.default_rng(seed), d.formats
+
+    def limits(q, raw):
+        return rng.choice([q.lo, q.hi], raw.shape)
+
+    return replace(d, hidden_weights=limits(f.hidden_weight, d.hidden_weights),
+                   hidden_biases=limits(f.hidden_bias, d.hidden_biases),
+                   output_weights=limits(f.output_weight, d.output_weights),
+                   output_biases=limits(f.output_bias, d.output_biases))
+
+
+@pytest.mark.parametrize("hidden,share", [("multiply", 1), ("multiply", 4), ("raster", 1),
+                                          ("raster", 2)])
+def test_weights_at_the_limits_and_changed_between_frames(hidden, share):
+    d = barrel_descriptor((12, 9), (12, 10), hidden_neurons=5)
+    cases = [extreme(d, 1), d, extreme(d, 2), extreme(d, 3)]
+    for frame, case in zip(frames(FrontEnd(d, hidden=hidden, share=share), cases, 0), cases):
+        np.testing.assert_array_equal(frame, expected(case))
+    q = d.formats.coordinate
+    assert {q.lo, q.hi} <= set(np.ravel([expected(case)[:, :2] for case in cases]).tolist())
+
+
+@pytest.mark.parametrize("hidden,share", [("multiply", 1), ("raster", 1), ("multiply", 3),
+                                          ("raster", 2)])
+def test_one_coordinate_every_share_clocks(hidden, share):
     d = barrel_descriptor((20, 16), (24, 18))
-    dut, valid = FrontEnd(d), []
+    dut, valid = FrontEnd(d, hidden=hidden, share=share), []
 
     async def bench(ctx):
         load(ctx, dut.backmap, d)
@@ -86,14 +132,15 @@ def test_one_coordinate_per_clock():
         ctx.set(dut.backmap.start, 1)
         await ctx.tick()
         ctx.set(dut.backmap.start, 0)
-        for _ in range(450):
+        for _ in range(320 * share + 400):
             valid.append((await ctx.tick().sample(dut.backmap.o.valid))[2])
 
     run_bench(dut, bench)
-    first = valid.index(1)
-    assert sum(valid) == 320 and all(valid[first:first + 320]), "a clock without a coordinate"
-    # After the start: table, network, queue.
-    assert first == 1 + dut.backmap.latency + 2
+    # After the start: table, first sums of the frame, network, queue.
+    preset = dut.backmap.hidden.control.preset if hidden == "raster" else 0
+    first = 1 + preset + dut.backmap.latency + 2
+    expected_clocks = range(first, first + 320 * share, share)
+    np.testing.assert_array_equal(np.flatnonzero(valid), expected_clocks)
 
 
 def test_stops_and_restarts_without_losing_a_clock():
@@ -146,5 +193,17 @@ def test_host_may_read_the_table_while_scanning():
 
 
 def test_refuses_a_short_queue():
-    with pytest.raises(ValueError, match="queue is 100, it must exceed twice the latency 54"):
+    with pytest.raises(ValueError, match="queue is 100, it must exceed twice the 54 coordinates under way"):
         BackMap(4, barrel_descriptor().formats, queue=100)
+
+
+def test_refuses_to_share_among_more_neurons_than_there_are():
+    with pytest.raises(InputError, match="share is 5, the limit is the number of hidden neurons, 4"):
+        BackMap(4, barrel_descriptor().formats, options=FrontEndOptions(share=5))
+
+
+def test_refuses_unknown_options():
+    with pytest.raises(InputError, match="hidden is 'add', one of multiply, raster is needed"):
+        FrontEndOptions(hidden="add")
+    with pytest.raises(InputError, match="share is 0, the least is 1"):
+        FrontEndOptions(share=0)

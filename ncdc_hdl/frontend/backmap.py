@@ -1,13 +1,15 @@
 """The front end: back-map coordinates of every corrected pixel from the network."""
 
 from amaranth import *
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.frontend.layouts import SPANS, SIZE, coordinate_layout, network_layout, scan_layout
 from ncdc_hdl.frontend.scan import Scan
-from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
+from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
+from ncdc_hdl.neural.raster import RasterLayer
 from ncdc_hdl.neural.tansig import Tansig
+from ncdc_hdl.options import FrontEndOptions
 from ncdc_hdl.streams import CreditQueue, delay
 from ncdc_model.network import tansig_design
 
@@ -17,9 +19,9 @@ __all__ = ["BackMap"]
 class BackMap(wiring.Component):
     """Scan, HN hidden neurons with their tan-sigmoids, two output neurons, queue (Figs. 8, 29).
 
-    Equal bit for bit to ``ncdc_model.network.coordinates`` in raster order. Timing: the network
-    runs free, one coordinate per clock; ``latency`` clocks from a scanned pixel to the queue.
-    Instead of gating the front end's clock while the back end is full, the scan issues a pixel
+    Equal bit for bit to ``ncdc_model.network.coordinates`` in raster order, whatever the
+    options. Timing: the network runs free, one coordinate every ``options.share`` clocks;
+    ``latency`` clocks from a scanned pixel to the queue. Instead of gating the front end's clock while the back end is full, the scan issues a pixel
     only if the queue has room for all that is under way (see :class:`CreditQueue`).
 
     Parameters
@@ -27,8 +29,9 @@ class BackMap(wiring.Component):
     hidden_neurons : int
         HN.
     formats : ncdc_model.descriptor.Formats
+    options : ncdc_hdl.options.FrontEndOptions
     queue : int
-        Coordinates under way and queued together, more than twice ``latency``.
+        Coordinates under way and queued together, more than twice those that the pipeline holds.
 
     Members
     -------
@@ -46,17 +49,25 @@ class BackMap(wiring.Component):
 
     Raises
     ------
+    InputError
+        If a tan-sigmoid is to serve more neurons than there are.
     ValueError
-        If the queue is too short for one coordinate per clock.
+        If the queue is too short for the coordinate rate.
     """
 
-    def __init__(self, hidden_neurons, formats, *, queue=128):
+    def __init__(self, hidden_neurons, formats, *, options=FrontEndOptions(), queue=128):
         self.hidden_neurons, self.formats, self.queue = hidden_neurons, formats, queue
-        self.hidden = [HiddenNeuron(formats) for _ in range(hidden_neurons)]
-        self.tansig = [Tansig(tansig_design(formats)) for _ in range(hidden_neurons)]
-        self.output = [OutputNeuron(hidden_neurons, formats) for _ in range(2)]
-        if queue <= 2 * self.latency:
-            raise ValueError(f"queue is {queue}, it must exceed twice the latency {self.latency}")
+        self.share = options.share
+        layer = {"multiply": MultiplyLayer, "raster": RasterLayer}[options.hidden]
+        units = options.units(hidden_neurons)
+        self.hidden = layer(hidden_neurons, formats, self.share)
+        self.tansig = [Tansig(tansig_design(formats)) for _ in range(units)]
+        self.output = OutputLayer(hidden_neurons, formats, self.share)
+        # Coordinates that the pipeline holds at once.
+        self.under_way = -(-self.latency // self.share)
+        if queue <= 2 * self.under_way:
+            raise ValueError(f"queue is {queue}, it must exceed twice the {self.under_way} "
+                             f"coordinates under way")
         super().__init__({
             "start": In(1), "scan": In(scan_layout()),
             "network": In(network_layout(hidden_neurons, formats)),
@@ -67,46 +78,53 @@ class BackMap(wiring.Component):
     @property
     def latency(self):
         """Clocks from a scanned pixel to its arrival in the queue."""
-        return self.hidden[0].latency + self.tansig[0].latency + self.output[0].latency
+        return self.hidden.latency + self.tansig[0].latency + self.output.latency
 
     def elaborate(self, platform):
         m = Module()
         m.submodules.scan = scan = Scan(self.formats)
-        # Restarting at the latency keeps the queue from running dry while the network refills.
+        # Restarting this early keeps the queue from running dry while the network refills.
         m.submodules.queue = queue = CreditQueue(
-            coordinate_layout(self.formats), depth=self.queue, restart=self.queue - self.latency)
+            coordinate_layout(self.formats), depth=self.queue, restart=self.queue - self.under_way)
         m.d.comb += [
             scan.start.eq(self.start), scan.parameters.eq(self.scan),
             self.row.eq(scan.row), scan.spans.eq(self.spans), scan.fresh.eq(self.fresh),
         ]
 
-        issue = Signal()
-        m.d.comb += [issue.eq(scan.active & queue.room), scan.advance.eq(issue),
-                     queue.issue.eq(issue)]
+        issue, turn = self._pace(m, scan, queue.room & self.hidden.ready)
+        m.submodules.hidden, m.submodules.output = hidden, output = self.hidden, self.output
+        m.d.comb += [
+            queue.issue.eq(issue),
+            hidden.start.eq(self.start), hidden.active.eq(scan.active),
+            hidden.pixel.eq(scan.pixel), hidden.turn.eq(turn), hidden.advance.eq(scan.advance),
+            hidden.neurons.eq(self.network.hidden), output.neurons.eq(self.network.output),
+        ]
+        for k, tansig in enumerate(self.tansig):
+            m.submodules[f"tansig{k}"] = tansig
+            m.d.comb += [tansig.i.eq(hidden.o[k]), output.i[k].eq(tansig.o)]
 
-        activations = []
-        for j, (hidden, tansig) in enumerate(zip(self.hidden, self.tansig)):
-            m.submodules[f"hidden{j}"], m.submodules[f"tansig{j}"] = hidden, tansig
-            m.d.comb += [
-                hidden.i.eq(Cat(scan.x, scan.y)),
-                hidden.weights.eq(self.network.hidden[j].weights),
-                hidden.bias.eq(self.network.hidden[j].bias),
-                tansig.i.eq(hidden.o),
-            ]
-            activations.append(tansig.o)
-        for k, output in enumerate(self.output):
-            m.submodules[f"output{k}"] = output
-            m.d.comb += [
-                output.i.eq(Cat(activations)),
-                output.weights.eq(self.network.output[k].weights),
-                output.bias.eq(self.network.output[k].bias),
-            ]
-
+        activated = delay(m, issue, self.latency - output.latency, "issue", reset_less=False)
+        arrived = delay(m, activated, output.latency, "output", reset_less=False)
         flags = delay(m, Cat(scan.blank, scan.first, scan.last), self.latency, "flags")
         m.d.comb += [
-            queue.arrive.eq(delay(m, issue, self.latency, "issue", reset_less=False)),
-            Value.cast(queue.i).eq(Cat(self.output[0].o, self.output[1].o, flags)),
+            output.first.eq(activated), queue.arrive.eq(arrived),
+            Value.cast(queue.i).eq(Cat(output.o, flags)),
             self.idle.eq(queue.idle), self.stalled.eq(scan.active & ~queue.room),
         ]
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m
+
+    def _pace(self, m, scan, may_issue):
+        """Take a pixel if ``may_issue``, and let it stay for ``share`` turns; (issue, turn)."""
+        issue = Signal()
+        if self.share == 1:
+            m.d.comb += [issue.eq(scan.active & may_issue), scan.advance.eq(issue)]
+            return issue, Const(0, 1)
+        turn = Signal(range(self.share))
+        m.d.comb += [issue.eq(scan.active & may_issue & (turn == 0)),
+                     scan.advance.eq(scan.active & (turn == self.share - 1))]
+        with m.If(scan.advance):
+            m.d.sync += turn.eq(0)
+        with m.Elif(issue | (turn != 0) & (turn != self.share - 1)):
+            m.d.sync += turn.eq(turn + 1)
+        return issue, turn

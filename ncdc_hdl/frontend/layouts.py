@@ -3,6 +3,7 @@
 from amaranth import *
 from amaranth.lib import data
 
+from ncdc_hdl.neural.layouts import hidden_layout, output_layout
 from ncdc_model.geometry import MAX_SIZE, SCAN
 
 __all__ = ["SIZE", "SPANS", "coordinate_layout", "network_layout", "scan_layout"]
@@ -22,16 +23,8 @@ def scan_layout():
 
 def network_layout(hidden_neurons, formats):
     """Weights and biases of the whole network, raw in ``formats``."""
-    def neuron(inputs, weight, bias):
-        return data.StructLayout({
-            "weights": data.ArrayLayout(signed(weight.width), inputs), "bias": signed(bias.width)})
-
-    return data.StructLayout({
-        "hidden": data.ArrayLayout(neuron(2, formats.hidden_weight, formats.hidden_bias),
-                                   hidden_neurons),
-        "output": data.ArrayLayout(neuron(hidden_neurons, formats.output_weight,
-                                          formats.output_bias), 2),
-    })
+    return data.StructLayout({"hidden": hidden_layout(hidden_neurons, formats),
+                              "output": output_layout(hidden_neurons, formats)})
 
 
 def coordinate_layout(formats):

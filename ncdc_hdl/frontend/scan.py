@@ -5,6 +5,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.frontend.layouts import SIZE, SPANS, scan_layout
+from ncdc_hdl.neural.layouts import pixel_layout
 from ncdc_model.geometry import SCAN
 
 __all__ = ["Scan"]
@@ -39,7 +40,9 @@ class Scan(wiring.Component):
         To the table of valid rows.
     advance : ``In(1)``
         The pixel shown is taken.
-    active, x, y, blank, first, last : ``Out``
+    active, blank, first, last : ``Out(1)``
+    pixel : ``Out(pixel_layout(formats))``
+        x, y, and what the next pixel adds to them.
     """
 
     def __init__(self, formats):
@@ -48,7 +51,7 @@ class Scan(wiring.Component):
             "start": In(1), "parameters": In(scan_layout()),
             "row": Out(SIZE), "spans": In(SPANS), "fresh": In(1),
             "advance": In(1),
-            "active": Out(1), "x": Out(signed(self.q.width)), "y": Out(signed(self.q.width)),
+            "active": Out(1), "pixel": Out(pixel_layout(formats)),
             "blank": Out(1), "first": Out(1), "last": Out(1),
         })
 
@@ -62,9 +65,19 @@ class Scan(wiring.Component):
         u, v = Signal(SIZE), Signal(SIZE)
         spans = Signal(SPANS)
         last_column, last_row = Signal(), Signal()
+        next_x, next_y = Signal.like(sum_x), Signal.like(sum_y)
+        pixel = self.pixel
+        for total, following, step, x, x_step, x_carry in (
+                (sum_x, next_x, p.step_x, pixel.x, pixel.x_step, pixel.x_carry),
+                (sum_y, next_y, p.step_y, pixel.y, pixel.y_step, pixel.y_carry)):
+            m.d.comb += [
+                following.eq(total + step),
+                x.eq(total >> shift), x_step.eq(step >> shift),
+                # What the adder carried from the dropped bits into those that are kept.
+                x_carry.eq((following ^ total ^ step)[shift]),
+            ]
         m.d.comb += [
-            self.x.eq(sum_x >> shift),
-            self.y.eq(sum_y >> shift),
+            pixel.last_column.eq(last_column),
             self.blank.eq(~((u >= spans.start0) & (u < spans.stop0)
                             | (u >= spans.start1) & (u < spans.stop1))),
             self.first.eq((u == 0) & (v == 0)),
@@ -92,9 +105,9 @@ class Scan(wiring.Component):
                 ready = ~last_column | last_row | self.fresh
                 m.d.comb += self.active.eq(ready)
                 with m.If(self.advance):
-                    m.d.sync += [u.eq(u + 1), sum_x.eq(sum_x + p.step_x)]
+                    m.d.sync += [u.eq(u + 1), sum_x.eq(next_x)]
                     with m.If(last_column):
-                        m.d.sync += [*begin_row(), v.eq(v + 1), sum_y.eq(sum_y + p.step_y)]
+                        m.d.sync += [*begin_row(), v.eq(v + 1), sum_y.eq(next_y)]
                     with m.If(self.last):
                         m.next = "IDLE"
         return m

@@ -1,47 +1,119 @@
 """Hidden and output neurons: pipelined multiply-accumulate with one rounding."""
 
+from dataclasses import dataclass
+
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.fixed import saturate
+from ncdc_hdl.streams import delay
+from ncdc_model.fixed import Q
 
-__all__ = ["HiddenNeuron", "OutputNeuron"]
+__all__ = ["HiddenNeuron", "OutputNeuron", "WeightedSum", "hidden_sum", "output_sum"]
+
+
+@dataclass(frozen=True)
+class WeightedSum:
+    """Formats of a neuron's sum: products ``xq`` x ``wq``, a bias, one rounding to ``yq``.
+
+    Parameters
+    ----------
+    terms : int
+        Products in the sum.
+    xq, wq, bq, yq : ncdc_model.fixed.Q
+        Of the inputs, the weights, the bias, the result.
+
+    Raises
+    ------
+    ValueError
+        If the formats leave no bit to round, or the bias is finer than the products.
+    """
+    terms: int
+    xq: Q
+    wq: Q
+    bq: Q
+    yq: Q
+
+    def __post_init__(self):
+        if self.shift < 1:
+            raise ValueError(f"{self.yq} keeps every fraction bit of the products "
+                             f"{self.xq} x {self.wq}")
+        if self.bias_shift < 0:
+            raise ValueError(f"bias {self.bq} is finer than the products {self.xq} x {self.wq}")
+
+    @property
+    def shift(self):
+        """Fraction bits that the rounding drops."""
+        return self.xq.f_bits + self.wq.f_bits - self.yq.f_bits
+
+    @property
+    def half(self):
+        """What rounding adds to the sum before it drops the bits."""
+        return 1 << (self.shift - 1)
+
+    @property
+    def bias_shift(self):
+        """Fraction bits that the products have beyond the bias."""
+        return self.xq.f_bits + self.wq.f_bits - self.bq.f_bits
+
+    @property
+    def shape(self):
+        """Shape of the accumulator: no sum of any weights that fit the formats can wrap."""
+        largest = self.terms * self.xq.lo * self.wq.lo - (self.bq.lo << self.bias_shift) + self.half
+        return signed(largest.bit_length() + 1)
+
+
+def hidden_sum(formats):
+    """The sum of a hidden neuron, in ``formats``."""
+    return WeightedSum(2, formats.input, formats.hidden_weight, formats.hidden_bias, formats.net)
+
+
+def output_sum(hidden_neurons, formats):
+    """The sum of an output neuron over ``hidden_neurons``, in ``formats``."""
+    return WeightedSum(hidden_neurons, formats.tansig, formats.output_weight, formats.output_bias,
+                       formats.coordinate)
 
 
 class _Accumulator(wiring.Component):
     """Shared pipeline: products of inputs and weights, adder tree, bias, rounding, saturation.
 
     Two registers stand before and two after each product, which the multiplier blocks of the
-    usual FPGAs take into themselves. The accumulator's width follows from the formats: no sum of
-    any weights that fit them can wrap.
+    usual FPGAs take into themselves. Of several turns, each brings ``inputs`` more terms of
+    the same sum; ``first`` marks the one that begins it.
     """
 
-    def __init__(self, inputs, xq, wq, bq, yq):
-        self.inputs, self.xq, self.wq, self.bq, self.yq = inputs, xq, wq, bq, yq
-        self.shift = xq.f_bits + wq.f_bits - yq.f_bits
-        self.bias_shift = xq.f_bits + wq.f_bits - bq.f_bits
-        if self.shift < 1:
-            raise ValueError(f"{yq} keeps every fraction bit of the products {xq} x {wq}")
-        if self.bias_shift < 0:
-            raise ValueError(f"bias {bq} is finer than the products {xq} x {wq}")
-        largest = inputs * xq.lo * wq.lo - (bq.lo << self.bias_shift) + (1 << (self.shift - 1))
-        self.accumulator = signed(largest.bit_length() + 1)
+    weights_clock = 1
+    """Clocks from an input to its weights, if those change from turn to turn."""
+
+    def __init__(self, inputs, format, turns=1):
+        self.inputs, self.format, self.turns = inputs, format, turns
         super().__init__({
-            "i": In(data.ArrayLayout(signed(xq.width), inputs)),
-            "weights": In(data.ArrayLayout(signed(wq.width), inputs)),
-            "bias": In(signed(bq.width)),
-            "o": Out(signed(yq.width)),
-        })
+            "i": In(data.ArrayLayout(signed(format.xq.width), inputs)),
+            "weights": In(data.ArrayLayout(signed(format.wq.width), inputs)),
+            "bias": In(signed(format.bq.width)),
+            "o": Out(signed(format.yq.width)),
+        } | ({"first": In(1)} if turns > 1 else {}))
+
+    @property
+    def _summed(self):
+        """Clocks from ``i`` to the sum of its products: 2 in, 2 products, adder tree."""
+        return 2 + 2 + ceil_log2(self.inputs)
+
+    @property
+    def bias_clock(self):
+        """Clocks from an input to its bias, if that changes from input to input."""
+        return self._summed - 1
 
     @property
     def latency(self):
-        """Clocks from ``i`` to ``o``: 2 in, 2 products, adder tree, bias, rounding."""
-        return 2 + 2 + ceil_log2(self.inputs) + 1 + 1
+        """Clocks from the first turn's ``i`` to ``o``: sum, bias, rounding, further turns."""
+        return self._summed + 1 + 1 + self.turns - 1
 
     def elaborate(self, platform):
         m = Module()
+        q = self.format
 
         def register(name, value, shape=None):
             r = Signal(shape or value.shape(), name=name, reset_less=True)
@@ -59,11 +131,14 @@ class _Accumulator(wiring.Component):
                      for k, pair in enumerate(pairs)]
             level += 1
         # The bias carries the half that rounds: a static sum, off the data path.
-        biased = register("b_bias", (self.bias << self.bias_shift) + (1 << (self.shift - 1)),
-                          self.accumulator)
-        total = register("a_total", terms[0] + biased, self.accumulator)
-        m.d.comb += self.o.eq(register("r_o", saturate(total[self.shift:].as_signed(), self.yq),
-                                       signed(self.yq.width)))
+        biased = register("b_bias", (self.bias << q.bias_shift) + q.half, q.shape)
+        total = Signal(q.shape, name="a_total", reset_less=True)
+        before = biased
+        if self.turns > 1:
+            before = Mux(delay(m, self.first, self._summed, "first"), biased, total)
+        m.d.sync += total.eq(terms[0] + before)
+        m.d.comb += self.o.eq(register("r_o", saturate(total[q.shift:].as_signed(), q.yq),
+                                       signed(q.yq.width)))
         return m
 
 
@@ -94,7 +169,7 @@ class HiddenNeuron(_Accumulator):
     """
 
     def __init__(self, formats):
-        super().__init__(2, formats.input, formats.hidden_weight, formats.hidden_bias, formats.net)
+        super().__init__(2, hidden_sum(formats))
 
 
 class OutputNeuron(_Accumulator):
@@ -107,13 +182,17 @@ class OutputNeuron(_Accumulator):
     Parameters
     ----------
     inputs : int
-        HN, the number of hidden neurons.
+        Activations that arrive together; all HN of them if ``turns`` is 1.
     formats : ncdc_model.descriptor.Formats
         ``tansig``, ``output_weight``, ``output_bias`` and ``coordinate`` are used.
+    turns : int
+        Clocks over which the activations of one coordinate arrive. The weights of each turn
+        follow its activations after ``weights_clock`` clocks.
 
-    Members, Raises: as :class:`HiddenNeuron`, with ``inputs`` in place of 2.
+    Members, Raises: as :class:`HiddenNeuron`, with ``inputs`` in place of 2, and
+    first : ``In(1)``
+        With the activations of the first turn (``turns`` above 1 only).
     """
 
-    def __init__(self, inputs, formats):
-        super().__init__(inputs, formats.tansig, formats.output_weight, formats.output_bias,
-                         formats.coordinate)
+    def __init__(self, inputs, formats, turns=1):
+        super().__init__(inputs, output_sum(inputs * turns, formats), turns)

@@ -1,0 +1,149 @@
+"""The network's layers: hidden neurons that multiply, and the two output neurons."""
+
+from amaranth import *
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import bits_for
+
+from ncdc_hdl.neural.layouts import hidden_layout, output_layout, pixel_layout
+from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
+from ncdc_hdl.streams import delay
+
+__all__ = ["MultiplyLayer", "OutputLayer", "hidden_layer_ports", "served"]
+
+
+def served(unit, hidden_neurons, share):
+    """Numbers of the hidden neurons that tan-sigmoid ``unit`` serves, in turn."""
+    return range(unit * share, min((unit + 1) * share, hidden_neurons))
+
+
+def hidden_layer_ports(hidden_neurons, formats, share):
+    """Ports of every kind of hidden layer.
+
+    start : ``In(1)``
+        Begins a frame, whose parameters are ready.
+    active, pixel : ``In(1)``, ``In(pixel_layout(formats))``
+        The pixel that the scan shows. Each stays for ``share`` clocks or more.
+    turn : ``In``
+        0 in the first of those clocks, and one more in each after it.
+    advance : ``In(1)``
+        The scan will show the next pixel.
+    neurons : ``In(hidden_layout(...))``
+        Constant in a frame.
+    ready : ``Out(1)``
+        From then on pixels are taken, until the next ``start``.
+    o : ``Out(ArrayLayout(signed(net), units))``
+        Nets; in turn t that of neuron ``unit * share + t``. ``latency`` clocks after the pixel.
+    """
+    units = -(-hidden_neurons // share)
+    return {
+        "start": In(1), "active": In(1), "pixel": In(pixel_layout(formats)),
+        "turn": In(bits_for(share - 1)), "advance": In(1),
+        "neurons": In(hidden_layout(hidden_neurons, formats)), "ready": Out(1),
+        "o": Out(data.ArrayLayout(signed(formats.net.width), units)),
+    }
+
+
+class MultiplyLayer(wiring.Component):
+    """Hidden neurons with two multipliers per tan-sigmoid, whatever the order of the pixels.
+
+    Parameters
+    ----------
+    hidden_neurons : int
+        HN.
+    formats : ncdc_model.descriptor.Formats
+    share : int
+        Neurons that one multiply-accumulate pipeline computes in turn.
+
+    Members: :func:`hidden_layer_ports`; always ready.
+    """
+
+    def __init__(self, hidden_neurons, formats, share=1):
+        self.hidden_neurons, self.share = hidden_neurons, share
+        self.units = [HiddenNeuron(formats) for _ in range(-(-hidden_neurons // share))]
+        super().__init__(hidden_layer_ports(hidden_neurons, formats, share))
+
+    @property
+    def latency(self):
+        """Clocks from a pixel's first turn to that turn's nets."""
+        return self.units[0].latency
+
+    def elaborate(self, platform):
+        m = Module()
+        m.d.comb += self.ready.eq(1)
+        unit = self.units[0]
+        turn_w = delay(m, self.turn, unit.weights_clock, "turn_w")
+        turn_b = delay(m, turn_w, unit.bias_clock - unit.weights_clock, "turn_b")
+        for k, unit in enumerate(self.units):
+            m.submodules[f"unit{k}"] = unit
+            neurons = [self.neurons[j] for j in served(k, self.hidden_neurons, self.share)]
+            weights = Array(Value.cast(n.weights) for n in neurons)
+            biases = Array(n.bias for n in neurons)
+            m.d.comb += [
+                unit.i.eq(Cat(self.pixel.x, self.pixel.y)),
+                unit.weights.eq(weights[turn_w] if self.share > 1 else weights[0]),
+                unit.bias.eq(biases[turn_b] if self.share > 1 else biases[0]),
+                self.o[k].eq(unit.o),
+            ]
+        return m
+
+
+class OutputLayer(wiring.Component):
+    """The two output neurons, over activations that arrive in ``share`` turns.
+
+    Parameters
+    ----------
+    hidden_neurons : int
+        HN.
+    formats : ncdc_model.descriptor.Formats
+    share : int
+        Turns; 2 ceil(HN / share) multipliers.
+
+    Members
+    -------
+    first : ``In(1)``
+        With the activations of turn 0; the others follow clock by clock.
+    i : ``In(ArrayLayout(signed(tansig), units))``
+        In turn t the activation of neuron ``unit * share + t``; any value if there is none.
+    neurons : ``In(output_layout(...))``
+        Constant in a frame.
+    o : ``Out(ArrayLayout(signed(coordinate), 2))``
+        x', y'; ``latency`` clocks after ``first``.
+    """
+
+    def __init__(self, hidden_neurons, formats, share=1):
+        self.hidden_neurons, self.share = hidden_neurons, share
+        self.inputs = -(-hidden_neurons // share)
+        self.outputs = [OutputNeuron(self.inputs, formats, share) for _ in range(2)]
+        super().__init__({
+            "first": In(1),
+            "i": In(data.ArrayLayout(signed(formats.tansig.width), self.inputs)),
+            "neurons": In(output_layout(hidden_neurons, formats)),
+            "o": Out(data.ArrayLayout(signed(formats.coordinate.width), 2)),
+        })
+
+    @property
+    def latency(self):
+        """Clocks from the first turn's activations to the coordinate."""
+        return self.outputs[0].latency
+
+    def elaborate(self, platform):
+        m = Module()
+        turn = Signal(range(self.share))
+        if self.share > 1:
+            # Turn 0 shows one clock after ``first``: then the neurons want its weights.
+            m.d.sync += turn.eq(Mux(self.first, 0, turn + 1))
+        for k, output in enumerate(self.outputs):
+            m.submodules[f"output{k}"] = output
+            neuron = self.neurons[k]
+            m.d.comb += [output.i.eq(self.i), output.bias.eq(neuron.bias),
+                         self.o[k].eq(output.o)]
+            if self.share > 1:
+                m.d.comb += output.first.eq(self.first)
+            for unit in range(self.inputs):
+                weights = [neuron.weights[j]
+                           for j in served(unit, self.hidden_neurons, self.share)]
+                weights += [Const(0)] * (self.share - len(weights))
+                m.d.comb += output.weights[unit].eq(
+                    Array(weights)[turn] if self.share > 1 else weights[0])
+        return m

@@ -1,0 +1,34 @@
+"""Layouts that the layers of the network share with the front end."""
+
+from amaranth import *
+from amaranth.lib import data
+
+__all__ = ["hidden_layout", "output_layout", "pixel_layout"]
+
+
+def _neuron(inputs, weight, bias):
+    return data.StructLayout({"weights": data.ArrayLayout(signed(weight.width), inputs),
+                              "bias": signed(bias.width)})
+
+
+def hidden_layout(hidden_neurons, formats):
+    """Weights and biases of the hidden neurons, raw in ``formats``."""
+    return data.ArrayLayout(_neuron(2, formats.hidden_weight, formats.hidden_bias), hidden_neurons)
+
+
+def output_layout(hidden_neurons, formats):
+    """Weights and biases of the two output neurons, raw in ``formats``."""
+    return data.ArrayLayout(
+        _neuron(hidden_neurons, formats.output_weight, formats.output_bias), 2)
+
+
+def pixel_layout(formats):
+    """A scanned pixel: its normalised coordinates ``x``, ``y``, and how the next one differs.
+
+    Within a row x grows by ``x_step + x_carry``; from the last column, y grows by
+    ``y_step + y_carry`` and x is again that of the first column. The steps are constant in a
+    frame, the carries come from the fraction that the coordinates' rounding drops.
+    """
+    number = signed(formats.input.width)
+    return data.StructLayout({"x": number, "y": number, "x_step": number, "y_step": number,
+                              "x_carry": 1, "y_carry": 1, "last_column": 1})

@@ -1,0 +1,253 @@
+"""Hidden neurons that follow the raster scan by addition, without a multiplier."""
+
+from amaranth import *
+from amaranth.lib import data, enum, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.fixed import saturate
+from ncdc_hdl.neural.layers import hidden_layer_ports, served
+from ncdc_hdl.neural.layouts import pixel_layout
+from ncdc_hdl.neural.neuron import hidden_sum
+from ncdc_hdl.streams import delay
+
+__all__ = ["RasterControl", "RasterLayer", "RasterNeuron"]
+
+
+class Operand(enum.IntEnum, shape=4):
+    """What a neuron adds; of the first four, bit 0 is the carry and bit 1 a new row."""
+    X0 = 0
+    X1 = 1
+    Y0 = 2
+    Y1 = 3
+    WEIGHT_X = 4
+    WEIGHT_Y = 5
+    BIAS = 6
+    HALF = 7
+    ZERO = 8
+
+
+# step: the sum is taken; double, row: it is added to twice the last one, or to the row's first;
+# save: it is the first of a row; keep: it is the next of the four increments.
+ADD = data.StructLayout({"step": 1, "double": 1, "row": 1, "save": 1, "keep": 1})
+
+
+class RasterNeuron(wiring.Component):
+    """Exact weighted sum of a hidden neuron, kept up to date from pixel to pixel by one adder.
+
+    The rounded coordinate x grows by d or d + 1 from pixel to pixel, so that the sum of equation
+    (15) grows by one of two constants of the frame::
+
+        X0 = weights[0] d        X1 = X0 + weights[0]
+
+    and by Y0 or Y1 from row to row, starting at the row's first sum, which has a register of its
+    own. The same adder computes these four and the first sum at the start of a frame, digit by
+    digit. All is modulo 2**n, n bits being what the exact sum needs.
+
+    Parameters
+    ----------
+    formats : ncdc_model.descriptor.Formats
+
+    Members
+    -------
+    choice : ``In(Operand)``
+        Operand of the addition in the next clock.
+    add : ``In(ADD)``
+        What becomes of the addition in this clock.
+    weights, bias : ``In``
+        As of :class:`HiddenNeuron`.
+    o : ``Out``
+        Sum plus half a unit of the net, exact.
+    """
+
+    def __init__(self, formats):
+        self.format = hidden_sum(formats)
+        super().__init__({
+            "choice": In(Operand), "add": In(ADD),
+            "weights": In(data.ArrayLayout(signed(formats.hidden_weight.width), 2)),
+            "bias": In(signed(formats.hidden_bias.width)),
+            "o": Out(self.format.shape),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        q = self.format
+
+        def register(name):
+            return Signal(q.shape, name=name, reset_less=True)
+
+        increments = [register(name) for name in ("x0", "x1", "y0", "y1")]
+        operand, total, row = register("operand"), register("total"), register("row")
+        values = {**dict(zip(Operand, increments)),
+                  Operand.WEIGHT_X: self.weights[0], Operand.WEIGHT_Y: self.weights[1],
+                  Operand.BIAS: self.bias << q.bias_shift,
+                  Operand.HALF: q.half}
+        with m.Switch(self.choice):
+            for choice, value in values.items():
+                with m.Case(choice):
+                    m.d.sync += operand.eq(value)
+            with m.Default():
+                m.d.sync += operand.eq(0)
+
+        result = Signal(q.shape)
+        m.d.comb += result.eq(
+            Mux(self.add.double, total << 1, Mux(self.add.row, row, total)) + operand)
+        with m.If(self.add.step):
+            m.d.sync += total.eq(result)
+        with m.If(self.add.save):
+            m.d.sync += row.eq(result)
+        with m.If(self.add.keep):
+            m.d.sync += [a.eq(b) for a, b in zip(increments, [*increments[1:], result])]
+        m.d.comb += self.o.eq(total)
+        return m
+
+
+class RasterControl(wiring.Component):
+    """Tells all raster neurons what to add: products at a frame's start, then increments.
+
+    A product with a coordinate takes one doubling and addition per digit, highest first. The
+    coordinate is extended to the sum's n bits, so that its sign needs no subtraction and what
+    the sum held before is shifted out. The sum at the first pixel has its two products'
+    digits alternate. A frame's start takes ``preset`` clocks from the pixel's appearance.
+
+    Parameters
+    ----------
+    formats : ncdc_model.descriptor.Formats
+
+    Members
+    -------
+    start, active, advance, pixel, ready :
+        As of :func:`ncdc_hdl.neural.layers.hidden_layer_ports`.
+    choice, add : ``Out(Operand)``, ``Out(ADD)``
+        To the neurons.
+    """
+
+    def __init__(self, formats):
+        self.bits = hidden_sum(formats).shape.width
+        super().__init__({
+            "start": In(1), "active": In(1), "advance": In(1), "pixel": In(pixel_layout(formats)),
+            "ready": Out(1), "choice": Out(Operand), "add": Out(ADD),
+        })
+
+    @property
+    def preset(self):
+        """Clocks from a frame's first pixel being shown to ``ready``."""
+        return 1 + 4 * self.bits + 4
+
+    def elaborate(self, platform):
+        m = Module()
+        pixel, bits = self.pixel, self.bits
+        choice, add = Signal(Operand), Signal(ADD)
+        digit = Signal(range(bits), init=bits - 1)
+        last = digit == 0
+
+        def term(value, weight):
+            """Add ``weight`` if the present digit of ``value`` is one."""
+            extended = Cat(value, value[-1].replicate(bits - len(value)))
+            m.d.comb += [choice.eq(Mux(extended.bit_select(digit, 1), weight, Operand.ZERO)),
+                         add.step.eq(1)]
+
+        def next_digit():
+            m.d.sync += digit.eq(Mux(last, bits - 1, digit - 1))
+
+        with m.FSM():
+            with m.State("IDLE"):
+                with m.If(self.start):
+                    m.next = "WAIT"
+            with m.State("WAIT"):
+                with m.If(self.active):
+                    m.next = "X0"
+            for axis, weight, step, after in (("X", Operand.WEIGHT_X, pixel.x_step, "Y0"),
+                                              ("Y", Operand.WEIGHT_Y, pixel.y_step, "FIRST_X")):
+                with m.State(f"{axis}0"):
+                    term(step, weight)
+                    next_digit()
+                    m.d.comb += [add.double.eq(1), add.keep.eq(last)]
+                    with m.If(last):
+                        m.next = f"{axis}1"
+                with m.State(f"{axis}1"):
+                    m.d.comb += [choice.eq(weight), add.step.eq(1), add.keep.eq(1)]
+                    m.next = after
+            with m.State("FIRST_X"):
+                term(pixel.x, Operand.WEIGHT_X)
+                m.d.comb += add.double.eq(1)
+                m.next = "FIRST_Y"
+            with m.State("FIRST_Y"):
+                term(pixel.y, Operand.WEIGHT_Y)
+                next_digit()
+                m.next = "FIRST_X"
+                with m.If(last):
+                    m.next = "BIAS"
+            with m.State("BIAS"):
+                m.d.comb += [choice.eq(Operand.BIAS), add.step.eq(1)]
+                m.next = "HALF"
+            with m.State("HALF"):
+                m.d.comb += [choice.eq(Operand.HALF), add.step.eq(1), add.save.eq(1)]
+                m.next = "RUN"
+            with m.State("RUN"):
+                new_row = pixel.last_column
+                m.d.comb += [
+                    self.ready.eq(1),
+                    choice.eq(Cat(Mux(new_row, pixel.y_carry, pixel.x_carry), new_row)),
+                    add.step.eq(self.advance),
+                    add.row.eq(new_row), add.save.eq(self.advance & new_row),
+                ]
+                with m.If(self.start):
+                    m.next = "WAIT"
+
+        add_next = Signal(ADD)
+        m.d.sync += [self.choice.eq(choice), add_next.eq(add), self.add.eq(add_next)]
+        return m
+
+
+class RasterLayer(wiring.Component):
+    """Hidden neurons without a multiplier; the pixels must come in raster order.
+
+    Equal bit for bit to :class:`ncdc_hdl.neural.layers.MultiplyLayer`, provided the scan stays
+    within the range of its coordinates. One pixel per clock, also from row to row.
+
+    Parameters
+    ----------
+    hidden_neurons : int
+        HN; one adder each.
+    formats : ncdc_model.descriptor.Formats
+    share : int
+        Neurons whose sums are rounded in turn.
+
+    Members: :func:`ncdc_hdl.neural.layers.hidden_layer_ports`.
+    """
+
+    latency = 3
+    """Clocks from a pixel's first turn to that turn's nets: control, operand, rounding.
+
+    The sum itself has been there since the pixel before was taken.
+    """
+
+    def __init__(self, hidden_neurons, formats, share=1):
+        self.hidden_neurons, self.formats, self.share = hidden_neurons, formats, share
+        self.control = RasterControl(formats)
+        super().__init__(hidden_layer_ports(hidden_neurons, formats, share))
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.control = control = self.control
+        m.d.comb += [
+            control.start.eq(self.start), control.active.eq(self.active),
+            control.advance.eq(self.advance), control.pixel.eq(self.pixel),
+            self.ready.eq(control.ready),
+        ]
+        sums = []
+        for j in range(self.hidden_neurons):
+            m.submodules[f"neuron{j}"] = neuron = RasterNeuron(self.formats)
+            m.d.comb += [
+                neuron.choice.eq(control.choice), neuron.add.eq(control.add),
+                neuron.weights.eq(self.neurons[j].weights), neuron.bias.eq(self.neurons[j].bias),
+            ]
+            sums.append(neuron.o[neuron.format.shift:].as_signed())
+        turn = delay(m, self.turn, self.latency - 1, "turn")
+        for k in range(len(self.o)):
+            group = [sums[j] for j in served(k, self.hidden_neurons, self.share)]
+            o = Signal(signed(self.formats.net.width), name=f"r{k}_o", reset_less=True)
+            m.d.sync += o.eq(saturate(Array(group)[turn] if self.share > 1 else group[0],
+                                      self.formats.net))
+            m.d.comb += self.o[k].eq(o)
+        return m

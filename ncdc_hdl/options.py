@@ -1,0 +1,50 @@
+"""Choices of the gateware that change its size and speed, never its results."""
+
+from dataclasses import dataclass
+
+from ncdc_model.errors import InputError
+
+__all__ = ["FrontEndOptions", "HIDDEN"]
+
+HIDDEN = ("multiply", "raster")
+
+
+@dataclass(frozen=True)
+class FrontEndOptions:
+    """How the network of the front end is built; every choice gives the same coordinates.
+
+    Parameters
+    ----------
+    hidden : str
+        "multiply": two multipliers per hidden neuron; "raster": one adder per hidden neuron,
+        which follows the raster scan.
+    share : int
+        Hidden neurons that one tan-sigmoid serves in turn: one coordinate every ``share``
+        clocks. The multipliers are shared likewise.
+
+    Raises
+    ------
+    InputError
+        If ``hidden`` is none of the above, or ``share`` is not positive.
+    """
+    hidden: str = "multiply"
+    share: int = 1
+
+    def __post_init__(self):
+        if self.hidden not in HIDDEN:
+            raise InputError(f"hidden is {self.hidden!r}, one of {', '.join(HIDDEN)} is needed")
+        if self.share < 1:
+            raise InputError(f"share is {self.share}, the least is 1")
+
+    def units(self, hidden_neurons):
+        """Tan-sigmoids of a network of ``hidden_neurons``.
+
+        Raises
+        ------
+        InputError
+            If there are fewer neurons than one tan-sigmoid could serve.
+        """
+        if self.share > hidden_neurons:
+            raise InputError(f"share is {self.share}, the limit is the number of hidden neurons, "
+                             f"{hidden_neurons}")
+        return -(-hidden_neurons // self.share)
