@@ -53,8 +53,8 @@ def run_cocotb(design, bench, simulator, **settings):
         If the design does not compile, or a test fails: the message is that of the test.
     """
     program = build(f"cocotb-{design.top}", design.top,
-                    [("design.v", "`timescale 1ns/1ps\n" + without_header(design.verilog))], simulator=simulator,
-                    main=_MAIN, optimise="-O0", options=(
+                    [("design.v", "`timescale 1ns/1ps\n" + without_header(design.verilog))],
+                    simulator=simulator, main=_MAIN, optimise="-O0", options=(
                         "--vpi", "--public-flat-rw", "--prefix", "Vtop", "-LDFLAGS",
                         f"-Wl,-rpath,{_LIBRARIES} -L{_LIBRARIES} -lcocotbvpi_verilator"))
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:

@@ -67,7 +67,8 @@ def memory_timing(memory):
         memory = MEMORIES[memory]
     low, high = memory.latency
     if not 1 <= low <= high <= 10000:
-        raise InputError(f"the memory's latency is {low}..{high} clocks, the limits are 1 and 10000")
+        raise InputError(f"the memory's latency is {low}..{high} clocks, "
+                         "the limits are 1 and 10000")
     if not 1 <= memory.max_pending <= 64:
         raise InputError(f"max_pending is {memory.max_pending}, the limits are 1 and 64")
     if not 0 <= memory.wait_chance <= 255:

@@ -1,8 +1,8 @@
 // Stand-in for the corrector, to test the frame bench: copies words, inverted, burst by burst.
 // Registers: 0 source, 1 destination, 2 words (a multiple of 8), 3 start, 4 done (write clears),
 // 5 constant 4E434443. COPIER_STREAM sends the low 24 bits of each inverted word as a pixel.
-// The macros are replaced before the simulator reads this. COPIER_FAULT: 1 drops write data under waitrequest, 2 never ends, 3 misaligned reads,
-// 4 changes stream data while it is stalled.
+// The macros are replaced before the simulator reads this. COPIER_FAULT: 1 changes write data under
+// waitrequest, 2 never ends, 3 misaligned reads, 4 changes stream data while it is stalled.
 
 module ncdc(clk, rst, csr_address, csr_read, csr_write, csr_writedata, csr_readdata,
         csr_readdatavalid, csr_waitrequest, irq, front_end_idle,

@@ -1,14 +1,14 @@
-// Protocol checker of one Avalon-MM port (pipelined burst reads, burst writes), seen from the wires.
+// Protocol checker of one Avalon-MM port: pipelined burst reads, burst writes.
 //
 // Each breach counts in `errors`; the first 20 print "AVALON-ERROR <port> <rule> <time>":
-//   held             read, write, address, burstcount, writedata and byteenable stay under waitrequest
+//   held             a command, and a write's data and byteenable, stay under waitrequest
 //   burst-range      burstcount of a new command is 1..MAX_BURST
 //   burst-constant   burstcount does not change inside a write burst
 //   read-in-write    no read while a write burst is unfinished
 //   read-and-write   never both at once
 //   aligned          the address is a multiple of the word's bytes
 //   unrequested      readdatavalid only while a beat is due
-//   unknown          no X or Z on control out of reset, nor on what it qualifies (needs four states)
+//   unknown          no X or Z on control out of reset, nor on what it qualifies (four states)
 // Unused halves are tied to 0. Counters: commands, beats, enabled bytes written, clocks a command
 // waited. The address matters on the first beat of a burst alone.
 
@@ -81,8 +81,8 @@ module avalon_checker #(
                 for (lane = 0; lane < LANES; lane = lane + 1)
                     if (write && byteenable[lane])
                         mask[8*lane +: 8] = 8'hFF;
-                if (^{write_left == 0 ? address : 32'd0, burstcount, write ? byteenable : {LANES{1'b0}},
-                      writedata & mask} === 1'bx)
+                if (^{write_left == 0 ? address : 32'd0, burstcount,
+                      write ? byteenable : {LANES{1'b0}}, writedata & mask} === 1'bx)
                     breach("unknown");
                 if (read && write)
                     breach("read-and-write");

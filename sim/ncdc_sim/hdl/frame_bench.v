@@ -118,7 +118,8 @@ module frame_bench (
     ) memory (
         .clk(clk), .rst(rst),
         .latency_min(latency_min[15:0]), .latency_max(latency_max[15:0]), .rate(rate[15:0]),
-        .granule(granule[15:0]), .wait_chance(wait_chance[8:0]), .max_pending(max_pending[15:0]), .seed(seed),
+        .granule(granule[15:0]), .wait_chance(wait_chance[8:0]), .max_pending(max_pending[15:0]),
+        .seed(seed),
         .errors(memory_errors),
         .read_address(read_address), .read_read(read_read), .read_burstcount(read_burstcount),
         .read_waitrequest(read_waitrequest), .read_readdata(read_readdata),
@@ -301,7 +302,7 @@ module frame_bench (
             endcase
         end
         if (clocks == clock_limit) begin
-            $display("FAILED clock-limit %0d clocks, operation %0d of the program, %0d output bytes",
+            $display("FAILED clock-limit %0d clocks, operation %0d, %0d output bytes",
                      clocks, position, output_done);
             report;
         end
