@@ -14,6 +14,7 @@ from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.valid import ValidTable
+from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.errors import InputError
 
 __all__ = ["Corrector", "DATA_WIDTHS", "OUTPUTS"]
@@ -40,6 +41,7 @@ class Corrector(wiring.Component):
     descriptor : ncdc_model.descriptor.Descriptor
     data_width : int
         Bits of the memory ports: 32, 64 or 128.
+    front_end : ncdc_hdl.options.FrontEndOptions
     output : str
         "memory": a burst writer stores four bytes per pixel (blue, green, red, zero), row after
         row without a gap; "stream": a video stream source in its place.
@@ -59,10 +61,12 @@ class Corrector(wiring.Component):
     Raises
     ------
     InputError
-        If ``data_width`` or ``output`` is none of the above.
+        If ``data_width`` or ``output`` is none of the above, or ``front_end`` does not fit the
+        number of neurons.
     """
 
-    def __init__(self, descriptor, *, data_width=32, output="memory"):
+    def __init__(self, descriptor, *, data_width=32, output="memory",
+                 front_end=FrontEndOptions()):
         if data_width not in DATA_WIDTHS:
             raise InputError(f"the memory's data width is {data_width}, one of "
                              f"{', '.join(map(str, DATA_WIDTHS))} is needed")
@@ -70,7 +74,7 @@ class Corrector(wiring.Component):
             raise InputError(f"the output is {output!r}, one of {', '.join(OUTPUTS)} is needed")
         self.descriptor, self.data_width, self.output = descriptor, data_width, output
         formats = descriptor.formats
-        self.backmap = BackMap(descriptor.hidden_neurons, formats)
+        self.backmap = BackMap(descriptor.hidden_neurons, formats, options=front_end)
         self.table = ValidTable(descriptor.valid, descriptor.geometry.corrected_height)
         self.window = WindowAddress(formats)
         self.fetch = Multiport(formats.coordinate.f_bits, data_width)

@@ -11,6 +11,7 @@ from cameras import barrel_descriptor
 
 from ncdc_hdl import cli
 from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.images import mosaic, read_image, write_image
@@ -160,6 +161,23 @@ def test_generate_writes_the_corrector(folder, capsys):
     assert report["data_width"] == 64 and report["output"] == "stream"
     verilog = corrector_verilog(Descriptor.load("net.toml"), data_width=64, output="stream")
     assert (folder / "hw" / "ncdc.v").read_text() == verilog
+
+
+def test_front_end_options_reach_the_verilog(folder, capsys):
+    options = "--hidden raster --share 2"
+    assert run(f"generate net.toml -o hw {options}") == 0
+    verilog = corrector_verilog(Descriptor.load("net.toml"),
+                                front_end=FrontEndOptions(hidden="raster", share=2))
+    assert (folder / "hw" / "ncdc.v").read_text() == verilog
+    assert run(f"simulate net.toml raw.png -o sim.png --json r.json {options}") == 0
+    report = json.loads((folder / "r.json").read_text())
+    assert report["pixels_different"] == 0
+    assert (report["hidden"], report["share"]) == ("raster", 2)
+
+
+def test_refuses_to_share_among_too_many(folder, capsys):
+    check_refused(folder, "generate net.toml -o hw --share 9", "the limit is the number of hidden",
+                  capsys)
 
 
 @pytest.mark.parametrize("simulator", ["verilator", "icarus"])

@@ -6,10 +6,12 @@ from ncdc_hdl.cli.common import add_json, write_report
 from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS
 from ncdc_hdl.export.c_header import c_header
 from ncdc_hdl.export.verilog import TOP, corrector_verilog
+from ncdc_hdl.options import HIDDEN, FrontEndOptions
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.files import write_text
 
-__all__ = ["EXAMPLE", "FETCHERS", "HELP", "add_arguments", "add_hardware", "run"]
+__all__ = ["EXAMPLE", "FETCHERS", "HELP", "add_arguments", "add_hardware", "hardware",
+           "run"]
 
 HELP = "write the Verilog of the corrector and its register header"
 EXAMPLE = "ncdc generate net.toml -o hardware --data-width 32"
@@ -24,6 +26,18 @@ def add_hardware(parser):
                         help="width of the memory ports: 32 (default), 64 or 128")
     parser.add_argument("--to", choices=OUTPUTS, default="memory",
                         help="where corrected pixels go: memory (default) or a video stream")
+    parser.add_argument("--hidden", choices=HIDDEN, default="multiply",
+                        help="hidden neurons: multiply (default), or raster, which add from pixel "
+                             "to pixel and need no multiplier; same results")
+    parser.add_argument("--share", type=int, default=1, metavar="N",
+                        help="hidden neurons per tan-sigmoid (default: 1); one pixel every N "
+                             "clocks, same results, smaller")
+
+
+def hardware(args):
+    """The chosen hardware, as keyword arguments of Corrector and corrector_verilog."""
+    return {"data_width": args.data_width, "output": args.to,
+            "front_end": FrontEndOptions(hidden=args.hidden, share=args.share)}
 
 
 def add_arguments(parser):
@@ -37,13 +51,14 @@ def add_arguments(parser):
 def run(args):
     """Generate and write; files that would not change are left alone."""
     descriptor = Descriptor.load(args.descriptor)
-    files = {f"{TOP}.v": corrector_verilog(descriptor, data_width=args.data_width, output=args.to),
+    files = {f"{TOP}.v": corrector_verilog(descriptor, **hardware(args)),
              "ncdc_registers.h": c_header(descriptor, args.data_width)}
     folder = Path(args.output)
     for name, text in files.items():
         write_text(folder / name, text)
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
               "fetch": args.fetch, "data_width": args.data_width, "output": args.to,
+              "hidden": args.hidden, "share": args.share,
               "files": [str(folder / name) for name in files]}
     if not write_report(report, args.json):
         for name, text in files.items():

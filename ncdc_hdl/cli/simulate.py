@@ -3,7 +3,7 @@
 import sys
 
 from ncdc_hdl.cli.common import Progress, add_json, raw_frame, write_report
-from ncdc_hdl.cli.generate import add_hardware
+from ncdc_hdl.cli.generate import add_hardware, hardware
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.images import write_image
 from ncdc_sim.corrector import simulate_correction
@@ -38,8 +38,8 @@ def run(args):
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(args.image, descriptor.geometry)
     simulation = simulate_correction(
-        descriptor, raw, data_width=args.data_width, output=args.to, memory=args.memory,
-        simulator=args.simulator, seed=args.seed, progress=Progress("simulating"))
+        descriptor, raw, **hardware(args), memory=args.memory, simulator=args.simulator,
+        seed=args.seed, progress=Progress("simulating"))
     write_image(args.output, simulation.picture)
     if note:
         print(note, file=sys.stderr)

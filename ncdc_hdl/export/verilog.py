@@ -6,24 +6,27 @@ from importlib.metadata import version
 from amaranth.back import verilog
 
 from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.options import FrontEndOptions
 
 __all__ = ["TOP", "corrector_verilog", "module_verilog"]
 
 TOP = "ncdc"
 
 
-def corrector_verilog(descriptor, *, data_width=32, output="memory"):
+def corrector_verilog(descriptor, *, data_width=32, output="memory",
+                      front_end=FrontEndOptions()):
     """Verilog text of the corrector of ``descriptor``; identical text for identical input.
 
     Parameters and errors raised: as :class:`ncdc_hdl.corrector.Corrector`.
     """
-    corrector = Corrector(descriptor, data_width=data_width, output=output)
+    corrector = Corrector(descriptor, data_width=data_width, output=output, front_end=front_end)
     g = descriptor.geometry
     header = (
         f"// NCDC {version('ncdc')}, Amaranth {version('amaranth')}: camera distortion corrector\n"
         f"// descriptor {descriptor.digest}: {descriptor.hidden_neurons} hidden neurons, "
         f"{g.distorted_width}x{g.distorted_height} {g.bayer} to "
         f"{g.corrected_width}x{g.corrected_height}\n"
+        f"// hidden neurons {front_end.hidden}, {front_end.share} per tan-sigmoid\n"
         f"// fetch multiport, {data_width}-bit memory, output to {output}\n\n")
     return header + module_verilog(corrector, TOP)
 

@@ -7,6 +7,7 @@ import numpy as np
 from ncdc_hdl.avalon.register_table import (CTRL_START, frame_bytes, host_values, registers,
                                             table_words)
 from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.corrector import check_raw, correct
 from ncdc_sim.frame import Program, simulate_frame
 
@@ -31,7 +32,7 @@ class Simulation:
     bytes_read, bytes_written : int
         On the memory's ports.
     setup : dict
-        ``simulator``, ``memory``, ``fetch``, ``data_width``, ``output``.
+        ``simulator``, ``memory``, ``fetch``, ``data_width``, ``output``, ``hidden``, ``share``.
     """
     picture: np.ndarray
     golden: np.ndarray
@@ -89,7 +90,8 @@ def raw_image(raw, pitch):
 
 
 def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output="memory",
-                        memory="sdram", simulator="verilator", seed=1, progress=None):
+                        front_end=FrontEndOptions(), memory="sdram", simulator="verilator",
+                        seed=1, progress=None):
     """Correct the ``raw`` frame with the generated Verilog and with the golden model.
 
     Parameters
@@ -98,7 +100,7 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
     raw : ndarray of uint8, shape (distorted height, distorted width)
     verilog : str
         The corrector's text; generated if absent.
-    data_width, output :
+    data_width, output, front_end :
         As of :class:`ncdc_hdl.corrector.Corrector`.
     memory, simulator, seed, progress :
         As of :func:`ncdc_sim.frame.simulate_frame`.
@@ -112,7 +114,8 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
     """
     check_raw(raw, descriptor.geometry)
     if verilog is None:
-        verilog = corrector_verilog(descriptor, data_width=data_width, output=output)
+        verilog = corrector_verilog(descriptor, data_width=data_width, output=output,
+                                    front_end=front_end)
     values = host_values(descriptor, data_width)
     width, height = descriptor.geometry.corrected
     stream = output == "stream"
@@ -132,4 +135,5 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
         fetches_expected=golden.fetches, bytes_read=sum(result.bytes_read),
         bytes_written=result.bytes_written,
         setup={"simulator": simulator, "memory": memory if isinstance(memory, str) else "custom",
-               "fetch": "multiport", "data_width": data_width, "output": output})
+               "fetch": "multiport", "data_width": data_width, "output": output,
+               "hidden": front_end.hidden, "share": front_end.share})
