@@ -4,12 +4,14 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl.neural.classic import Classic
 from ncdc_hdl.neural.mmhbc import Mmhbc
+from ncdc_hdl.neural.table import Table
 from ncdc_hdl.streams import delay
 
 __all__ = ["Tansig"]
 
-_VARIANTS = {"mmhbc": Mmhbc}
+_VARIANTS = {"mmhbc": Mmhbc, "classic": Classic, "table": Table}
 
 
 class Tansig(wiring.Component):

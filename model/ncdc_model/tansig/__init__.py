@@ -10,13 +10,15 @@ tan-sigmoid, see :mod:`ncdc_model.descriptor`. docs/tansig.md derives the error 
 
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
+from ncdc_model.tansig.classic import ClassicDesign
 from ncdc_model.tansig.design import Design, tansig
 from ncdc_model.tansig.mmhbc import TansigDesign
+from ncdc_model.tansig.table import TableDesign
 
-__all__ = ["Design", "FRACTION_BITS", "TansigDesign", "VARIANTS", "design_for",
-           "tansig"]
+__all__ = ["ClassicDesign", "Design", "FRACTION_BITS", "TableDesign", "TansigDesign", "VARIANTS",
+           "design_for", "tansig"]
 
-VARIANTS = {"mmhbc": TansigDesign}
+VARIANTS = {"mmhbc": TansigDesign, "classic": ClassicDesign, "table": TableDesign}
 FRACTION_BITS = (16, 18, 20, 22)
 
 

@@ -115,6 +115,18 @@ class TansigDesign(Design):
         changes = _TUNED.get(key, {})
         return tuple(entry + changes.get(A, 0) for A, entry in enumerate(self.rounded_table))
 
+    @property
+    def entries(self):
+        """Number of table entries, in the order of the input."""
+        return len(self.rounded_table)
+
+    def changed_entry(self, entry, change):
+        """Raw results of all inputs of one region if its rounded entry is changed, f(0) = 0."""
+        fine = np.arange(1 << self.fine_bits)
+        u = self._rotate(np.full(len(fine), self.rounded_table[entry] + change), fine)
+        q = quotient(u, self.width, self.digits)
+        return q if entry else np.append(0, q[1:])
+
     def exponential(self, a):
         """exp(-a) with W fraction bits: region table, then one rotation per fine bit.
 
@@ -122,10 +134,12 @@ class TansigDesign(Design):
         as u <- u - d (u >> s): one channel. No z channel either: the fine bits are the
         directions.
         """
-        u = np.array(self.table)[a >> self.fine_bits]
+        return self._rotate(np.array(self.table)[a >> self.fine_bits], a)
+
+    def _rotate(self, u, a):
         for k, shift in enumerate(self.shifts):
             step = round_shift(u, shift)
-            u += np.where((a >> (self.fine_bits - 1 - k)) & 1, -step, step)
+            u = u + np.where((a >> (self.fine_bits - 1 - k)) & 1, -step, step)
         return u
 
     def magnitude(self, a):

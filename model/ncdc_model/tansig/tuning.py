@@ -1,60 +1,46 @@
-"""Choice of the region table's entries that makes the ``mmhbc`` tan-sigmoid monotonic."""
+"""Choice of table entries that makes a tan-sigmoid monotonic."""
 
 import numpy as np
 
-from ncdc_model.tansig.lvc import quotient, round_shift
-
 __all__ = ["monotonic_tuning"]
 
-_CHANGES = (0, -1, 1, -2, 2)
 
-
-def monotonic_tuning(design, changes=_CHANGES):
+def monotonic_tuning(design, reach=12):
     """Changes of table entries by which no output decreases: dict of entry and change.
 
-    Every input is evaluated with every one of ``changes`` to the entry of its region, which is a
-    matter of seconds. Among all choices without a decrease, inside a region or where two meet,
-    the one with the least sum of \\|change\\| is taken; of equal ones that with the earlier
-    changes in the list at the last regions. The rounded table of ``design`` is what is changed,
-    whatever tuning it has already.
+    Every input is evaluated with every change of its entry up to +-``reach``, which is a matter
+    of seconds. Among all choices without a decrease, inside an entry's part of the input or where
+    two meet, one with the least sum of \\|change\\| is taken, always the same. The untuned table
+    of ``design`` is what is changed, whatever tuning it has already.
+
+    Parameters
+    ----------
+    design : TansigDesign or TableDesign
+        Has ``entries``, the number of table entries in the input's order, and
+        ``changed_entry(entry, change)``, the raw results of its part of the input.
 
     Raises
     ------
     ValueError
         If no choice is monotonic.
     """
-    cost, chosen, ends = np.zeros(1), [], np.zeros(1, np.int64)
-    for region, entry in enumerate(design.rounded_table):
-        outputs = [_region(design, region, entry + change) for change in changes]
-        price = np.full(len(changes), np.inf)
-        before = np.zeros(len(changes), np.int64)
+    changes = sorted(range(-reach, reach + 1), key=abs)
+    cost, ends, chosen = np.zeros(1), np.zeros(1, np.int64), []
+    for entry in range(design.entries):
+        outputs = [design.changed_entry(entry, change) for change in changes]
+        best, before = np.full(len(changes), np.inf), np.zeros(len(changes), np.int64)
         for k, (change, q) in enumerate(zip(changes, outputs)):
-            if (np.diff(q) < 0).any():
-                continue
-            reach = np.where(ends <= q[0], cost, np.inf)
-            before[k] = reach.argmin()
-            price[k] = reach[before[k]] + abs(change)
-        if np.isinf(price).all():
-            raise ValueError(f"no change of table entry {region} keeps {design} monotonic")
+            if (np.diff(q) >= 0).all():
+                allowed = np.where(ends <= q[0], cost, np.inf)
+                before[k] = allowed.argmin()
+                best[k] = allowed[before[k]] + abs(change)
+        if np.isinf(best).all():
+            raise ValueError(f"no change of table entry {entry} keeps {design} monotonic")
         chosen.append(before)
-        cost, ends = price, np.array([q[-1] for q in outputs])
+        cost, ends = best, np.array([q[-1] for q in outputs])
     k, tuned = int(cost.argmin()), {}
-    for region in reversed(range(len(chosen))):
+    for entry in reversed(range(design.entries)):
         if changes[k]:
-            tuned[region] = changes[k]
-        k = int(chosen[region][k])
+            tuned[entry] = changes[k]
+        k = int(chosen[entry][k])
     return dict(sorted(tuned.items()))
-
-
-def _region(design, region, entry):
-    """Raw results of every input of one region with the table entry ``entry``."""
-    fine = design.fine_bits
-    a = np.arange(1 << fine)
-    u = np.full(len(a), entry)
-    for k, shift in enumerate(design.shifts):
-        step = round_shift(u, shift)
-        u += np.where((a >> (fine - 1 - k)) & 1, -step, step)
-    q = quotient(u, design.width, design.digits)
-    if region == 0:
-        q[0] = 0
-    return q
