@@ -14,6 +14,7 @@ from ncdc_hdl.avalon.registers import Registers
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
 from ncdc_hdl.backend.window import WindowAddress
+from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 from ncdc_hdl.neural.tansig import Tansig
@@ -40,6 +41,7 @@ COMPONENTS = {
     "registers": lambda: Registers(
         registers(D.hidden_neurons, D.formats), host_values(D, 32),
         digest=int(D.digest[:8], 16), hidden_neurons=D.hidden_neurons),
+    "corrector": lambda: Corrector(D),
 }
 
 PAUSES = pytest.mark.parametrize("gap,stall", [(0, 0), (0, .5), (.5, .3)])
@@ -119,3 +121,10 @@ def test_backmap(stall, busy, simulator, descriptor):
 @BOTH
 def test_registers(simulator, descriptor):
     run_cocotb(design("registers"), "registers", simulator, descriptor=descriptor)
+
+
+@BOTH
+@pytest.mark.parametrize("wait,latency", [(0, (1, 1)), (.5, (1, 40))])
+def test_corrector(wait, latency, simulator, descriptor):
+    run_cocotb(design("corrector"), "corrector", simulator, wait=wait, latency=latency,
+               descriptor=descriptor)

@@ -11,7 +11,9 @@ __all__ = ["Host", "read_memory", "write_memory"]
 
 
 def _ports(dut, prefix, *names):
-    return [getattr(dut, f"{prefix}__{name}") for name in names]
+    """Ports of a block (prefix__name) or of the whole corrector (prefix_name)."""
+    joint = "__" if hasattr(dut, f"{prefix}__{names[0]}") else "_"
+    return [getattr(dut, f"{prefix}{joint}{name}") for name in names]
 
 
 async def read_memory(dut, prefix, content, *, wait=0.0, latency=(1, 1), seed=3, log=None):

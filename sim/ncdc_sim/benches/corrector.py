@@ -1,0 +1,73 @@
+"""The whole corrector between memory agents and a register host, byte by byte."""
+
+import cocotb
+import numpy as np
+
+from ncdc_hdl.avalon.register_table import (CTRL_START, STATUS_DONE, frame_bytes, host_values,
+                                            registers, table_words)
+from ncdc_model.corrector import correct
+from ncdc_model.descriptor import Descriptor
+from ncdc_sim.benches.avalon import Host, read_memory, write_memory
+from ncdc_sim.benches.common import clocks, settings, start
+
+__all__ = ["two_frames_equal_model"]
+
+_READERS = 3
+
+
+@cocotb.test()
+async def two_frames_equal_model(dut):
+    """Two frames, the second waiting for the first, of two pictures at two places."""
+    s = settings()
+    d = Descriptor.load(s["descriptor"])
+    rng, g = np.random.default_rng(9), d.geometry
+    values = host_values(d, 32)
+    pitch, size = values["SOURCE_PITCH"], values["TARGET_BASE"]
+    raw = rng.integers(0, 256, (2, g.distorted_height, g.distorted_width), np.uint8)
+    memory = bytearray(b"\xa5" * (4 * size))
+    for k in range(2):
+        image = np.pad(raw[k], ((0, 0), (0, pitch - g.distorted_width))).tobytes()
+        memory[2 * k * size:2 * k * size + len(image)] = image
+
+    await start(dut, csr_read=0, csr_write=0, csr_address=0, csr_writedata=0, write_waitrequest=0,
+                **{f"read{r}_{name}": 0 for r in range(_READERS)
+                   for name in ("waitrequest", "readdata", "readdatavalid")})
+    logs = [[] for _ in range(_READERS)]
+    for r in range(_READERS):
+        cocotb.start_soon(read_memory(dut, f"read{r}", memory, wait=s["wait"],
+                                      latency=s["latency"], seed=r, log=logs[r]))
+    written = []
+    cocotb.start_soon(write_memory(dut, "write", memory, wait=s["wait"], log=written))
+
+    host, rows = Host(dut, "csr"), {r.name: r.address for r in registers(d.hidden_neurons, d.formats)}
+    for name, value in values.items():
+        await host.write(rows[name], value)
+    for address, value in table_words(d.valid):
+        await host.write(address, value)
+    await host.write(rows["IRQ_ENABLE"], 1)
+    await host.write(rows["CTRL"], CTRL_START)
+    await clocks(dut, 4)
+    await host.write(rows["SOURCE_BASE"], 2 * size)
+    await host.write(rows["TARGET_BASE"], 3 * size)
+    await host.write(rows["CTRL"], CTRL_START)
+    for k in range(2):
+        for _ in range(60000):
+            if int(dut.irq.value):
+                break
+            await clocks(dut, 1)
+        else:
+            raise AssertionError(f"frame {k} does not end")
+        await host.write(rows["STATUS"], STATUS_DONE)
+    assert await host.read(rows["FRAMES"]) == 2
+    assert await host.read(rows["PIXELS"]) == g.corrected_width * g.corrected_height
+
+    count, fetched = frame_bytes(g), 0
+    for k in range(2):
+        golden = correct(d, raw[k])
+        fetched += golden.fetches
+        stored = np.frombuffer(bytes(memory[(2 * k + 1) * size:(2 * k + 2) * size]), np.uint8)
+        pixels = stored[:count].reshape(g.corrected_height, g.corrected_width, 4)
+        np.testing.assert_array_equal(pixels[..., 2::-1], golden.picture)
+        assert not pixels[..., 3].any() and (stored[count:] == 0xA5).all(), "written beyond the frame"
+    assert [len(log) for log in logs] == [fetched] * _READERS
+    assert sum(words for _, words in written) == 2 * count // 4
