@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from amaranth import *
 from pipelines import run_pipeline
 
-from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
+from ncdc_hdl.fixed import saturate
+from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron, WeightedSum, hidden_sum, output_sum
 from ncdc_model.descriptor import Formats
 from ncdc_model.fixed import Q
 from ncdc_model.network import hidden_neuron, output_neuron
@@ -22,7 +24,9 @@ def bias_edges(xq, wq, bq, yq):
 
 def check(dut, model, xq, wq, bq, yq, rng):
     n = dut.inputs
-    items = [([0] * n, [0] * n, b) for b in bias_edges(xq, wq, bq, yq)]
+    # The bias is coarser than the sum: products of +-1 walk the steps between.
+    items = [([1] * n, [w] + [0] * (n - 1), b) for b in bias_edges(xq, wq, bq, yq)
+             for w in (0, -1, 1)]
     for x in (xq.lo, xq.hi):
         for w in (wq.lo, wq.hi):
             for b in (bq.lo, bq.hi):
@@ -49,19 +53,104 @@ def check(dut, model, xq, wq, bq, yq, rng):
     assert {yq.lo, yq.hi} <= set(expected) and len(set(expected)) > 20
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_hidden_neuron(seed):
+def check_hidden(seed=1):
     f = FORMATS
     check(HiddenNeuron(f), lambda x, w, b: hidden_neuron(x[0], x[1], w, b, f),
           f.input, f.hidden_weight, f.hidden_bias, f.net, np.random.default_rng(seed))
 
 
-@pytest.mark.parametrize("inputs", [1, 2, 3, 5, 8])
-def test_output_neuron(inputs):
+def check_output(inputs):
     f = FORMATS
     check(OutputNeuron(inputs, f),
           lambda a, w, b: output_neuron([np.int64(v) for v in a], w, b, f),
           f.tansig, f.output_weight, f.output_bias, f.coordinate, np.random.default_rng(inputs))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_hidden_neuron(seed):
+    check_hidden(seed)
+
+
+@pytest.mark.parametrize("inputs", [1, 2, 3, 5, 8, 32])
+def test_output_neuron(inputs):
+    check_output(inputs)
+
+
+def one_below(value, q):
+    """Saturation whose upper limit is one too low."""
+    return Mux(value >= q.hi, q.hi - 1, saturate(value, q))
+
+
+def one_above(value, q):
+    """Saturation whose lower limit is one too high."""
+    return Mux(value <= q.lo, q.lo + 1, saturate(value, q))
+
+
+def wrapped(value, q):
+    """No saturation at all."""
+    return value[:q.width].as_signed()
+
+
+@pytest.mark.parametrize("wrong", [one_below, one_above, wrapped])
+@pytest.mark.parametrize("check", [check_hidden, lambda: check_output(2)], ids=["hidden", "output"])
+def test_finds_a_wrong_saturation(check, wrong, monkeypatch):
+    monkeypatch.setattr("ncdc_hdl.neural.neuron.saturate", wrong)
+    with pytest.raises(AssertionError, match="Arrays are not equal"):
+        check()
+
+
+@pytest.mark.parametrize("field,change", [("half", -1), ("half", 1), ("bias_shift", -1),
+                                          ("bias_shift", 1)])
+@pytest.mark.parametrize("check", [check_hidden, lambda: check_output(2)], ids=["hidden", "output"])
+def test_finds_a_wrong_constant(check, field, change, monkeypatch):
+    right = getattr(WeightedSum, field).fget
+    monkeypatch.setattr(WeightedSum, field, property(lambda q: right(q) + change))
+    with pytest.raises(AssertionError, match="Arrays are not equal"):
+        check()
+
+
+@pytest.mark.parametrize("neurons", [1, 2, 5, 8, 31, 32])
+def test_no_weights_can_make_the_accumulator_wrap(neurons):
+    """The most positive and the most negative sum fit the accumulator, and no bit is to spare."""
+    for q in (hidden_sum(FORMATS), output_sum(neurons, FORMATS)):
+        products = [x * w for x in (q.xq.lo, q.xq.hi) for w in (q.wq.lo, q.wq.hi)]
+        most = q.terms * max(products) + (q.bq.hi << q.bias_shift) + q.half
+        least = q.terms * min(products) + (q.bq.lo << q.bias_shift) + q.half
+        limit = 1 << (q.shape.width - 1)
+        assert -limit <= least and limit // 2 <= most < limit
+
+
+@pytest.mark.parametrize("turns,inputs", [(2, 1), (3, 2), (32, 1)])
+def test_output_neuron_in_turns(turns, inputs):
+    """Sums over several turns, back to back, with every weight and bias at a limit or random."""
+    f, rng = FORMATS, np.random.default_rng(turns)
+    dut = OutputNeuron(inputs, f, turns)
+    count = 40
+    weights = rng.choice([f.output_weight.lo, f.output_weight.hi, 0, 77777], (turns, inputs))
+    activations = rng.integers(f.tansig.lo, f.tansig.hi, (count, turns, inputs), endpoint=True)
+    activations[0], activations[1] = f.tansig.lo, np.where(weights < 0, f.tansig.lo, f.tansig.hi)
+    activations[2] = np.where(weights < 0, f.tansig.hi, f.tansig.lo)
+    bias = f.output_bias.hi
+    clocks = [(turn, a) for coordinate in activations for turn, a in enumerate(coordinate)]
+    clocks.append(clocks[0])       # in which the last weights are there
+    previous = 0
+
+    def drive(ctx, item):
+        nonlocal previous
+        turn, a = item
+        ctx.set(dut.first, turn == 0)
+        ctx.set(dut.bias, bias)
+        for k in range(inputs):
+            ctx.set(dut.i[k], int(a[k]))
+            ctx.set(dut.weights[k], int(weights[previous][k]))    # they follow one clock later
+        previous = turn
+
+    got = np.ravel(run_pipeline(dut, clocks, drive, lambda: [dut.o]))[:-1:turns]
+    flat = activations.reshape(count, -1).T
+    np.testing.assert_array_equal(got, output_neuron(list(flat), weights.ravel(), bias, f))
+    assert f.coordinate.hi in got and len(set(got.tolist())) > 10
+
+
 
 
 def test_one_result_per_clock():

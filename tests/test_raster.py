@@ -1,0 +1,203 @@
+"""Hidden layers behind the scan: nets of every pixel equal the golden model, with gaps or without.
+
+The raster layer and the multiplying one share every test. The frames' neurons walk the edges of
+rounding and saturation, and hold weights at the limits of their formats.
+"""
+
+import numpy as np
+import pytest
+from amaranth import *
+from pipelines import run_bench
+
+from ncdc_hdl.fixed import saturate
+from ncdc_hdl.frontend.scan import Scan
+from ncdc_hdl.neural.layers import MultiplyLayer
+from ncdc_hdl.neural.neuron import WeightedSum
+from ncdc_hdl.neural.raster import RasterLayer
+from ncdc_model.descriptor import Formats
+from ncdc_model.fixed import requantise
+from ncdc_model.geometry import SCAN, Geometry
+from ncdc_model.network import hidden_neuron
+
+FORMATS = Formats()
+LAYERS = {"multiply": MultiplyLayer, "raster": RasterLayer}
+
+
+class ScannedLayer(Elaboratable):
+    """A scan and a hidden layer behind it; ``forced`` fields of the pixel are stuck at zero."""
+
+    def __init__(self, kind, neurons, share, forced=()):
+        self.scan, self.layer = Scan(FORMATS), LAYERS[kind](neurons, FORMATS, share)
+        self.forced = forced
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.scan, m.submodules.layer = scan, layer = self.scan, self.layer
+        m.d.comb += [layer.active.eq(scan.active), layer.pixel.eq(scan.pixel),
+                     layer.start.eq(scan.start), layer.advance.eq(scan.advance), scan.fresh.eq(1)]
+        m.d.comb += [layer.pixel[name].eq(0) for name in self.forced]
+        return m
+
+
+def scan_of(width, height, mirrored=False):
+    """Width, height, origins and steps; ``mirrored``: from the last column to the first."""
+    origin_x, step_x, origin_y, step_y = Geometry(width, height, 8, 8).scan()
+    if mirrored:
+        origin_x, step_x = -origin_x, -step_x
+    return width, height, origin_x, step_x, origin_y, step_y
+
+
+def nets(scan, weights, biases):
+    """Nets of the golden model, shape (pixels, neurons)."""
+    width, height, origin_x, step_x, origin_y, step_y = scan
+    shift = SCAN.f_bits - FORMATS.input.f_bits
+    v, u = (a.ravel() for a in np.indices((height, width)))
+    x = requantise(origin_x + u * step_x, shift, FORMATS.input)
+    y = requantise(origin_y + v * step_y, shift, FORMATS.input)
+    return np.stack([hidden_neuron(x, y, w, b, FORMATS) for w, b in zip(weights, biases)], axis=1)
+
+
+def run(dut, frames, gap=0.0, seed=1):
+    """Nets of one frame for each (scan, weights, biases), each of shape (pixels, neurons)."""
+    layer, scan, rng = dut.layer, dut.scan, np.random.default_rng(seed)
+    share, latency = layer.share, layer.latency
+    samples, taken = [], []
+
+    async def clock(ctx):
+        await ctx.tick()
+        samples.append([ctx.get(o) for o in layer.o])
+
+    async def bench(ctx):
+        for frame, (parameters, weights, biases) in enumerate(frames):
+            names = ("width", "height", "origin_x", "step_x", "origin_y", "step_y")
+            ctx.set(scan.parameters, dict(zip(names, parameters)))
+            for j, (w, b) in enumerate(zip(weights, biases)):
+                ctx.set(layer.neurons[j], {"weights": [int(v) for v in w], "bias": int(b)})
+            ctx.set(scan.start, 1)
+            await clock(ctx)
+            ctx.set(scan.start, 0)
+            for _ in range(parameters[0] * parameters[1]):
+                while rng.random() < gap or not (ctx.get(scan.active) and ctx.get(layer.ready)):
+                    await clock(ctx)
+                taken.append((frame, len(samples)))
+                for turn in range(share):
+                    ctx.set(layer.turn, turn)
+                    ctx.set(scan.advance, turn == share - 1)
+                    await clock(ctx)
+                ctx.set(scan.advance, 0)
+            for _ in range(latency + share):
+                await clock(ctx)
+
+    run_bench(dut, bench)
+    results = [[] for _ in frames]
+    for frame, at in taken:
+        # A sample is taken after its clock: that of ``latency`` clocks has the index before.
+        turns = samples[at + latency - 1:at + latency - 1 + share]
+        results[frame].append([turns[j % share][j // share] for j in range(len(frames[0][2]))])
+    return [np.array(result) for result in results]
+
+
+def bias_edges():
+    """(weights, bias) of sums that stay on or beside an edge of rounding or saturation."""
+    f = FORMATS
+    shift = f.hidden_bias.f_bits - f.net.f_bits
+    return [([0, 0], (edge << shift) - (1 << (shift - 1)) + d)
+            for edge in (f.net.lo + 1, f.net.hi, f.net.hi + 1, 0, 1) for d in (-1, 0, 1)]
+
+
+def extremes(rng, count):
+    """(weights, bias) at the limits of their formats and close to them."""
+    w, b = FORMATS.hidden_weight, FORMATS.hidden_bias
+    return [(rng.choice([w.lo, w.lo + 1, -1, 0, 1, w.hi], 2), rng.choice([b.lo, 0, b.hi]))
+            for _ in range(count)]
+
+
+def anything(rng, count):
+    """(weights, bias) of every size, so that nets of every size appear, saturated ones as well."""
+    w, b = FORMATS.hidden_weight, FORMATS.hidden_bias
+    return [(rng.integers(w.lo, w.hi, 2, endpoint=True) >> rng.integers(0, 20),
+             rng.integers(b.lo, b.hi, endpoint=True) >> rng.integers(0, 28))
+            for _ in range(count)]
+
+
+def check(dut, frames, **how):
+    for result, frame in zip(run(dut, frames, **how), frames, strict=True):
+        np.testing.assert_array_equal(result, nets(*frame))
+
+
+def frame_of(scan, neurons):
+    return scan, *zip(*neurons)
+
+
+@pytest.mark.parametrize("kind", LAYERS)
+@pytest.mark.parametrize("gap", [0, .4])
+def test_edges_and_extremes(kind, gap):
+    rng = np.random.default_rng(3)
+    neurons = bias_edges() + extremes(rng, 17)
+    frames = [frame_of(scan_of(8, 8), neurons),
+              frame_of(scan_of(13, 9), extremes(rng, 16) + anything(rng, 16)),
+              frame_of(scan_of(29, 8, mirrored=True), anything(rng, 32))]
+    check(ScannedLayer(kind, 32, 1), frames, gap=gap)
+    found = np.concatenate([nets(*frame).ravel() for frame in frames])
+    q = FORMATS.net
+    assert {q.lo, q.lo + 1, q.hi - 1, q.hi, 0} <= set(found.tolist())
+    assert len(set(found.tolist())) > 1000
+
+
+@pytest.mark.parametrize("kind", LAYERS)
+@pytest.mark.parametrize("neurons,share", [(1, 1), (2, 2), (5, 1), (5, 3), (8, 4), (7, 7)])
+def test_neurons_and_turns(kind, neurons, share):
+    rng = np.random.default_rng(neurons)
+    frames = [frame_of(scan_of(11, 9), extremes(rng, neurons)),
+              frame_of(scan_of(9, 8), anything(rng, neurons))]
+    check(ScannedLayer(kind, neurons, share), frames, gap=.2)
+
+
+def test_long_rows_do_not_drift():
+    """The sums of a widest row, whose steps are the smallest and whose carries the most varied."""
+    rng = np.random.default_rng(9)
+    check(ScannedLayer("raster", 4, 1), [frame_of(scan_of(4096, 8), anything(rng, 4))])
+
+
+def frame_with_everything():
+    rng = np.random.default_rng(4)
+    return [frame_of(scan_of(13, 9), bias_edges() + anything(rng, 5))]
+
+
+@pytest.mark.parametrize("field", ["x_carry", "y_carry", "x_step", "y_step", "last_column"])
+def test_finds_a_field_of_the_scan_that_is_lost(field):
+    with pytest.raises(AssertionError, match="Arrays are not equal"):
+        check(ScannedLayer("raster", 20, 1, forced=[field]), frame_with_everything())
+
+
+def one_below(value, q):
+    """Saturation whose upper limit is one too low."""
+    return Mux(value >= q.hi, q.hi - 1, saturate(value, q))
+
+
+def one_above(value, q):
+    """Saturation whose lower limit is one too high."""
+    return Mux(value <= q.lo, q.lo + 1, saturate(value, q))
+
+
+def wrapped(value, q):
+    """No saturation at all."""
+    return value[:q.width].as_signed()
+
+
+@pytest.mark.parametrize("wrong", [one_below, one_above, wrapped])
+def test_finds_a_wrong_saturation(wrong, monkeypatch):
+    monkeypatch.setattr("ncdc_hdl.neural.raster.saturate", wrong)
+    with pytest.raises(AssertionError, match="Arrays are not equal"):
+        check(ScannedLayer("raster", 20, 1), frame_with_everything())
+
+
+@pytest.mark.parametrize("kind", LAYERS)
+@pytest.mark.parametrize("field,wrong", [
+    ("half", lambda q: (1 << (q.shift - 1)) - 1), ("half", lambda q: 0),
+    ("bias_shift", lambda q: q.xq.f_bits + q.wq.f_bits - q.bq.f_bits - 1)],
+    ids=["half - 1", "no half", "bias shift - 1"])
+def test_finds_a_wrong_constant(kind, field, wrong, monkeypatch):
+    monkeypatch.setattr(WeightedSum, field, property(wrong))
+    with pytest.raises(AssertionError, match="Arrays are not equal"):
+        check(ScannedLayer(kind, 20, 1), frame_with_everything())
