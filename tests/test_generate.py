@@ -15,6 +15,8 @@ from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS
 from ncdc_sim.tools import WAIVERS, environment, tool
 
 FILES = ("ncdc.v", "ncdc_registers.h")
+CHECKS = (("icarus", ("-g2012", "-t", "null", "-s", "ncdc")),
+          ("verilator", ("--lint-only", *WAIVERS)))
 
 
 @pytest.fixture(scope="module")
@@ -62,16 +64,15 @@ def test_processes_write_identical_bytes(folder):
 @pytest.mark.parametrize("data_width,to", [(32, "memory"), (64, "memory"), (128, "stream")])
 def test_compilers_accept_the_verilog(folder, tmp_path, data_width, to):
     verilog, _ = generate(folder, tmp_path / "out", data_width=data_width, to=to)
-    assert compile_with("icarus", verilog, tmp_path, "-g2012", "-t", "null", "-s", "ncdc") == (0, [])
-    assert compile_with("verilator", verilog, tmp_path, "--lint-only", *WAIVERS) == (0, [])
+    for simulator, options in CHECKS:
+        assert compile_with(simulator, verilog, tmp_path, *options) == (0, []), simulator
 
 
 def test_a_broken_line_is_not_accepted(folder, tmp_path):
     """The compilers' silence above means something: both name a signal that is not there."""
     verilog, _ = generate(folder, tmp_path / "out")
     broken = verilog.replace("\nendmodule", "\n  assign irq = not_there;\nendmodule")
-    for simulator, options in (("icarus", ("-g2012", "-t", "null", "-s", "ncdc")),
-                               ("verilator", ("--lint-only", *WAIVERS))):
+    for simulator, options in CHECKS:
         status, lines = compile_with(simulator, broken, tmp_path, *options)
         assert status and any("not_there" in line for line in lines), simulator
 
