@@ -36,25 +36,37 @@ def absorb_output_registers(netlist, top):
                 readers.update(dict.fromkeys(bits, (name, port)))
     absorbed = 0
     for ram in [cell for cell in cells.values() if cell["type"] == "DP16KD"]:
-        outputs = {port: bits[0] for port, bits in ram["connections"].items()
-                   if port.startswith("DO") and bits and users[bits[0]]}
-        behind = {port: readers[bit] for port, bit in outputs.items()}
-        if not outputs or not all(
-                users[outputs[port]] == 1 and _plain(cells[name], reader, ram)
-                for port, (name, reader) in behind.items()):
-            continue
-        for port, (name, _) in behind.items():
-            ram["connections"][port] = cells.pop(name)["connections"]["Q"]
-        ram["parameters"] |= {"REGMODE_A": "OUTREG", "REGMODE_B": "OUTREG"}
-        absorbed += len(behind)
+        for data, port in _reads(ram):
+            outputs = {output: bits[0] for output, bits in ram["connections"].items()
+                       if output.startswith(data) and bits and users[bits[0]]}
+            behind = {output: readers.get(bit) for output, bit in outputs.items()}
+            if not outputs or not all(
+                    reader and users[outputs[output]] == 1 and _plain(cells[reader[0]], reader[1])
+                    and cells[reader[0]]["connections"]["CLK"] == ram["connections"][f"CLK{port}"]
+                    for output, reader in behind.items()):
+                continue
+            for output, (name, _) in behind.items():
+                ram["connections"][output] = cells.pop(name)["connections"]["Q"]
+            for side in "AB" if data == "DO" else port:
+                ram["parameters"][f"REGMODE_{side}"] = "OUTREG"
+            absorbed += len(behind)
     return absorbed
 
 
-def _plain(cell, port, ram):
-    """Whether ``cell`` is a flip-flop that only delays what its ``port`` reads from ``ram``."""
-    wires = cell["connections"]
+def _reads(ram):
+    """Prefix of the outputs and letter of the port of each read that is always enabled.
+
+    At 36 bits port B reads to all outputs.
+    """
+    wide = int(ram["parameters"]["DATA_WIDTH_B"], 2) == 36
+    reads = [("DO", "B")] if wide else [("DOA", "A"), ("DOB", "B")]
+    return [(data, port) for data, port in reads
+            if ram["connections"][f"CE{port}"] == ram["connections"][f"OCE{port}"] == ["1"]]
+
+
+def _plain(cell, port):
+    """Whether ``cell`` is a flip-flop that only delays what its ``port`` reads."""
+    parameters, wires = cell["parameters"], cell["connections"]
     return (cell["type"] == "TRELLIS_FF" and port in ("DI", "M")
-            and cell["parameters"]["CEMUX"].strip() == "1" and wires.get("LSR", ["0"]) == ["0"]
-            and cell["parameters"]["REGSET"] == "RESET" and cell["parameters"]["CLKMUX"] == "CLK"
-            and wires["CLK"] == ram["connections"]["CLKB"]
-            and ram["connections"]["OCEB"] == ["1"] and ram["connections"]["CEA"] == ["0"])
+            and parameters["CEMUX"].strip() == "1" and wires.get("LSR", ["0"]) == ["0"]
+            and parameters["REGSET"] == "RESET" and parameters["CLKMUX"] == "CLK")
