@@ -25,7 +25,9 @@ class Late(Tansig):
 
 
 class Planted(TansigDesign):
-    """One table entry is larger by one."""
+    """One table entry is larger by one, and the error bound, which sees it, is not asked."""
+    bound_ulp = 0.0
+
     @property
     def table(self):
         entries = list(super().table)
