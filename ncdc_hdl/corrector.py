@@ -74,7 +74,8 @@ class Corrector(wiring.Component):
             raise InputError(f"the output is {output!r}, one of {', '.join(OUTPUTS)} is needed")
         self.descriptor, self.data_width, self.output = descriptor, data_width, output
         formats = descriptor.formats
-        self.backmap = BackMap(descriptor.hidden_neurons, formats, options=front_end)
+        self.backmap = BackMap(descriptor.hidden_neurons, formats, variant=descriptor.variant,
+                               options=front_end)
         self.table = ValidTable(descriptor.valid, descriptor.geometry.corrected_height)
         self.window = WindowAddress(formats)
         self.fetch = Multiport(formats.coordinate.f_bits, data_width)

@@ -3,6 +3,7 @@
 import hashlib
 import tomllib
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -10,64 +11,14 @@ import numpy as np
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes, write_text
 from ncdc_model.fixed import Q
+from ncdc_model.float_network import FloatNetwork, check_gamma
+from ncdc_model.formats import Formats
 from ncdc_model.geometry import Geometry, ValidRows
 
 __all__ = ["Descriptor", "FloatNetwork", "Formats", "MAX_NEURONS", "VERSION"]
 
 VERSION = 1
 MAX_NEURONS = 32
-
-
-@dataclass(frozen=True)
-class Formats:
-    """Fixed-point format of every signal of the network, input to output.
-
-    ``tansig`` holds the tan-sigmoid's value with one bit more than its accuracy: the last bit is
-    the constant one that stands for rounding (zero for the value 0), see ``tansig``.
-    """
-    input: Q = Q(1, 23)             # normalised scan coordinate
-    hidden_weight: Q = Q(4, 20)
-    hidden_bias: Q = Q(5, 27)
-    net: Q = Q(5, 19)               # weighted sum of a hidden neuron, input of the tan-sigmoid
-    tansig: Q = Q(1, 21)            # 20 fraction bits and the last one
-    output_weight: Q = Q(12, 12)    # pixels
-    output_bias: Q = Q(14, 18)      # pixels
-    coordinate: Q = Q(14, 10)       # pixels
-
-
-@dataclass(frozen=True)
-class FloatNetwork:
-    """The network in real numbers: 2 inputs, HN tan-sigmoid neurons, 2 linear outputs in pixels.
-
-    Equations (15)-(18) of the paper with gamma = 1::
-
-        n[j] = hidden_weights[j] . (x, y) + hidden_biases[j]
-        (x', y')[k] = sum over j of output_weights[k, j] f(n[j]) + output_biases[k]
-        f(n) = 2 / (1 + exp(-n)) - 1
-
-    Inputs are normalised coordinates (:meth:`Geometry.normalise`); outputs are pixels of the
-    distorted image. Shapes: (HN, 2), (HN,), (2, HN), (2,).
-    """
-    hidden_weights: np.ndarray
-    hidden_biases: np.ndarray
-    output_weights: np.ndarray
-    output_biases: np.ndarray
-
-    @property
-    def hidden_neurons(self):
-        """HN."""
-        return len(self.hidden_biases)
-
-    def __call__(self, x, y):
-        """(x', y') in pixels of normalised coordinates of any one shape."""
-        x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
-        outputs = [np.full(np.broadcast(x, y).shape, bias) for bias in self.output_biases]
-        for (wx, wy), bias, *columns in zip(self.hidden_weights, self.hidden_biases,
-                                            *self.output_weights):
-            a = np.tanh((wx * x + wy * y + bias) / 2)
-            for output, weight in zip(outputs, columns):
-                output += weight * a
-        return tuple(outputs)
 
 
 @dataclass(frozen=True)
@@ -80,10 +31,15 @@ class Descriptor:
     network : FloatNetwork
         Before quantisation; the reference of the fixed-point errors.
     hidden_weights, hidden_biases, output_weights, output_biases : ndarray of int
-        Raw integers in ``formats``; shapes (HN, 2), (HN,), (2, HN), (2,).
+        Raw integers in ``formats``; shapes (HN, 2), (HN,), (2, HN), (2,). The hidden layer's are
+        multiplied by gamma, since f(n) with gamma is f(gamma n) without: the tan-sigmoid itself
+        knows no gamma. For a power of two that is exact; for another gamma the products are
+        rounded, once, like every weight.
     valid : ValidRows
         Which corrected pixels have a source.
     formats : Formats
+    variant : str
+        Of the tan-sigmoid, see ``ncdc_model.tansig.VARIANTS``.
     errors : dict
         Errors measured at training, as in every report.
     provenance : dict
@@ -93,7 +49,8 @@ class Descriptor:
     Raises
     ------
     InputError
-        If a shape is wrong, an integer does not fit its format, or a span leaves the image.
+        If a shape is wrong, an integer does not fit its format, a span leaves the image, gamma is
+        not positive, or there is no such tan-sigmoid.
     """
     geometry: Geometry
     network: FloatNetwork
@@ -103,6 +60,7 @@ class Descriptor:
     output_biases: np.ndarray
     valid: ValidRows
     formats: Formats = Formats()
+    variant: str = "mmhbc"
     errors: dict = field(default_factory=dict)
     provenance: dict = field(default_factory=dict)
 
@@ -119,6 +77,13 @@ class Descriptor:
                 raise InputError(f"{name} holds {worst} ({q.real(worst):g}), "
                                  f"the limits of {q} are {q.lo} and {q.hi}")
         self.valid.check(*self.geometry.corrected)
+        check_gamma(self.network.gamma)
+        self.tansig       # refuses what does not exist or is not faithful
+
+    @cached_property
+    def tansig(self):
+        """The :class:`~ncdc_model.tansig.Design` of the hidden neurons' tan-sigmoid."""
+        return self.formats.tansig_design(self.variant)
 
     def _layers(self):
         hn, q = self.hidden_neurons, self.formats
@@ -133,7 +98,7 @@ class Descriptor:
     @property
     def digest(self):
         """Twelve hex digits of the hash of all that the hardware depends on."""
-        state = hashlib.sha256(repr((self.geometry, self.formats)).encode())
+        state = hashlib.sha256(repr((self.geometry, self.formats, self.variant)).encode())
         for name, _, _ in self._layers():
             state.update(getattr(self, name).astype("<i8").tobytes())
         state.update(self.valid.spans.astype("<i8").tobytes())
@@ -143,12 +108,15 @@ class Descriptor:
     def quantise(cls, network, geometry, valid, formats=Formats(), **about):
         """Descriptor of ``network``, its numbers rounded to nearest in ``formats``.
 
+        ``about``: further parameters of the class.
+
         Raises
         ------
         InputError
             If a weight or bias leaves the range of its format.
         """
-        raw = {name: getattr(formats, key).quantise(getattr(network, name))
+        plain = network.with_gamma(1)
+        raw = {name: getattr(formats, key).quantise(getattr(plain, name))
                for name, key in (("hidden_weights", "hidden_weight"), ("hidden_biases", "hidden_bias"),
                                  ("output_weights", "output_weight"), ("output_biases", "output_bias"))}
         return cls(geometry=geometry, network=network, valid=valid, formats=formats, **raw, **about)
@@ -192,20 +160,22 @@ def _of_table(table):
     if tuple(scan.values()) != geometry.scan():
         raise InputError(f"the scan {list(scan.values())} is not that of the image size, "
                          f"{list(geometry.scan())}")
-    if table["tansig"] != _TANSIG:
-        raise InputError(f"tansig is {table['tansig']}, only {_TANSIG} is known")
     formats = Formats(**{name: Q(*bits) for name, bits in table["formats"].items()})
+    tansig = table["tansig"]
+    if formats.tansig.f_bits != tansig["fraction_bits"] + 1:
+        raise InputError(f"the tan-sigmoid has {tansig['fraction_bits']} fraction bits, its format "
+                         f"{formats.tansig} has one more than {formats.tansig.f_bits - 1}")
     network = FloatNetwork(**{name: np.array(table["network"]["real"][name], np.float64)
-                              for name in _LAYERS})
+                              for name in _LAYERS}, gamma=check_gamma(tansig["gamma"]))
     raw = {name: _integers(table["network"][name], name) for name in _LAYERS}
     spans = _integers(table["valid"]["rows"], "valid rows").reshape(-1, 4)
     return Descriptor(geometry=geometry, network=network, **raw, valid=ValidRows(spans),
-                      formats=formats, errors=table["errors"], provenance=table["provenance"])
+                      formats=formats, variant=tansig["variant"], errors=table["errors"],
+                      provenance=table["provenance"])
 
 
 _LAYERS = ("hidden_weights", "hidden_biases", "output_weights", "output_biases")
 _SCAN = ("scan_origin_x", "scan_step_x", "scan_origin_y", "scan_step_y")
-_TANSIG = {"variant": "mmhbc", "gamma": 1.0}
 
 
 def _integers(values, name):
@@ -222,8 +192,9 @@ def _to_toml(d):
     lines += [f"{name} = {value}" for name, value in zip(_SCAN, d.geometry.scan())]
     lines += ["", "[formats]  # integer bits with sign, fraction bits"]
     lines += [f"{name} = [{q.i_bits}, {q.f_bits}]" for name, q in vars(d.formats).items()]
-    lines += ["", "[tansig]"]
-    lines += [f"{name} = {_toml(value)}" for name, value in _TANSIG.items()]
+    lines += ["", "[tansig]  # gamma is that of network.real; the integers below contain it"]
+    lines += [f"variant = {_toml(d.variant)}", f"gamma = {_toml(d.network.gamma)}",
+              f"fraction_bits = {d.tansig.fraction_bits}"]
     lines += ["", "[network]  # raw integers in the formats above; one line per neuron"]
     lines += [f"{name} = {_toml(getattr(d, name))}" for name in _LAYERS]
     lines += ["", "[network.real]  # the same before quantisation; output layer in pixels"]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ncdc_model.network import coordinates, hidden_neuron, output_neuron, tansig_design
+from ncdc_model.network import coordinates, hidden_neuron, output_neuron
 from ncdc_model.tansig import tansig
 
 __all__ = ["evaluate_frame", "evaluate_points", "fixed_map", "float_map", "map_error"]
@@ -37,12 +37,11 @@ def fixed_map(descriptor):
     outside the frame.
     """
     geometry, formats = descriptor.geometry, descriptor.formats
-    design = tansig_design(formats)
 
     def back_map(u, v):
         x, y = (np.clip(formats.input.quantise(n), formats.input.lo, formats.input.hi)
                 for n in geometry.normalise(u, v))
-        activations = [tansig(hidden_neuron(x, y, weights, bias, formats), design)
+        activations = [tansig(hidden_neuron(x, y, weights, bias, formats), descriptor.tansig)
                        for weights, bias in zip(descriptor.hidden_weights,
                                                 descriptor.hidden_biases)]
         return tuple(formats.coordinate.real(output_neuron(activations, weights, bias, formats))

@@ -4,15 +4,9 @@ import numpy as np
 
 from ncdc_model.fixed import requantise
 from ncdc_model.geometry import SCAN
-from ncdc_model.tansig import TansigDesign, tansig
+from ncdc_model.tansig import tansig
 
-__all__ = ["coordinates", "frame_coordinates", "hidden_neuron", "normalised_scan", "output_neuron",
-           "tansig_design"]
-
-
-def tansig_design(formats):
-    """The tan-sigmoid's parameters that fit ``formats``."""
-    return TansigDesign.for_bits(formats.tansig.f_bits - 1, formats.net)
+__all__ = ["coordinates", "frame_coordinates", "hidden_neuron", "normalised_scan", "output_neuron"]
 
 
 def normalised_scan(u, v, geometry, formats):
@@ -50,7 +44,7 @@ def output_neuron(activations, weights, bias, formats):
 
 def coordinates(descriptor, u, v):
     """Raw back-map coordinates (x', y') in ``formats.coordinate`` of corrected pixels (u, v)."""
-    formats, design = descriptor.formats, tansig_design(descriptor.formats)
+    formats, design = descriptor.formats, descriptor.tansig
     x, y = normalised_scan(u, v, descriptor.geometry, formats)
     activations = [tansig(hidden_neuron(x, y, weights, bias, formats), design)
                    for weights, bias in zip(descriptor.hidden_weights, descriptor.hidden_biases)]

@@ -8,8 +8,11 @@ import numpy as np
 from ncdc_hdl.cli.common import Progress, add_json, write_report
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
+from ncdc_model.float_network import check_gamma
+from ncdc_model.formats import Formats
 from ncdc_model.geometry import BAYER_PHASE
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
+from ncdc_model.tansig import FRACTION_BITS, VARIANTS, choose_variant
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
@@ -45,6 +48,15 @@ def add_arguments(parser):
                         help="colour filter of the sensor, first two rows (default: RGGB)")
     parser.add_argument("--fill", default="0,0,0", metavar="R,G,B",
                         help="colour of pixels without a source (default: 0,0,0)")
+    parser.add_argument("--tansig", choices=[*VARIANTS, "auto"], default="mmhbc",
+                        help="tan-sigmoid: mmhbc: the paper's, no multiplier (default); classic: "
+                             "plain CORDIC, for comparison; table: quadratics, two multipliers "
+                             "each; auto: table where a board has multipliers free, else mmhbc")
+    parser.add_argument("--tansig-bits", type=int, choices=FRACTION_BITS, default=20,
+                        help="accuracy of the tan-sigmoid in fraction bits (default: 20)")
+    parser.add_argument("--gamma", type=float, default=1.0, metavar="G",
+                        help="gamma of the tan-sigmoid, equation (17); the hidden weights make "
+                             "good for it (default: 1)")
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
                         help="descriptor (default: net.toml); plots go beside it")
     add_json(parser)
@@ -59,7 +71,9 @@ def run(args):
     source = load_source(args.source, _size(args.size) if args.size else None, args.zoom,
                          args.bayer, _colour(args.fill))
     trained = train_camera(source, args.neurons, args.trainer, args.seed, args.held_out,
-                           training_progress())
+                           training_progress(), gamma=check_gamma(args.gamma),
+                           formats=Formats().with_tansig_bits(args.tansig_bits),
+                           variant=choose_variant(args.tansig, args.neurons))
     trained.descriptor.save(args.output)
     plots = plot_training(trained, source, args.output, args.held_out)
     report = trained.report | {"descriptor": str(args.output), "digest": trained.descriptor.digest,

@@ -11,7 +11,6 @@ from ncdc_hdl.neural.raster import RasterLayer
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_hdl.options import FrontEndOptions
 from ncdc_hdl.streams import CreditQueue, delay
-from ncdc_model.network import tansig_design
 
 __all__ = ["BackMap"]
 
@@ -29,9 +28,12 @@ class BackMap(wiring.Component):
     hidden_neurons : int
         HN.
     formats : ncdc_model.descriptor.Formats
+    variant : str
+        Of the tan-sigmoid.
     options : ncdc_hdl.options.FrontEndOptions
-    queue : int
-        Coordinates under way and queued together, more than twice those that the pipeline holds.
+    queue : int, optional
+        Coordinates under way and queued together, more than twice those that the pipeline holds;
+        by default the least power of two that is, and 128 at least.
 
     Members
     -------
@@ -50,22 +52,24 @@ class BackMap(wiring.Component):
     Raises
     ------
     InputError
-        If a tan-sigmoid is to serve more neurons than there are.
+        If a tan-sigmoid is to serve more neurons than there are, or there is no such variant.
     ValueError
         If the queue is too short for the coordinate rate.
     """
 
-    def __init__(self, hidden_neurons, formats, *, options=FrontEndOptions(), queue=128):
-        self.hidden_neurons, self.formats, self.queue = hidden_neurons, formats, queue
+    def __init__(self, hidden_neurons, formats, *, variant="mmhbc",
+                 options=FrontEndOptions(), queue=None):
+        self.hidden_neurons, self.formats = hidden_neurons, formats
         self.share = options.share
         layer = {"multiply": MultiplyLayer, "raster": RasterLayer}[options.hidden]
         units = options.units(hidden_neurons)
         self.hidden = layer(hidden_neurons, formats, self.share)
-        self.tansig = [Tansig(tansig_design(formats)) for _ in range(units)]
+        self.tansig = [Tansig(formats.tansig_design(variant)) for _ in range(units)]
         self.output = OutputLayer(hidden_neurons, formats, self.share)
         # Coordinates that the pipeline holds at once.
         self.under_way = -(-self.latency // self.share)
-        if queue <= 2 * self.under_way:
+        self.queue = queue or max(128, 1 << (2 * self.under_way).bit_length())
+        if self.queue <= 2 * self.under_way:
             raise ValueError(f"queue is {queue}, it must exceed twice the {self.under_way} "
                              f"coordinates under way")
         super().__init__({

@@ -8,6 +8,8 @@ The designs compute f with gamma = 1; another gamma is folded into the weights b
 tan-sigmoid, see :mod:`ncdc_model.descriptor`. docs/tansig.md derives the error bounds.
 """
 
+from functools import cache
+
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
 from ncdc_model.tansig.classic import ClassicDesign
@@ -16,12 +18,13 @@ from ncdc_model.tansig.mmhbc import TansigDesign
 from ncdc_model.tansig.table import TableDesign
 
 __all__ = ["ClassicDesign", "Design", "FRACTION_BITS", "TableDesign", "TansigDesign", "VARIANTS",
-           "design_for", "tansig"]
+           "choose_variant", "design_for", "tansig"]
 
 VARIANTS = {"mmhbc": TansigDesign, "classic": ClassicDesign, "table": TableDesign}
 FRACTION_BITS = (16, 18, 20, 22)
 
 
+@cache
 def design_for(variant="mmhbc", fraction_bits=20, input=Q(5, 19)):
     """The design of a ``variant`` (a key of VARIANTS) with its parameters for ``fraction_bits``.
 
@@ -35,3 +38,16 @@ def design_for(variant="mmhbc", fraction_bits=20, input=Q(5, 19)):
         raise InputError(f"tan-sigmoid variant is {variant!r}, one of {', '.join(VARIANTS)} "
                          f"is needed")
     return VARIANTS[variant].for_bits(fraction_bits, input)
+
+
+def choose_variant(name, hidden_neurons, free_products=None):
+    """The variant that ``name`` means: itself, or for "auto" the smaller one on the board.
+
+    "auto" is ``table`` if ``free_products``, the products of 27 bits that the board has left
+    beside the neurons', suffices for ``hidden_neurons`` tan-sigmoids, else ``mmhbc``; without a
+    board (None) ``mmhbc``.
+    """
+    if name != "auto":
+        return name
+    enough = (free_products or 0) >= TableDesign.multipliers * hidden_neurons
+    return TableDesign.variant if enough else TansigDesign.variant

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ncdc_model.descriptor import Descriptor
+from ncdc_model.descriptor import Descriptor, Formats
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
 from ncdc_model.geometry import ValidRows
 from ncdc_model.training.problem import split
@@ -41,12 +41,12 @@ class TrainedCamera:
 
 
 def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progress=None,
-                 **options):
+                 *, formats=Formats(), variant="mmhbc", gamma=1.0, **options):
     """Train, quantise and measure a :class:`~ncdc_model.training.source.Source`.
 
     The valid region comes from the exact map where the source has one, else from the float
-    network, near where the smooth lens has a source. Arguments as in
-    :func:`ncdc_model.training.train.train`.
+    network, near where the smooth lens has a source. ``formats``, ``variant`` and ``gamma`` are
+    those of the descriptor; the further arguments as in :func:`ncdc_model.training.train.train`.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
     geometry = source.geometry
     training = train(source.pairs, geometry, neurons, trainer, seed, held_out, progress,
                      source.anchors, **options)
-    network = training.network
+    network = training.network.with_gamma(gamma)
     back_map = source.back_map or float_map(network, geometry)
     within = covered = None
     if source.smooth_map:
@@ -70,7 +70,8 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
     mask = valid_mask(back_map, geometry, within)
     rows = ValidRows.of_mask(mask)
     provenance = {"trainer": trainer, "seed": seed, **source.provenance}
-    draft = Descriptor.quantise(network, geometry, rows)
+    about = {"formats": formats, "variant": variant}
+    draft = Descriptor.quantise(network, geometry, rows, **about)
     maps = {}
     frame = evaluate_frame(draft, source.back_map, maps if source.back_map else None)
     out = split(len(source.pairs[0]), held_out)
@@ -91,5 +92,6 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
                "valid_pixels_lost": lost_pixels(mask, rows), **tables}
     if covered is not None:
         report["extrapolated_percent"] = round(100 * float((mask & ~covered).mean()), 3)
-    descriptor = Descriptor.quantise(network, geometry, rows, errors=report, provenance=provenance)
+    descriptor = Descriptor.quantise(network, geometry, rows, errors=report,
+                                     provenance=provenance, **about)
     return TrainedCamera(descriptor, training, report, maps)
