@@ -154,9 +154,9 @@ def test_neurons_and_turns(kind, neurons, share):
 
 
 def test_long_rows_do_not_drift():
-    """The sums of a widest row, whose steps are the smallest and whose carries the most varied."""
+    """Rows whose steps are small and whose carries are irregular."""
     rng = np.random.default_rng(9)
-    check(ScannedLayer("raster", 4, 1), [frame_of(scan_of(4096, 8), anything(rng, 4))])
+    check(ScannedLayer("raster", 4, 1), [frame_of(scan_of(1999, 8), anything(rng, 4))])
 
 
 def frame_with_everything():
