@@ -89,10 +89,11 @@ def gateware(design, n):
 
 
 def stimuli(design, count):
-    """Inputs: both ends, around zero, around region boundaries, random."""
+    """Inputs: both ends, around zero, around region boundaries, random, random where f rises."""
     rng, q = np.random.default_rng(7), design.input
     return np.concatenate([rng.choice(edges(design), count), edges(design)[:3], edges(design)[-3:],
-                           [0, 1, -1], rng.integers(q.lo, q.hi, count)])
+                           [0, 1, -1], rng.integers(q.lo, q.hi, count),
+                           rng.integers(-2 << q.f_bits, 2 << q.f_bits, count)])
 
 
 @EVERY

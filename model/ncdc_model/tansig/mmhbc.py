@@ -27,6 +27,7 @@ _TUNED = {
                             84: 1},
     (Q(5, 19), 18, 23, 4): {16: 1, 22: 1, 33: -1, 55: -1, 56: -1, 78: 1},
     (Q(5, 19), 20, 25, 5): {196: -1},
+    (Q(5, 19), 22, 27, 6): {314: -1, 317: -1, 336: -1, 348: -1, 508: 1},     # not faithful
     (Q(5, 19), 22, 28, 6): {478: 1, 492: 1, 551: 1},
 }
 
@@ -45,7 +46,7 @@ class TansigDesign(Design):
     width: int = 25
     region_bits: int = 5
     variant: ClassVar[str] = "mmhbc"
-    # The smallest W, then the smallest t, whose bound is below 1.
+    # The smallest W, then the smallest t, that is faithful and monotonic.
     _DEFAULTS: ClassVar[dict] = {16: {"width": 21, "region_bits": 4},
                                  18: {"width": 23, "region_bits": 4},
                                  20: {"width": 25, "region_bits": 5},

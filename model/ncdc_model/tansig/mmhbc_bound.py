@@ -15,7 +15,7 @@ def error_bound(design):
     return float(error_terms(design)["total"].max())
 
 
-def error_terms(design):
+def error_terms(design, known=_KNOWN):
     """Terms of the bound, in units of 2**-P, as arrays over (regions, known directions).
 
     Returns a dict of ``digit`` (the odd last bit), ``known`` (error of the table entry and of the
@@ -26,10 +26,11 @@ def error_terms(design):
     Each of the first rotations' directions is followed with the integers themselves: u is then
     known, and so is its distance to the value v that the exact continuation needs. The
     roundings of the remaining rotations are bounded over the interval that they can reach, and
-    what an error of e means for f is exact: f(e) - f(u) = 2 (u - e) / ((1 + e) (1 + u)).
+    what an error of e means for f is exact: f(e) - f(u) = 2 (u - e) / ((1 + e) (1 + u)). With
+    ``known`` = 0 only the table's entry is, and each source of error has a term of its own.
     """
     w, unit = design.width, 2.0**design.fraction_bits
-    known = min(_KNOWN, len(design.shifts))
+    known = min(known, len(design.shifts))
     done, rest = design.shifts[:known], design.shifts[known:]
     pattern = np.arange(1 << known)
     u = np.repeat(np.array(design.table), len(pattern)).reshape(-1, len(pattern))
