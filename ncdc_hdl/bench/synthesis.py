@@ -56,7 +56,7 @@ def check_tools():
 
 
 def synthesise(verilog, top, *, seeds=SEEDS, progress=None):
-    """Figures of :func:`cyclone_v` and :func:`ecp5`, the latter under ``ecp5_`` but for the clock.
+    """Figures of :func:`ecp5` and :func:`cyclone_v` in one dict.
 
     Parameters
     ----------
