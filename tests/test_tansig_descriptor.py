@@ -4,13 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from amaranth.hdl import Fragment
 from cameras import barrel_descriptor
+from test_train_command import call, lens
 
+from ncdc_hdl.cli import train
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_model.descriptor import Descriptor, Formats
 from ncdc_model.errors import InputError
 from ncdc_model.network import frame_coordinates
 from ncdc_model.tansig import FRACTION_BITS, VARIANTS, choose_variant, design_for
+from ncdc_sim.corrector import simulate_correction
 
 D = barrel_descriptor()
 
@@ -79,7 +83,6 @@ def test_refuses(old, new, message, tmp_path):
 @pytest.mark.parametrize("variant", VARIANTS)
 @pytest.mark.parametrize("bits", [16, 22])
 def test_the_front_end_has_room_for_every_variant(variant, bits):
-    from amaranth.hdl import Fragment
     backmap = BackMap(1, Formats().with_tansig_bits(bits), variant=variant)
     Fragment.get(backmap, None)
     assert backmap.queue > 2 * backmap.latency
@@ -90,3 +93,27 @@ def test_auto_is_table_only_where_products_are_free():
     assert choose_variant("auto", 8, 15) == "mmhbc"
     assert choose_variant("auto", 8, 16) == "table"
     assert choose_variant("classic", 8, 16) == "classic"
+
+
+@pytest.mark.parametrize("variant,bits", [("table", 16), ("classic", 22), ("mmhbc", 18)])
+def test_the_correctors_verilog_equals_the_golden_model(variant, bits):
+    d = requantised(formats=Formats().with_tansig_bits(bits), variant=variant)
+    raw = np.random.default_rng(bits).integers(0, 256, d.geometry.distorted[::-1], np.uint8)
+    result = simulate_correction(d, raw, simulator="icarus")
+    assert len(result.differing) == 0
+
+
+def test_train_writes_the_chosen_tansig(tmp_path):
+    lens().save(tmp_path / "camera.toml")
+    call(train, tmp_path / "camera.toml", "--neurons", 2, "--size", "48x36", "-o",
+         tmp_path / "net.toml", "--tansig", "table", "--tansig-bits", 16, "--gamma", 4)
+    d = Descriptor.load(tmp_path / "net.toml")
+    assert d.tansig == design_for("table", 16) and d.network.gamma == 4
+    ratio = d.formats.hidden_weight.real(d.hidden_weights) / d.network.hidden_weights
+    np.testing.assert_allclose(ratio, 4, rtol=1e-4)
+
+
+def test_train_refuses_a_gamma_that_is_not_positive(tmp_path):
+    lens().save(tmp_path / "camera.toml")
+    with pytest.raises(InputError, match="gamma is -1.0, a positive number is needed"):
+        call(train, tmp_path / "camera.toml", "--neurons", 2, "--gamma", -1)

@@ -62,9 +62,8 @@ def quotient_error(lo, hi, width, digits):
 def _worst_pattern(bits):
     """Largest sum of the distances of x / 2**i to an integer, i = 1..bits, over integers x.
 
-    The distances of x / 2**i depend on i low bits. Of two patterns of equal low bits the sum up
-    to i is known; the next bit adds a term that depends on all: enumerated up to 16 bits, and a
-    half for each bit beyond.
+    The distance of x / 2**i depends on i low bits of x: patterns of up to 16 bits are enumerated,
+    and each further bit adds a half at most.
     """
     x = np.arange(1 << min(bits, 16))
     total = sum((np.abs(x / 2.0**i - np.round(x / 2.0**i)) for i in range(1, min(bits, 16) + 1)),
