@@ -66,7 +66,7 @@ def test_gamma_scales_what_the_hardware_computes():
 @pytest.mark.parametrize("old,new,message", [
     ("gamma = 1.0", "gamma = 0.0", "gamma is 0.0, a positive number is needed"),
     ("gamma = 1.0", 'gamma = "1"', "holds a value of the wrong kind"),
-    ('variant = "mmhbc"', 'variant = "taylor"', "variant is 'taylor', one of mmhbc, classic, table"),
+    ('variant = "mmhbc"', 'variant = "taylor"', "is 'taylor', one of mmhbc, classic, table"),
     ("fraction_bits = 20", "fraction_bits = 18", "has 18 fraction bits, its format Q1.21"),
     ("tansig = [1, 21]", "tansig = [2, 21]", "format is Q2.21, one integer bit is needed"),
 ])
