@@ -8,6 +8,7 @@ from pipelines import run_pipeline
 from ncdc_hdl.fixed import saturate
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron, WeightedSum, hidden_sum, output_sum
 from ncdc_model.descriptor import Formats
+from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
 from ncdc_model.network import hidden_neuron, output_neuron
 
@@ -170,5 +171,5 @@ def test_one_result_per_clock():
 
 
 def test_refuses_formats_without_rounding():
-    with pytest.raises(ValueError, match="Q5.43 keeps every fraction bit of the products Q1.23 x Q4.20"):
-        HiddenNeuron(Formats(net=Q(5, 43)))
+    with pytest.raises(InputError, match="products Q1.10 x Q4.10 have 20 fraction bits, too few"):
+        Formats(input=Q(1, 10), hidden_weight=Q(4, 10), hidden_bias=Q(5, 20), net=Q(5, 20))

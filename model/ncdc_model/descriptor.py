@@ -69,13 +69,19 @@ class Descriptor:
         if not 1 <= hn <= MAX_NEURONS:
             raise InputError(f"the network has {hn} hidden neurons, the limits are 1 and {MAX_NEURONS}")
         for name, shape, q in self._layers():
-            raw = getattr(self, name)
-            if raw.shape != shape or getattr(self.network, name).shape != shape:
+            raw, real = getattr(self, name), getattr(self.network, name)
+            if raw.shape != shape or real.shape != shape:
                 raise InputError(f"{name} has shape {raw.shape}, {hn} hidden neurons need {shape}")
+            if not np.isfinite(real).all():
+                raise InputError(f"{name} before quantisation holds a value that is not finite")
             if not q.holds(raw):
                 worst = raw.flat[np.abs(raw).argmax()]
                 raise InputError(f"{name} holds {worst} ({q.real(worst):g}), "
                                  f"the limits of {q} are {q.lo} and {q.hi}")
+        size, q = max(self.geometry.distorted), self.formats.coordinate
+        if not q.holds((size + 1) << q.f_bits):
+            raise InputError(f"coordinates {q} end at {q.real(q.hi):g}, the distorted image "
+                             f"has {size} pixels on a side")
         self.valid.check(*self.geometry.corrected)
         check_gamma(self.network.gamma)
         self.tansig       # refuses what does not exist or is not faithful

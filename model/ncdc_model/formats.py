@@ -6,7 +6,9 @@ from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
 from ncdc_model.tansig import design_for
 
-__all__ = ["Formats"]
+__all__ = ["Formats", "REGISTER_BITS"]
+
+REGISTER_BITS = 32
 
 
 @dataclass(frozen=True)
@@ -15,6 +17,12 @@ class Formats:
 
     ``tansig`` holds the tan-sigmoid's value with one bit more than its accuracy: the last bit is
     the constant one that stands for rounding (zero for the value 0), see ``tansig``.
+
+    Raises
+    ------
+    InputError
+        If a format does not fit a 32-bit register, a bias is finer than the products it is added
+        to, or a sum has no fraction bit more than its result.
     """
     input: Q = Q(1, 23)             # normalised scan coordinate
     hidden_weight: Q = Q(4, 20)
@@ -24,6 +32,19 @@ class Formats:
     output_weight: Q = Q(12, 12)    # pixels
     output_bias: Q = Q(14, 18)      # pixels
     coordinate: Q = Q(14, 10)       # pixels
+
+    def __post_init__(self):
+        for name, q in vars(self).items():
+            if q.width > REGISTER_BITS:
+                raise InputError(f"the format {name} {q} has {q.width} bits, "
+                                 f"the limit is {REGISTER_BITS}")
+        for x, weight, bias, result in (
+                (self.input, self.hidden_weight, self.hidden_bias, self.net),
+                (self.tansig, self.output_weight, self.output_bias, self.coordinate)):
+            products = x.f_bits + weight.f_bits
+            if bias.f_bits > products or result.f_bits >= products:
+                raise InputError(f"products {x} x {weight} have {products} fraction bits, too few "
+                                 f"for the bias {bias} or the result {result}")
 
     def with_tansig_bits(self, fraction_bits):
         """The same formats with a tan-sigmoid of that many fraction bits."""
