@@ -167,3 +167,14 @@ def test_a_colour_swap_would_be_seen():
         g = Geometry(16, 12, 20, 16, bayer=bayer)
         raw = mosaic(np.broadcast_to(np.array([200, 90, 20], np.uint8), (16, 20, 3)), bayer)
         assert (correct(linear_descriptor(g), raw).picture == [200, 90, 20]).all(), bayer
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("corrected,distorted,data_width,output", [
+    ((1280, 1024), (1280, 1024), 32, "memory"), ((1920, 1080), (1920, 1080), 128, "stream")])
+def test_full_size_frames(corrected, distorted, data_width, output):
+    d = barrel_descriptor(corrected, distorted, hidden_neurons=4, strength=0.4)
+    result = simulate_correction(d, noise(d), data_width=data_width, output=output, memory="sdram")
+    assert result.differing == []
+    assert result.counters["FETCHES"] == result.fetches_expected
+    assert result.filled.any()
