@@ -12,13 +12,12 @@ from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes, write_text
 from ncdc_model.fixed import Q
 from ncdc_model.float_network import FloatNetwork, check_gamma
-from ncdc_model.formats import Formats
+from ncdc_model.formats import MAX_NEURONS, Formats
 from ncdc_model.geometry import Geometry, ValidRows
 
 __all__ = ["Descriptor", "FloatNetwork", "Formats", "MAX_NEURONS", "VERSION"]
 
 VERSION = 1
-MAX_NEURONS = 32
 
 
 @dataclass(frozen=True)
@@ -84,6 +83,10 @@ class Descriptor:
                              f"has {size} pixels on a side")
         self.valid.check(*self.geometry.corrected)
         check_gamma(self.network.gamma)
+        if self.formats.net != Formats.net:
+            # Other inputs are within the error bound as well, but not known to be monotonic.
+            raise InputError(f"the format net is {self.formats.net}, the tan-sigmoids are proven "
+                             f"for {Formats.net}")
         self.tansig       # refuses what does not exist or is not faithful
 
     @cached_property

@@ -22,6 +22,8 @@ class Q:
     f_bits: int
 
     def __post_init__(self):
+        if type(self.i_bits) is not int or type(self.f_bits) is not int:
+            raise ValueError(f"{self} is no format, whole numbers of bits are needed")
         if self.width < 2:
             raise ValueError(f"{self} has {self.width} bits, at least 2 are needed")
 

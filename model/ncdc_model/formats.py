@@ -4,10 +4,12 @@ from dataclasses import dataclass, replace
 
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
+from ncdc_model.geometry import SCAN
 from ncdc_model.tansig import design_for
 
-__all__ = ["Formats", "REGISTER_BITS"]
+__all__ = ["Formats", "MAX_NEURONS", "REGISTER_BITS"]
 
+MAX_NEURONS = 32
 REGISTER_BITS = 32
 
 
@@ -21,8 +23,9 @@ class Formats:
     Raises
     ------
     InputError
-        If a format does not fit a 32-bit register, a bias is finer than the products it is added
-        to, or a sum has no fraction bit more than its result.
+        If a format does not fit a 32-bit register, the input does not hold the scan or has no bit
+        less to round, coordinates have no fraction bit, a bias is finer than the products it is
+        added to, or a sum has no fraction bit more than its result or more than 63 bits.
     """
     input: Q = Q(1, 23)             # normalised scan coordinate
     hidden_weight: Q = Q(4, 20)
@@ -38,13 +41,24 @@ class Formats:
             if q.width > REGISTER_BITS:
                 raise InputError(f"the format {name} {q} has {q.width} bits, "
                                  f"the limit is {REGISTER_BITS}")
-        for x, weight, bias, result in (
-                (self.input, self.hidden_weight, self.hidden_bias, self.net),
-                (self.tansig, self.output_weight, self.output_bias, self.coordinate)):
+        if self.input.i_bits != 1 or not 8 <= self.input.f_bits < SCAN.f_bits:
+            raise InputError(f"the format input {self.input} does not suit the scan, one integer "
+                             f"bit and 8 to {SCAN.f_bits - 1} fraction bits are needed")
+        if self.coordinate.f_bits < 1:
+            raise InputError(f"coordinates {self.coordinate} have no fraction bit")
+        for inputs, x, weight, bias, result in (
+                (2, self.input, self.hidden_weight, self.hidden_bias, self.net),
+                (MAX_NEURONS, self.tansig, self.output_weight, self.output_bias, self.coordinate)):
             products = x.f_bits + weight.f_bits
             if bias.f_bits > products or result.f_bits >= products:
                 raise InputError(f"products {x} x {weight} have {products} fraction bits, too few "
                                  f"for the bias {bias} or the result {result}")
+            # The golden model computes in 64-bit integers.
+            largest = (inputs << (x.width + weight.width - 2)) - (
+                bias.lo << (products - bias.f_bits)) + (1 << products)
+            if largest.bit_length() > 62:
+                raise InputError(f"sums of {inputs} products {x} x {weight} and the bias {bias} "
+                                 f"need {largest.bit_length() + 1} bits, the limit is 63")
 
     def with_tansig_bits(self, fraction_bits):
         """The same formats with a tan-sigmoid of that many fraction bits."""

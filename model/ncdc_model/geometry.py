@@ -40,11 +40,11 @@ class Geometry:
     def __post_init__(self):
         for name in ("corrected_width", "corrected_height", "distorted_width", "distorted_height"):
             value = getattr(self, name)
-            if not 8 <= value <= MAX_SIZE:
+            if type(value) is not int or not 8 <= value <= MAX_SIZE:
                 raise InputError(f"{name} is {value}, the limits are 8 and {MAX_SIZE}")
         if self.bayer not in BAYER_PHASE:
             raise InputError(f"bayer is {self.bayer!r}, one of {', '.join(BAYER_PHASE)} is needed")
-        if len(self.fill) != 3 or not all(0 <= c <= 255 for c in self.fill):
+        if len(self.fill) != 3 or not all(type(c) is int and 0 <= c <= 255 for c in self.fill):
             raise InputError(f"fill is {list(self.fill)}, three values of 0..255 are needed")
 
     @property
@@ -133,8 +133,9 @@ class ValidRows:
         """Raise :class:`InputError` unless the spans fit an image of ``width`` x ``height``."""
         if self.spans.shape != (height, 2 * SPANS):
             raise InputError(f"the valid spans cover {len(self.spans)} rows, the image has {height}")
-        bad = (self.spans < 0) | (self.spans > width)
+        bad = ((self.spans < 0) | (self.spans > width)).any(axis=1)
+        bad |= (self.spans[:, 0::2] > self.spans[:, 1::2]).any(axis=1)
         if bad.any():
-            row = int(np.flatnonzero(bad.any(axis=1))[0])
-            raise InputError(f"valid span {self.spans[row].tolist()} of row {row} "
-                             f"leaves the limits 0 and {width}")
+            row = int(np.flatnonzero(bad)[0])
+            raise InputError(f"valid span {self.spans[row].tolist()} of row {row} leaves the "
+                             f"limits 0 and {width} or ends before it starts")
