@@ -56,7 +56,8 @@ class Corrector(wiring.Component):
     irq : ``Out(1)``
         Frame complete.
     front_end_idle : ``Out(1)``
-        The network rests; a board may feed this to a clock gate.
+        The network rests. A board that gives the neurons a clock of their own may gate it with
+        this; scan, queue and registers must keep theirs.
 
     Raises
     ------
@@ -146,7 +147,8 @@ class Corrector(wiring.Component):
             table.bank.eq(registers.active.VALID_BANK), table.row.eq(backmap.row),
             backmap.spans.eq(table.spans), backmap.fresh.eq(table.fresh),
             table.host_bank.eq(registers.window_bank), table.host_row.eq(registers.table_row),
-            table.host_span.eq(registers.table_span), table.host_write.eq(registers.table_write),
+            table.host_span.eq(registers.table_span), table.host_write.eq(registers.table_write
+                                & (registers.table_row >> table.row_bits == 0)),
             table.host_read.eq(registers.table_read),
             table.host_start.eq(registers.table_start), table.host_stop.eq(registers.table_stop),
             registers.table_span_start.eq(table.host_span_start),

@@ -43,8 +43,8 @@ class CreditQueue(wiring.Component):
     room, issue : ``Out(1)``, ``In(1)``
     arrive, i : ``In(1)``, ``In(shape)``
     o : ``Out(stream.Signature(shape))``
-    idle : ``Out(1)``
-        Nothing is in the pipeline and nothing may enter it.
+    drained : ``Out(1)``
+        Nothing is in the pipeline.
 
     Raises
     ------
@@ -58,7 +58,7 @@ class CreditQueue(wiring.Component):
         self.shape, self.depth, self.restart = shape, depth, restart
         super().__init__({
             "room": Out(1), "issue": In(1), "arrive": In(1), "i": In(shape),
-            "o": Out(stream.Signature(shape)), "idle": Out(1),
+            "o": Out(stream.Signature(shape)), "drained": Out(1),
         })
 
     def elaborate(self, platform):
@@ -80,7 +80,7 @@ class CreditQueue(wiring.Component):
         m.d.comb += [
             taken.eq(self.o.valid & self.o.ready),
             self.room.eq(~stopped & (claimed != self.depth)),
-            self.idle.eq((in_flight == 0) & ~self.room),
+            self.drained.eq(in_flight == 0),
         ]
         m.d.sync += [
             claimed.eq(claimed + self.issue - taken),

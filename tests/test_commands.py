@@ -83,6 +83,17 @@ def use(command, net="net.toml", image="raw.png", out="out.png"):
     (r"hidden_biases = \[-?\d+", "hidden_biases = [1.5", r"hidden_biases holds values that are no integers"),
     (r"coordinate = \[14, 10\]", "coordinate = [5, 10]",
      r"coordinates Q5\.10 end at 15\.999, the distorted image has 48 pixels on a side"),
+    (r"net = \[5, 19\]", "net = [5, 17]", r"the format net is Q5\.17, the tan-sigmoids are proven for Q5\.19"),
+    (r"input = \[1, 23\]", "input = [0, 23]", r"the format input Q0\.23 does not suit the scan"),
+    (r"input = \[1, 23\]", "input = [-3, 23]", r"the format input Q-3\.23 does not suit the scan"),
+    (r"input = \[1, 23\]", "input = [1, 31]", r"the format input Q1\.31 does not suit the scan"),
+    (r"input = \[1, 23\]", "input = [1.0, 23.0]", r"Q1\.0\.23\.0 is no format"),
+    (r"coordinate = \[14, 10\]", "coordinate = [14, 0]", r"coordinates Q14\.0 have no fraction bit"),
+    (r"input = \[1, 23\]\nhidden_weight = \[4, 20\]", "input = [1, 30]\nhidden_weight = [1, 31]",
+     r"sums of 2 products Q1\.30 x Q1\.31 and the bias Q5\.27 need 6\d bits, the limit is 63"),
+    (r"fill = \[1, 2, 3\]", "fill = [0.5, 0, 0]", r"fill is \[0\.5, 0, 0\], three values of 0\.\.255"),
+    (r"fill = \[1, 2, 3\]", "fill = [true, 0, 0]", r"fill is \[True, 0, 0\], three values of 0\.\.255"),
+    (r"rows = \[\n    \[\d+, \d+,", "rows = [\n    [9, 3,", r"row 0 leaves the limits 0 and 48 or ends before"),
     (r"net = \[5, 19\]", "net = [5, 44]", r"the format net Q5\.44 has 49 bits, the limit is 32"),
     (r"output_weight = \[12, 12\]", "output_weight = [34, -12]", r"too few for the bias Q14\.18"),
     (r"(in pixels\nhidden_weights = \[\n    \[)[^,]+", r"\1nan",
@@ -134,6 +145,28 @@ def test_bad_usage(folder, command, capsys):
 def test_unwritable_output(folder, command, capsys):
     # Not even root can make files below /proc.
     check_refused(folder, use(command, out="/proc/none/out.png"), "cannot write /proc/none", capsys)
+
+
+@pytest.mark.parametrize("command,message", [
+    ("correct net.toml raw.png -o raw.png", "the output raw.png would replace the input raw.png"),
+    ("correct net.toml raw.png -o o.png --json o.png", "would replace the output o.png"),
+    ("correct net.toml raw.png -o o.png --json net.toml", "would replace the input net.toml"),
+    ("correct net.toml raw.png -o o.png --json .", "cannot write .: it is a folder"),
+    ("correct net.toml raw.png -o net.toml/o.png", "cannot write net.toml/o.png"),
+    ("simulate net.toml raw.png -o o.png --seed -1", "seed is -1, it must not be negative"),
+    ("train net.toml --neurons 4 -o /proc/none/n.toml", "cannot write /proc/none/n.toml"),
+    ("calibrate raw.png -o /proc/none/p.json", "cannot write /proc/none/p.json"),
+    ("evaluate net.toml --against raw.png --json /proc/none/e.json", "cannot write /proc/none"),
+    ("demo -o /proc/none", "cannot write /proc/none")])
+def test_outputs_are_checked_before_any_work(folder, command, message, capsys):
+    check_refused(folder, command, message, capsys)
+
+
+@pytest.mark.parametrize("target", ["dots", "chessboard:9x6", "circles:5x4", "auto"])
+def test_a_tiny_photo(folder, target, capsys):
+    write_image(folder / "tiny.png", np.zeros((1, 1), np.uint8))
+    check_refused(folder, f"calibrate tiny.png --target {target} -o p.json",
+                  "it is 1x1, 8 pixels on a side are the limit", capsys)
 
 
 def test_a_failed_run_leaves_the_old_output(folder, capsys):

@@ -120,6 +120,9 @@ def test_verilog_equals_golden(simulator, data_width, output, memory, front_end)
     assert result.differing == []
     assert result.counters["FETCHES"] == result.fetches_expected
     assert result.counters["PIXELS"] == 37 * 29
+    # The corrector's own count of clocks is the bench's, less the way of the register write.
+    assert 0 < result.clocks_outside - result.counters["CLOCKS"] <= 6
+    assert 0 < result.counters["FRONT_END_STALLS"] < result.counters["CLOCKS"]
     assert result.filled.any() and not result.filled.all()
     assert result.bytes_written == 37 * 29 * (3 if output == "stream" else 4)
 

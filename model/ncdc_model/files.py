@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ncdc_model.errors import InputError
 
-__all__ = ["read_bytes", "replace_file", "write_bytes", "write_text"]
+__all__ = ["check_outputs", "read_bytes", "replace_file", "write_bytes", "write_text"]
 
 
 def read_bytes(path):
@@ -16,6 +16,33 @@ def read_bytes(path):
         return Path(path).read_bytes()
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}") from error
+
+
+def check_outputs(outputs, inputs):
+    """Refuse, before any work, paths that cannot be written or that would replace an input.
+
+    Raises
+    ------
+    InputError
+        If an output is a folder, lies below what is no folder or may not be written, is given
+        twice, or is one of ``inputs``.
+    """
+    taken = {os.path.realpath(path): f"the input {path}" for path in inputs}
+    for path in outputs:
+        if os.path.isdir(path):
+            raise InputError(f"cannot write {path}: it is a folder")
+        folder = Path(path).absolute().parent
+        while not folder.exists():
+            folder = folder.parent
+        try:
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            raise InputError(f"cannot write {path}: {folder}: {error.strerror}") from error
+        real = os.path.realpath(path)
+        if real in taken:
+            raise InputError(f"the output {path} would replace {taken[real]}")
+        taken[real] = f"the output {path}"
 
 
 @contextmanager

@@ -7,9 +7,10 @@ import numpy as np
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
 
-__all__ = ["BAYER_PHASE", "Geometry", "SCAN", "ValidRows", "WINDOW"]
+__all__ = ["BAYER_PHASE", "Geometry", "MAX_SIZE", "MIN_SIZE", "SCAN", "ValidRows", "WINDOW"]
 
 WINDOW = 3             # rows and columns of the raw window that one corrected pixel is made from
+MIN_SIZE = 8           # pixels per side: a row has time to fetch the next one's valid spans
 MAX_SIZE = 4096        # pixels per side that the coordinate formats can address
 SPANS = 2              # spans of pixels with a source that one row can have
 SCAN = Q(1, 31)        # origin and step of the normalised scan
@@ -40,8 +41,8 @@ class Geometry:
     def __post_init__(self):
         for name in ("corrected_width", "corrected_height", "distorted_width", "distorted_height"):
             value = getattr(self, name)
-            if type(value) is not int or not 8 <= value <= MAX_SIZE:
-                raise InputError(f"{name} is {value}, the limits are 8 and {MAX_SIZE}")
+            if type(value) is not int or not MIN_SIZE <= value <= MAX_SIZE:
+                raise InputError(f"{name} is {value}, the limits are {MIN_SIZE} and {MAX_SIZE}")
         if self.bayer not in BAYER_PHASE:
             raise InputError(f"bayer is {self.bayer!r}, one of {', '.join(BAYER_PHASE)} is needed")
         if len(self.fill) != 3 or not all(type(c) is int and 0 <= c <= 255 for c in self.fill):

@@ -9,7 +9,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes, replace_file
 from ncdc_model.geometry import BAYER_PHASE
 
-__all__ = ["demosaic", "is_raw", "mosaic", "read_image", "write_image"]
+__all__ = ["check_suffix", "demosaic", "is_raw", "mosaic", "read_image", "write_image"]
 
 # OpenCV names a pattern by the 2x2 block that starts at the second row and column, so that its
 # "BG" is the pattern whose first two samples are R, G.
@@ -45,6 +45,17 @@ def read_image(path):
     return image
 
 
+def check_suffix(path):
+    """Raise :class:`InputError` if OpenCV writes no image format of the suffix of ``path``."""
+    try:
+        known = cv2.haveImageWriter(f"x{Path(path).suffix}")
+    except cv2.error:
+        known = False
+    if not known:
+        raise InputError(f"{path} has the suffix {Path(path).suffix!r}, which names no image "
+                         f"format; .png is one")
+
+
 def write_image(path, image):
     """Write uint8 ``image``, (h, w) or (h, w, 3) RGB, in the format that the suffix names.
 
@@ -56,10 +67,8 @@ def write_image(path, image):
         If OpenCV knows no format of that suffix or the folder cannot be written.
     """
     image = np.asarray(image)
+    check_suffix(path)
     try:
-        if not cv2.haveImageWriter(f"x{Path(path).suffix}"):
-            raise InputError(f"{path} has the suffix {Path(path).suffix!r}, which names no image "
-                             f"format; .png is one")
         picture = image[:, :, ::-1] if image.ndim == 3 else image
         content = cv2.imencode(Path(path).suffix, picture)[1]
     except cv2.error as error:

@@ -4,8 +4,12 @@ import argparse
 import importlib
 import os
 import sys
+from importlib.metadata import version
+
+import numpy as np
 
 from ncdc_model.errors import InputError
+from ncdc_model.files import check_outputs
 from ncdc_sim.tools import SimulationError
 
 __all__ = ["COMMANDS", "main", "parser"]
@@ -14,6 +18,9 @@ __all__ = ["COMMANDS", "main", "parser"]
 # status, None for 0.
 COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "generate", "simulate",
             "bench")
+
+
+_TO_FOLDER = ("demo", "generate")      # commands whose --output is a folder
 
 
 class _Parser(argparse.ArgumentParser):
@@ -27,6 +34,7 @@ def parser():
     """The argument parser of all commands."""
     top = _Parser(prog="ncdc", description=__doc__ and (
         "From one photo of a calibration target to hardware that straightens the picture."))
+    top.add_argument("--version", action="version", version=f"NCDC {version('ncdc')}")
     commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name in COMMANDS:
         module = importlib.import_module(f"ncdc_hdl.cli.{name}")
@@ -37,11 +45,24 @@ def parser():
     return top
 
 
+def _files(args):
+    """Output and input files among a command's arguments."""
+    given = vars(args)
+    outputs = [given["json"]] if given.get("json") not in (None, "-") else []
+    if args.command not in _TO_FOLDER and given.get("output"):
+        outputs.append(given["output"])
+    inputs = [given[name] for name in ("descriptor", "image", "source", "against") if name in given]
+    return outputs, inputs + given.get("photos", [])
+
+
 def main(arguments=None):
     """Run a command; the exit status: 0 success, 1 a check failed, 2 bad usage or input."""
     args = parser().parse_args(arguments)
     try:
-        return args.run(args) or 0
+        check_outputs(*_files(args))
+        # What overflows becomes not-a-number, which the checks of the commands name.
+        with np.errstate(all="ignore"):
+            return args.run(args) or 0
     except InputError as error:
         print(f"ncdc {args.command}: {error}", file=sys.stderr)
         return 2

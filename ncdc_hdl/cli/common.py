@@ -23,18 +23,20 @@ def raw_frame(path, geometry):
 
 
 class Progress:
-    """One line of a terminal's stderr that tells how far a long step is; silent elsewhere."""
+    """Tells on stderr how far a long step is: one line kept up to date on a terminal, elsewhere a
+    line per quarter."""
 
     def __init__(self, name):
         self.name, self.shown = name, None
-        self.active = sys.stderr.isatty()
+        self.step, self.end = (1, "") if sys.stderr.isatty() else (25, "\n")
 
     def __call__(self, fraction, note=""):
-        percent = int(100 * fraction)
-        if self.active and percent != self.shown:
+        percent = int(100 * fraction) // self.step * self.step
+        if percent != self.shown:
             self.shown = percent
-            print(f"\r{self.name}: {percent:3d} %{note}   ", end="\n" if fraction >= 1 else "",
-                  file=sys.stderr, flush=True)
+            start = "" if self.end else "\r"
+            print(f"{start}{self.name}: {percent:3d} %{note}   ", file=sys.stderr, flush=True,
+                  end="\n" if fraction >= 1 else self.end)
 
 
 def percent(progress):

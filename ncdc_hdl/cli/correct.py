@@ -5,7 +5,7 @@ import sys
 from ncdc_hdl.cli.common import Progress, add_json, percent, raw_frame, write_report
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
-from ncdc_model.images import write_image
+from ncdc_model.images import check_suffix, write_image
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
@@ -24,6 +24,7 @@ def add_arguments(parser):
 
 def run(args):
     """Correct, write, report."""
+    check_suffix(args.output)
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(args.image, descriptor.geometry)
     corrected = correct(descriptor, raw, percent(Progress("correcting")))

@@ -22,7 +22,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.example import (BAYER, example_camera, noise_picture, scene_light, scene_photo,
                                 target_photo, true_map)
-from ncdc_model.files import write_text
+from ncdc_model.files import check_outputs, write_text
 from ncdc_model.images import demosaic, write_image
 from ncdc_model.plots import plot_error_map
 from ncdc_model.reference import bayer_psnr, correct_real, grey_level_difference
@@ -51,6 +51,7 @@ def run(args):
     if not 1 <= args.neurons <= MAX_NEURONS:
         raise InputError(f"neurons is {args.neurons}, the limits are 1 and {MAX_NEURONS}")
     folder = Path(args.output)
+    check_outputs([folder / "report.json"], [])
     camera = example_camera()
     target, points = _photograph(folder, camera)
     trained = _train(folder, args.neurons)

@@ -5,7 +5,8 @@ import sys
 from ncdc_hdl.cli.common import Progress, add_json, raw_frame, write_report
 from ncdc_hdl.cli.generate import add_hardware, hardware
 from ncdc_model.descriptor import Descriptor
-from ncdc_model.images import write_image
+from ncdc_model.errors import InputError
+from ncdc_model.images import check_suffix, write_image
 from ncdc_sim.corrector import simulate_correction
 from ncdc_sim.memories import MEMORIES
 from ncdc_sim.tools import SIMULATORS
@@ -35,6 +36,9 @@ def add_arguments(parser):
 
 def run(args):
     """Simulate, compare, write, report; 1 if a pixel differs."""
+    if args.seed < 0:
+        raise InputError(f"seed is {args.seed}, it must not be negative")
+    check_suffix(args.output)
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(args.image, descriptor.geometry)
     simulation = simulate_correction(

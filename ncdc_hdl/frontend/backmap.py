@@ -45,7 +45,7 @@ class BackMap(wiring.Component):
         To the table of valid rows.
     o : ``Out(stream.Signature(coordinate_layout(formats)))``
     idle : ``Out(1)``
-        Nothing is under way in the network and nothing may enter: a board may gate its clock.
+        Nothing is under way in the network and no pixel enters it in this clock.
     stalled : ``Out(1)``
         A pixel waits for room in the queue.
 
@@ -113,7 +113,8 @@ class BackMap(wiring.Component):
         m.d.comb += [
             output.first.eq(activated), queue.arrive.eq(arrived),
             Value.cast(queue.i).eq(Cat(output.o, flags)),
-            self.idle.eq(queue.idle), self.stalled.eq(scan.active & ~queue.room),
+            self.idle.eq(queue.drained & ~(scan.active & queue.room)),
+            self.stalled.eq(scan.active & ~queue.room),
         ]
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m

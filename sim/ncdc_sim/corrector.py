@@ -31,6 +31,8 @@ class Simulation:
         Windows that the golden model says are read.
     bytes_read, bytes_written : int
         On the memory's ports.
+    clocks_outside : int
+        From the start's register write to the interrupt, counted by the bench.
     setup : dict
         ``simulator``, ``memory``, ``fetch``, ``data_width``, ``output``, ``hidden``, ``share``.
     """
@@ -41,6 +43,7 @@ class Simulation:
     fetches_expected: int
     bytes_read: int
     bytes_written: int
+    clocks_outside: int
     setup: dict
 
     @property
@@ -133,7 +136,7 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
         picture=picture, golden=golden.picture, filled=golden.filled,
         counters={name: result.registers[rows[name].address] for name in _COUNTERS},
         fetches_expected=golden.fetches, bytes_read=sum(result.bytes_read),
-        bytes_written=result.bytes_written,
+        bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
         setup={"simulator": simulator, "memory": memory if isinstance(memory, str) else "custom",
                "fetch": "multiport", "data_width": data_width, "output": output,
                "hidden": front_end.hidden, "share": front_end.share})

@@ -6,6 +6,7 @@ from ncdc_model.calibration.boards import find_any_chessboard, find_chessboard, 
 from ncdc_model.calibration.dots import find_dots
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.errors import InputError
+from ncdc_model.geometry import MIN_SIZE
 
 __all__ = ["MIN_DOTS", "detect_points", "parse_target"]
 
@@ -49,6 +50,9 @@ def detect_points(images, target="auto"):
     for name, image in images:
         shape = image.shape[1], image.shape[0]
         try:
+            if min(shape) < MIN_SIZE:
+                raise InputError(f"it is {shape[0]}x{shape[1]}, {MIN_SIZE} pixels on a side are "
+                                 f"the limit")
             if size is not None and shape != size:
                 raise InputError(f"it is {shape[0]}x{shape[1]}, the first photo is "
                                  f"{size[0]}x{size[1]}")

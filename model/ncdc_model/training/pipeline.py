@@ -11,6 +11,8 @@ from ncdc_model.valid import grown, lost_pixels, valid_mask
 
 __all__ = ["TrainedCamera", "train_camera"]
 
+LEAST_VALID = 0.05     # of the corrected frame; less is no picture
+
 _SMOOTH = 16           # corrected pixels by which the smooth lens may miss the border
 
 
@@ -55,7 +57,7 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
     Raises
     ------
     InputError
-        If the request is bad, or a weight leaves its format.
+        If the request is bad, a weight leaves its format, or hardly a pixel has a source.
     """
     geometry = source.geometry
     training = train(source.pairs, geometry, neurons, trainer, seed, held_out, progress,
@@ -68,6 +70,9 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
     if source.calibrated:
         covered = source.calibrated.mask(back_map, geometry)
     mask = valid_mask(back_map, geometry, within)
+    if mask.mean() < LEAST_VALID:
+        raise InputError(f"only {100 * mask.mean():.1f} % of the corrected frame has a source with "
+                         f"{neurons} hidden neurons, {100 * LEAST_VALID:.0f} % is the limit")
     rows = ValidRows.of_mask(mask)
     provenance = {"trainer": trainer, "seed": seed, **source.provenance}
     about = {"formats": formats, "variant": variant}

@@ -149,6 +149,13 @@ module frame_bench (
         end
     endgenerate
 
+    avalon_checker #(.NAME("csr"), .DATA_WIDTH(32), .BURST_WIDTH(2), .MAX_BURST(1)) checker_of_csr (
+        .clk(clk), .rst(rst), .address({csr_address, 2'b00}), .read(csr_read), .write(csr_write),
+        .burstcount(2'd1), .writedata(csr_writedata), .byteenable(4'hF),
+        .waitrequest(csr_waitrequest), .readdatavalid(csr_readdatavalid),
+        .errors(), .commands(), .beats(), .bytes(), .waits()
+    );
+
     wire [31:0] output_errors, output_done;     // breaches, bytes delivered
 `ifdef NCDC_STREAM
     wire        stream_valid, stream_startofpacket, stream_endofpacket;
