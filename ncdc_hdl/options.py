@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 from ncdc_model.errors import InputError
 
-__all__ = ["FrontEndOptions", "HIDDEN"]
+__all__ = ["FrontEndOptions", "HIDDEN", "PRODUCTS"]
 
 HIDDEN = ("multiply", "raster")
+PRODUCTS = (27, 18)
 
 
 @dataclass(frozen=True)
@@ -21,20 +22,27 @@ class FrontEndOptions:
     share : int
         Hidden neurons that one tan-sigmoid serves in turn: one coordinate every ``share``
         clocks. The multipliers are shared likewise.
+    products : int
+        Bits of the device's multiplier blocks: 27 makes each product of the neurons one
+        multiplication, 18 cuts it into parts that fit blocks of 18 x 18 bits.
 
     Raises
     ------
     InputError
-        If ``hidden`` is none of the above, or ``share`` is not positive.
+        If ``hidden`` or ``products`` is none of the above, or ``share`` is not positive.
     """
     hidden: str = "multiply"
     share: int = 1
+    products: int = 27
 
     def __post_init__(self):
         if self.hidden not in HIDDEN:
             raise InputError(f"hidden is {self.hidden!r}, one of {', '.join(HIDDEN)} is needed")
         if self.share < 1:
             raise InputError(f"share is {self.share}, the least is 1")
+        if self.products not in PRODUCTS:
+            raise InputError(f"products is {self.products}, one of "
+                             f"{', '.join(map(str, PRODUCTS))} is needed")
 
     def units(self, hidden_neurons):
         """Tan-sigmoids of a network of ``hidden_neurons``.

@@ -195,6 +195,18 @@ def test_host_may_read_the_table_while_scanning():
     np.testing.assert_array_equal(results[0], expected(d))
 
 
+@pytest.mark.parametrize("hidden,share", [("multiply", 1), ("multiply", 3), ("raster", 2)])
+def test_products_in_parts(hidden, share):
+    """The same coordinates, 2 clocks later for each layer that has products."""
+    d = barrel_descriptor((20, 16), (24, 18))
+    dut = FrontEnd(d, hidden=hidden, share=share, products=18)
+    whole = FrontEnd(d, hidden=hidden, share=share)
+    assert dut.backmap.latency - whole.backmap.latency == (2 if hidden == "raster" else 4)
+    cases = [extreme(d, 1), d]
+    for frame, case in zip(frames(dut, cases, .5), cases):
+        np.testing.assert_array_equal(frame, expected(case))
+
+
 def test_refuses_a_short_queue():
     with pytest.raises(ValueError, match="queue is 100, it must exceed twice the 54 coordinates under way"):
         BackMap(4, barrel_descriptor().formats, queue=100)
@@ -210,3 +222,5 @@ def test_refuses_unknown_options():
         FrontEndOptions(hidden="add")
     with pytest.raises(InputError, match="share is 0, the least is 1"):
         FrontEndOptions(share=0)
+    with pytest.raises(InputError, match="products is 9, one of 27, 18 is needed"):
+        FrontEndOptions(products=9)

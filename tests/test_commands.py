@@ -201,15 +201,16 @@ def test_generate_writes_the_corrector(folder, capsys):
 
 
 def test_front_end_options_reach_the_verilog(folder, capsys):
-    options = "--hidden raster --share 2"
+    options = "--hidden raster --share 2 --products 18"
     assert run(f"generate net.toml -o hw {options}") == 0
     verilog = corrector_verilog(Descriptor.load("net.toml"),
-                                front_end=FrontEndOptions(hidden="raster", share=2))
+                                front_end=FrontEndOptions(hidden="raster", share=2,
+                                                          products=18))
     assert (folder / "hw" / "ncdc.v").read_text() == verilog
     assert run(f"simulate net.toml raw.png -o sim.png --json r.json {options}") == 0
     report = json.loads((folder / "r.json").read_text())
     assert report["pixels_different"] == 0
-    assert (report["hidden"], report["share"]) == ("raster", 2)
+    assert (report["hidden"], report["share"], report["products"]) == ("raster", 2, 18)
 
 
 def test_refuses_to_share_among_too_many(folder, capsys):

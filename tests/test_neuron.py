@@ -7,6 +7,7 @@ from pipelines import run_pipeline
 
 from ncdc_hdl.fixed import saturate
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron, WeightedSum, hidden_sum, output_sum
+from ncdc_hdl.options import PRODUCTS
 from ncdc_model.descriptor import Formats
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
@@ -54,27 +55,29 @@ def check(dut, model, xq, wq, bq, yq, rng):
     assert {yq.lo, yq.hi} <= set(expected) and len(set(expected)) > 20
 
 
-def check_hidden(seed=1):
+def check_hidden(seed=1, products=27):
     f = FORMATS
-    check(HiddenNeuron(f), lambda x, w, b: hidden_neuron(x[0], x[1], w, b, f),
+    check(HiddenNeuron(f, products), lambda x, w, b: hidden_neuron(x[0], x[1], w, b, f),
           f.input, f.hidden_weight, f.hidden_bias, f.net, np.random.default_rng(seed))
 
 
-def check_output(inputs):
+def check_output(inputs, products=27):
     f = FORMATS
-    check(OutputNeuron(inputs, f),
+    check(OutputNeuron(inputs, f, products=products),
           lambda a, w, b: output_neuron([np.int64(v) for v in a], w, b, f),
           f.tansig, f.output_weight, f.output_bias, f.coordinate, np.random.default_rng(inputs))
 
 
+@pytest.mark.parametrize("products", PRODUCTS)
 @pytest.mark.parametrize("seed", [1, 2])
-def test_hidden_neuron(seed):
-    check_hidden(seed)
+def test_hidden_neuron(seed, products):
+    check_hidden(seed, products)
 
 
-@pytest.mark.parametrize("inputs", [1, 2, 3, 5, 8, 32])
-def test_output_neuron(inputs):
-    check_output(inputs)
+@pytest.mark.parametrize("inputs,products", [(n, 27) for n in (1, 2, 3, 5, 8, 32)]
+                         + [(n, 18) for n in (1, 3, 8)])
+def test_output_neuron(inputs, products):
+    check_output(inputs, products)
 
 
 def one_below(value, q):
@@ -121,11 +124,11 @@ def test_no_weights_can_make_the_accumulator_wrap(neurons):
         assert -limit <= least and limit // 2 <= most < limit
 
 
-@pytest.mark.parametrize("turns,inputs", [(2, 1), (3, 2), (32, 1)])
-def test_output_neuron_in_turns(turns, inputs):
+@pytest.mark.parametrize("turns,inputs,products", [(2, 1, 27), (3, 2, 27), (32, 1, 27), (3, 2, 18)])
+def test_output_neuron_in_turns(turns, inputs, products):
     """Sums over several turns, back to back, with every weight and bias at a limit or random."""
     f, rng = FORMATS, np.random.default_rng(turns)
-    dut = OutputNeuron(inputs, f, turns)
+    dut = OutputNeuron(inputs, f, turns, products)
     count = 40
     weights = rng.choice([f.output_weight.lo, f.output_weight.hi, 0, 77777], (turns, inputs))
     activations = rng.integers(f.tansig.lo, f.tansig.hi, (count, turns, inputs), endpoint=True)
@@ -154,9 +157,10 @@ def test_output_neuron_in_turns(turns, inputs):
 
 
 
-def test_one_result_per_clock():
+@pytest.mark.parametrize("products", PRODUCTS)
+def test_one_result_per_clock(products):
     f, rng = FORMATS, np.random.default_rng(3)
-    dut = OutputNeuron(4, f)
+    dut = OutputNeuron(4, f, products=products)
     weights, bias = rng.integers(-2**20, 2**20, 4), 12345
     inputs = rng.integers(f.tansig.lo, f.tansig.hi, (300, 4))
 

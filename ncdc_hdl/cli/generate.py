@@ -6,7 +6,7 @@ from ncdc_hdl.cli.common import add_json, write_report
 from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS
 from ncdc_hdl.export.c_header import c_header
 from ncdc_hdl.export.verilog import TOP, corrector_verilog
-from ncdc_hdl.options import HIDDEN, FrontEndOptions
+from ncdc_hdl.options import HIDDEN, PRODUCTS, FrontEndOptions
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.files import write_text
 
@@ -32,12 +32,16 @@ def add_hardware(parser):
     parser.add_argument("--share", type=int, default=1, metavar="N",
                         help="hidden neurons per tan-sigmoid (default: 1); one pixel every N "
                              "clocks, same results, smaller")
+    parser.add_argument("--products", type=int, choices=PRODUCTS, default=27, metavar="BITS",
+                        help="width of the device's multiplier blocks: 27 (default), or 18, for "
+                             "which products are cut into parts; same results")
 
 
 def hardware(args):
     """The chosen hardware, as keyword arguments of Corrector and corrector_verilog."""
     return {"data_width": args.data_width, "output": args.to,
-            "front_end": FrontEndOptions(hidden=args.hidden, share=args.share)}
+            "front_end": FrontEndOptions(hidden=args.hidden, share=args.share,
+                                         products=args.products)}
 
 
 def add_arguments(parser):
@@ -58,7 +62,7 @@ def run(args):
         write_text(folder / name, text)
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
               "fetch": args.fetch, "data_width": args.data_width, "output": args.to,
-              "hidden": args.hidden, "share": args.share,
+              "hidden": args.hidden, "share": args.share, "products": args.products,
               "files": [str(folder / name) for name in files]}
     if not write_report(report, args.json):
         for name, text in files.items():

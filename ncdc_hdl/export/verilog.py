@@ -26,7 +26,8 @@ def corrector_verilog(descriptor, *, data_width=32, output="memory",
         f"// descriptor {descriptor.digest}: {descriptor.hidden_neurons} hidden neurons, "
         f"{g.distorted_width}x{g.distorted_height} {g.bayer} to "
         f"{g.corrected_width}x{g.corrected_height}\n"
-        f"// hidden neurons {front_end.hidden}, {front_end.share} per tan-sigmoid\n"
+        f"// hidden neurons {front_end.hidden}, {front_end.share} per tan-sigmoid, "
+        f"products for {front_end.products}-bit multipliers\n"
         f"// fetch multiport, {data_width}-bit memory, output to {output}\n\n")
     return header + module_verilog(corrector, TOP)
 

@@ -61,11 +61,12 @@ class BackMap(wiring.Component):
                  options=FrontEndOptions(), queue=None):
         self.hidden_neurons, self.formats = hidden_neurons, formats
         self.share = options.share
-        layer = {"multiply": MultiplyLayer, "raster": RasterLayer}[options.hidden]
         units = options.units(hidden_neurons)
-        self.hidden = layer(hidden_neurons, formats, self.share)
+        self.hidden = (RasterLayer(hidden_neurons, formats, self.share)
+                       if options.hidden == "raster" else
+                       MultiplyLayer(hidden_neurons, formats, self.share, options.products))
         self.tansig = [Tansig(formats.tansig_design(variant)) for _ in range(units)]
-        self.output = OutputLayer(hidden_neurons, formats, self.share)
+        self.output = OutputLayer(hidden_neurons, formats, self.share, options.products)
         # Coordinates that the pipeline holds at once.
         self.under_way = -(-self.latency // self.share)
         self.queue = queue or max(128, 1 << (2 * self.under_way).bit_length())

@@ -54,13 +54,15 @@ class MultiplyLayer(wiring.Component):
     formats : ncdc_model.descriptor.Formats
     share : int
         Neurons that one multiply-accumulate pipeline computes in turn.
+    products : int
+        Bits of the multiplier blocks, 27 or 18.
 
     Members: :func:`hidden_layer_ports`; always ready.
     """
 
-    def __init__(self, hidden_neurons, formats, share=1):
+    def __init__(self, hidden_neurons, formats, share=1, products=27):
         self.hidden_neurons, self.share = hidden_neurons, share
-        self.units = [HiddenNeuron(formats) for _ in range(-(-hidden_neurons // share))]
+        self.units = [HiddenNeuron(formats, products) for _ in range(-(-hidden_neurons // share))]
         super().__init__(hidden_layer_ports(hidden_neurons, formats, share))
 
     @property
@@ -97,7 +99,9 @@ class OutputLayer(wiring.Component):
         HN.
     formats : ncdc_model.descriptor.Formats
     share : int
-        Turns; 2 ceil(HN / share) multipliers.
+        Turns; 2 ceil(HN / share) products.
+    products : int
+        Bits of the multiplier blocks, 27 or 18.
 
     Members
     -------
@@ -111,10 +115,10 @@ class OutputLayer(wiring.Component):
         x', y'; ``latency`` clocks after ``first``.
     """
 
-    def __init__(self, hidden_neurons, formats, share=1):
+    def __init__(self, hidden_neurons, formats, share=1, products=27):
         self.hidden_neurons, self.share = hidden_neurons, share
         self.inputs = -(-hidden_neurons // share)
-        self.outputs = [OutputNeuron(self.inputs, formats, share) for _ in range(2)]
+        self.outputs = [OutputNeuron(self.inputs, formats, share, products) for _ in range(2)]
         super().__init__({
             "first": In(1),
             "i": In(data.ArrayLayout(signed(formats.tansig.width), self.inputs)),

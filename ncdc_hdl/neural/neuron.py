@@ -8,6 +8,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.fixed import saturate
+from ncdc_hdl.neural.product import Product
 from ncdc_hdl.streams import delay
 from ncdc_model.fixed import Q
 
@@ -79,16 +80,18 @@ def output_sum(hidden_neurons, formats):
 class _Accumulator(wiring.Component):
     """Shared pipeline: products of inputs and weights, adder tree, bias, rounding, saturation.
 
-    Two registers stand before and two after each product, which the multiplier blocks of the
-    usual FPGAs take into themselves. Of several turns, each brings ``inputs`` more terms of
-    the same sum; ``first`` marks the one that begins it.
+    A register more stands before each :class:`Product`, whose blocks have ``products`` bits. Of
+    several turns, each brings ``inputs`` more terms of the same sum; ``first`` marks the one that
+    begins it.
     """
 
     weights_clock = 1
     """Clocks from an input to its weights, if those change from turn to turn."""
 
-    def __init__(self, inputs, format, turns=1):
+    def __init__(self, inputs, format, turns=1, products=27):
         self.inputs, self.format, self.turns = inputs, format, turns
+        self.products = [Product(format.xq.width, format.wq.width, products)
+                         for _ in range(inputs)]
         super().__init__({
             "i": In(data.ArrayLayout(signed(format.xq.width), inputs)),
             "weights": In(data.ArrayLayout(signed(format.wq.width), inputs)),
@@ -98,8 +101,8 @@ class _Accumulator(wiring.Component):
 
     @property
     def _summed(self):
-        """Clocks from ``i`` to the sum of its products: 2 in, 2 products, adder tree."""
-        return 2 + 2 + ceil_log2(self.inputs)
+        """Clocks from ``i`` to the sum of its products: 1 in, products, adder tree."""
+        return 1 + self.products[0].latency + ceil_log2(self.inputs)
 
     @property
     def bias_clock(self):
@@ -120,11 +123,11 @@ class _Accumulator(wiring.Component):
             m.d.sync += r.eq(value)
             return r
 
-        x = [register(f"x0_{k}", self.i[k]) for k in range(self.inputs)]
-        x = [register(f"x1_{k}", value) for k, value in enumerate(x)]
-        w = [register(f"w_{k}", self.weights[k]) for k in range(self.inputs)]
-        p = [register(f"p0_{k}", a * b) for k, (a, b) in enumerate(zip(x, w))]
-        level, terms = 0, [register(f"p1_{k}", value) for k, value in enumerate(p)]
+        for k, product in enumerate(self.products):
+            m.submodules[f"product{k}"] = product
+            m.d.comb += [product.a.eq(register(f"x0_{k}", self.i[k])),
+                         product.b.eq(self.weights[k])]
+        level, terms = 0, [product.o for product in self.products]
         while len(terms) > 1:
             pairs = [terms[k:k + 2] for k in range(0, len(terms), 2)]
             terms = [register(f"s{level}_{k}", sum(pair[1:], start=pair[0]))
@@ -155,6 +158,8 @@ class HiddenNeuron(_Accumulator):
     ----------
     formats : ncdc_model.descriptor.Formats
         ``input``, ``hidden_weight``, ``hidden_bias`` and ``net`` are used.
+    products : int
+        Bits of the multiplier blocks, 27 or 18.
 
     Members
     -------
@@ -165,11 +170,12 @@ class HiddenNeuron(_Accumulator):
     Raises
     ------
     ValueError
-        If the formats leave no bit to round, or the bias is finer than the products.
+        If the formats leave no bit to round, the bias is finer than the products, or a factor is
+        too wide for the blocks.
     """
 
-    def __init__(self, formats):
-        super().__init__(2, hidden_sum(formats))
+    def __init__(self, formats, products=27):
+        super().__init__(2, hidden_sum(formats), products=products)
 
 
 class OutputNeuron(_Accumulator):
@@ -188,11 +194,13 @@ class OutputNeuron(_Accumulator):
     turns : int
         Clocks over which the activations of one coordinate arrive. The weights of each turn
         follow its activations after ``weights_clock`` clocks.
+    products : int
+        As of :class:`HiddenNeuron`.
 
     Members, Raises: as :class:`HiddenNeuron`, with ``inputs`` in place of 2, and
     first : ``In(1)``
         With the activations of the first turn (``turns`` above 1 only).
     """
 
-    def __init__(self, inputs, formats, turns=1):
-        super().__init__(inputs, output_sum(inputs * turns, formats), turns)
+    def __init__(self, inputs, formats, turns=1, products=27):
+        super().__init__(inputs, output_sum(inputs * turns, formats), turns, products)

@@ -139,4 +139,5 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
         bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
         setup={"simulator": simulator, "memory": memory if isinstance(memory, str) else "custom",
                "fetch": "multiport", "data_width": data_width, "output": output,
-               "hidden": front_end.hidden, "share": front_end.share})
+               "hidden": front_end.hidden, "share": front_end.share,
+               "products": front_end.products})

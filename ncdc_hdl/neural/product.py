@@ -1,0 +1,89 @@
+"""Pipelined signed product, split by hand where multiplier blocks are narrower than it."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+__all__ = ["Product"]
+
+_LOW = 17       # unsigned bits that a signed input of an 18-bit block holds
+
+
+class Product(wiring.Component):
+    """``o = a b``, exact, for blocks of 27 x 27 or of 18 x 18 bits.
+
+    One register stands before and two after each multiplication, which the multiplier blocks of
+    the usual FPGAs take into themselves. For blocks of 18 bits, a factor wider than that is cut
+    into a signed high and an unsigned low part of 17 bits::
+
+        a b = ah bh 2**34 + (ah bl + al bh) 2**17 + al bl
+
+    The first and the last product do not overlap: they lie side by side in one word, and two
+    adders in two stages make the sum. Timing: free-running, one product per clock,
+    ``latency`` clocks.
+
+    Parameters
+    ----------
+    a_width, b_width : int
+        Bits of the signed factors.
+    block : int
+        27: the product is one multiplication; 18: factors of up to 35 bits in two parts.
+
+    Members
+    -------
+    a, b : ``In(signed(a_width))``, ``In(signed(b_width))``
+    o : ``Out(signed(a_width + b_width))``
+
+    Raises
+    ------
+    ValueError
+        If a factor is too wide for two parts.
+    """
+
+    def __init__(self, a_width, b_width, block=27):
+        widest = max(a_width, b_width)
+        if block == 18 and widest > 18 + _LOW:
+            raise ValueError(f"a factor has {widest} bits, the limit for two parts is {18 + _LOW}")
+        self.block = block
+        super().__init__({"a": In(signed(a_width)), "b": In(signed(b_width)),
+                          "o": Out(signed(a_width + b_width))})
+
+    @property
+    def latency(self):
+        """Clocks from the factors to ``o``: 1 in, 2 products, further ones to add the parts."""
+        cut = sum(len(_parts(factor, self.block)) - 1 for factor in (self.a, self.b))
+        return 1 + 2 + cut
+
+    def elaborate(self, platform):
+        m = Module()
+
+        def register(name, value, shape=None):
+            r = Signal(shape or value.shape(), name=name, reset_less=True)
+            m.d.sync += r.eq(value)
+            return r
+
+        a = _parts(register("a0", self.a), self.block)
+        b = _parts(register("b0", self.b), self.block)
+        # Keyed by the weight of the parts, 0 or 1 each.
+        p = {(j, k): register(f"p1_{j}{k}", register(f"p0_{j}{k}", x * y))
+             for j, x in enumerate(a) for k, y in enumerate(b)}
+        if len(a) == len(b) == 2:
+            cross = register("s0_cross", p[0, 1] + p[1, 0])
+            outer = register("s0_outer", Cat(p[0, 0], p[1, 1]).as_signed())
+        elif len(p) == 2:
+            cross, outer = p.get((0, 1), p.get((1, 0))), p[0, 0]
+        else:
+            m.d.comb += self.o.eq(p[0, 0])
+            return m
+        # The low bits of the sum are those of al bl.
+        high = register("s1_high", (outer >> _LOW) + cross, signed(len(self.o) - _LOW))
+        low = register("s1_low", outer[:_LOW])
+        m.d.comb += self.o.eq(Cat(low, high))
+        return m
+
+
+def _parts(factor, block):
+    """The parts of a signed ``factor``, low one first; one part if the block holds it."""
+    if block != 18 or len(factor) <= 18:
+        return [factor]
+    return [factor[:_LOW], factor[_LOW:].as_signed()]
