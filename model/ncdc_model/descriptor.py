@@ -66,7 +66,8 @@ class Descriptor:
     def __post_init__(self):
         hn = self.hidden_neurons
         if not 1 <= hn <= MAX_NEURONS:
-            raise InputError(f"the network has {hn} hidden neurons, the limits are 1 and {MAX_NEURONS}")
+            raise InputError(f"the network has {hn} hidden neurons, the limits are 1 and "
+                             f"{MAX_NEURONS}")
         for name, shape, q in self._layers():
             raw, real = getattr(self, name), getattr(self.network, name)
             if raw.shape != shape or real.shape != shape:

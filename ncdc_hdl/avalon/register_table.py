@@ -6,10 +6,11 @@ from amaranth import signed, unsigned
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.packer import PIXEL_BYTES
-from ncdc_model.geometry import MAX_SIZE, SCAN
+from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN
 
 __all__ = ["ADDRESS_WORDS_BITS", "CTRL_START", "ID", "Register", "STATUS_BUSY", "STATUS_DONE",
-           "STATUS_PENDING", "TABLE", "frame_bytes", "host_values", "network_values", "registers", "table_words"]
+           "STATUS_PENDING", "TABLE", "frame_bytes", "host_values", "network_values", "registers",
+           "table_words"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
@@ -53,20 +54,20 @@ _FIXED = (
              "Write 1 to bit 0: correct one frame; while busy, one more frame waits its turn."),
     Register("STATUS", 0x04, "action", unsigned(3),
              "Bit 0 busy, bit 1 done (write 1 to clear), bit 2 another frame waits."),
-    Register("IRQ_ENABLE", 0x05, "rw", unsigned(1), "Bit 0: irq follows STATUS.done."),
+    Register("IRQ_ENABLE", 0x05, "rw", unsigned(1), "Bit 0: irq follows STATUS.done, which tells that the memory has taken the last word."),
     Register("VALID_WINDOW", 0x06, "rw", unsigned(1),
              "Bank of the valid rows that the table window reads and writes."),
     Register("VALID_BANK", 0x07, "shadow", unsigned(1), "Bank of the valid rows in use."),
     Register("SOURCE_BASE", 0x08, "shadow", unsigned(ADDRESS_BITS),
              "Byte address of the raw frame, a multiple of the memory word."),
     Register("SOURCE_PITCH", 0x09, "shadow", _SIZE,
-             "Bytes from row to row of the raw frame, a multiple of the memory word."),
+             "Bytes from row to row of the raw frame, a multiple of the memory word, below 8192."),
     Register("TARGET_BASE", 0x0A, "shadow", unsigned(ADDRESS_BITS),
              "Byte address of the corrected frame, a multiple of the memory word."),
-    Register("CORRECTED_WIDTH", 0x0B, "shadow", _SIZE, "Corrected image, pixels per row."),
-    Register("CORRECTED_HEIGHT", 0x0C, "shadow", _SIZE, "Corrected image, rows."),
-    Register("DISTORTED_WIDTH", 0x0D, "shadow", _SIZE, "Raw frame, samples per row."),
-    Register("DISTORTED_HEIGHT", 0x0E, "shadow", _SIZE, "Raw frame, rows."),
+    Register("CORRECTED_WIDTH", 0x0B, "shadow", _SIZE, f"Corrected image, pixels per row, {MIN_SIZE}..{MAX_SIZE}."),
+    Register("CORRECTED_HEIGHT", 0x0C, "shadow", _SIZE, f"Corrected image, rows, {MIN_SIZE}..{MAX_SIZE}."),
+    Register("DISTORTED_WIDTH", 0x0D, "shadow", _SIZE, f"Raw frame, samples per row, {MIN_SIZE}..{MAX_SIZE}."),
+    Register("DISTORTED_HEIGHT", 0x0E, "shadow", _SIZE, f"Raw frame, rows, {MIN_SIZE}..{MAX_SIZE}."),
     Register("SCAN_ORIGIN_X", 0x10, "shadow", signed(SCAN.width),
              f"Normalised x of the first column, {SCAN}."),
     Register("SCAN_STEP_X", 0x11, "shadow", signed(SCAN.width),

@@ -16,8 +16,8 @@ class Registers(wiring.Component):
     """Avalon-MM agent with shadowed parameters and the control of frames.
 
     What the host writes to a "shadow" register is copied to ``active`` when a frame begins, all
-    of it in one clock, so that no frame sees half of a change. A start while a frame runs is
-    kept, one deep.
+    of it in one clock. A start while a frame runs is kept, one deep; what is written behind it may
+    reach that frame or not, so that a set of parameters is to be written before its start.
 
     Timing: a write is taken at once; a read answers after 3 clocks, one at a time.
 

@@ -24,7 +24,8 @@ class Multiport(wiring.Component):
     place as the one before it is not read again (Fig. 18). Byte (x, y) of the raw frame is at
     ``base + y pitch + x``. Windows leave in order; a blank request reads nothing.
 
-    Timing: ``in_flight`` windows may be under way, which hides part of the memory's latency.
+    Timing: ``in_flight`` windows of two words, or twice as many of one, may be under way, which
+    hides part of the memory's latency.
 
     Parameters
     ----------
@@ -33,7 +34,7 @@ class Multiport(wiring.Component):
     data_width : int
         Bits of a memory word: 32, 64 or 128.
     in_flight : int
-        Windows asked for and not yet handed on.
+        Windows of two words for which each reader has room.
 
     Members
     -------

@@ -1,6 +1,7 @@
 """The registers as a C header."""
 
-from ncdc_hdl.avalon.register_table import TABLE, host_values, registers, table_words
+from ncdc_hdl.avalon.register_table import (CTRL_START, ID, STATUS_BUSY, STATUS_DONE, STATUS_PENDING,
+                                            TABLE, host_values, registers, table_words)
 
 __all__ = ["c_header"]
 
@@ -10,14 +11,19 @@ def c_header(descriptor, data_width=32):
 
     ``NCDC_<NAME>`` are byte offsets from the agent's base; ``ncdc_values`` and
     ``ncdc_valid_rows`` hold the {offset, value} pairs that set the corrector up for the
-    camera of ``descriptor`` (frame addresses as for a raw frame at address 0).
+    camera of ``descriptor``. Frame addresses are those of a raw frame at address 0: a host sets
+    SOURCE_BASE and TARGET_BASE to its own.
     """
     rows = registers(descriptor.hidden_neurons, descriptor.formats)
     offset = {r.name: 4 * r.address for r in rows}
-    lines = [f"/* NCDC registers; values of descriptor {descriptor.digest}. */",
+    lines = [f"/* NCDC registers; values of descriptor {descriptor.digest}.",
+             " * SOURCE_BASE and TARGET_BASE among them are an example: set your own. */",
              "#ifndef NCDC_REGISTERS_H", "#define NCDC_REGISTERS_H", "", "#include <stdint.h>", ""]
     lines += [f"#define NCDC_{r.name} 0x{offset[r.name]:04X}u /* {r.access}: {r.text} */"
               for r in rows]
+    lines += [f"#define NCDC_{name} 0x{value:X}u" for name, value in (
+        ("ID_VALUE", ID), ("CTRL_START", CTRL_START), ("STATUS_BUSY", STATUS_BUSY),
+        ("STATUS_DONE", STATUS_DONE), ("STATUS_PENDING", STATUS_PENDING))]
     lines += [f"#define NCDC_VALID_ROWS 0x{4 * TABLE:04X}u "
               "/* rw: 8 bytes per row, two spans of start | stop << 16 */", "",
               "struct ncdc_value { uint32_t offset, value; };", ""]

@@ -25,8 +25,9 @@ Access:
 
 - `ro`: read only;
 - `rw`: takes effect at once;
-- `shadow`: read and written at any time; all of them take effect together when the next frame
-  begins, never in the middle of one;
+- `shadow`: read and written at any time; all of them are taken over in the clock in which the next
+  frame begins, never in the middle of one. While a started frame waits its turn (STATUS bit 2) that
+  clock may come between two writes: write a set of parameters before its start, not behind it;
 - `action`: as its text says.
 
 The sizes of the network's registers are those of {neurons} hidden neurons (j = 0 .. {last}) in the
@@ -42,7 +43,8 @@ The table of valid rows has two banks. `VALID_WINDOW` chooses the bank that the 
 two words, one per span of pixels with a source: start in bits {bits}:0, stop in bits {high}:16. A
 pixel u has a source if start <= u < stop of either span; an empty span is 0. A bank has as many
 rows as the corrected image of the descriptor, rounded up to a power of two; a host that sets a
-taller image than that gets the spans of other rows.
+taller image than that gets the spans of other rows; writes beyond the bank are ignored. Sizes outside
+their limits are not checked: a width or height of 0 never ends.
 
 To correct a frame: write what differs from the reset values, write 1 to `CTRL`, wait for bit 1 of
 `STATUS` (or for `irq`, if `IRQ_ENABLE` is 1), write 2 to `STATUS`. A host that wants another lens

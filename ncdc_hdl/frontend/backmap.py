@@ -20,8 +20,9 @@ class BackMap(wiring.Component):
 
     Equal bit for bit to ``ncdc_model.network.coordinates`` in raster order, whatever the
     options. Timing: the network runs free, one coordinate every ``options.share`` clocks;
-    ``latency`` clocks from a scanned pixel to the queue. Instead of gating the front end's clock while the back end is full, the scan issues a pixel
-    only if the queue has room for all that is under way (see :class:`CreditQueue`).
+    ``latency`` clocks from a scanned pixel to the queue. Instead of gating the front end's clock
+    while the back end is full, the scan issues a pixel only if the queue has room for all that is
+    under way (see :class:`CreditQueue`).
 
     Parameters
     ----------
@@ -77,7 +78,8 @@ class BackMap(wiring.Component):
             "start": In(1), "scan": In(scan_layout()),
             "network": In(network_layout(hidden_neurons, formats)),
             "row": Out(SIZE), "spans": In(SPANS), "fresh": In(1),
-            "o": Out(stream.Signature(coordinate_layout(formats))), "idle": Out(1), "stalled": Out(1),
+            "o": Out(stream.Signature(coordinate_layout(formats))),
+            "idle": Out(1), "stalled": Out(1),
         })
 
     @property
