@@ -24,8 +24,9 @@ class Dut(Elaboratable):
 
 
 @pytest.mark.parametrize("size", [(8, 8), (37, 11), (64, 9)])
-@pytest.mark.parametrize("pause", [0, .4])
-def test_every_pixel_equals_model(size, pause):
+@pytest.mark.parametrize("pause,host", [(0, 0), (.4, 0), (0, .5), (.4, .8)])
+def test_every_pixel_equals_model(size, pause, host):
+    """``host``: how often the host takes the table's port, also just when a row ends."""
     (width, height), rng = size, np.random.default_rng(size[0])
     g, formats = Geometry(width, height, 40, 40), Formats()
     valid = ValidRows.of_mask(np.abs(np.indices((height, width))[1] - width // 2)
@@ -43,6 +44,9 @@ def test_every_pixel_equals_model(size, pause):
             ctx.set(scan.start, 0)
             taken = 0
             while taken < width * height:
+                ctx.set(dut.table.host_read, int(rng.random() < host))
+                ctx.set(dut.table.host_row, int(rng.integers(height)))
+                await ctx.delay(1e-10)
                 advance = ctx.get(scan.active) and rng.random() >= pause
                 ctx.set(scan.advance, int(advance))
                 if advance:

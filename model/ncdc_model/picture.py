@@ -24,7 +24,8 @@ def window_address(x, y, geometry, coordinate):
         before, after = origin == -1, origin == size - WINDOW + 1
         inside = inside & (origin >= -1) & (origin <= size - WINDOW + 1)
         origins.append(origin + before - after)
-        fractions.append(np.where(before, 0, np.where(after, (1 << coordinate.f_bits) - 1, fraction)))
+        last = (1 << coordinate.f_bits) - 1
+        fractions.append(np.where(before, 0, np.where(after, last, fraction)))
     return *(np.where(inside, value, 0) for value in (*origins, *fractions)), inside
 
 

@@ -55,6 +55,7 @@ class BurstWriter(wiring.Component):
         ended = Signal()                             # the frame's last word is in the queue
         left = Signal(range(self.burst + 1))         # words of the present burst
         address = Signal(ADDRESS_BITS)
+        log2_bytes = (self.data_width // 8).bit_length() - 1
         m.d.comb += [
             fifo.w_data.eq(Value.cast(self.i.payload)), fifo.w_en.eq(self.i.valid & ~ended),
             self.i.ready.eq(fifo.w_rdy & ~ended),
@@ -69,7 +70,7 @@ class BurstWriter(wiring.Component):
                 count = Mux(full, self.burst, fifo.level)
                 m.d.sync += [left.eq(count), self.bus.burstcount.eq(count),
                              self.bus.address.eq(address),
-                             address.eq(address + (count << (self.data_width // 8).bit_length() - 1))]
+                             address.eq(address + (count << log2_bytes))]
         with m.If(self.bus.write & ~self.bus.waitrequest):
             m.d.comb += fifo.r_en.eq(1)
             m.d.sync += left.eq(left - 1)

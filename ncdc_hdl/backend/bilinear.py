@@ -58,7 +58,8 @@ class Bilinear(wiring.Component):
             return total
 
         for colour in range(3):
-            q00, q01, q10, q11 = (self.i[6 * j + 3 * i + colour] for j in range(2) for i in range(2))
+            q00, q01, q10, q11 = (self.i[6 * j + 3 * i + colour]
+                                  for j in range(2) for i in range(2))
             upper = lerp(f"u{colour}", q00, q01, fx)
             lower = lerp(f"l{colour}", q10, q11, fx)
             shift = 2 * self.f_bits + 1

@@ -19,7 +19,8 @@ def raw_frame(path, geometry):
     image = read_image(path)
     if is_raw(image):
         return image, None
-    return mosaic(image, geometry.bayer), f"{path} is a colour picture: mosaiced as {geometry.bayer}"
+    note = f"{path} is a colour picture: mosaiced as {geometry.bayer}"
+    return mosaic(image, geometry.bayer), note
 
 
 class Progress:

@@ -64,7 +64,8 @@ def run(args):
     simulation = simulate_correction(descriptor, scene, verilog=verilog, memory="sdram",
                                      progress=Progress("simulating"))
     write_image(folder / "corrected.png", simulation.picture)
-    _say(f"{len(simulation.differing)} of {simulation.filled.size} pixels differ from the golden model")
+    _say(f"{len(simulation.differing)} of {simulation.filled.size} pixels differ from the golden "
+         "model")
 
     _step(5, "measuring against the truth, which the example knows")
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,

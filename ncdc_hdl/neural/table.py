@@ -75,7 +75,9 @@ class Table(wiring.Component):
         product = register("v_product", slope * delay(m, position, 3, "v_position"))
         value = delay(m, row.value, 4, "v_value")
         below = design.slope_bits + bits
-        total = (value << (below - design.offset_bits)) + product
+        result = (value << (below - design.offset_bits)) + product
+        total = Signal(result.shape(), name="v_total")
+        m.d.comb += total.eq(result)
         top = total[below - design.fraction_bits:]
         over = top[design.fraction_bits:].any()
         m.d.comb += self.o.eq(register(

@@ -18,7 +18,8 @@ def side_by_side(rows):
             bar = np.full((_BAR, picture.shape[1], 3), 255, np.uint8)
             cv2.putText(bar, caption, (4, _BAR - 8), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (30, 30, 30), 1,
                         cv2.LINE_AA)
-            cells += [np.vstack([bar, picture]), np.full((_BAR + len(picture), _GAP, 3), 255, np.uint8)]
+            gap = np.full((_BAR + len(picture), _GAP, 3), 255, np.uint8)
+            cells += [np.vstack([bar, picture]), gap]
         strips.append(np.hstack(cells[:-1]))
     width = max(strip.shape[1] for strip in strips)
     return np.vstack([np.pad(s, ((0, _GAP), (0, width - s.shape[1]), (0, 0)), constant_values=255)
