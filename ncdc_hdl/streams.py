@@ -5,16 +5,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
 
-__all__ = ["CreditQueue", "delay"]
-
-
-def delay(m, value, clocks, name, reset_less=True):
-    """``value`` as it was ``clocks`` clocks ago, through a chain of registers."""
-    for k in range(clocks):
-        register = Signal(value.shape(), name=f"{name}_d{k}", reset_less=reset_less)
-        m.d.sync += register.eq(value)
-        value = register
-    return value
+__all__ = ["CreditQueue"]
 
 
 class CreditQueue(wiring.Component):

@@ -7,7 +7,8 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.bayer import BayerQuads
 from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
-from ncdc_hdl.streams import CreditQueue, delay
+from ncdc_hdl.pipeline import delay
+from ncdc_hdl.streams import CreditQueue
 
 __all__ = ["Interpolator"]
 

@@ -10,7 +10,8 @@ from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
 from ncdc_hdl.neural.raster import RasterLayer
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_hdl.options import FrontEndOptions
-from ncdc_hdl.streams import CreditQueue, delay
+from ncdc_hdl.pipeline import delay
+from ncdc_hdl.streams import CreditQueue
 
 __all__ = ["BackMap"]
 

@@ -1,13 +1,16 @@
 """The ``classic`` tan-sigmoid, for comparison: hyperbolic CORDIC in three channels, then LVC."""
 
+from functools import partial
+
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl import pipeline
 from ncdc_hdl.fixed import add_signed
 from ncdc_hdl.neural.lvc import Quotient
-from ncdc_hdl.streams import delay
+from ncdc_hdl.pipeline import delay
 
 __all__ = ["Classic"]
 
@@ -47,10 +50,7 @@ class Classic(wiring.Component):
         design = self.design
         width, fraction = design.width, design.input.f_bits
 
-        def register(name, value, shape=None):
-            r = Signal(shape or value.shape(), name=name, reset_less=True)
-            m.d.sync += r.eq(value)
-            return r
+        register = partial(pipeline.register, m)
 
         # C: one iteration per stage. The first direction is known, and so are its x and y.
         channel = signed(width + 2)

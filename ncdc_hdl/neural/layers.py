@@ -7,7 +7,7 @@ from amaranth.utils import bits_for
 
 from ncdc_hdl.neural.layouts import hidden_layout, output_layout, pixel_layout
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
-from ncdc_hdl.streams import delay
+from ncdc_hdl.pipeline import delay
 
 __all__ = ["MultiplyLayer", "OutputLayer", "hidden_layer_ports", "served"]
 

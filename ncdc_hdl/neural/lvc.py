@@ -1,9 +1,12 @@
 """Linear vectoring CORDIC (LVC): the quotient (1 - u) / (1 + u), one digit per clock."""
 
+from functools import partial
+
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl import pipeline
 from ncdc_hdl.fixed import add_signed
 
 __all__ = ["Quotient"]
@@ -43,10 +46,7 @@ class Quotient(wiring.Component):
         m = Module()
         width = self.width
 
-        def register(name, value, shape=None):
-            r = Signal(shape or value.shape(), name=name, reset_less=True)
-            m.d.sync += r.eq(value)
-            return r
+        register = partial(pipeline.register, m)
 
         # N: numerator 1 - u by an addition, denominator 1 + u by wiring.
         remainder = register("n_remainder", (1 << width) - self.i, signed(width + 2))

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.fixed import add_signed
 from ncdc_hdl.neural.lvc import Quotient
-from ncdc_hdl.streams import delay
+from ncdc_hdl.pipeline import delay
 
 __all__ = ["Mmhbc"]
 

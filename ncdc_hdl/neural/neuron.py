@@ -2,14 +2,17 @@
 
 from dataclasses import dataclass
 
+from functools import partial
+
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
+from ncdc_hdl import pipeline
 from ncdc_hdl.fixed import saturate
 from ncdc_hdl.neural.product import Product
-from ncdc_hdl.streams import delay
+from ncdc_hdl.pipeline import delay
 from ncdc_model.fixed import Q
 
 __all__ = ["HiddenNeuron", "OutputNeuron", "WeightedSum", "hidden_sum", "output_sum"]
@@ -118,10 +121,7 @@ class _Accumulator(wiring.Component):
         m = Module()
         q = self.format
 
-        def register(name, value, shape=None):
-            r = Signal(shape or value.shape(), name=name, reset_less=True)
-            m.d.sync += r.eq(value)
-            return r
+        register = partial(pipeline.register, m)
 
         for k, product in enumerate(self.products):
             m.submodules[f"product{k}"] = product

@@ -1,8 +1,12 @@
 """Pipelined signed product, split by hand where multiplier blocks are narrower than it."""
 
+from functools import partial
+
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl import pipeline
 
 __all__ = ["Product"]
 
@@ -57,10 +61,7 @@ class Product(wiring.Component):
     def elaborate(self, platform):
         m = Module()
 
-        def register(name, value, shape=None):
-            r = Signal(shape or value.shape(), name=name, reset_less=True)
-            m.d.sync += r.eq(value)
-            return r
+        register = partial(pipeline.register, m)
 
         a = _parts(register("a0", self.a), self.block)
         b = _parts(register("b0", self.b), self.block)

@@ -8,7 +8,7 @@ from ncdc_hdl.fixed import saturate
 from ncdc_hdl.neural.layers import hidden_layer_ports, served
 from ncdc_hdl.neural.layouts import pixel_layout
 from ncdc_hdl.neural.neuron import hidden_sum
-from ncdc_hdl.streams import delay
+from ncdc_hdl.pipeline import delay
 
 __all__ = ["RasterControl", "RasterLayer", "RasterNeuron"]
 

@@ -1,11 +1,14 @@
 """The ``table`` tan-sigmoid: a quadratic per segment of the magnitude."""
 
+from functools import partial
+
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.streams import delay
+from ncdc_hdl import pipeline
+from ncdc_hdl.pipeline import delay
 
 __all__ = ["Table"]
 
@@ -42,10 +45,7 @@ class Table(wiring.Component):
         design = self.design
         bits = design.position_bits
 
-        def register(name, value, shape=None):
-            r = Signal(shape or value.shape(), name=name, reset_less=True)
-            m.d.sync += r.eq(value)
-            return r
+        register = partial(pipeline.register, m)
 
         # A: segment and position in it; the two top bits tell the range.
         segment = Signal(range(design.entries), name="a_segment", reset_less=True)

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.neural.classic import Classic
 from ncdc_hdl.neural.mmhbc import Mmhbc
 from ncdc_hdl.neural.table import Table
-from ncdc_hdl.streams import delay
+from ncdc_hdl.pipeline import delay
 
 __all__ = ["Tansig"]
 
