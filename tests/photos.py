@@ -1,4 +1,4 @@
-"""The real photos beside the repository, for tests that use them."""
+"""The real photos and camera files beside the repository, for tests that use them."""
 
 from pathlib import Path
 
@@ -13,5 +13,5 @@ def real_photos(pattern):
     """Sorted files of ``pattern`` in the data folder; skips the test if there is none."""
     files = sorted(_DATA.glob(pattern))
     if not files:
-        pytest.skip(f"the real photos {pattern} are not beside the repository")
+        pytest.skip(f"the files {pattern} of the real photos are not beside the repository")
     return files

@@ -13,11 +13,16 @@ from ncdc_model.training.problem import Problem
 FOLDER = Path(__file__).resolve().parents[2] / "shared" / "lenses"
 
 
-def reference_lens(name):
-    """The noisy calibration dots of the lens ``name``, and its exact map on a dense grid."""
+def reference_tables():
+    """The parameters of all lenses by name; skips the test if they are not there."""
     if not FOLDER.is_dir():
         pytest.skip("the folder ../shared/lenses beside the repository is absent")
-    camera = Camera.from_dict(json.loads((FOLDER / "lenses.json").read_text())[name])
+    return json.loads((FOLDER / "lenses.json").read_text())
+
+
+def reference_lens(name):
+    """The noisy calibration dots of the lens ``name``, and its exact map on a dense grid."""
+    camera = Camera.from_dict(reference_tables()[name])
     width, height = camera.size
     geometry = Geometry(width, height, width, height)
     dots = np.loadtxt(FOLDER / f"{name}_dots.csv", delimiter=",", skiprows=1).T

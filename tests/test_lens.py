@@ -1,11 +1,9 @@
 """Camera models: inverses, equations, files, and the study's exact lenses."""
 
-import json
-from pathlib import Path
-
 import cv2
 import numpy as np
 import pytest
+from reference_lenses import reference_tables
 
 from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera
@@ -13,7 +11,6 @@ from ncdc_model.geometry import Geometry
 from ncdc_model.lens import (AsariPolynomial, AsymmetricSurface, BrownWeng, Camera, KannalaBrandt,
                              Pinhole, Rational, TiltedSensor, rotation)
 
-LENSES = Path(__file__).resolve().parents[2] / "shared" / "lenses" / "lenses.json"
 GRID = np.meshgrid(np.linspace(-1.2, 1.2, 25), np.linspace(-0.9, 0.9, 19))
 
 MODELS = {
@@ -96,9 +93,7 @@ def test_pinhole_projects_world_points():
 
 
 def test_camera_equals_the_lenses_of_the_study():
-    if not LENSES.exists():
-        pytest.skip("the study's lenses.json is not beside the repository")
-    for name, table in json.loads(LENSES.read_text()).items():
+    for name, table in reference_tables().items():
         camera, (u, v, x, y) = Camera.from_dict(table), np.array(table["check"]).T
         np.testing.assert_allclose(camera.back_map(u, v), (x, y), atol=1e-6, err_msg=name)
         np.testing.assert_allclose(camera.corrected(x, y), (u, v), atol=1e-6, err_msg=name)

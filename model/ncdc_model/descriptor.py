@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.errors import InputError
+from ncdc_model.errors import InputError, reading
 from ncdc_model.files import read_bytes, write_text
 from ncdc_model.fixed import Q
 from ncdc_model.float_network import FloatNetwork, check_gamma
@@ -152,14 +152,8 @@ class Descriptor:
         if table.get("version") != VERSION:
             raise InputError(f"{path} has descriptor version {table.get('version')}, "
                              f"version {VERSION} is needed")
-        try:
+        with reading(path):
             return _of_table(table)
-        except KeyError as error:
-            raise InputError(f"{path} lacks the value {error}") from error
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from error
-        except (TypeError, ValueError, OverflowError) as error:
-            raise InputError(f"{path} holds a value of the wrong kind: {error}") from error
 
 
 def _of_table(table):

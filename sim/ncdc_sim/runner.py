@@ -91,7 +91,7 @@ def run(command, folder, on_line=lambda line: None):
             for line in process.stdout:
                 last.append(line.rstrip())
                 on_line(last[-1])
-        except BaseException:
+        except BaseException:       # Ctrl-C too must not leave the simulation running
             process.kill()
             raise
     if process.returncode:

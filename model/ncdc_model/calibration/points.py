@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ncdc_model.errors import InputError
+from ncdc_model.errors import InputError, reading
 from ncdc_model.files import read_bytes, write_text
 from ncdc_model.geometry import MAX_SIZE
 
@@ -149,7 +149,7 @@ class TargetPoints:
         if table.get("version") != VERSION:
             raise InputError(f"{path} has points version {table.get('version')}, version {VERSION} "
                              f"is needed")
-        try:
+        with reading(path):
             points = cls(target=table["target"], size=(int(table["width"]), int(table["height"])),
                          photos=tuple(map(_photo, table["photos"])),
                          rejected_photos=dict(table["rejected_photos"]))
@@ -157,12 +157,6 @@ class TargetPoints:
                 raise InputError(f"columns and rows are {table['columns']} and {table['rows']}, "
                                  f"the indices span {points.columns} and {points.rows}")
             return points
-        except KeyError as error:
-            raise InputError(f"{path} lacks the value {error}") from error
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from error
-        except (TypeError, ValueError, OverflowError) as error:
-            raise InputError(f"{path} holds a value of the wrong kind: {error}") from error
 
 
 def _photo_text(photo):
