@@ -21,8 +21,8 @@ __all__ = ["corrected_points", "evaluate_against", "fitted_view"]
 _WIDE = 0.01       # zoom at which no point of a photo falls outside the frame
 
 
-def evaluate_against(descriptor, path):
-    """Errors of ``descriptor`` against a points or camera file.
+def evaluate_against(descriptor, path, camera=None):
+    """Errors of ``descriptor`` against a points or camera file (``camera``: which of a camchain).
 
     A camera file is compared at every valid pixel: in the corrected frame of training
     (``trained``) if the descriptor is from a camera file. Points leave open from which direction
@@ -43,8 +43,10 @@ def evaluate_against(descriptor, path):
         If the file is bad, of a camera of another image size, or no point is inside the frame.
     """
     if not is_points_file(path):
-        back_map, view = _true_map(descriptor, path)
+        back_map, view = _true_map(descriptor, path, camera)
         return {"measured_on": f"frame, view {view}", **evaluate_frame(descriptor, back_map)}
+    if camera is not None:
+        raise InputError(f"camera {camera} is asked for, {path} holds points")
     points = TargetPoints.load(path)
     u, v, x, y, pose = corrected_points(descriptor, points, path)
     report = evaluate_points(descriptor, u, v, x, y)
@@ -55,9 +57,9 @@ def evaluate_against(descriptor, path):
             **report}
 
 
-def _true_map(descriptor, path):
+def _true_map(descriptor, path, name):
     geometry, provenance = descriptor.geometry, descriptor.provenance
-    camera = load_camera_map(path, geometry.corrected, _WIDE)
+    camera = load_camera_map(path, geometry.corrected, _WIDE, name)
     _same_size(geometry, camera.size, path)
     if "frame" not in provenance or "homography" in provenance:
         return fitted_view(descriptor, camera), "fitted"

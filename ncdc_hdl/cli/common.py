@@ -7,7 +7,7 @@ import sys
 from ncdc_model.files import write_text
 from ncdc_model.images import is_raw, mosaic, read_image
 
-__all__ = ["Progress", "add_json", "percent", "raw_frame", "write_report"]
+__all__ = ["Progress", "add_camera", "add_json", "percent", "raw_frame", "write_report"]
 
 
 def raw_frame(path, geometry):
@@ -43,6 +43,12 @@ class Progress:
 def percent(progress):
     """``progress(fraction)`` as a callback of (done, total)."""
     return lambda done, total: progress(done / total)
+
+
+def add_camera(parser):
+    """Declare the option --camera."""
+    parser.add_argument("--camera", metavar="NAME",
+                        help="which camera of a Kalibr camchain, as in cam1")
 
 
 def add_json(parser):

@@ -1,6 +1,6 @@
 """``ncdc evaluate``: the error of an existing descriptor."""
 
-from ncdc_hdl.cli.common import add_json, write_report
+from ncdc_hdl.cli.common import add_camera, add_json, write_report
 from ncdc_hdl.cli.train import error_table
 from ncdc_model.against import evaluate_against
 from ncdc_model.descriptor import Descriptor
@@ -17,12 +17,14 @@ def add_arguments(parser):
     parser.add_argument("--against", required=True, metavar="FILE",
                         help="points.json of this camera, the one of training or another, or its "
                              "camera file")
+    add_camera(parser)
     add_json(parser)
 
 
 def run(args):
     """Measure and report."""
-    report = evaluate_against(Descriptor.load(args.descriptor), args.against)
+    report = evaluate_against(Descriptor.load(args.descriptor), args.against,
+                              args.camera)
     if write_report(report, args.json):
         return
     count = (f"{report['points']} points" if "points" in report

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_hdl.cli.common import Progress, add_json, write_report
+from ncdc_hdl.cli.common import Progress, add_camera, add_json, write_report
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.float_network import check_gamma
@@ -28,8 +28,8 @@ EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("source", metavar="FILE",
-                        help="points.json of ncdc calibrate, or a camera file: OpenCV or ROS "
-                             "(YAML, XML, JSON), or our own (TOML)")
+                        help="points.json of ncdc calibrate, or a camera file: OpenCV, ROS, "
+                             "Kalibr, BoofCV (YAML, XML, JSON), or our own (TOML)")
     parser.add_argument("--neurons", type=int, required=True, metavar="N",
                         help="hidden neurons; 4 to 12 are usual")
     parser.add_argument("--trainer", choices=list(TRAINERS), default="lm",
@@ -59,6 +59,7 @@ def add_arguments(parser):
                              "good for it (default: 1)")
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
                         help="descriptor (default: net.toml); plots go beside it")
+    add_camera(parser)
     add_json(parser)
 
 
@@ -69,7 +70,7 @@ def run(args):
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
     source = load_source(args.source, _size(args.size) if args.size else None, args.zoom,
-                         args.bayer, _colour(args.fill))
+                         args.bayer, _colour(args.fill), args.camera)
     trained = train_camera(source, args.neurons, args.trainer, args.seed, args.held_out,
                            training_progress(), gamma=check_gamma(args.gamma),
                            formats=Formats().with_tansig_bits(args.tansig_bits),

@@ -1,4 +1,4 @@
-"""Camera files: OpenCV's, ROS's and our own, as the exact map of a corrected frame."""
+"""Camera files: OpenCV's, ROS's, Kalibr's and our own, as the exact map of a corrected frame."""
 
 import hashlib
 from dataclasses import dataclass
@@ -55,12 +55,12 @@ class CameraMap:
         return Geometry(*self.frame.size, *self.size, **options)
 
 
-def load_camera_map(path, size=None, zoom=None):
+def load_camera_map(path, size=None, zoom=None, camera=None):
     """Read a camera file and choose the corrected frame.
 
-    Three kinds of file are understood: OpenCV FileStorage (YAML, XML, JSON) and ROS camera_info
-    (YAML), see :mod:`ncdc_model.calibration.camera_models`, and the camera file (TOML) of
-    :class:`ncdc_model.lens.Camera`.
+    Understood are OpenCV FileStorage (YAML, XML, JSON), ROS camera_info (YAML), BoofCV and Kalibr
+    camchain (YAML), see :mod:`ncdc_model.calibration.camera_models`, and the camera file (TOML)
+    of :class:`ncdc_model.lens.Camera`.
 
     Parameters
     ----------
@@ -70,22 +70,26 @@ def load_camera_map(path, size=None, zoom=None):
     zoom : str or float, optional
         fit, fill or the magnification in the middle, as in :func:`ncdc_model.lens.choose_frame`;
         default fit. A TOML file that holds a frame keeps it if neither size nor zoom is given.
+    camera : str, optional
+        Which camera of a camchain.
 
     Raises
     ------
     InputError
         If the file cannot be read, lacks a value, holds an unknown model or one that does not
-        suit the zoom.
+        suit the zoom, or not the ``camera``.
     """
     digest = hashlib.sha256(read_bytes(path)).hexdigest()[:12]
     if Path(path).suffix.lower() == ".toml":
-        camera = Camera.load(path)
+        if camera is not None:
+            raise InputError(f"{path}: camera {camera} is asked for, the file holds one camera "
+                             f"without a name")
+        ours = Camera.load(path)
         if size is not None or zoom is not None:
-            camera = camera.framed(size, zoom or "fit")
-        return CameraMap(camera.size, camera.frame, camera.distort, camera.undistort, "ncdc camera",
-                         digest)
+            ours = ours.framed(size, zoom or "fit")
+        return CameraMap(ours.size, ours.frame, ours.distort, ours.undistort, "ncdc camera", digest)
     try:
-        lens = lens_of_table(read_table(path))
+        lens = lens_of_table(read_table(path), camera)
         frame = choose_frame(lens.undistort, lens.distort, lens.size, tuple(size or lens.size),
                              zoom or "fit")
     except InputError as error:

@@ -9,6 +9,7 @@ import numpy as np
 from ncdc_model.calibration.camera_file import load_camera_map, training_grid
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
 from ncdc_model.geometry import Geometry
 from ncdc_model.valid import REACH, Calibrated, grid_pitch
@@ -59,7 +60,7 @@ def is_points_file(path):
     return isinstance(table, dict) and table.get("format") == "ncdc points"
 
 
-def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0)):
+def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None):
     """Read a points or camera file and choose the corrected frame.
 
     Parameters
@@ -71,18 +72,24 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0)):
         As in :func:`ncdc_model.lens.choose_frame`; default fit.
     bayer, fill
         As in :class:`Geometry`.
+    camera : str, optional
+        Which camera of a camchain.
 
     Raises
     ------
     InputError
         If the file or an option is bad.
     """
-    read = _of_points if is_points_file(path) else _of_camera
-    return read(path, size, zoom, dict(bayer=bayer, fill=tuple(fill)))
+    options = dict(bayer=bayer, fill=tuple(fill))
+    if not is_points_file(path):
+        return _of_camera(path, size, zoom, camera, options)
+    if camera is not None:
+        raise InputError(f"camera {camera} is asked for, {path} holds points")
+    return _of_points(path, size, zoom, options)
 
 
-def _of_camera(path, size, zoom, options):
-    camera = load_camera_map(path, size, zoom)
+def _of_camera(path, size, zoom, camera, options):
+    camera = load_camera_map(path, size, zoom, camera)
     provenance = {"source": Path(path).name, "source_kind": camera.model,
                   "source_hash": camera.digest, "frame": _numbers(camera.frame)}
     return Source(training_grid(camera.back_map, camera.geometry()), camera.geometry(**options),
