@@ -1,0 +1,1 @@
+"""Other maps fitted to the same points, to judge the network by."""

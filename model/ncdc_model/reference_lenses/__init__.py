@@ -1,0 +1,94 @@
+"""Eight simulated wide-angle lenses with flaws, on which accuracy is compared, and their dots.
+
+PC105 and PC120 are about as hard as the lenses of the paper's Table III must have been. The others
+see 105 or 120 degrees, across the width or (d) across the diagonal; kb and br tell the radial model,
+Kannala-Brandt or rational. ``lenses.json`` holds the parameters of :meth:`Camera.from_dict`, and
+as ``check`` exact values (u, v, x, y) of the back-map.
+"""
+
+import json
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.geometry import Geometry
+from ncdc_model.lens import Camera
+from ncdc_model.training.problem import Problem
+
+__all__ = ["COLUMNS", "MARGIN", "NOISE", "REFERENCE_LENSES", "ROWS", "ReferenceLens",
+           "reference_table"]
+
+REFERENCE_LENSES = ("PC105", "PC120", "105kb", "105br", "105dbr", "120kb", "120br", "120dbr")
+
+COLUMNS, ROWS = 31, 21      # dots over the corrected frame
+INSET = 8                   # pixels from the frame's border to the outermost dots
+MARGIN = 6                  # pixels that a dot's centre keeps from the border of the photo
+NOISE = 0.05                # standard deviation per axis, distorted pixels
+SEED = 1000                 # of the noise that the accuracy goals were set on
+DIGITS = 6                  # of the dots, as in a points file
+
+
+@cache
+def _tables():
+    return json.loads(files(__package__).joinpath("lenses.json").read_text())
+
+
+def reference_table(name):
+    """The parameters of the lens ``name``; raises InputError if there is none."""
+    if name not in REFERENCE_LENSES:
+        raise InputError(f"lens is {name!r}, one of {', '.join(REFERENCE_LENSES)} is needed")
+    return _tables()[name]
+
+
+class ReferenceLens:
+    """One of the lenses: its exact map and the noisy dots of its calibration.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`REFERENCE_LENSES`.
+
+    Raises
+    ------
+    InputError
+        If there is no such lens.
+    """
+
+    def __init__(self, name):
+        self.name = name
+        self.camera = Camera.from_dict(reference_table(name))
+        self.geometry = Geometry(*self.camera.frame.size, *self.camera.size)
+
+    def dots(self, noise=NOISE, seed=SEED):
+        """A :class:`Problem`: the dots of a page that the photo shows, with Gaussian noise.
+
+        The page fills the corrected frame; ``noise`` is in pixels per axis.
+        """
+        width, height = self.geometry.corrected
+        u, v = np.meshgrid(np.linspace(INSET, width - 1 - INSET, COLUMNS),
+                           np.linspace(INSET, height - 1 - INSET, ROWS))
+        x, y = self.camera.back_map(u, v)
+        seen = _inside(x, y, self.geometry, MARGIN)
+        # Noise of the whole page, seen or not, so that all lenses of one seed have the same.
+        dx, dy = noise * np.random.default_rng(seed).standard_normal((2, ROWS, COLUMNS))
+        values = (np.round(value[seen], DIGITS) for value in (u, v, x + dx, y + dy))
+        return Problem(*values, self.geometry)
+
+    def truth(self, step=1):
+        """Every corrected pixel (u, v) with a source, and the source (x, y): a :class:`Problem`.
+
+        ``step``: every how many-th column and row.
+        """
+        width, height = self.geometry.corrected
+        u, v = np.meshgrid(np.arange(0.0, width, step), np.arange(0.0, height, step))
+        x, y = self.camera.back_map(u, v)
+        seen = _inside(x, y, self.geometry, 0)
+        return Problem(u[seen], v[seen], x[seen], y[seen], self.geometry)
+
+
+def _inside(x, y, geometry, margin):
+    width, height = geometry.distorted
+    return ((x >= margin) & (x <= width - 1 - margin)
+            & (y >= margin) & (y <= height - 1 - margin))
