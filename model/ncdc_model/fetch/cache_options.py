@@ -1,0 +1,92 @@
+"""Sizes of the tile cache, and the rule by which a tile has its place in it."""
+
+from dataclasses import dataclass
+
+from ncdc_model.errors import InputError
+
+__all__ = ["CacheOptions", "TAG_BANKS", "TILE_HEIGHT", "TILE_WIDTH"]
+
+TILE_WIDTH, TILE_HEIGHT = 16, 4     # samples, a byte each
+TAG_BANKS = 4                       # one for each parity of a tile's column and row
+_MAX_TILES = 4096
+_MAX_PENDING = 1024
+_MAX_OUTSTANDING = 64
+
+
+@dataclass(frozen=True)
+class CacheOptions:
+    """A direct-mapped cache of ``tiles`` tiles of 16 x 4 bytes; every choice gives the same windows.
+
+    The index rule. Sample (x, y) of the raw frame lies in tile (tx, ty) = (x >> 4, y >> 2), whose
+    place is fixed by::
+
+        bank = (tx & 1) | (ty & 1) << 1
+        set  = ((ty >> 1) mod Ky) Kx + (tx >> 1) mod Kx      Kx = 2**split, Kx Ky = tiles / 4
+        slot = bank tiles / 4 + set
+
+    The four tiles that a window can touch are in four banks, so no window evicts its own tiles.
+    ``split``, 0..max_split, is chosen at run time (register CACHE_SPLIT): Kx large for a scan along
+    the rows of the raw frame, small for one along its columns.
+
+    Parameters
+    ----------
+    tiles : int
+        A power of two, 16..4096.
+    pending : int
+        Windows between the look-up of their tiles and the read of their samples, at most; a power
+        of two, 4..1024. They hide the memory's latency.
+    outstanding : int
+        Tiles asked for and not yet arrived, at most, 1..64.
+    sequence_bits : int
+        Of the number by which a tile knows its last user; at least one more than counts
+        ``pending``, at most 24. The more, the seldomer a tile looks used that is not.
+
+    Raises
+    ------
+    InputError
+        If a value is outside its limits.
+    """
+    tiles: int = 512
+    pending: int = 128
+    outstanding: int = 16
+    sequence_bits: int = 12
+
+    def __post_init__(self):
+        for name, least, most in (("tiles", 16, _MAX_TILES), ("pending", 4, _MAX_PENDING)):
+            value = getattr(self, name)
+            if not least <= value <= most or value & (value - 1):
+                raise InputError(f"the cache's {name} is {value}, a power of two from {least} to "
+                                 f"{most} is needed")
+        if not 1 <= self.outstanding <= _MAX_OUTSTANDING:
+            raise InputError(f"the cache's outstanding is {self.outstanding}, the limits are 1 and "
+                             f"{_MAX_OUTSTANDING}")
+        if not self.pending < 1 << (self.sequence_bits - 1) <= 1 << 23:
+            raise InputError(f"the cache's sequence_bits is {self.sequence_bits}, the limits are "
+                             f"{self.pending.bit_length() + 1} and 24")
+
+    @property
+    def bytes(self):
+        """Of samples that the cache holds."""
+        return self.tiles * TILE_WIDTH * TILE_HEIGHT
+
+    @property
+    def sets(self):
+        """Tiles of each tag bank."""
+        return self.tiles // TAG_BANKS
+
+    @property
+    def max_split(self):
+        """The largest ``split``: one row of sets."""
+        return self.sets.bit_length() - 1
+
+    def check_split(self, split):
+        """Return ``split``.
+
+        Raises
+        ------
+        InputError
+            If it is outside 0..max_split.
+        """
+        if not 0 <= split <= self.max_split:
+            raise InputError(f"the cache's split is {split}, the limits are 0 and {self.max_split}")
+        return split
