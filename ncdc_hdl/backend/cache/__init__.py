@@ -1,0 +1,1 @@
+"""The fetcher with a prefetching cache of tiles."""
