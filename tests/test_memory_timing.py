@@ -1,0 +1,54 @@
+"""Parameters of the memories."""
+
+from fractions import Fraction
+
+import pytest
+
+from ncdc_model.errors import InputError
+from ncdc_model.memory_timing import MEMORIES, LatencyMemory, ddr3, memory_timing, sdram
+
+
+def test_sdram_in_clocks_of_10_ns():
+    m = sdram()
+    assert (m.ratio, m.rcd, m.rp, m.ras, m.rc, m.rrd) == (1, 2, 2, 5, 7, 2)
+    assert (m.refresh, m.refresh_interval, m.write_to_precharge, m.read_data) == (7, 781, 3, 4)
+    assert m.row_bytes * m.banks * 8192 == 128 << 20        # two parts of 512 Mbit
+
+
+def test_ddr3_in_clocks_of_2500_ps():
+    m = ddr3()
+    assert (m.ratio, m.rcd, m.rp, m.ras, m.rc, m.rrd, m.faw) == (4, 6, 6, 15, 21, 4, 20)
+    assert (m.refresh, m.refresh_interval, m.write_to_precharge, m.read_data) == (64, 3125, 15, 10)
+    assert (m.read_to_write, m.write_to_read) == (7, 13)
+    assert m.row_bytes * m.banks * 16384 * 8 == 2 << 30
+
+
+def test_other_clocks():
+    assert [memory_timing(f"ddr3@{f}").controller_clocks for f in (100, 150, 200)] == [12, 16, 20]
+    assert memory_timing("ddr3@150").ratio == Fraction(8, 3)
+    assert memory_timing("sdram@50").rc == 4 and memory_timing("sdram@133.3").rc == 9
+
+
+def test_names():
+    assert memory_timing("fixed:100:4") == LatencyMemory(latency=(100, 100), bytes_per_clock=4)
+    assert memory_timing(MEMORIES["sdram"]) is MEMORIES["sdram"]
+
+
+@pytest.mark.parametrize("memory,message", [
+    ("sram", "memory is 'sram', one of ideal, sdram, ddr3, hostile, sdram@MHZ, ddr3@MHZ or fixed"),
+    ("fixed:100", "memory is 'fixed:100'"),
+    ("fixed:0:4", r"latency is 0\.\.0 clocks, the limits are 1 and 10000"),
+    ("fixed:10:65", "rate is 65 bytes per clock, the limits are 0.01 and 64"),
+    ("sdram@150", "clock of sdram is 150 MHz, the limits are 20 and 143"),
+    ("ddr3@10", "clock of ddr3 is 10 MHz, the limits are 20 and 400")])
+def test_bad_names(memory, message):
+    with pytest.raises(InputError, match=message):
+        memory_timing(memory)
+
+
+@pytest.mark.parametrize("options,message", [
+    ({"max_pending": 65}, "max_pending is 65, the limits are 1 and 64"),
+    ({"wait_chance": 256}, "wait_chance is 256, the limits are 0 and 255")])
+def test_bad_values(options, message):
+    with pytest.raises(InputError, match=message):
+        LatencyMemory(**options)
