@@ -16,7 +16,7 @@ __all__ = ["COMMANDS", "main", "parser"]
 
 # Each module has HELP, EXAMPLE, add_arguments(parser) and run(args); run returns the exit
 # status, None for 0.
-COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "generate", "simulate",
+COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "export", "generate", "simulate",
             "bench")
 
 

@@ -1,0 +1,43 @@
+"""``ncdc export``: maps and points for other software."""
+
+from pathlib import Path
+
+from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.calibration.points_csv import STYLES, save_csv
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.remap import SUFFIXES, remap_tables, save_tables
+from ncdc_model.training.source import is_points_file
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "write a map as tables for OpenCV's remap, or points as CSV"
+EXAMPLE = "ncdc export net.toml -o maps.npz"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("source", metavar="FILE",
+                        help="descriptor of ncdc train, or points.json of ncdc calibrate")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT",
+                        help=f"of a descriptor map_x and map_y ({', '.join(SUFFIXES)}), of points "
+                             f"a .csv")
+    parser.add_argument("--style", choices=list(STYLES),
+                        help="columns of the CSV: opencv: object and image points (default); "
+                             "discorpy: line by line")
+
+
+def run(args):
+    """Convert and write."""
+    if is_points_file(args.source):
+        if Path(args.output).suffix.lower() != ".csv":
+            raise InputError(f"{args.output}: points are written as .csv")
+        points = TargetPoints.load(args.source)
+        save_csv(args.output, points, args.style or "opencv")
+        print(f"{args.output}: {points.count} points")
+        return
+    if args.style:
+        raise InputError(f"style {args.style} is for points, {args.source} holds none")
+    map_x, map_y = remap_tables(Descriptor.load(args.source))
+    save_tables(args.output, map_x, map_y)
+    print(f"{args.output}: map_x and map_y, {map_x.shape[1]}x{map_x.shape[0]}")
