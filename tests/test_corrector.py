@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from cameras import barrel_descriptor, barrel_map
 
-from ncdc_hdl.avalon.register_table import (CTRL_START, frame_bytes, host_values, registers,
-                                            table_words)
+from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, frame_bytes, host_values,
+                                            registers, table_words)
 from ncdc_hdl.export.verilog import corrector_verilog
 from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.corrector import correct
@@ -141,14 +141,14 @@ def test_parameters_change_between_frames(simulator):
     program = Program().write(rows["IRQ_ENABLE"], 1)
     for name, value in (first | {"TARGET_BASE": target[0]}).items():
         program.write(rows[name], value)
-    program.write(rows["CTRL"], CTRL_START)
+    program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     # While the first frame runs: all values of the second, its valid rows in the other bank.
     for name, value in (second | {"VALID_BANK": 1}).items():
         program.write(rows[name], value)
     program.write(rows["VALID_WINDOW"], 1)
     for address, value in table_words(two.valid):
         program.write(address, value)
-    program.write(rows["CTRL"], CTRL_START)
+    program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     program.wait_irq().write(rows["STATUS"], 2).wait_irq().read(rows["FRAMES"])
     content = raw_image(raw[0], first["SOURCE_PITCH"]).ljust(source, b"\0")
     content += raw_image(raw[1], second["SOURCE_PITCH"])

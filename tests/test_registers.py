@@ -6,8 +6,10 @@ from amaranth import *
 from cameras import barrel_descriptor
 from pipelines import run_bench
 
-from ncdc_hdl.avalon.register_table import (ID, STATUS_BUSY, STATUS_DONE, STATUS_PENDING, TABLE,
-                                            host_values, registers, table_words)
+from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, ID, STATUS_BANK, STATUS_BUSY,
+                                            STATUS_COMMITTED, STATUS_DONE, STATUS_PENDING,
+                                            STATUS_REFUSED, TABLE, host_values, registers,
+                                            table_words)
 from ncdc_hdl.avalon.registers import Registers
 from ncdc_hdl.frontend.valid import ValidTable
 
@@ -111,30 +113,42 @@ def test_every_writable_register_keeps_every_bit():
     run(bench)
 
 
-def test_shadow_registers_change_at_a_frame_only():
+async def control(ctx, host, value):
+    await host.write(BY_NAME["CTRL"].address, value)
+    await wait(ctx, 3)
+
+
+async def status(host):
+    return await host.read(BY_NAME["STATUS"].address)
+
+
+async def end_frame(ctx, dut):
+    """One clock of ``ended``; returns in the clock behind it."""
+    ctx.set(dut.ended, 1)
+    await ctx.tick()
+    ctx.set(dut.ended, 0)
+
+
+def test_shadow_registers_change_at_a_commit_only():
     async def bench(ctx, dut, host):
-        async def start():
-            await host.write(BY_NAME["CTRL"].address, 1)
-            await wait(ctx, 3)
-
-        async def status():
-            return await host.read(BY_NAME["STATUS"].address)
-
-        assert await status() == 0
-        await start()
-        assert ctx.get(dut.active.FILL) == 0 and await status() == STATUS_BUSY
+        assert await status(host) == 0
+        assert ctx.get(dut.active.CORRECTED_WIDTH) == D.geometry.corrected_width, "reset value"
         await host.write(BY_NAME["FILL"].address, 0xABCDEF)
-        await wait(ctx, 5)
+        await control(ctx, host, CTRL_START)
+        assert ctx.get(dut.active.FILL) == 0, "taken over without a commit"
+        assert await status(host) == STATUS_BUSY
+        await control(ctx, host, CTRL_COMMIT)
         assert ctx.get(dut.active.FILL) == 0, "changed in the middle of a frame"
-        await start()
-        assert ctx.get(dut.active.FILL) == 0 and await status() == STATUS_BUSY | STATUS_PENDING
+        assert await status(host) == STATUS_BUSY | STATUS_COMMITTED
+        await control(ctx, host, CTRL_START)
+        assert await status(host) == STATUS_BUSY | STATUS_PENDING | STATUS_COMMITTED
         ctx.set(dut.counters.CLOCKS, 1234)
-        ctx.set(dut.ended, 1)
+        await end_frame(ctx, dut)
+        # No clock is lost: the waiting frame begins in the first clock without one.
+        assert ctx.get(dut.begin) and ctx.get(dut.active.FILL) == 0
         await ctx.tick()
-        ctx.set(dut.ended, 0)
-        await wait(ctx, 2)
-        assert ctx.get(dut.active.FILL) == 0xABCDEF
-        assert await status() == STATUS_BUSY | STATUS_DONE
+        assert ctx.get(dut.active.FILL) == 0xABCDEF and not ctx.get(dut.begin)
+        assert await status(host) == STATUS_BUSY | STATUS_DONE
         assert await host.read(BY_NAME["CLOCKS"].address) == 1234
         assert await host.read(BY_NAME["FRAMES"].address) == 1
         assert not ctx.get(dut.irq)
@@ -143,7 +157,98 @@ def test_shadow_registers_change_at_a_frame_only():
         assert ctx.get(dut.irq)
         await host.write(BY_NAME["STATUS"].address, STATUS_DONE)
         await ctx.tick()
-        assert not ctx.get(dut.irq) and await status() == STATUS_BUSY
+        assert not ctx.get(dut.irq) and await status(host) == STATUS_BUSY
+
+    run(bench)
+
+
+def test_a_commit_without_a_frame_acts_at_once():
+    async def bench(ctx, dut, host):
+        await host.write(BY_NAME["FILL"].address, 5)
+        await host.write(BY_NAME["VALID_BANK"].address, 1)
+        await control(ctx, host, CTRL_COMMIT)
+        assert ctx.get(dut.active.FILL) == 5 and not ctx.get(dut.begin)
+        assert await status(host) == STATUS_BANK
+        await host.write(BY_NAME["FILL"].address, 6)
+        await host.write(BY_NAME["CTRL"].address, CTRL_COMMIT | CTRL_START)
+        assert ctx.get(dut.begin)
+        await ctx.tick()
+        assert ctx.get(dut.active.FILL) == 6
+        assert await status(host) == STATUS_BANK | STATUS_BUSY
+
+    run(bench)
+
+
+@pytest.mark.parametrize("name", [r.name for r in ROWS if r.access == "shadow"])
+def test_a_committed_set_refuses_writes(name):
+    """No register of the set can change between the commit and the frame boundary."""
+    async def bench(ctx, dut, host):
+        address = BY_NAME[name].address
+        before = await host.read(address)
+        await control(ctx, host, CTRL_START)
+        await control(ctx, host, CTRL_COMMIT)
+        await host.write(address, ~before)
+        assert await host.read(address) == before
+        assert await status(host) == STATUS_BUSY | STATUS_COMMITTED | STATUS_REFUSED
+        await host.write(BY_NAME["STATUS"].address, STATUS_REFUSED)
+        await end_frame(ctx, dut)
+        await ctx.tick()
+        assert await status(host) == STATUS_DONE
+        await host.write(address, ~before)
+        assert await host.read(address) != before
+        assert await status(host) == STATUS_DONE
+
+    run(bench)
+
+
+def test_valid_rows_in_use_refuse_writes():
+    """Of the two banks, a running frame holds one and a committed set the other."""
+    async def bench(ctx, dut, host):
+        async def takes(bank, span):
+            await host.write(BY_NAME["VALID_WINDOW"].address, bank)
+            await host.write(TABLE + 6, span)
+            taken = await host.read(TABLE + 6) == span
+            assert bool(await status(host) & STATUS_REFUSED) != taken
+            await host.write(BY_NAME["STATUS"].address, STATUS_REFUSED)
+            return taken
+
+        assert await takes(0, 1) and await takes(1, 2)
+        await control(ctx, host, CTRL_START)
+        assert not await takes(0, 3) and await takes(1, 4)
+        await host.write(BY_NAME["VALID_BANK"].address, 1)
+        assert not await takes(0, 5) and await takes(1, 6)
+        await control(ctx, host, CTRL_COMMIT)
+        assert not await takes(0, 7) and not await takes(1, 8)
+        await end_frame(ctx, dut)
+        await ctx.tick()
+        assert await takes(0, 9) and await takes(1, 10)
+        await control(ctx, host, CTRL_START)
+        assert await takes(0, 11) and not await takes(1, 12)
+
+    run(bench)
+
+
+@pytest.mark.parametrize("lead", range(5))
+def test_a_commit_at_the_frame_boundary_is_whole(lead):
+    """Wherever a commit falls about the boundary, the frame has all of the set or nothing."""
+    async def bench(ctx, dut, host):
+        await control(ctx, host, CTRL_START)
+        await control(ctx, host, CTRL_START)
+        await host.write(BY_NAME["FILL"].address, 77)
+        await host.write(BY_NAME["VALID_BANK"].address, 1)
+        bus = dut.bus
+        ctx.set(bus.address, BY_NAME["CTRL"].address)
+        ctx.set(bus.writedata, CTRL_COMMIT)
+        for k in range(6):
+            ctx.set(bus.write, k == lead)
+            ctx.set(dut.ended, k == 2)
+            await ctx.tick()
+        taken = ctx.get(dut.active.FILL) == 77
+        assert taken == (ctx.get(dut.active.VALID_BANK) == 1) == (lead <= 2)
+        assert bool(await status(host) & STATUS_COMMITTED) != taken
+        await end_frame(ctx, dut)
+        await ctx.tick()
+        assert ctx.get(dut.active.FILL) == 77 and ctx.get(dut.active.VALID_BANK) == 1
 
     run(bench)
 

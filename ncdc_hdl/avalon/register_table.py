@@ -8,18 +8,43 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.packer import PIXEL_BYTES
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN
 
-__all__ = ["ADDRESS_WORDS_BITS", "CTRL_START", "ID", "Register", "STATUS_BUSY", "STATUS_DONE",
-           "STATUS_PENDING", "TABLE", "frame_bytes", "host_values", "network_values", "registers",
+__all__ = ["ADDRESS_WORDS_BITS", "CTRL_COMMIT", "CTRL_START", "Flag", "ID", "Register",
+           "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_PENDING",
+           "STATUS_REFUSED", "TABLE", "frame_bytes", "host_values", "network_values", "registers",
            "table_words"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
 ID = 0x4E434443           # "NCDC"
 
-CTRL_START = 1
+CTRL_START, CTRL_COMMIT = 1, 2
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
+STATUS_COMMITTED, STATUS_REFUSED, STATUS_BANK = 8, 16, 32
 
 _SIZE = unsigned(MAX_SIZE.bit_length())
+
+
+@dataclass(frozen=True)
+class Flag:
+    """One bit of an "action" register.
+
+    Parameters
+    ----------
+    name : str
+    mask : int
+    access : str
+        "w1": writing 1 acts, reads 0; "ro"; "w1c": writing 1 clears.
+    text : str
+    """
+    name: str
+    mask: int
+    access: str
+    text: str
+
+    @property
+    def bit(self):
+        """Number of the bit."""
+        return self.mask.bit_length() - 1
 
 
 @dataclass(frozen=True)
@@ -32,17 +57,25 @@ class Register:
     address : int
         In words.
     access : str
-        "rw"; "shadow": rw, takes effect at the next frame; "ro"; "action": read and written as
-        its text says.
+        "rw"; "shadow": rw, of the set that a commit makes active; "ro"; "action": flags, each
+        with its own access.
     shape : Shape
         Bits that are kept; a signed value is sign-extended on reading.
     text : str
+    flags : tuple of Flag
+        Of an "action" register.
     """
     name: str
     address: int
     access: str
     shape: object
     text: str
+    flags: tuple = ()
+
+
+def _action(name, address, text, *flags):
+    return Register(name, address, "action", unsigned(max(flag.bit for flag in flags) + 1), text,
+                    flags)
 
 
 _FIXED = (
@@ -50,14 +83,24 @@ _FIXED = (
     Register("DIGEST", 0x01, "ro", unsigned(32),
              "First 32 bits of the hash of the descriptor that the reset values are from."),
     Register("NEURONS", 0x02, "ro", unsigned(6), "Hidden neurons of this instance."),
-    Register("CTRL", 0x03, "action", unsigned(1),
-             "Write 1 to bit 0: correct one frame; while busy, one more frame waits its turn."),
-    Register("STATUS", 0x04, "action", unsigned(3),
-             "Bit 0 busy, bit 1 done (write 1 to clear), bit 2 another frame waits."),
-    Register("IRQ_ENABLE", 0x05, "rw", unsigned(1), "Bit 0: irq follows STATUS.done, which tells that the memory has taken the last word."),
+    _action("CTRL", 0x03, "Several bits may be written at once.",
+            Flag("START", CTRL_START, "w1",
+                 "correct one frame; while a frame runs, one more waits its turn"),
+            Flag("COMMIT", CTRL_COMMIT, "w1",
+                 "make the whole set of shadow registers active at the next frame boundary")),
+    _action("STATUS", 0x04, "",
+            Flag("BUSY", STATUS_BUSY, "ro", "a frame runs"),
+            Flag("DONE", STATUS_DONE, "w1c",
+                 "a frame is complete: the memory has taken its last word"),
+            Flag("PENDING", STATUS_PENDING, "ro", "another frame waits"),
+            Flag("COMMITTED", STATUS_COMMITTED, "ro", "a commit waits for the frame boundary"),
+            Flag("REFUSED", STATUS_REFUSED, "w1c",
+                 "a write was ignored that would have changed a committed set or valid rows in use"),
+            Flag("BANK", STATUS_BANK, "ro", "bank of the valid rows in use")),
+    Register("IRQ_ENABLE", 0x05, "rw", unsigned(1), "irq follows STATUS.DONE."),
     Register("VALID_WINDOW", 0x06, "rw", unsigned(1),
              "Bank of the valid rows that the table window reads and writes."),
-    Register("VALID_BANK", 0x07, "shadow", unsigned(1), "Bank of the valid rows in use."),
+    Register("VALID_BANK", 0x07, "shadow", unsigned(1), "Bank of the valid rows that frames use."),
     Register("SOURCE_BASE", 0x08, "shadow", unsigned(ADDRESS_BITS),
              "Byte address of the raw frame, a multiple of the memory word."),
     Register("SOURCE_PITCH", 0x09, "shadow", _SIZE,

@@ -1,7 +1,6 @@
 """The registers as a C header."""
 
-from ncdc_hdl.avalon.register_table import (CTRL_START, ID, STATUS_BUSY, STATUS_DONE, STATUS_PENDING,
-                                            TABLE, host_values, registers, table_words)
+from ncdc_hdl.avalon.register_table import ID, TABLE, host_values, registers, table_words
 
 __all__ = ["c_header"]
 
@@ -21,9 +20,9 @@ def c_header(descriptor, data_width=32):
              "#ifndef NCDC_REGISTERS_H", "#define NCDC_REGISTERS_H", "", "#include <stdint.h>", ""]
     lines += [f"#define NCDC_{r.name} 0x{offset[r.name]:04X}u /* {r.access}: {r.text} */"
               for r in rows]
-    lines += [f"#define NCDC_{name} 0x{value:X}u" for name, value in (
-        ("ID_VALUE", ID), ("CTRL_START", CTRL_START), ("STATUS_BUSY", STATUS_BUSY),
-        ("STATUS_DONE", STATUS_DONE), ("STATUS_PENDING", STATUS_PENDING))]
+    lines += [f"#define NCDC_ID_VALUE 0x{ID:X}u"]
+    lines += [f"#define NCDC_{r.name}_{flag.name} 0x{flag.mask:X}u /* {flag.access}: {flag.text} */"
+              for r in rows for flag in r.flags]
     lines += [f"#define NCDC_VALID_ROWS 0x{4 * TABLE:04X}u "
               "/* rw: 8 bytes per row, two spans of start | stop << 16 */", "",
               "struct ncdc_value { uint32_t offset, value; };", ""]

@@ -25,10 +25,8 @@ Access:
 
 - `ro`: read only;
 - `rw`: takes effect at once;
-- `shadow`: read and written at any time; all of them are taken over in the clock in which the next
-  frame begins, never in the middle of one. While a started frame waits its turn (STATUS bit 2) that
-  clock may come between two writes: write a set of parameters before its start, not behind it;
-- `action`: as its text says.
+- `shadow`: read and written at any time, but only a commit makes it active, see below;
+- `action`: flags. `w1`: writing 1 acts, it reads 0; `w1c`: writing 1 clears it.
 
 The sizes of the network's registers are those of {neurons} hidden neurons (j = 0 .. {last}) in the
 default formats.
@@ -46,10 +44,25 @@ rows as the corrected image of the descriptor, rounded up to a power of two; a h
 taller image than that gets the spans of other rows; writes beyond the bank are ignored. Sizes outside
 their limits are not checked: a width or height of 0 never ends.
 
-To correct a frame: write what differs from the reset values, write 1 to `CTRL`, wait for bit 1 of
-`STATUS` (or for `irq`, if `IRQ_ENABLE` is 1), write 2 to `STATUS`. A host that wants another lens
-writes the new network and the other bank of valid rows while a frame runs, then `VALID_BANK` and
-`CTRL`.
+## A frame, another lens
+
+To correct a frame: write what differs from the reset values, write `COMMIT` and `START` (3) to
+`CTRL`, wait for `DONE` in `STATUS` (or for `irq`, if `IRQ_ENABLE` is 1), write `DONE` (2) to `STATUS`.
+
+What is written to shadow registers goes to a set of its own. `COMMIT` marks that set complete; at the
+next frame boundary, or at once if no frame runs, all of it becomes active in one clock. From then on
+a host may write the next set, while the frame runs. `START` without `COMMIT` corrects another
+frame with the set in use. A commit costs no clock: a waiting frame begins in the clock after the
+last one ends.
+
+No frame sees half a set, whatever the host does. A write is ignored, and sets `REFUSED`, if it goes to
+
+- a shadow register while a commit waits (`COMMITTED`);
+- the bank of valid rows that a running or waiting frame uses (`BANK` tells which), or that a waiting
+  commit names.
+
+A host that wants another lens writes the network, the geometry and the bank of valid rows that is
+not in use, names that bank in `VALID_BANK`, and writes `COMMIT` and `START`.
 """
 
 _NUMBERED = re.compile(r"(?<=[A-Z])\d+(?=_|$)|(?<=neuron )\d+")
@@ -67,7 +80,7 @@ def register_doc(hidden_neurons, formats):
     for register in registers(hidden_neurons, formats):
         rows.setdefault(_NUMBERED.sub("j", register.name), []).append(register)
     lines = [_row(_offset(name, same), name, same[0].access, same[0].shape,
-                  _NUMBERED.sub("j", same[0].text)) for name, same in rows.items()]
+                  _NUMBERED.sub("j", _text(same[0]))) for name, same in rows.items()]
     lines.append(f"| 0x{4 * TABLE:04X} + 8 r | `VALID_ROWS` | rw | 2 x 32 | "
                  "Spans of pixels with a source in row r, see below. |\n")
     bits = MAX_SIZE.bit_length() - 1
@@ -84,6 +97,12 @@ def _offset(name, same):
     if len(steps) > 1:
         raise ValueError(f"the registers {name} are at unequal distances {sorted(steps)}")
     return f"0x{first:04X} + {steps.pop()} j" if steps else f"0x{first:04X}"
+
+
+def _text(register):
+    flags = "; bit ".join(f"{flag.bit} `{flag.name}` ({flag.access}): {flag.text}"
+                      for flag in register.flags)
+    return " ".join(part for part in (flags and f"Bit {flags}.", register.text) if part)
 
 
 def _row(offset, name, access, shape, text):

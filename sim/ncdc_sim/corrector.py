@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_hdl.avalon.register_table import (CTRL_START, frame_bytes, host_values, registers,
-                                            table_words)
+from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, frame_bytes, host_values,
+                                            registers, table_words)
 from ncdc_hdl.export.verilog import corrector_verilog
 from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.corrector import check_raw, correct
@@ -81,7 +81,7 @@ def corrector_program(descriptor, data_width, checked=True):
     if checked:
         for address, value in writes:
             program.compare(address, value)
-    program.write(rows["CTRL"].address, CTRL_START).wait_irq()
+    program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START).wait_irq()
     for name in _COUNTERS:
         program.read(rows[name].address)
     return program

@@ -3,8 +3,8 @@
 import cocotb
 import numpy as np
 
-from ncdc_hdl.avalon.register_table import (CTRL_START, STATUS_DONE, frame_bytes, host_values,
-                                            registers, table_words)
+from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, STATUS_DONE, frame_bytes,
+                                            host_values, registers, table_words)
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_sim.benches.avalon import Host, read_memory, write_memory
@@ -45,11 +45,11 @@ async def two_frames_equal_model(dut):
     for address, value in table_words(d.valid):
         await host.write(address, value)
     await host.write(rows["IRQ_ENABLE"], 1)
-    await host.write(rows["CTRL"], CTRL_START)
+    await host.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     await clocks(dut, 4)
     await host.write(rows["SOURCE_BASE"], 2 * size)
     await host.write(rows["TARGET_BASE"], 3 * size)
-    await host.write(rows["CTRL"], CTRL_START)
+    await host.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     for k in range(2):
         for _ in range(60000):
             if int(dut.irq.value):

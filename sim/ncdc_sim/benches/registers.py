@@ -5,7 +5,8 @@ import random
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly
 
-from ncdc_hdl.avalon.register_table import (CTRL_START, ID, STATUS_BUSY, STATUS_DONE, TABLE,
+from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, ID, STATUS_BUSY,
+                                            STATUS_COMMITTED, STATUS_DONE, STATUS_REFUSED, TABLE,
                                             host_values, registers)
 from ncdc_model.descriptor import Descriptor
 from ncdc_sim.benches.avalon import Host
@@ -51,28 +52,38 @@ async def every_bit_is_kept(dut):
 
 @cocotb.test()
 async def frame_boundary(dut):
-    """A shadow register takes effect at the next frame; the end of a frame interrupts."""
+    """A committed set takes effect at the next frame; the end of a frame interrupts."""
     host, rows, _ = await prepare(dut)
+
+    async def control(value):
+        await host.write(rows["CTRL"].address, value)
+        await clocks(dut, 3)
+
+    async def status():
+        return await host.read(rows["STATUS"].address)
+
     await host.write(rows["IRQ_ENABLE"].address, 1)
-    await host.write(rows["CTRL"].address, CTRL_START)
-    await clocks(dut, 3)
+    await control(CTRL_START)
     before = int(dut.active.value)
     await host.write(rows["FILL"].address, 0xABCDEF)
-    await clocks(dut, 5)
+    await control(CTRL_COMMIT)
+    assert await status() == STATUS_BUSY | STATUS_COMMITTED
+    await host.write(rows["FILL"].address, 0x123456)
+    assert await status() == STATUS_BUSY | STATUS_COMMITTED | STATUS_REFUSED
+    assert await host.read(rows["FILL"].address) == 0xABCDEF
+    await host.write(rows["STATUS"].address, STATUS_REFUSED)
     assert int(dut.active.value) == before, "changed in the middle of a frame"
-    assert await host.read(rows["STATUS"].address) == STATUS_BUSY
     dut.ended.value = 1
     await clocks(dut, 1)
     dut.ended.value = 0
     await clocks(dut, 2)
     assert int(dut.irq.value) == 1
+    assert int(dut.active.value) != before
+    assert await status() == STATUS_DONE
     assert await host.read(rows["FRAMES"].address) == 1
     await host.write(rows["STATUS"].address, STATUS_DONE)
     await clocks(dut, 1)
     assert int(dut.irq.value) == 0
-    await host.write(rows["CTRL"].address, CTRL_START)
-    await clocks(dut, 3)
-    assert int(dut.active.value) != before
 
 
 async def table(dut, entries):
