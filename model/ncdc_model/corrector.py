@@ -9,7 +9,7 @@ from ncdc_model.geometry import WINDOW
 from ncdc_model.network import coordinates
 from ncdc_model.picture import bayer_quads, bilinear, fetches, window_address
 
-__all__ = ["Corrected", "check_raw", "correct"]
+__all__ = ["Corrected", "check_raw", "correct", "window_bands"]
 
 _ROWS = 32  # corrected rows at a time: bounds the memory that the windows take
 
@@ -48,17 +48,29 @@ def correct(descriptor, raw, progress=lambda done, total: None):
     width, height = geometry.corrected
     windows = np.lib.stride_tricks.sliding_window_view(raw, (WINDOW, WINDOW))
     picture = np.empty((height, width, 3), np.uint8)
-    used = descriptor.valid.mask(width)
+    used = np.empty((height, width), bool)
     origins = np.empty((2, height, width), np.int64)
+    for rows, x0, y0, fx, fy, known in window_bands(descriptor):
+        quads = bayer_quads(windows[y0, x0], x0, y0, geometry.phase)
+        picture[rows] = bilinear(quads, fx, fy, coordinate.f_bits)
+        origins[:, rows], used[rows] = (x0, y0), known
+        progress(rows.stop, height)
+    picture[~used] = geometry.fill
+    return Corrected(picture, ~used, fetches(*origins, used))
+
+
+def window_bands(descriptor):
+    """The windows of a frame, a band of rows at a time: (slice of rows, x0, y0, fx, fy, used).
+
+    The first five are of :func:`ncdc_model.picture.window_address`; ``used`` is false where the
+    pixel is blank. Each array has the shape (rows of the band, corrected width).
+    """
+    geometry = descriptor.geometry
+    width, height = geometry.corrected
+    valid = descriptor.valid.mask(width)
     for top in range(0, height, _ROWS):
         rows = slice(top, min(top + _ROWS, height))
         v, u = np.mgrid[rows, 0:width]
         x, y = coordinates(descriptor, u, v)
-        x0, y0, fx, fy, inside = window_address(x, y, geometry, coordinate)
-        used[rows] &= inside
-        quads = bayer_quads(windows[y0, x0], x0, y0, geometry.phase)
-        picture[rows] = bilinear(quads, fx, fy, coordinate.f_bits)
-        origins[:, rows] = x0, y0
-        progress(rows.stop, height)
-    picture[~used] = geometry.fill
-    return Corrected(picture, ~used, fetches(*origins, used))
+        *window, inside = window_address(x, y, geometry, descriptor.formats.coordinate)
+        yield rows, *window, valid[rows] & inside
