@@ -73,6 +73,8 @@ class Corrector(wiring.Component):
                              f"{', '.join(map(str, DATA_WIDTHS))} is needed")
         if output not in OUTPUTS:
             raise InputError(f"the output is {output!r}, one of {', '.join(OUTPUTS)} is needed")
+        if descriptor.skip_weights is not None:
+            raise InputError("the descriptor has a skip path, the gateware has none")
         self.descriptor, self.data_width, self.output = descriptor, data_width, output
         formats = descriptor.formats
         self.backmap = BackMap(descriptor.hidden_neurons, formats, variant=descriptor.variant,

@@ -19,6 +19,11 @@ __all__ = ["Descriptor", "FloatNetwork", "Formats", "MAX_NEURONS", "VERSION"]
 
 VERSION = 1
 
+# Weights and biases in the order of the file, and their formats.
+_LAYERS = {"hidden_weights": "hidden_weight", "hidden_biases": "hidden_bias",
+           "output_weights": "output_weight", "output_biases": "output_bias",
+           "skip_weights": "skip_weight"}
+
 
 @dataclass(frozen=True)
 class Descriptor:
@@ -34,6 +39,8 @@ class Descriptor:
         multiplied by gamma, since f(n) with gamma is f(gamma n) without: the tan-sigmoid itself
         knows no gamma. For a power of two that is exact; for another gamma the products are
         rounded, once, like every weight.
+    skip_weights : ndarray of int or None
+        Of the skip path, shape (2, 2): [x', y'] rows of the weights of x and y.
     valid : ValidRows
         Which corrected pixels have a source.
     formats : Formats
@@ -49,7 +56,8 @@ class Descriptor:
     ------
     InputError
         If a shape is wrong, an integer does not fit its format, a span leaves the image, gamma is
-        not positive, or there is no such tan-sigmoid.
+        not positive, there is no such tan-sigmoid, or network, integers and formats do not agree
+        whether there is a skip path.
     """
     geometry: Geometry
     network: FloatNetwork
@@ -60,6 +68,7 @@ class Descriptor:
     valid: ValidRows
     formats: Formats = Formats()
     variant: str = "mmhbc"
+    skip_weights: np.ndarray | None = None
     errors: dict = field(default_factory=dict)
     provenance: dict = field(default_factory=dict)
 
@@ -68,6 +77,11 @@ class Descriptor:
         if not 1 <= hn <= MAX_NEURONS:
             raise InputError(f"the network has {hn} hidden neurons, the limits are 1 and "
                              f"{MAX_NEURONS}")
+        skips = [part is not None for part in (self.skip_weights, self.network.skip_weights,
+                                               self.formats.skip_weight)]
+        if any(skips) != all(skips):
+            raise InputError("skip_weights are needed in integers, in real numbers and in the "
+                             "formats, or in none of the three")
         for name, shape, q in self._layers():
             raw, real = getattr(self, name), getattr(self.network, name)
             if raw.shape != shape or real.shape != shape:
@@ -97,8 +111,10 @@ class Descriptor:
 
     def _layers(self):
         hn, q = self.hidden_neurons, self.formats
-        return (("hidden_weights", (hn, 2), q.hidden_weight), ("hidden_biases", (hn,), q.hidden_bias),
-                ("output_weights", (2, hn), q.output_weight), ("output_biases", (2,), q.output_bias))
+        shapes = {"hidden_weights": (hn, 2), "hidden_biases": (hn,), "output_weights": (2, hn),
+                  "output_biases": (2,), "skip_weights": (2, 2)}
+        return [(name, shapes[name], getattr(q, key)) for name, key in _LAYERS.items()
+                if getattr(q, key) is not None]
 
     @property
     def hidden_neurons(self):
@@ -126,9 +142,10 @@ class Descriptor:
             If a weight or bias leaves the range of its format.
         """
         plain = network.with_gamma(1)
+        if network.skip_weights is not None and formats.skip_weight is None:
+            formats = formats.with_skip()
         raw = {name: getattr(formats, key).quantise(getattr(plain, name))
-               for name, key in (("hidden_weights", "hidden_weight"), ("hidden_biases", "hidden_bias"),
-                                 ("output_weights", "output_weight"), ("output_biases", "output_bias"))}
+               for name, key in _LAYERS.items() if getattr(plain, name) is not None}
         return cls(geometry=geometry, network=network, valid=valid, formats=formats, **raw, **about)
 
     def save(self, path):
@@ -169,16 +186,16 @@ def _of_table(table):
     if formats.tansig.f_bits != tansig["fraction_bits"] + 1:
         raise InputError(f"the tan-sigmoid has {tansig['fraction_bits']} fraction bits, its format "
                          f"{formats.tansig} has one more than {formats.tansig.f_bits - 1}")
+    layers = [name for name in _LAYERS if name != "skip_weights" or name in table["network"]]
     network = FloatNetwork(**{name: np.array(table["network"]["real"][name], np.float64)
-                              for name in _LAYERS}, gamma=check_gamma(tansig["gamma"]))
-    raw = {name: _integers(table["network"][name], name) for name in _LAYERS}
+                              for name in layers}, gamma=check_gamma(tansig["gamma"]))
+    raw = {name: _integers(table["network"][name], name) for name in layers}
     spans = _integers(table["valid"]["rows"], "valid rows").reshape(-1, 4)
     return Descriptor(geometry=geometry, network=network, **raw, valid=ValidRows(spans),
                       formats=formats, variant=tansig["variant"], errors=table["errors"],
                       provenance=table["provenance"])
 
 
-_LAYERS = ("hidden_weights", "hidden_biases", "output_weights", "output_biases")
 _SCAN = ("scan_origin_x", "scan_step_x", "scan_origin_y", "scan_step_y")
 
 
@@ -195,14 +212,15 @@ def _to_toml(d):
     lines += [f"{name} = {_toml(value)}" for name, value in vars(d.geometry).items()]
     lines += [f"{name} = {value}" for name, value in zip(_SCAN, d.geometry.scan())]
     lines += ["", "[formats]  # integer bits with sign, fraction bits"]
-    lines += [f"{name} = [{q.i_bits}, {q.f_bits}]" for name, q in vars(d.formats).items()]
+    lines += [f"{name} = [{q.i_bits}, {q.f_bits}]" for name, q in d.formats.items()]
     lines += ["", "[tansig]  # gamma is that of network.real; the integers below contain it"]
     lines += [f"variant = {_toml(d.variant)}", f"gamma = {_toml(d.network.gamma)}",
               f"fraction_bits = {d.tansig.fraction_bits}"]
     lines += ["", "[network]  # raw integers in the formats above; one line per neuron"]
-    lines += [f"{name} = {_toml(getattr(d, name))}" for name in _LAYERS]
+    layers = [name for name, _, _ in d._layers()]
+    lines += [f"{name} = {_toml(getattr(d, name))}" for name in layers]
     lines += ["", "[network.real]  # the same before quantisation; output layer in pixels"]
-    lines += [f"{name} = {_toml(getattr(d.network, name))}" for name in _LAYERS]
+    lines += [f"{name} = {_toml(getattr(d.network, name))}" for name in layers]
     for title in ("errors", "provenance"):
         lines += ["", f"[{title}]"]
         lines += [f"{name} = {_toml(value)}" for name, value in getattr(d, title).items()]

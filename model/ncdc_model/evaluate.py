@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from ncdc_model.network import coordinates, hidden_neuron, output_neuron
-from ncdc_model.tansig import tansig
+from ncdc_model.network import coordinates, network
 
 __all__ = ["evaluate_frame", "evaluate_points", "fixed_map", "float_map", "map_error"]
 
@@ -41,12 +40,7 @@ def fixed_map(descriptor):
     def back_map(u, v):
         x, y = (np.clip(formats.input.quantise(n), formats.input.lo, formats.input.hi)
                 for n in geometry.normalise(u, v))
-        activations = [tansig(hidden_neuron(x, y, weights, bias, formats), descriptor.tansig)
-                       for weights, bias in zip(descriptor.hidden_weights,
-                                                descriptor.hidden_biases)]
-        return tuple(formats.coordinate.real(output_neuron(activations, weights, bias, formats))
-                     for weights, bias in zip(descriptor.output_weights,
-                                              descriptor.output_biases))
+        return tuple(formats.coordinate.real(raw) for raw in network(descriptor, x, y))
     return back_map
 
 
@@ -88,7 +82,7 @@ def evaluate_frame(descriptor, back_map=None, maps=None):
     geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
     width, height = geometry.corrected
     valid = descriptor.valid.mask(width)
-    network = float_map(descriptor.network, geometry)
+    real = float_map(descriptor.network, geometry)
     tallies, worst = {"float": _Tally(), "fixed": _Tally()}, 0.0
     for name in tallies if maps is not None else ():
         maps[name] = np.full((height, width), np.nan, np.float32)
@@ -97,7 +91,7 @@ def evaluate_frame(descriptor, back_map=None, maps=None):
         v += top
         if not len(u):
             continue
-        both = {"float": network(u, v),
+        both = {"float": real(u, v),
                 "fixed": tuple(coordinate.real(raw) for raw in coordinates(descriptor, u, v))}
         worst = max(worst, *(float(np.abs(a - b).max()) for a, b in zip(*both.values())))
         if back_map is None:

@@ -25,16 +25,19 @@ class FloatNetwork:
 
         n[j] = hidden_weights[j] . (x, y) + hidden_biases[j]
         (x', y')[k] = sum over j of output_weights[k, j] f(n[j]) + output_biases[k]
+                      + skip_weights[k] . (x, y)
         f(n) = 2 / (1 + exp(-gamma n)) - 1
 
     Inputs are normalised coordinates (:meth:`Geometry.normalise`); outputs are pixels of the
-    distorted image. Shapes: (HN, 2), (HN,), (2, HN), (2,).
+    distorted image. Shapes: (HN, 2), (HN,), (2, HN), (2,), (2, 2). The skip path, straight from
+    the inputs to the outputs, is not the paper's; a network without it has None there.
     """
     hidden_weights: np.ndarray
     hidden_biases: np.ndarray
     output_weights: np.ndarray
     output_biases: np.ndarray
     gamma: float = 1.0
+    skip_weights: np.ndarray | None = None
 
     @property
     def hidden_neurons(self):
@@ -65,4 +68,7 @@ class FloatNetwork:
             a = np.tanh(self.gamma * (wx * x + wy * y + bias) / 2)
             for output, weight in zip(outputs, columns):
                 output += weight * a
+        if self.skip_weights is not None:
+            for output, (wx, wy) in zip(outputs, self.skip_weights):
+                output += wx * x + wy * y
         return tuple(outputs)

@@ -19,6 +19,7 @@ class Formats:
 
     ``tansig`` holds the tan-sigmoid's value with one bit more than its accuracy: the last bit is
     the constant one that stands for rounding (zero for the value 0), see ``tansig``.
+    ``skip_weight`` is None where the network has no skip path.
 
     Raises
     ------
@@ -35,9 +36,10 @@ class Formats:
     output_weight: Q = Q(12, 12)    # pixels
     output_bias: Q = Q(14, 18)      # pixels
     coordinate: Q = Q(14, 10)       # pixels
+    skip_weight: Q | None = None    # pixels
 
     def __post_init__(self):
-        for name, q in vars(self).items():
+        for name, q in self.items():
             if q.width > REGISTER_BITS:
                 raise InputError(f"the format {name} {q} has {q.width} bits, "
                                  f"the limit is {REGISTER_BITS}")
@@ -46,19 +48,33 @@ class Formats:
                              f"bit and 8 to {SCAN.f_bits - 1} fraction bits are needed")
         if self.coordinate.f_bits < 1:
             raise InputError(f"coordinates {self.coordinate} have no fraction bit")
-        for inputs, x, weight, bias, result in (
-                (2, self.input, self.hidden_weight, self.hidden_bias, self.net),
-                (MAX_NEURONS, self.tansig, self.output_weight, self.output_bias, self.coordinate)):
-            products = x.f_bits + weight.f_bits
-            if bias.f_bits > products or result.f_bits >= products:
-                raise InputError(f"products {x} x {weight} have {products} fraction bits, too few "
-                                 f"for the bias {bias} or the result {result}")
-            # The golden model computes in 64-bit integers.
-            largest = (inputs << (x.width + weight.width - 2)) - (
-                bias.lo << (products - bias.f_bits)) + (1 << products)
-            if largest.bit_length() > 62:
-                raise InputError(f"sums of {inputs} products {x} x {weight} and the bias {bias} "
-                                 f"need {largest.bit_length() + 1} bits, the limit is 63")
+        self._check_sum(((2, self.input, self.hidden_weight),), self.hidden_bias, self.net)
+        skip = () if self.skip_weight is None else ((2, self.input, self.skip_weight),)
+        self._check_sum(((MAX_NEURONS, self.tansig, self.output_weight), *skip),
+                        self.output_bias, self.coordinate)
+
+    def _check_sum(self, products, bias, result):
+        """Check a neuron's sum of ``products``, (number, input, weight) each, and ``bias``."""
+        finest = max(x.f_bits + weight.f_bits for _, x, weight in products)
+        number, x, weight = products[0]
+        if bias.f_bits > finest or result.f_bits >= finest:
+            raise InputError(f"products {x} x {weight} have {finest} fraction bits, too few "
+                             f"for the bias {bias} or the result {result}")
+        # The golden model computes in 64-bit integers.
+        largest = (1 << finest) - (bias.lo << (finest - bias.f_bits)) + sum(
+            number << (x.width + weight.width - 2 + finest - x.f_bits - weight.f_bits)
+            for number, x, weight in products)
+        if largest.bit_length() > 62:
+            raise InputError(f"sums of {number} products {x} x {weight} and the bias {bias} "
+                             f"need {largest.bit_length() + 1} bits, the limit is 63")
+
+    def items(self):
+        """(name, format) of every signal that the network has."""
+        return [(name, q) for name, q in vars(self).items() if q is not None]
+
+    def with_skip(self):
+        """The same formats with a skip path."""
+        return replace(self, skip_weight=Q(14, 12))
 
     def with_tansig_bits(self, fraction_bits):
         """The same formats with a tan-sigmoid of that many fraction bits."""

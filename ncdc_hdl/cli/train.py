@@ -32,6 +32,9 @@ def add_arguments(parser):
                              "Kalibr, BoofCV (YAML, XML, JSON), or our own (TOML)")
     parser.add_argument("--neurons", type=int, required=True, metavar="N",
                         help="hidden neurons; 4 to 12 are usual")
+    parser.add_argument("--skip", action="store_true",
+                        help="add a linear path from the inputs straight to the outputs: four "
+                             "products that save about one hidden neuron")
     parser.add_argument("--trainer", choices=list(TRAINERS), default="lm",
                         help="lm: Levenberg-Marquardt from many starts (default); ebp: the "
                              "paper's error back-propagation, for comparison")
@@ -72,7 +75,7 @@ def run(args):
     source = load_source(args.source, _size(args.size) if args.size else None, args.zoom,
                          args.bayer, _colour(args.fill), args.camera)
     trained = train_camera(source, args.neurons, args.trainer, args.seed, args.held_out,
-                           training_progress(), gamma=check_gamma(args.gamma),
+                           training_progress(), skip=args.skip, gamma=check_gamma(args.gamma),
                            formats=Formats().with_tansig_bits(args.tansig_bits),
                            variant=choose_variant(args.tansig, args.neurons))
     trained.descriptor.save(args.output)
@@ -86,7 +89,8 @@ def run(args):
     if write_report(report, args.json):
         return
     width, height = source.geometry.corrected
-    print(f"{args.neurons} hidden neurons, {width}x{height} corrected pixels, "
+    skip = ", skip path" if args.skip else ""
+    print(f"{args.neurons} hidden neurons{skip}, {width}x{height} corrected pixels, "
           f"{report['valid_percent']:.1f} % with a source")
     if report.get("extrapolated_percent"):
         print(f"{report['extrapolated_percent']:.1f} % lie beyond the calibrated points: there the "

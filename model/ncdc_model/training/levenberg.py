@@ -9,12 +9,12 @@ from ncdc_model.training.varpro import Batch
 __all__ = ["train_levenberg"]
 
 OUTPUT_LIMIT = 2047.0              # pixels, Q12.12
-OUTPUT_BIAS_LIMIT = 8191.0         # pixels, Q14.18
+LINEAR_LIMIT = 8191.0              # pixels, of biases and skip weights, Q14
 RIDGE = 2e-10                      # keeps output weights near 1000 pixels, costs < 1 % in MSE
 SEARCH_POINTS = 700                # the search uses a subset, the polish every point
 
 
-def train_levenberg(problem, neurons, seed=0, starts=96, rounds=4, progress=None):
+def train_levenberg(problem, neurons, seed=0, starts=96, rounds=4, skip=False, progress=None):
     """Network of least summed squared error on the pairs of ``problem``, and its learning curve.
 
     Equations (15)-(18) of the paper, gamma = 1, trained by Levenberg-Marquardt instead of error
@@ -35,6 +35,8 @@ def train_levenberg(problem, neurons, seed=0, starts=96, rounds=4, progress=None
         Random starts.
     rounds : int
         Rounds of redrawing neurons.
+    skip : bool
+        With a linear path from the inputs straight to the outputs.
     progress : callable, optional
         Called with (fraction done, MSE in px^2 so far).
 
@@ -50,13 +52,13 @@ def train_levenberg(problem, neurons, seed=0, starts=96, rounds=4, progress=None
         If the pairs are too few.
     """
     problem.check(neurons)
-    search = _Search(problem, seed, starts, rounds, progress)
+    search = _Search(problem, seed, starts, rounds, skip, progress)
     return search.run(neurons)
 
 
 class _Search:
-    def __init__(self, problem, seed, starts, rounds, progress):
-        self.random = np.random.default_rng(seed)
+    def __init__(self, problem, seed, starts, rounds, skip, progress):
+        self.random, self.skip = np.random.default_rng(seed), skip
         self.starts, self.rounds, self.progress = starts, rounds, progress
         self.inputs, targets = problem.inputs, problem.targets
         self.offset = targets.mean(1)
@@ -108,7 +110,8 @@ class _Search:
 
     def _descend(self, theta, share, rivals=None):
         """Successive halving of the starts ``theta``; the survivors and ``rivals``, best first."""
-        batch = Batch(theta, self.inputs[:, self.subset], self.targets[:, self.subset], RIDGE)
+        batch = Batch(theta, self.inputs[:, self.subset], self.targets[:, self.subset], RIDGE,
+                      self.skip)
         stages = ((25, .4), (50, .4), (100, .5), (150, .5))
         for iterations, kept in stages:
             for _ in range(iterations):
@@ -132,14 +135,15 @@ class _Search:
     def _polish(self, batch):
         ridge = RIDGE
         while True:
-            final = Batch(batch.theta, self.inputs, self.targets, ridge)
+            final = Batch(batch.theta, self.inputs, self.targets, ridge, self.skip)
             for _ in range(200):
                 if not final.step().any() and (final.damping > 1e3).all():
                     break
             for k in np.argsort(final.cost, kind="stable"):
                 network = self._network(final, k)
+                linear = [network.output_biases] + ([network.skip_weights] if self.skip else [])
                 if (np.abs(network.output_weights).max() < OUTPUT_LIMIT
-                        and np.abs(network.output_biases).max() < OUTPUT_BIAS_LIMIT):
+                        and max(np.abs(part).max() for part in linear) < LINEAR_LIMIT):
                     mse = float((final.residual[k]**2).sum() / self.inputs.shape[1] * self.scale**2)
                     self.curve.append((self.iterations, mse))
                     if self.progress:
@@ -148,7 +152,8 @@ class _Search:
             ridge *= 100
 
     def _network(self, batch, k):
-        theta, output = batch.theta[k], batch.output[k]
-        return FloatNetwork(theta[:, :2].copy(), theta[:, 2].copy(),
-                            (output[:-1] * self.scale).T.copy(),
-                            output[-1] * self.scale + self.offset)
+        theta, neurons = batch.theta[k], batch.neurons
+        output = batch.output[k] * self.scale
+        return FloatNetwork(theta[:, :2].copy(), theta[:, 2].copy(), output[:neurons].T.copy(),
+                            output[-1] + self.offset,
+                            skip_weights=output[neurons:-1].T.copy() if self.skip else None)

@@ -25,7 +25,7 @@ class TrainedCamera:
     descriptor : Descriptor
     training : Training
     report : dict
-        ``hidden_neurons``, ``trainer``, ``seed``; ``training``, ``held_out`` (not if no point is
+        ``hidden_neurons``, ``skip``, ``trainer``, ``seed``; ``training``, ``held_out`` (not if no point is
         held out) and ``frame``, each with ``map_error_float_px`` and ``map_error_fixed_px``
         (``frame`` only where the true map is known); the two of the best evidence there is
         again at the top, ``measured_on`` tells which; ``fixed_minus_float_max_px``;
@@ -80,7 +80,8 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
     maps = {}
     frame = evaluate_frame(draft, source.back_map, maps if source.back_map else None)
     out = split(len(source.pairs[0]), held_out)
-    report = {"hidden_neurons": neurons, "trainer": trainer, "seed": seed}
+    report = {"hidden_neurons": neurons, "skip": network.skip_weights is not None,
+              "trainer": trainer, "seed": seed}
     parts = {"training": ~out, "held_out": out}
     tables = {name: evaluate_points(draft, *(values[mask] for values in source.pairs))
               for name, mask in parts.items() if mask.any()}

@@ -36,7 +36,7 @@ class Training:
 
 
 def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progress=None,
-          anchors=None, **options):
+          anchors=None, skip=False, **options):
     """Train a network on calibrated ``pairs`` and measure it.
 
     Parameters
@@ -56,6 +56,8 @@ def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, pro
         Called with (fraction done, MSE in px^2).
     anchors : (u, v, x, y), optional
         Further pairs to train on that no error is measured on.
+    skip : bool
+        With a linear path from the inputs straight to the outputs (trainer lm only).
     options
         Further arguments of the trainer.
 
@@ -66,13 +68,18 @@ def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, pro
     Raises
     ------
     InputError
-        If the number of neurons is out of range, the trainer unknown or the points too few.
+        If the number of neurons is out of range, the trainer unknown or unable to train the skip
+        path, or the points are too few.
     """
     if not 1 <= neurons <= MAX_NEURONS:
         raise InputError(f"{neurons} hidden neurons are asked for, "
                          f"the limits are 1 and {MAX_NEURONS}")
     if trainer not in TRAINERS:
         raise InputError(f"trainer is {trainer!r}, one of {', '.join(TRAINERS)} is needed")
+    if skip:
+        if trainer != "lm":
+            raise InputError(f"trainer is {trainer!r}, a skip path needs lm")
+        options["skip"] = True
     problem = Problem(*pairs, geometry)
     out = split(len(problem), held_out)
     kept = problem.take(~out)

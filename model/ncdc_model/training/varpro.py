@@ -15,7 +15,8 @@ class Batch:
     Equations (15)-(18) of the paper with gamma = 1. For given hidden neurons the linear output
     layer is the solution of a least-squares problem, so that only the hidden weights and biases
     are searched, within :data:`WEIGHT_LIMIT` and :data:`BIAS_LIMIT`. The cost is the sum of
-    squared errors plus ``ridge`` * N * the sum of squared output weights.
+    squared errors plus ``ridge`` * N * the sum of squared output weights. With ``skip`` the inputs
+    themselves are further terms of the linear output layer, without a ridge.
 
     Parameters
     ----------
@@ -24,11 +25,16 @@ class Batch:
     inputs, targets : ndarray, shape (2, N)
         Both about -1..1.
     ridge : float
+    skip : bool
     """
 
     _STATE = ("theta", "hidden", "gram", "output", "residual", "cost", "damping", "growth")
 
-    def __init__(self, theta, inputs, targets, ridge):
+    def __init__(self, theta, inputs, targets, ridge, skip=False):
+        self.neurons = theta.shape[1]
+        ones = np.ones((1, inputs.shape[1]))
+        # What the output layer sums besides the hidden outputs: x, y (skip path), 1.
+        self.linear = np.concatenate([inputs, ones]) if skip else ones
         self.inputs, self.targets, self.ridge = inputs, targets, ridge * inputs.shape[1]
         self.limit = np.array([WEIGHT_LIMIT, WEIGHT_LIMIT, BIAS_LIMIT])
         self.theta = np.clip(theta, -self.limit, self.limit)
@@ -38,34 +44,36 @@ class Batch:
 
     def _evaluate(self, theta):
         x, y = self.inputs
-        hidden = np.ones((len(theta), theta.shape[1] + 1, len(x)))
-        net = hidden[:, :-1]
+        neurons = self.neurons
+        hidden = np.empty((len(theta), neurons + len(self.linear), len(x)))
+        hidden[:, neurons:] = self.linear
+        net = hidden[:, :neurons]
         np.multiply(theta[:, :, 0:1], x, out=net)
         net += theta[:, :, 1:2] * y
         net += theta[:, :, 2:3]
         net *= .5
         np.tanh(net, out=net)
         gram = _products(hidden, hidden)
-        diagonal = np.arange(theta.shape[1])
+        diagonal = np.arange(neurons)
         gram[:, diagonal, diagonal] += self.ridge
         output = np.linalg.solve(gram, _products(hidden, self.targets[None]))
         residual = self.targets - _apply(output, hidden)
         # One step of refinement: the normal equations square the condition number.
         rest = _products(hidden, residual)
-        rest[:, :-1] -= self.ridge * output[:, :-1]
+        rest[:, :neurons] -= self.ridge * output[:, :neurons]
         output = output + np.linalg.solve(gram, rest)
         residual = self.targets - _apply(output, hidden)
-        cost = (residual**2).sum((1, 2)) + self.ridge * (output[:, :-1]**2).sum((1, 2))
+        cost = (residual**2).sum((1, 2)) + self.ridge * (output[:, :neurons]**2).sum((1, 2))
         return hidden, gram, output, residual, cost
 
     def gauss_newton(self):
         """Descent direction (S, 3 HN), half the cost's negative gradient, and normal matrix."""
         starts, neurons, _ = self.theta.shape
-        active = self.hidden[:, :-1]
+        active = self.hidden[:, :neurons]
         slope = .5 * (1 - active**2)
         fan = np.concatenate([self.inputs, np.ones((1, self.inputs.shape[1]))])
         derivative = (slope[:, :, None, :] * fan).reshape(starts, 3 * neurons, -1)
-        weights = np.repeat(self.output[:, :-1], 3, axis=1)                   # (S, 3 HN, 2)
+        weights = np.repeat(self.output[:, :neurons], 3, axis=1)                   # (S, 3 HN, 2)
         gradient = (weights * _products(derivative, self.residual)).sum(2)
         # Kaufman's approximation: derivatives less their projection on the hidden outputs.
         mixed = _products(self.hidden, derivative)
