@@ -1,29 +1,31 @@
 """The memory model in Verilog, under both simulators."""
 
+from dataclasses import replace
+
 import pytest
 
+from ncdc_model.memory_timing import LatencyMemory, ddr3, memory_timing, sdram
 from ncdc_sim.cocotb_run import Design, run_cocotb
-from ncdc_sim.memories import MEMORIES, MemoryTiming, memory_timing
+from ncdc_sim.memories import memory_settings
 from ncdc_sim.runner import HDL
-from ncdc_sim.tools import SIMULATORS
+from ncdc_sim.tools import SIMULATORS, SimulationError
 
-TEXT = (HDL / "avalon_memory.v").read_text()
-DESIGN = Design("avalon_memory", TEXT.replace("parameter PORTS = 1", "parameter PORTS = 2")
-                .replace("parameter BYTES = 65536", "parameter BYTES = 4096"))
+
+def design(ports=2, width=32, planted=None):
+    """The model with 4 KB; ``planted``: a text and what to put in its place, in dram_timing.v."""
+    timing = (HDL / "dram_timing.v").read_text()
+    if planted:
+        assert planted[0] in timing
+        timing = timing.replace(*planted)
+    return Design("avalon_memory", timing + (HDL / "avalon_memory.v").read_text()
+                  .replace("parameter PORTS = 1", f"parameter PORTS = {ports}")
+                  .replace("parameter DATA_WIDTH = 32", f"parameter DATA_WIDTH = {width}")
+                  .replace("parameter BYTES = 65536", "parameter BYTES = 131072"))
 
 
 @pytest.mark.parametrize("simulator", SIMULATORS)
-@pytest.mark.parametrize("memory", [
-    "ideal", "sdram", "hostile", MemoryTiming(latency=(9, 9), max_pending=1)], ids=str)
-def test_memory(memory, simulator):
-    run_cocotb(DESIGN, "avalon_memory", simulator, seed=3,
-               **memory_timing(memory).plusargs(data_width=32, ports=2))
-
-
-def test_settings_of_the_presets():
-    assert MEMORIES["ideal"].plusargs(32, 3)["rate"] == 4 * 256
-    assert MEMORIES["sdram"].plusargs(32, 3)["rate"] == 205
-    assert MEMORIES["sdram"].plusargs(128, 1)["rate"] == 51
-    assert MEMORIES["ddr3"].plusargs(32, 1) == {
-        "latency_min": 20, "latency_max": 30, "rate": 819, "granule": 4, "wait_chance": 0,
-        "max_pending": 16}
+@pytest.mark.parametrize("memory", ["ideal", "sdram", "ddr3", "ddr3@150", "hostile", "fixed:9:4"])
+def test_content_and_order(memory, simulator):
+    memory = memory_timing(memory)
+    run_cocotb(design(), "avalon_memory", simulator, seed=3,
+               memory=memory_settings(memory, data_width=32, ports=2))

@@ -5,8 +5,8 @@ import pytest
 
 from copier import copier
 from ncdc_model.errors import InputError
+from ncdc_model.memory_timing import LatencyMemory
 from ncdc_sim.frame import Program, simulate_frame
-from ncdc_sim.memories import MemoryTiming
 from ncdc_sim.tools import SIMULATORS, SimulationError
 
 WORDS = 512
@@ -55,13 +55,13 @@ def test_streams(simulator, sink_chance):
 @pytest.mark.parametrize("latency", [1, 2, 37])
 def test_latency_is_exact(latency):
     """A burst of the copier takes a clock to ask, 8 beats in, 8 beats out, and the latency."""
-    result = copy(copier(), memory=MemoryTiming(latency=(latency, latency)))
+    result = copy(copier(), memory=LatencyMemory(latency=(latency, latency)))
     assert result.clocks == (WORDS // 8 * (16 + latency) + 1,)
 
 
 @pytest.mark.parametrize("bytes_per_clock", [3.5, 1.0, 0.25])
 def test_bandwidth_is_kept(bytes_per_clock):
-    result = copy(copier(), memory=MemoryTiming(bytes_per_clock=bytes_per_clock))
+    result = copy(copier(), memory=LatencyMemory(bytes_per_clock=bytes_per_clock))
     # Before the start two beats are saved up; each burst idles a clock or two at its turns.
     least = (2 * WORDS - 2) * 4 / bytes_per_clock - 1
     assert least <= result.clocks[0] <= least + WORDS // 8 * 3
@@ -83,7 +83,7 @@ def test_seed_changes_the_timing():
     (3, False, "AVALON-ERROR read0 aligned"), (4, True, "AVALON-ERROR stream held")])
 def test_faults_are_named(fault, stream, message, simulator):
     with pytest.raises(SimulationError, match=message):
-        copy(copier(stream=stream, fault=fault), memory=MemoryTiming(wait_chance=100),
+        copy(copier(stream=stream, fault=fault), memory=LatencyMemory(wait_chance=100),
              simulator=simulator, sink_chance=128, clock_limit=4000)
 
 
@@ -115,11 +115,9 @@ def test_verilog_that_does_not_compile():
 
 
 @pytest.mark.parametrize("options,message", [
-    ({"memory": "sram"}, "memory is 'sram', one of ideal, sdram, ddr3, hostile is needed"),
+    ({"memory": "sram"}, "memory is 'sram', one of ideal, sdram, ddr3, hostile, sdram@MHZ"),
     ({"simulator": "questa"}, "simulator is 'questa', one of verilator, icarus is needed"),
-    ({"memory": MemoryTiming(latency=(0, 3))}, r"latency is 0\.\.3 clocks, the limits are 1"),
-    ({"memory": MemoryTiming(max_pending=65)}, "max_pending is 65, the limits are 1 and 64"),
-    ({"memory": MemoryTiming(wait_chance=256)}, "wait_chance is 256, the limits are 0 and 255")])
+    ({"memory": "fixed:0:3"}, r"latency is 0\.\.0 clocks, the limits are 1")])
 def test_bad_options(options, message):
     with pytest.raises(InputError, match=message):
         copy(copier(), **options)

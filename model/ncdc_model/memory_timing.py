@@ -87,8 +87,10 @@ class DramMemory:
     - Each ``refresh_interval`` a refresh is placed before other accesses: all banks are
       precharged by one command (under the bounds above, and behind all commands placed), ``rp``
       later the refresh, and activates wait ``refresh`` clocks from it.
-    - Read ports take turns by command. Writes wait until ``write_batch`` accesses are queued or
-      no read can be placed, then go on until as many have been placed or none is left.
+    - Read ports take turns by command. Writes come when ``write_batch`` accesses are queued and no
+      read can be placed or as many have been since the last write; or at once while no port holds
+      a read command. Reads come again when one can be placed and ``write_batch`` writes have been
+      placed or none can be.
 
     Parameters
     ----------

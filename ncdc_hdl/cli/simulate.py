@@ -7,8 +7,8 @@ from ncdc_hdl.cli.generate import add_hardware, hardware
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.images import check_suffix, write_image
+from ncdc_model.memory_timing import memory_timing
 from ncdc_sim.corrector import simulate_correction
-from ncdc_sim.memories import MEMORIES
 from ncdc_sim.tools import SIMULATORS
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "difference", "run"]
@@ -25,8 +25,9 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", required=True, metavar="OUT",
                         help="picture as the Verilog corrected it")
     add_hardware(parser)
-    parser.add_argument("--memory", choices=list(MEMORIES), default="sdram",
-                        help="simulated memory (default: sdram)")
+    parser.add_argument("--memory", default="sdram", metavar="MEMORY",
+                        help="simulated memory: ideal, sdram (default), ddr3, hostile, sdram@MHZ, "
+                             "ddr3@MHZ, fixed:LATENCY:BYTES (clocks, bytes per clock)")
     parser.add_argument("--simulator", choices=SIMULATORS, default="verilator",
                         help="verilator (default) or icarus, which takes some 100 times as long")
     parser.add_argument("--seed", type=int, default=1, metavar="S",
@@ -39,6 +40,7 @@ def run(args):
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
     check_suffix(args.output)
+    memory_timing(args.memory)
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(args.image, descriptor.geometry)
     simulation = simulate_correction(

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ncdc_model.errors import InputError
-from ncdc_sim.memories import memory_timing
+from ncdc_model.memory_timing import memory_timing
+from ncdc_sim.memories import memory_settings
 from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_sim.tools import SimulationError
@@ -13,7 +14,8 @@ from ncdc_sim.tools import SimulationError
 __all__ = ["FrameResult", "Program", "simulate_frame"]
 
 TOP = "ncdc"
-BENCH = ("frame_bench.v", "avalon_memory.v", "avalon_checker.v", "stream_checker.v")
+BENCH = ("frame_bench.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.v",
+         "stream_checker.v")
 LEAST_MEMORY = 1 << 24          # bytes; more frame sizes share one build
 PROGRAM_LIMIT = 65536           # operations that the bench holds
 
@@ -59,6 +61,8 @@ class FrameResult:
         The output frame: memory content, or 3 bytes (R, G, B) per pixel of a stream.
     clocks : tuple of int
         Clocks of each frame, from the register write before the wait to the interrupt.
+    ends : tuple of int
+        Clock, counted from the start of the run, in which each interrupt was seen.
     total_clocks : int
     bytes_read : tuple of int
         Bytes delivered by each read port.
@@ -66,6 +70,8 @@ class FrameResult:
         Bytes written (enabled lanes only), or 3 per pixel of a stream.
     registers : dict
         Word address: value last read.
+    reads : tuple of (int, int)
+        Word address and value of every read, in order.
     counters : dict
         Commands, beats and wait clocks of each port: ``read0_commands``, ``output_waits`` ...
     errors : tuple of str
@@ -73,10 +79,12 @@ class FrameResult:
     """
     output: bytes = b""
     clocks: tuple = ()
+    ends: tuple = ()
     total_clocks: int = 0
     bytes_read: tuple = ()
     bytes_written: int = 0
     registers: dict = field(default_factory=dict)
+    reads: tuple = ()
     counters: dict = field(default_factory=dict)
     errors: tuple = ()
 
@@ -99,8 +107,8 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         Byte addresses, multiples of 16.
     output_bytes : int
         Size of the output: in memory from ``output_base`` on, or 3 bytes per pixel of a stream.
-    memory : str or MemoryTiming
-        One of ``ncdc_sim.memories.MEMORIES``, or a timing of your own.
+    memory : str, LatencyMemory or DramMemory
+        A name that ``ncdc_model.memory_timing.memory_timing`` knows, or a memory of your own.
     simulator : str
         ``verilator`` or ``icarus``.
     clock_limit : int
@@ -153,7 +161,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         sources.insert(0, ("frame_clock.v", (HDL / "frame_clock.v").read_text()))
     binary = build("frame", top, sources, defines=defines, simulator=simulator,
                    main=HDL / "frame_main.cpp")
-    settings = timing.plusargs(width, readers) | {
+    settings = memory_settings(timing, width, readers) | {
         "source_base": source_base, "source_bytes": len(source), "output_base": output_base,
         "output_bytes": output_bytes, "program_words": len(program.operations) + 1,
         "clock_limit": clock_limit or 1000000 + 100 * output_bytes, "seed": seed,
@@ -185,9 +193,12 @@ class _Listener:
             self.progress(min(1.0, int(values[0]) / self.output_bytes))
         elif kind == "FRAME":
             result.clocks += (int(values[0]),)
+            result.ends += (int(values[1]),)
         elif kind == "READ":
             # A register that reads X keeps the text of its digits, so that it equals no number.
-            result.registers[int(values[0])] = int(values[1]) if values[1].isdigit() else values[1]
+            address, value = int(values[0]), int(values[1]) if values[1].isdigit() else values[1]
+            result.registers[address] = value
+            result.reads += ((address, value),)
         elif kind == "RESULT":
             result.counters[values[0]] = int(values[1])
         elif kind in ("AVALON-ERROR", "FAILED"):

@@ -8,7 +8,7 @@
 // Operations: 00 end, 01 write, 02 read and compare, 03 wait for irq, 04 read and report.
 // The clocks of a frame run from the last register write before a wait to the irq.
 //
-// Settings are decimal plusargs, read below. Lines printed: PROGRESS bytes; FRAME clocks;
+// Settings are decimal plusargs, read below and by the memory. Lines printed: PROGRESS bytes; FRAME clocks end;
 // READ address data; RESULT name value; AVALON-ERROR port rule time; FAILED reason.
 //
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH,
@@ -34,7 +34,6 @@ module frame_bench (
     // Settings of this run.
     reg [31:0] source_base, source_bytes, output_base, output_bytes, output_pixels;
     reg [31:0] program_words, clock_limit, progress_step;
-    reg [31:0] latency_min, latency_max, rate, granule, wait_chance, max_pending, seed;
     reg [31:0] sink_chance;             // of 256: how often the sink of the stream is ready
 
     reg [63:0] instructions [0:PROGRAM-1];
@@ -48,13 +47,6 @@ module frame_bench (
         if (!$value$plusargs("program_words=%d", program_words)) program_words = 1;
         if (!$value$plusargs("clock_limit=%d", clock_limit)) clock_limit = 1000000;
         if (!$value$plusargs("progress_step=%d", progress_step)) progress_step = 1000000;
-        if (!$value$plusargs("latency_min=%d", latency_min)) latency_min = 1;
-        if (!$value$plusargs("latency_max=%d", latency_max)) latency_max = latency_min;
-        if (!$value$plusargs("rate=%d", rate)) rate = 256 * (PORTS + 1);
-        if (!$value$plusargs("granule=%d", granule)) granule = 1;
-        if (!$value$plusargs("wait_chance=%d", wait_chance)) wait_chance = 0;
-        if (!$value$plusargs("max_pending=%d", max_pending)) max_pending = 64;
-        if (!$value$plusargs("seed=%d", seed)) seed = 1;
         if (!$value$plusargs("sink_chance=%d", sink_chance)) sink_chance = 256;
         output_pixels = output_bytes / 3;
         $readmemh("program.hex", instructions, 0, program_words - 1);
@@ -117,9 +109,6 @@ module frame_bench (
         .BYTES(`NCDC_MEMORY_BYTES)
     ) memory (
         .clk(clk), .rst(rst),
-        .latency_min(latency_min[15:0]), .latency_max(latency_max[15:0]), .rate(rate[15:0]),
-        .granule(granule[15:0]), .wait_chance(wait_chance[8:0]), .max_pending(max_pending[15:0]),
-        .seed(seed),
         .errors(memory_errors),
         .read_address(read_address), .read_read(read_read), .read_burstcount(read_burstcount),
         .read_waitrequest(read_waitrequest), .read_readdata(read_readdata),
@@ -243,6 +232,8 @@ module frame_bench (
 `endif
             $display("RESULT output_bytes %0d", output_done);
             $display("RESULT memory_errors %0d", memory_errors);
+            $display("RESULT memory_activates %0d", memory.dram_timing.activates);
+            $display("RESULT memory_refreshes %0d", memory.dram_timing.refreshes);
             $display("RESULT total_clocks %0d", clocks);
             $finish;
         end
@@ -299,7 +290,7 @@ module frame_bench (
                 end
                 WAIT_IRQ:
                     if (irq) begin
-                        $display("FRAME %0d", clocks - started);
+                        $display("FRAME %0d %0d", clocks - started, clocks);
                         next;
                     end
                 default: begin
