@@ -1,0 +1,120 @@
+"""Golden twin of the cache's tag stage: which accesses miss, and what they evict."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
+
+__all__ = ["Accesses", "Misses", "accesses", "misses"]
+
+_TX, _TY = TILE_WIDTH.bit_length() - 1, TILE_HEIGHT.bit_length() - 1
+_ROW = 12              # bits of a tile's column in its number
+
+
+@dataclass(frozen=True)
+class Accesses:
+    """Tiles that the look-ups of a scan touch, bank by bank; runs of one tile are one entry.
+
+    Parameters
+    ----------
+    banks : tuple of (first, last, tile)
+        Of each tag bank three arrays: look-up in which a run of accesses to one tile begins, the
+        last look-up of the run, the tile's number (row << 12 | column).
+    lookups : int
+        Look-ups of the scan, those that read nothing included.
+    """
+    banks: tuple
+    lookups: int
+
+
+@dataclass(frozen=True)
+class Misses:
+    """Tiles to be read, in the order of the look-ups and, within one, of the banks.
+
+    Parameters
+    ----------
+    lookup : ndarray of int64, shape (M,)
+        The look-up that misses.
+    bank : ndarray of int64, shape (M,)
+    tile : ndarray of int64, shape (M,)
+        Number of the tile: row << 12 | column.
+    victim : ndarray of int64, shape (M,)
+        The last look-up that used what the place held before; -1 if it was empty.
+    """
+    lookup: np.ndarray
+    bank: np.ndarray
+    tile: np.ndarray
+    victim: np.ndarray
+
+    def __len__(self):
+        return len(self.lookup)
+
+    @property
+    def columns(self):
+        """Column of each tile."""
+        return self.tile & ((1 << _ROW) - 1)
+
+    @property
+    def rows(self):
+        """Row of each tile."""
+        return self.tile >> _ROW
+
+
+def accesses(boxes):
+    """:class:`Accesses` of the look-ups ``boxes`` (:class:`ncdc_model.fetch.lookups.Lookups`)."""
+    used = np.flatnonzero(boxes.used)
+    left, right = boxes.x0[used] >> _TX, boxes.x1[used] >> _TX
+    top, bottom = boxes.y0[used] >> _TY, boxes.y1[used] >> _TY
+    # Neighbours mostly touch the same tiles: those runs are one access from here on.
+    fresh = np.ones(len(used), bool)
+    fresh[1:] = ((np.diff(left) != 0) | (np.diff(right) != 0) | (np.diff(top) != 0)
+                 | (np.diff(bottom) != 0))
+    start = np.flatnonzero(fresh)
+    first, last = used[start], used[np.append(start, len(used))[1:] - 1]
+    left, right, top, bottom = (edge[start].astype(np.int64) for edge in (left, right, top, bottom))
+    banks = []
+    for bank in range(TAG_BANKS):
+        column = left + ((left ^ bank) & 1)
+        row = top + ((top ^ bank >> 1) & 1)
+        touched = np.flatnonzero((column <= right) & (row <= bottom))
+        tile = row[touched] << _ROW | column[touched]
+        begin = np.flatnonzero(np.diff(tile, prepend=-1))
+        end = np.append(begin, len(touched))[1:] - 1
+        banks.append((first[touched[begin]], last[touched[end]], tile[begin]))
+    return Accesses(tuple(banks), len(boxes))
+
+
+def misses(accessed, options, split):
+    """:class:`Misses` of a cache that starts empty.
+
+    Direct mapped: an access misses unless the access before it to the same place was of the same
+    tile.
+
+    Parameters
+    ----------
+    accessed : Accesses
+    options : CacheOptions
+    split : int
+        log2 of the sets that count a tile's column.
+
+    Raises
+    ------
+    InputError
+        If the cache has no such split.
+    """
+    options.check_split(split)
+    kx, ky = 1 << split, options.sets >> split
+    found = []
+    for bank, (first, last, tile) in enumerate(accessed.banks):
+        column, row = tile & ((1 << _ROW) - 1), tile >> _ROW
+        place = ((row >> 1 & (ky - 1)) * kx + (column >> 1 & (kx - 1))).astype(np.uint16)
+        order = np.argsort(place, kind="stable")
+        same_place = np.diff(place[order], prepend=place[order[:1]] + 1) == 0
+        missed = ~same_place | (np.diff(tile[order], prepend=-1) != 0)
+        before = np.where(same_place, np.roll(last[order], 1), -1)
+        which = order[missed]
+        found.append((first[which], np.full(len(which), bank), tile[which], before[missed]))
+    lookup, bank, tile, victim = map(np.concatenate, zip(*found))
+    order = np.lexsort((bank, lookup))
+    return Misses(lookup[order], bank[order], tile[order], victim[order])

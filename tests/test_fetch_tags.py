@@ -1,0 +1,81 @@
+"""Golden twin of the cache's tag stage against a dictionary that forgets nothing."""
+
+import numpy as np
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc_model.corrector import correct
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.fetch.lookups import Windows, frame_windows, lookups
+from ncdc_model.fetch.tags import accesses, misses
+from ncdc_model.picture import fetches
+
+
+def random_windows(seed, size=(64, 48), reach=200, blank=.2):
+    """Windows all over a frame of ``reach`` pixels: dense evictions."""
+    rng = np.random.default_rng(seed)
+    width, height = size
+    x0, y0 = rng.integers(0, reach, (2, height, width)).astype(np.int32)
+    used = rng.random((height, width)) >= blank
+    return Windows(np.where(used, x0, 0), np.where(used, y0, 0), used)
+
+
+def walking_windows(seed, size=(64, 48), reach=300):
+    """Windows that wander by small steps, as those of a lens do, and jump now and then."""
+    rng = np.random.default_rng(seed)
+    steps = rng.integers(-1, 3, (2, size[0] * size[1]))
+    jumps = rng.random(steps.shape) < .01
+    place = np.cumsum(steps + jumps * rng.integers(-60, 60, steps.shape), axis=1) % reach
+    x0, y0 = place.astype(np.int32).reshape(2, size[1], size[0])
+    return Windows(x0, y0, rng.random(x0.shape) >= .1)
+
+
+def plain_misses(boxes, options, split):
+    """(look-up, bank, tile column, tile row, last user of the victim) one access at a time."""
+    places, found = {}, []
+    kx, ky = 1 << split, options.sets >> split
+    for i in np.flatnonzero(boxes.used).tolist():
+        tiles = {(x >> 4, y >> 2) for x in (boxes.x0[i], boxes.x1[i])
+                 for y in (boxes.y0[i], boxes.y1[i])}
+        by_bank = sorted(((tx & 1) | (ty & 1) << 1, tx, ty) for tx, ty in tiles)
+        assert len({bank for bank, _, _ in by_bank}) == len(tiles)
+        for bank, tx, ty in by_bank:
+            place = bank, (ty >> 1) % ky, (tx >> 1) % kx
+            tile, user = places.get(place, (None, -1))
+            if tile != (tx, ty):
+                found.append((i, bank, tx, ty, user))
+            places[place] = (tx, ty), i
+    return found
+
+
+@pytest.mark.parametrize("make", [random_windows, walking_windows])
+@pytest.mark.parametrize("tiles,split", [(16, 0), (16, 1), (16, 2), (64, 2), (256, 5)])
+@pytest.mark.parametrize("strip", [0, 32])
+def test_misses_are_those_of_a_dictionary(make, tiles, split, strip):
+    boxes, options = lookups(make(tiles), strip), CacheOptions(tiles)
+    found = misses(accesses(boxes), options, split)
+    expected = plain_misses(boxes, options, split)
+    assert len(found) == len(expected) > 50
+    assert list(zip(found.lookup.tolist(), found.bank.tolist(), found.columns.tolist(),
+                    found.rows.tolist(), found.victim.tolist())) == expected
+
+
+def test_blank_pixels_read_nothing():
+    windows = random_windows(3, blank=1)
+    found = misses(accesses(lookups(windows)), CacheOptions(16), 0)
+    assert len(found) == 0
+
+
+def test_windows_are_those_of_the_golden_model():
+    descriptor = barrel_descriptor((48, 40), (64, 48))
+    windows = frame_windows(descriptor)
+    corrected = correct(descriptor, np.zeros((48, 64), np.uint8))
+    np.testing.assert_array_equal(windows.used, ~corrected.filled)
+    assert fetches(windows.x0, windows.y0, windows.used) == corrected.fetches
+
+
+def test_a_split_that_the_cache_lacks_is_refused():
+    boxes = lookups(random_windows(1))
+    with pytest.raises(InputError, match="split is 3, the limits are 0 and 2"):
+        misses(accesses(boxes), CacheOptions(16), 3)
