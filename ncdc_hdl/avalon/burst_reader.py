@@ -1,11 +1,12 @@
 """Burst reads from memory into a word stream."""
 
 from amaranth import *
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
+from ncdc_hdl.avalon.bus import ReadHost
+from ncdc_hdl.avalon.read_commands import ReadCommands, command_layout
 
 __all__ = ["BurstReader"]
 
@@ -15,7 +16,7 @@ class BurstReader(wiring.Component):
 
     Read data cannot be stalled, so a command waits until the queue has room for all of its words
     beside those asked for and not yet taken. Commands follow each other without a gap; several
-    may be outstanding.
+    may be outstanding. Words asked for before a reset are dropped, see :class:`ReadCommands`.
 
     Timing: a command reaches the bus 1 clock after it is taken; a word leaves 2 clocks after its
     ``readdatavalid`` at the earliest.
@@ -31,7 +32,7 @@ class BurstReader(wiring.Component):
 
     Members
     -------
-    i : ``In(stream.Signature(StructLayout({"address", "words"})))``
+    i : ``In(stream.Signature(command_layout(max_burst)))``
         Byte address (a multiple of the word) and 1..max_burst words.
     o : ``Out(stream.Signature(data_width))``
     bus : ``Out(ReadHost(data_width, max_burst))``
@@ -45,10 +46,9 @@ class BurstReader(wiring.Component):
     def __init__(self, data_width, *, depth, max_burst):
         if not 1 <= max_burst <= depth:
             raise ValueError(f"max_burst is {max_burst}, the limits are 1 and the depth {depth}")
-        self.data_width, self.depth = data_width, depth
-        command = data.StructLayout({"address": ADDRESS_BITS, "words": range(max_burst + 1)})
+        self.data_width, self.depth, self.max_burst = data_width, depth, max_burst
         super().__init__({
-            "i": In(stream.Signature(command)),
+            "i": In(stream.Signature(command_layout(max_burst))),
             "o": Out(stream.Signature(data_width)),
             "bus": Out(ReadHost(data_width, max_burst)),
         })
@@ -56,18 +56,21 @@ class BurstReader(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.submodules.fifo = fifo = SyncFIFOBuffered(width=self.data_width, depth=self.depth)
+        m.submodules.commands = commands = ReadCommands(self.data_width, self.max_burst,
+                                                        limit=self.depth)
+        wiring.connect(m, commands.bus, wiring.flipped(self.bus))
         m.d.comb += [
-            fifo.w_data.eq(self.bus.readdata), fifo.w_en.eq(self.bus.readdatavalid),
+            fifo.w_data.eq(commands.word), fifo.w_en.eq(commands.valid),
             self.o.payload.eq(fifo.r_data), self.o.valid.eq(fifo.r_rdy),
             fifo.r_en.eq(self.o.ready),
         ]
         claimed = Signal(range(self.depth + 1))      # words asked for and not yet taken
         taken = self.o.valid & self.o.ready
         may_ask = claimed + self.i.p.words <= self.depth
-        m.d.comb += self.i.ready.eq(may_ask & (~self.bus.read | ~self.bus.waitrequest))
+        m.d.comb += [
+            commands.i.payload.eq(self.i.payload), commands.i.valid.eq(self.i.valid & may_ask),
+            self.i.ready.eq(commands.i.ready & may_ask),
+        ]
         asked = self.i.valid & self.i.ready
         m.d.sync += claimed.eq(claimed + Mux(asked, self.i.p.words, 0) - taken)
-        with m.If(~self.bus.read | ~self.bus.waitrequest):
-            m.d.sync += [self.bus.read.eq(asked), self.bus.address.eq(self.i.p.address),
-                         self.bus.burstcount.eq(self.i.p.words)]
         return m

@@ -1,0 +1,69 @@
+"""Read commands, and the words a memory owes for them, which no reset forgets."""
+
+from amaranth import *
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
+
+__all__ = ["ReadCommands", "command_layout"]
+
+
+def command_layout(max_burst):
+    """A read: byte address, a multiple of the word, and 1..max_burst words."""
+    return data.StructLayout({"address": ADDRESS_BITS, "words": range(max_burst + 1)})
+
+
+class ReadCommands(wiring.Component):
+    """Gives the commands of a read host and hands on the words that come back.
+
+    A reset cannot take back what the memory has been asked for, so what this knows of it is not
+    reset: a command stays on the bus until it is accepted, and words asked for before the reset
+    are dropped as they come. No new command is given before the last of them has come.
+
+    Timing: a command reaches the bus 1 clock after it is taken; commands follow each other without
+    a gap. A word is handed on in the clock of its ``readdatavalid``.
+
+    Parameters
+    ----------
+    data_width, max_burst : int
+        Bits of a word; words of one command, at most.
+    limit : int
+        Words asked for and not yet come, at most; who gives the commands keeps to it.
+
+    Members
+    -------
+    i : ``In(stream.Signature(command_layout(max_burst)))``
+    valid, word : ``Out(1)``, ``Out(data_width)``
+        A word has come, which cannot be refused.
+    bus : ``Out(ReadHost(data_width, max_burst))``
+    """
+
+    def __init__(self, data_width, max_burst, *, limit):
+        self.max_burst, self.limit = max_burst, limit
+        super().__init__({
+            "i": In(stream.Signature(command_layout(max_burst))),
+            "valid": Out(1), "word": Out(data_width),
+            "bus": Out(ReadHost(data_width, max_burst)),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        bus = self.bus
+        read, address = Signal(reset_less=True), Signal(ADDRESS_BITS, reset_less=True)
+        words = Signal(range(self.max_burst + 1), reset_less=True)
+        due = Signal(range(self.limit + 1), reset_less=True)
+        stale = Signal(init=1)          # what comes was asked for before the reset
+        accepted = read & ~bus.waitrequest
+        m.d.comb += [
+            bus.read.eq(read), bus.address.eq(address), bus.burstcount.eq(words),
+            self.valid.eq(bus.readdatavalid & ~stale), self.word.eq(bus.readdata),
+            self.i.ready.eq(~stale & (~read | accepted)),
+        ]
+        m.d.sync += due.eq(due + Mux(accepted, words, 0) - bus.readdatavalid)
+        with m.If(~read & (due == 0)):
+            m.d.sync += stale.eq(0)
+        with m.If(~read | accepted):
+            m.d.sync += [read.eq(self.i.valid & self.i.ready), address.eq(self.i.p.address),
+                         words.eq(self.i.p.words)]
+        return m

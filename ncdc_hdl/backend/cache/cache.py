@@ -1,0 +1,101 @@
+"""The prefetching tile cache: the fetcher that reads nearly every sample once."""
+
+from amaranth import *
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
+from ncdc_hdl.backend.cache.fills import Fills
+from ncdc_hdl.backend.cache.layouts import set_bits, word_bytes
+from ncdc_hdl.backend.cache.locate import Locate
+from ncdc_hdl.backend.cache.retire import Retire
+from ncdc_hdl.backend.cache.tags import Tags
+from ncdc_hdl.backend.cache.tiles import Tiles
+from ncdc_hdl.backend.layouts import request_layout, window_layout
+from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_model.fetch.cache_options import CacheOptions
+
+__all__ = ["Cache"]
+
+
+class Cache(wiring.Component):
+    """Fetch of 3x3 windows through a cache whose misses are asked for ahead.
+
+    Each window is looked up as soon as its place is known; tiles that are missing are claimed and
+    asked for at once, and it waits in a queue until they have arrived. Windows leave in order; a
+    blank request reads nothing. Byte (x, y) of the raw frame is at ``base + y pitch + x``; tiles
+    are 16 bytes by 4 rows, of which those at the frame's edges reach up to 15 bytes and 3 rows
+    beyond it.
+
+    Timing: one window per clock, whatever the memory's latency, as far as ``pending`` windows and
+    ``outstanding`` tiles hide it; see ``Tags`` for what it waits for. Requests marked ``last`` end
+    a frame: behind it the cache is emptied, in as many clocks as it has sets.
+
+    Parameters
+    ----------
+    f_bits : int
+        Fraction bits of the place in the window.
+    data_width : int
+        Bits of a memory word: 32, 64 or 128.
+    options : CacheOptions
+
+    Members
+    -------
+    base, pitch : ``In``
+        Of the raw frame in bytes, multiples of the word, constant during a frame.
+    split : ``In``
+        log2 Kx of the index rule, constant during a frame.
+    i : ``In(stream.Signature(request_layout(f_bits)))``
+    o : ``Out(stream.Signature(window_layout(f_bits)))``
+    bus0 : ``Out(ReadHost(...))``
+    fetched : ``Out(1)``
+        High for one clock per tile asked for.
+    stalls : ``Out(StructLayout)``
+        Causes of delay, see ``Tags``; and ``data``: the oldest window waits for a tile.
+    """
+
+    ports = 1
+
+    def __init__(self, f_bits, data_width, options=CacheOptions()):
+        lanes = 1
+        width = word_bytes(data_width, lanes)
+        self.locate = Locate(f_bits, options)
+        self.tags = Tags(f_bits, options, lanes)
+        self.fills = Fills(options, data_width, width)
+        self.tiles = Tiles(options, width)
+        self.retire = Retire(f_bits, options, width, lanes)
+        super().__init__({
+            "base": In(ADDRESS_BITS), "pitch": In(SIZE), "split": In(range(set_bits(options) + 1)),
+            "i": In(stream.Signature(request_layout(f_bits))),
+            "o": Out(stream.Signature(window_layout(f_bits))),
+            "bus0": Out(ReadHost(data_width, self.fills.burst)),
+            "fetched": Out(1),
+            "stalls": Out(data.StructLayout({name: 1 for name in
+                                             ("interlock", "credit", "pending", "data")})),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        for name in ("locate", "tags", "fills", "tiles", "retire"):
+            m.submodules[name] = getattr(self, name)
+        locate, tags, fills, tiles, retire = (self.locate, self.tags, self.fills, self.tiles,
+                                              self.retire)
+        wiring.connect(m, wiring.flipped(self.i), locate.i)
+        wiring.connect(m, locate.o, tags.i)
+        wiring.connect(m, retire.o, wiring.flipped(self.o))
+        wiring.connect(m, fills.bus, wiring.flipped(self.bus0))
+        m.d.comb += [
+            locate.split.eq(self.split), tiles.split.eq(self.split),
+            fills.base.eq(self.base), fills.pitch.eq(self.pitch),
+            fills.claim.eq(tags.claim), fills.tile.eq(tags.tile), tags.credit.eq(fills.credit),
+            tiles.fill.eq(fills.fill), retire.filled.eq(fills.filled),
+            retire.push.eq(tags.push), retire.place.eq(tags.place), retire.misses.eq(tags.misses),
+            tags.retire.eq(retire.retire),
+            tiles.shift.eq(retire.shift), tiles.enable.eq(retire.enable),
+            tiles.box.eq(retire.box), retire.samples.eq(tiles.samples),
+            self.fetched.eq(tags.claim),
+            *(self.stalls[name].eq(value) for name, value in
+              (("interlock", tags.stalls.interlock), ("credit", tags.stalls.credit),
+               ("pending", tags.stalls.pending), ("data", retire.waiting))),
+        ]
+        return m

@@ -1,0 +1,86 @@
+"""From windows to the tiles that they touch."""
+
+from amaranth import *
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import ceil_log2
+
+from ncdc_hdl.backend.cache.layouts import TILE_X_BITS, TILE_Y_BITS, lookup_layout, set_bits
+from ncdc_hdl.backend.layouts import request_layout
+from ncdc_hdl.frontend.layouts import lanes_of
+from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
+from ncdc_model.geometry import WINDOW
+
+__all__ = ["Locate"]
+
+_X_BITS, _Y_BITS = ceil_log2(TILE_WIDTH), ceil_log2(TILE_HEIGHT)
+
+
+class Locate(wiring.Component):
+    """Tiles and sets of each window, by the index rule of ``CacheOptions``.
+
+    Timing: two stream stages, one window per clock.
+
+    Parameters
+    ----------
+    f_bits : int
+        Fraction bits of the place in the window.
+    options : CacheOptions
+
+    Members
+    -------
+    split : ``In``
+        log2 Kx, constant while windows are under way.
+    i : ``In(stream.Signature(request_layout(f_bits)))``
+    o : ``Out(stream.Signature(lookup_layout(f_bits, options, 1)))``
+    """
+
+    def __init__(self, f_bits, options):
+        self.options = options
+        super().__init__({
+            "split": In(range(set_bits(options) + 1)),
+            "i": In(stream.Signature(request_layout(f_bits))),
+            "o": Out(stream.Signature(lookup_layout(f_bits, options, 1))),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        # T: tiles.
+        t_valid, t = Signal(), Signal(self.i.payload.shape())
+        t_across, t_down = Signal(), Signal()
+        o, place = self.o.p, self.o.p.place
+        advance = ~self.o.valid | self.o.ready
+        tile_x, tile_y = t.x0[_X_BITS:], t.y0[_Y_BITS:]
+        mask_x = Signal(set_bits(self.options))
+        m.d.sync += mask_x.eq((1 << self.split) - 1)
+        with m.If(~t_valid | advance):
+            m.d.comb += self.i.ready.eq(1)
+            m.d.sync += [
+                t_valid.eq(self.i.valid), t.eq(self.i.payload),
+                t_across.eq(self.i.p.x0[:_X_BITS] > TILE_WIDTH - WINDOW),
+                t_down.eq(self.i.p.y0[:_Y_BITS] > TILE_HEIGHT - WINDOW),
+            ]
+        # S: sets. Of an odd column and the even one behind it, the even one is in the next pair.
+        with m.If(advance):
+            m.d.sync += [
+                self.o.valid.eq(t_valid),
+                place.odd_tile.x.eq(tile_x[0]), place.odd_tile.y.eq(tile_y[0]),
+                place.first.eq(t.first), place.last.eq(t.last),
+            ]
+            for lane, pixel in zip(place.lane, lanes_of(t)):
+                m.d.sync += [lane.x.eq(pixel.x0), lane.y.eq(pixel.y0), lane.fx.eq(pixel.fx),
+                             lane.fy.eq(pixel.fy), lane.blank.eq(pixel.blank)]
+            for odd in range(2):
+                pair_x = Signal(TILE_X_BITS - 1, name=f"pair_x{odd}")
+                pair_y = Signal(TILE_Y_BITS - 1, name=f"pair_y{odd}")
+                m.d.comb += [pair_x.eq((tile_x + (1 - odd)) >> 1),
+                             pair_y.eq((tile_y + (1 - odd)) >> 1)]
+                m.d.sync += [o.pair_x[odd].eq(pair_x), o.pair_y[odd].eq(pair_y),
+                             o.set_x[odd].eq(pair_x & mask_x), o.set_y[odd].eq(pair_y << self.split)]
+            first_set_x = (tile_x >> 1) & mask_x
+            m.d.sync += place.set.eq(first_set_x | ((tile_y >> 1) << self.split))
+            for bank in range(TAG_BANKS):
+                m.d.sync += o.need[bank].eq(
+                    ~t.blank & (t_across | (tile_x[0] == bank & 1))
+                    & (t_down | (tile_y[0] == bank >> 1)))
+        return m

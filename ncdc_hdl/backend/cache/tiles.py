@@ -1,0 +1,116 @@
+"""The tile memory: samples in eight banks, any window of them per clock."""
+
+from amaranth import *
+from amaranth.lib import data, wiring
+from amaranth.lib.memory import Memory
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import ceil_log2
+
+from ncdc_hdl.backend.cache.layouts import set_bits, slot_bits
+from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
+
+__all__ = ["COLUMNS", "Tiles", "box_layout", "fill_layout", "samples_layout"]
+
+COLUMNS = 2     # banks side by side
+
+
+def _words(word_bytes):
+    """Words of one tile row that lie in the same bank."""
+    return TILE_WIDTH // (COLUMNS * word_bytes)
+
+
+def fill_layout(options, word_bytes):
+    """Words to write: ``data`` of the banks side by side, ``enable`` of each, in ``row`` of the
+    tile in ``slot``; ``word`` counts the words of one bank along the row."""
+    return data.StructLayout({
+        "enable": COLUMNS, "slot": slot_bits(options), "row": range(TILE_HEIGHT),
+        "word": ceil_log2(_words(word_bytes)),
+        "data": data.ArrayLayout(8 * word_bytes, COLUMNS)})
+
+
+def box_layout(options, word_bytes):
+    """Where a box begins: set and parities of its first tile, and in it the row and the word of
+    ``word_bytes`` bytes."""
+    return data.StructLayout({
+        "set": set_bits(options), "odd_tile": data.StructLayout({"x": 1, "y": 1}),
+        "row": range(TILE_HEIGHT), "word": ceil_log2(TILE_WIDTH // word_bytes)})
+
+
+def samples_layout(word_bytes):
+    """What is read: rows of which index r holds the one whose y is r modulo 4, bytes of which
+    index k holds the one whose x is k modulo ``2 word_bytes``."""
+    return data.ArrayLayout(data.ArrayLayout(8, COLUMNS * word_bytes), TILE_HEIGHT)
+
+
+class Tiles(wiring.Component):
+    """Samples of all slots, in 4 x 2 banks by row modulo 4 and word modulo 2.
+
+    A box of four rows and two words of ``word_bytes`` bytes has one word in each bank, whatever
+    tiles it lies in: any window of 3 x 3, or of 4 rows and ``word_bytes + 1`` columns, is read in
+    one clock. Word (row, w) of the tile in a slot is in bank (row, w mod 2) at the address
+    ``slot n + w / 2``, n = 16 / (2 word_bytes) words per bank and row.
+
+    Timing: ``samples`` follow ``box`` after 2 shifts.
+
+    Members
+    -------
+    split : ``In``
+        log2 Kx, constant during a frame.
+    fill : ``In(fill_layout(...))``
+    shift : ``In(1)``
+        Whether the two stages of the read move.
+    enable, box : ``In(1)``, ``In(box_layout(...))``
+        Whether the samples are needed at all.
+    samples : ``Out(samples_layout(word_bytes))``
+    """
+
+    latency = 2
+
+    def __init__(self, options, word_bytes):
+        self.options, self.word_bytes = options, word_bytes
+        super().__init__({
+            "split": In(range(set_bits(options) + 1)),
+            "fill": In(fill_layout(options, word_bytes)),
+            "shift": In(1), "enable": In(1), "box": In(box_layout(options, word_bytes)),
+            "samples": Out(samples_layout(word_bytes)),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        fill, box = self.fill, self.box
+        sets, words = set_bits(self.options), _words(self.word_bytes)
+        mask_x = Signal(sets)
+        m.d.sync += mask_x.eq((1 << self.split) - 1)
+        # The set of the tile right of the first, of the tile below it: in the next pair if the
+        # first is odd.
+        set_x, set_y = box.set & mask_x, box.set & ~mask_x
+        right, below = Signal(sets), Signal(sets)
+        m.d.comb += [
+            right.eq(Mux(box.odd_tile.x, (box.set + 1) & mask_x, set_x)),
+            below.eq(Mux(box.odd_tile.y, ((box.set | mask_x) + 1) & ~mask_x, set_y)),
+        ]
+        for column in range(COLUMNS):
+            word, in_next_tile = Signal.like(box.word, name=f"word{column}"), Signal(name=f"next{column}")
+            m.d.comb += [
+                # This bank's word is the box's first, or the one behind it.
+                Cat(word, in_next_tile).eq(box.word + (box.word[0] != column)),
+            ]
+            odd_x = box.odd_tile.x ^ in_next_tile
+            column_set = Mux(in_next_tile, right, set_x)
+            for row in range(TILE_HEIGHT):
+                bank = f"bank{row}{column}"
+                m.submodules[bank] = memory = Memory(
+                    shape=8 * self.word_bytes, depth=self.options.tiles * words, init=[])
+                write, read = memory.write_port(), memory.read_port()
+                m.d.comb += [
+                    write.addr.eq(Cat(fill.word, fill.slot)), write.data.eq(fill.data[column]),
+                    write.en.eq(fill.enable[column] & (fill.row == row)),
+                ]
+                lower = box.row > row
+                address = Cat(word[1:], column_set | Mux(lower, below, set_y), odd_x,
+                              box.odd_tile.y ^ lower)
+                m.d.comb += [read.addr.eq(address), read.en.eq(self.shift & self.enable)]
+                with m.If(self.shift):
+                    m.d.sync += Value.cast(self.samples[row])[
+                        8 * self.word_bytes * column:][:8 * self.word_bytes].eq(read.data)
+        return m
