@@ -1,0 +1,65 @@
+"""Another lens with every frame: no pixel of a wrong set, no clock lost between frames."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from cameras import barrel_descriptor
+
+from ncdc_hdl.avalon.registers import Registers
+from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_sim.lens_change import simulate_lens_change
+
+BETWEEN = 2     # clocks from a frame's last to the next one's first
+
+
+def cameras(corrected=(96, 72), distorted=(104, 80), hidden_neurons=3):
+    """Two cameras that differ in everything a host can set, sizes and Bayer phase included."""
+    wide = barrel_descriptor(corrected, distorted, hidden_neurons, bayer="GBRG", strength=0.4,
+                             fill=(200, 100, 50))
+    other = (corrected[0] - 8, corrected[1] - 6), (distorted[0] - 11, distorted[1] - 9)
+    tele = barrel_descriptor(*other, hidden_neurons, seed=8, bayer="RGGB", strength=0.1)
+    rng = np.random.default_rng(4)
+    return [(d, rng.integers(0, 256, d.geometry.distorted[::-1], np.uint8)) for d in (wide, tele)]
+
+
+@cache
+def verilog(output):
+    return corrector_verilog(cameras()[0][0], output=output)
+
+
+@pytest.mark.parametrize("output,memory,intruder", [
+    ("memory", "hostile", False), ("memory", "sdram", True), ("stream", "hostile", True)])
+def test_twenty_frames_of_two_lenses(output, memory, intruder):
+    pair = cameras()
+    result = simulate_lens_change(verilog(output), pair, 20, output=output, memory=memory,
+                                  intruder=intruder)
+    assert result.differing == (0,) * 20
+    assert result.pixels == 10 * (96 * 72 + 88 * 66)
+    assert len(result.idle) == 19 and max(result.idle) <= BETWEEN
+
+
+@pytest.mark.parametrize("fault", ["all of the network", *(
+    pytest.param(name, marks=pytest.mark.regress) for name in (
+        "HIDDEN0_WEIGHT_X", "OUTPUT_Y_BIAS", "SCAN_STEP_Y", "SOURCE_BASE", "BAYER_PHASE", "FILL"))])
+def test_a_tear_is_seen(fault, monkeypatch):
+    """A corrector that takes some of the host's writes at once, without waiting for the commit."""
+    def take_over(self, m, when, kept):
+        for name, _ in self.active.shape():
+            torn = fault == name or fault == "all of the network" and "PUT_" in name
+            with m.If(torn | when):
+                m.d.sync += self.active[name].eq(kept[name])
+
+    monkeypatch.setattr(Registers, "_take_over", take_over)
+    pair = cameras((48, 40), (56, 44))
+    result = simulate_lens_change(corrector_verilog(pair[0][0]), pair, 3, memory="sdram")
+    # The last frame has no successor that could disturb it.
+    assert result.differing[0] > 0 and result.differing[1] > 0 and result.differing[2] == 0
+
+
+@pytest.mark.regress
+def test_lenses_change_at_full_size():
+    pair = cameras((640, 480), (656, 492), hidden_neurons=8)
+    result = simulate_lens_change(corrector_verilog(pair[0][0], data_width=64), pair, 20,
+                                  data_width=64, memory="hostile", intruder=True)
+    assert result.differing == (0,) * 20 and max(result.idle) <= BETWEEN
