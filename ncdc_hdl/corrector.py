@@ -7,14 +7,15 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.avalon.bus import Agent, ReadHost, WriteHost
 from ncdc_hdl.avalon.register_table import ADDRESS_WORDS_BITS, host_values, registers
-from ncdc_hdl.avalon.registers import Registers
+from ncdc_hdl.avalon.registers import COUNTERS, Registers
+from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.valid import ValidTable
-from ncdc_hdl.options import FrontEndOptions
+from ncdc_hdl.options import FetchOptions, FrontEndOptions
 from ncdc_model.errors import InputError
 
 __all__ = ["Corrector", "DATA_WIDTHS", "OUTPUTS"]
@@ -42,6 +43,7 @@ class Corrector(wiring.Component):
     data_width : int
         Bits of the memory ports: 32, 64 or 128.
     front_end : ncdc_hdl.options.FrontEndOptions
+    fetch : ncdc_hdl.options.FetchOptions
     output : str
         "memory": a burst writer stores four bytes per pixel (blue, green, red, zero), row after
         row without a gap; "stream": a video stream source in its place.
@@ -49,7 +51,7 @@ class Corrector(wiring.Component):
     Members
     -------
     csr_* : Avalon-MM agent, see the register table
-    read0_*, read1_*, read2_* : Avalon-MM read hosts
+    read0_*, read1_*, read2_* : Avalon-MM read hosts; the cache has the first alone
     write_* : Avalon-MM write host (``output`` "memory")
     stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
         video stream, red in the top byte of 24 (``output`` "stream")
@@ -67,7 +69,7 @@ class Corrector(wiring.Component):
     """
 
     def __init__(self, descriptor, *, data_width=32, output="memory",
-                 front_end=FrontEndOptions()):
+                 front_end=FrontEndOptions(), fetch=FetchOptions()):
         if data_width not in DATA_WIDTHS:
             raise InputError(f"the memory's data width is {data_width}, one of "
                              f"{', '.join(map(str, DATA_WIDTHS))} is needed")
@@ -76,15 +78,20 @@ class Corrector(wiring.Component):
         if descriptor.skip_weights is not None:
             raise InputError("the descriptor has a skip path, the gateware has none")
         self.descriptor, self.data_width, self.output = descriptor, data_width, output
+        self.front_end = front_end
         formats = descriptor.formats
         self.backmap = BackMap(descriptor.hidden_neurons, formats, variant=descriptor.variant,
                                options=front_end)
         self.table = ValidTable(descriptor.valid, descriptor.geometry.corrected_height)
         self.window = WindowAddress(formats)
-        self.fetch = Multiport(formats.coordinate.f_bits, data_width)
+        f_bits = formats.coordinate.f_bits
+        self.fetch_options, split = fetch, fetch.split_for(descriptor.geometry)
+        self.fetch = Multiport(f_bits, data_width) if fetch.fetcher == "multiport" else Cache(
+            f_bits, data_width, fetch.cache_for(descriptor.geometry))
         self.interpolator = Interpolator(formats.coordinate.f_bits)
         self.registers = Registers(
-            registers(descriptor.hidden_neurons, formats), host_values(descriptor, data_width),
+            registers(descriptor.hidden_neurons, formats),
+            host_values(descriptor, data_width, split),
             digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons)
         ports = _flat("csr", Agent(ADDRESS_WORDS_BITS), In)
         for r in range(self.fetch.ports):
@@ -168,6 +175,8 @@ class Corrector(wiring.Component):
             self.fetch.base.eq(active.SOURCE_BASE), self.fetch.pitch.eq(active.SOURCE_PITCH),
             self.interpolator.phase.eq(active.BAYER_PHASE), self.interpolator.fill.eq(active.FILL),
         ]
+        if self.fetch_options.fetcher == "cache":
+            m.d.comb += self.fetch.split.eq(active.CACHE_SPLIT)
         for j in range(self.descriptor.hidden_neurons):
             hidden = network.hidden[j]
             m.d.comb += [
@@ -183,10 +192,15 @@ class Corrector(wiring.Component):
     def _counters(self, m, begun, pixels):
         counters = self.registers.counters
         running = Signal()
-        values = {name: Signal(32, name=name.lower()) for name in
-                  ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS")}
-        events = {"CLOCKS": running, "PIXELS": pixels.valid & pixels.ready,
-                  "FETCHES": self.fetch.fetched, "FRONT_END_STALLS": self.backmap.stalled}
+        values = {name: Signal(32, name=name.lower()) for name in COUNTERS}
+        events = dict.fromkeys(COUNTERS, 0) | {
+            "CLOCKS": running, "PIXELS": pixels.valid & pixels.ready,
+            "FETCHES": self.fetch.fetched, "FRONT_END_STALLS": self.backmap.stalled,
+            "SINK_STALLS": pixels.valid & ~pixels.ready, "DATA_STALLS": self.fetch.waiting}
+        if self.fetch_options.fetcher == "cache":
+            stalls = self.fetch.stalls
+            events |= {"INTERLOCK_STALLS": stalls.interlock, "CREDIT_STALLS": stalls.credit,
+                       "PENDING_STALLS": stalls.pending}
         with m.If(begun):
             m.d.sync += running.eq(1)
         with m.Elif(self.registers.ended):

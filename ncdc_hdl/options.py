@@ -3,8 +3,11 @@
 from dataclasses import dataclass
 
 from ncdc_model.errors import InputError
+from ncdc_model.fetch.cache_options import CacheOptions
 
-__all__ = ["FrontEndOptions", "HIDDEN", "PRODUCTS"]
+__all__ = ["FETCHERS", "FetchOptions", "FrontEndOptions", "HIDDEN", "PRODUCTS"]
+
+FETCHERS = ("cache", "multiport")
 
 HIDDEN = ("multiply", "raster")
 PRODUCTS = (27, 18)
@@ -56,3 +59,47 @@ class FrontEndOptions:
             raise InputError(f"share is {self.share}, the limit is the number of hidden neurons, "
                              f"{hidden_neurons}")
         return -(-hidden_neurons // self.share)
+
+
+@dataclass(frozen=True)
+class FetchOptions:
+    """How raw windows are read; every choice gives the same windows.
+
+    Parameters
+    ----------
+    fetcher : str
+        "cache": a prefetching cache of tiles; "multiport": the paper's three burst readers.
+    cache : CacheOptions
+        Sizes of the cache; those of :meth:`CacheOptions.for_width` if absent.
+    split : int
+        Of the cache, after configuration; that of :meth:`CacheOptions.split_for` if absent.
+
+    Raises
+    ------
+    InputError
+        If ``fetcher`` is none of the above.
+    """
+    fetcher: str = "multiport"
+    cache: CacheOptions | None = None
+    split: int | None = None
+
+    def __post_init__(self):
+        if self.fetcher not in FETCHERS:
+            raise InputError(f"fetch is {self.fetcher!r}, one of {', '.join(FETCHERS)} is needed")
+
+    def cache_for(self, geometry):
+        """Sizes of the cache for a camera of ``geometry``."""
+        return self.cache or CacheOptions.for_width(geometry.distorted_width)
+
+    def split_for(self, geometry):
+        """The cache's split for a camera of ``geometry``.
+
+        Raises
+        ------
+        InputError
+            If the cache has no such split.
+        """
+        cache = self.cache_for(geometry)
+        if self.split is None:
+            return cache.split_for(geometry.distorted_width)
+        return cache.check_split(self.split)

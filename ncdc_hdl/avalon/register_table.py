@@ -6,16 +6,19 @@ from amaranth import signed, unsigned
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.packer import PIXEL_BYTES
+from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN
 
-__all__ = ["ADDRESS_WORDS_BITS", "CTRL_COMMIT", "CTRL_START", "Flag", "ID", "Register",
+__all__ = ["ADDRESS_WORDS_BITS", "CONSTANTS", "CTRL_COMMIT", "CTRL_START", "Flag", "ID", "Register",
            "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_PENDING",
-           "STATUS_REFUSED", "TABLE", "frame_bytes", "host_values", "network_values", "registers",
+           "STATUS_REFUSED", "TABLE", "counters", "frame_bytes", "host_values", "network_values", "registers",
            "table_words"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
 ID = 0x4E434443           # "NCDC"
+
+CONSTANTS = ("ID", "DIGEST", "NEURONS")      # of an instance
 
 CTRL_START, CTRL_COMMIT = 1, 2
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
@@ -123,12 +126,27 @@ _FIXED = (
              "Parity of the column (bit 0) and the row (bit 1) of the red samples."),
     Register("FILL", 0x15, "shadow", unsigned(24),
              "Colour of pixels without a source, 0xRRGGBB."),
+    Register("CACHE_SPLIT", 0x16, "shadow", unsigned(4),
+             "Cache fetcher: log2 of the tile pairs along a row that have sets of their own."),
     Register("CLOCKS", 0x18, "ro", unsigned(32), "Clocks of the last frame, start to last pixel."),
     Register("PIXELS", 0x19, "ro", unsigned(32), "Pixels of the last frame."),
-    Register("FETCHES", 0x1A, "ro", unsigned(32), "Windows the last frame read from memory."),
+    Register("FETCHES", 0x1A, "ro", unsigned(32), "Windows (multiport), or tiles of 16x4 (cache), "
+             "that the last frame read from memory."),
     Register("FRONT_END_STALLS", 0x1B, "ro", unsigned(32),
              "Clocks in which the last frame's front end waited for room behind it."),
     Register("FRAMES", 0x1C, "ro", unsigned(32), "Frames completed since reset."),
+    Register("SINK_STALLS", 0x1D, "ro", unsigned(32),
+             "Clocks in which a corrected pixel of the last frame waited for writer or stream."),
+    Register("DATA_STALLS", 0x1E, "ro", unsigned(32),
+             "Clocks in which the last frame's oldest window waited for the memory."),
+    Register("INTERLOCK_STALLS", 0x1F, "ro", unsigned(32),
+             "Cache fetcher: clocks in which a missing tile waited for the place of one in use."),
+    Register("CREDIT_STALLS", 0x20, "ro", unsigned(32),
+             "Cache fetcher: clocks in which a missing tile waited because as many as allowed were "
+             "under way."),
+    Register("PENDING_STALLS", 0x21, "ro", unsigned(32),
+             "Cache fetcher: clocks in which a window waited because as many as allowed were "
+             "pending."),
 )
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS = 0x100, 0x200, 0x280
 
@@ -155,6 +173,11 @@ def registers(hidden_neurons, formats):
     return tuple(rows)
 
 
+def counters(table):
+    """The registers of ``table`` that count, as opposed to read-only constants."""
+    return tuple(r for r in table if r.access == "ro" and r.name not in CONSTANTS)
+
+
 def network_values(descriptor):
     """Register values, by name, of the network of ``descriptor``."""
     values = {}
@@ -169,10 +192,14 @@ def network_values(descriptor):
     return values
 
 
-def host_values(descriptor, data_width):
+def host_values(descriptor, data_width, split=None):
     """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera:
-    network, geometry, and a raw frame at address 0 with the corrected frame behind it."""
+    network, geometry, and a raw frame at address 0 with the corrected frame behind it.
+
+    ``split``: of the cache; that of :meth:`CacheOptions.for_width` if absent."""
     g = descriptor.geometry
+    if split is None:
+        split = CacheOptions.for_width(g.distorted_width).split_for(g.distorted_width)
     word = data_width // 8
     pitch = -(-g.distorted_width // word) * word
     origin_x, step_x, origin_y, step_y = g.scan()
@@ -188,6 +215,7 @@ def host_values(descriptor, data_width):
         "SCAN_ORIGIN_Y": origin_y, "SCAN_STEP_Y": step_y,
         "BAYER_PHASE": g.phase[0] | g.phase[1] << 1,
         "FILL": red << 16 | green << 8 | blue,
+        "CACHE_SPLIT": split,
     }
 
 

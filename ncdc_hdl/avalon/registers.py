@@ -7,9 +7,10 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.avalon.bus import Agent
 from ncdc_hdl.avalon.register_table import ADDRESS_WORDS_BITS, ID, TABLE
 
-__all__ = ["Registers"]
+__all__ = ["COUNTERS", "Registers"]
 
-COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS")
+COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS", "SINK_STALLS", "DATA_STALLS",
+            "INTERLOCK_STALLS", "CREDIT_STALLS", "PENDING_STALLS")
 
 
 class Registers(wiring.Component):

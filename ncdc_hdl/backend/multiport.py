@@ -45,6 +45,8 @@ class Multiport(wiring.Component):
     bus0, bus1, bus2 : ``Out(ReadHost(...))``
     fetched : ``Out(1)``
         High for one clock per window read from memory.
+    waiting : ``Out(1)``
+        The oldest window waits for the memory.
     """
 
     ports = WINDOW
@@ -56,7 +58,7 @@ class Multiport(wiring.Component):
             "i": In(stream.Signature(request_layout(f_bits))),
             "o": Out(stream.Signature(window_layout(f_bits))),
             **{f"bus{r}": Out(ReadHost(data_width, _MAX_BURST)) for r in range(WINDOW)},
-            "fetched": Out(1),
+            "fetched": Out(1), "waiting": Out(1),
         })
 
     def elaborate(self, platform):
@@ -155,6 +157,7 @@ class Multiport(wiring.Component):
             here.eq(Mux(token.fetch, token.offset, offset)),
             self.o.valid.eq(tokens.r_rdy & (~token.fetch | Cat(complete).all())),
             tokens.r_en.eq(self.o.valid & self.o.ready),
+            self.waiting.eq(tokens.r_rdy & ~self.o.valid),
             *(self.o.p[name].eq(token[name]) for name in
               ("odd_column", "odd_row", "fx", "fy", "blank", "first", "last")),
         ]

@@ -6,20 +6,23 @@ from importlib.metadata import version
 from amaranth.back import verilog
 
 from ncdc_hdl.corrector import Corrector
-from ncdc_hdl.options import FrontEndOptions
 
-__all__ = ["TOP", "corrector_verilog", "module_verilog"]
+__all__ = ["TOP", "corrector_verilog", "module_verilog", "verilog_of"]
 
 TOP = "ncdc"
 
 
-def corrector_verilog(descriptor, *, data_width=32, output="memory",
-                      front_end=FrontEndOptions()):
-    """Verilog text of the corrector of ``descriptor``; identical text for identical input.
+def corrector_verilog(descriptor, **options):
+    """:func:`verilog_of` the :class:`ncdc_hdl.corrector.Corrector` of ``descriptor``.
 
-    Parameters and errors raised: as :class:`ncdc_hdl.corrector.Corrector`.
+    Options and errors raised: as of that class.
     """
-    corrector = Corrector(descriptor, data_width=data_width, output=output, front_end=front_end)
+    return verilog_of(Corrector(descriptor, **options))
+
+
+def verilog_of(corrector):
+    """Verilog text of the corrector, module ``ncdc``; identical text for identical input."""
+    descriptor, front_end = corrector.descriptor, corrector.front_end
     g = descriptor.geometry
     header = (
         f"// NCDC {version('ncdc')}, Amaranth {version('amaranth')}: camera distortion corrector\n"
@@ -28,8 +31,19 @@ def corrector_verilog(descriptor, *, data_width=32, output="memory",
         f"{g.corrected_width}x{g.corrected_height}\n"
         f"// hidden neurons {front_end.hidden}, {front_end.share} per tan-sigmoid, "
         f"products for {front_end.products}-bit multipliers\n"
-        f"// fetch multiport, {data_width}-bit memory, output to {output}\n\n")
+        f"// fetch {_fetch(corrector)}, {corrector.data_width}-bit memory, output to "
+        f"{corrector.output}\n\n")
     return header + module_verilog(corrector, TOP)
+
+
+def _fetch(corrector):
+    """The corrector's fetcher in words."""
+    options = corrector.fetch_options
+    if options.fetcher == "multiport":
+        return options.fetcher
+    cache, split = (choice(corrector.descriptor.geometry) for choice in
+                    (options.cache_for, options.split_for))
+    return f"cache of {cache.bytes} bytes, split {split}"
 
 
 def module_verilog(component, name):

@@ -6,14 +6,15 @@ import numpy as np
 
 from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, frame_bytes, host_values,
                                             registers, table_words)
+from ncdc_hdl.avalon.registers import COUNTERS
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_hdl.options import FrontEndOptions
+from ncdc_hdl.options import FetchOptions, FrontEndOptions
 from ncdc_model.corrector import check_raw, correct
+from ncdc_model.fetch.lookups import frame_windows, lookups
+from ncdc_model.fetch.tags import accesses, misses
 from ncdc_sim.frame import Program, simulate_frame
 
 __all__ = ["Simulation", "corrector_program", "raw_image", "simulate_correction"]
-
-_COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS")
 
 
 @dataclass(frozen=True)
@@ -28,13 +29,14 @@ class Simulation:
     counters : dict
         The corrector's own counters, by name.
     fetches_expected : int
-        Windows that the golden model says are read.
+        Windows, or tiles, that the golden model says are read.
     bytes_read, bytes_written : int
         On the memory's ports.
     clocks_outside : int
         From the start's register write to the interrupt, counted by the bench.
     setup : dict
-        ``simulator``, ``memory``, ``fetch``, ``data_width``, ``output``, ``hidden``, ``share``.
+        ``simulator``, ``memory``, ``fetch``, ``cache_bytes``, ``cache_split``, ``data_width``,
+        ``output``, ``hidden``, ``share``, ``products``.
     """
     picture: np.ndarray
     golden: np.ndarray
@@ -63,17 +65,18 @@ class Simulation:
             "bytes_written_per_pixel": self.bytes_written / pixels,
             "windows_fetched": self.counters["FETCHES"],
             "windows_fetched_expected": self.fetches_expected,
-            "front_end_stalls": self.counters["FRONT_END_STALLS"],
+            **{name.lower(): self.counters[name] for name in COUNTERS if name.endswith("_STALLS")},
             **self.setup,
         }
 
 
-def corrector_program(descriptor, data_width, checked=True):
+def corrector_program(descriptor, data_width, checked=True, split=None):
     """Register accesses that a host makes to correct one frame: every parameter is written
-    (and, if ``checked``, read back), a frame started and awaited, the counters read."""
+    (and, if ``checked``, read back), a frame started and awaited, the counters read. ``split``: as
+    of :func:`ncdc_hdl.avalon.register_table.host_values`."""
     rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
     writes = [(rows[name].address, value)
-              for name, value in host_values(descriptor, data_width).items()]
+              for name, value in host_values(descriptor, data_width, split).items()]
     writes += table_words(descriptor.valid)
     program = Program()
     for address, value in [*writes, (rows["IRQ_ENABLE"].address, 1)]:
@@ -82,9 +85,16 @@ def corrector_program(descriptor, data_width, checked=True):
         for address, value in writes:
             program.compare(address, value)
     program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START).wait_irq()
-    for name in _COUNTERS:
+    for name in COUNTERS:
         program.read(rows[name].address)
     return program
+
+
+def _tiles(descriptor, fetch):
+    """Tiles that the golden model of the cache reads."""
+    geometry = descriptor.geometry
+    accessed = accesses(lookups(frame_windows(descriptor)))
+    return len(misses(accessed, fetch.cache_for(geometry), fetch.split_for(geometry)))
 
 
 def raw_image(raw, pitch):
@@ -93,8 +103,8 @@ def raw_image(raw, pitch):
 
 
 def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output="memory",
-                        front_end=FrontEndOptions(), memory="sdram", simulator="verilator",
-                        seed=1, progress=None):
+                        front_end=FrontEndOptions(), fetch=FetchOptions(), memory="sdram",
+                        simulator="verilator", seed=1, progress=None):
     """Correct the ``raw`` frame with the generated Verilog and with the golden model.
 
     Parameters
@@ -103,7 +113,7 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
     raw : ndarray of uint8, shape (distorted height, distorted width)
     verilog : str
         The corrector's text; generated if absent.
-    data_width, output, front_end :
+    data_width, output, front_end, fetch :
         As of :class:`ncdc_hdl.corrector.Corrector`.
     memory, simulator, seed, progress :
         As of :func:`ncdc_sim.frame.simulate_frame`.
@@ -118,12 +128,14 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
     check_raw(raw, descriptor.geometry)
     if verilog is None:
         verilog = corrector_verilog(descriptor, data_width=data_width, output=output,
-                                    front_end=front_end)
-    values = host_values(descriptor, data_width)
+                                    front_end=front_end, fetch=fetch)
+    split = fetch.split_for(descriptor.geometry)
+    values = host_values(descriptor, data_width, split)
     width, height = descriptor.geometry.corrected
     stream = output == "stream"
     result = simulate_frame(
-        verilog, raw_image(raw, values["SOURCE_PITCH"]), corrector_program(descriptor, data_width),
+        verilog, raw_image(raw, values["SOURCE_PITCH"]),
+        corrector_program(descriptor, data_width, split=split),
         source_base=values["SOURCE_BASE"], output_base=values["TARGET_BASE"],
         output_bytes=3 * width * height if stream else frame_bytes(descriptor.geometry),
         memory=memory, simulator=simulator, seed=seed, progress=progress)
@@ -131,13 +143,16 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
     if not stream:
         picture = picture[..., 2::-1]  # stored blue first, a zero byte last
     golden = correct(descriptor, raw)
+    cache = fetch.cache_for(descriptor.geometry) if fetch.fetcher == "cache" else None
     rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
     return Simulation(
         picture=picture, golden=golden.picture, filled=golden.filled,
-        counters={name: result.registers[rows[name].address] for name in _COUNTERS},
-        fetches_expected=golden.fetches, bytes_read=sum(result.bytes_read),
+        counters={name: result.registers[rows[name].address] for name in COUNTERS},
+        fetches_expected=_tiles(descriptor, fetch) if cache else golden.fetches,
+        bytes_read=sum(result.bytes_read),
         bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
         setup={"simulator": simulator, "memory": memory if isinstance(memory, str) else "custom",
-               "fetch": "multiport", "data_width": data_width, "output": output,
+               "fetch": fetch.fetcher, "cache_bytes": cache.bytes if cache else 0,
+               "cache_split": split if cache else 0, "data_width": data_width, "output": output,
                "hidden": front_end.hidden, "share": front_end.share,
                "products": front_end.products})

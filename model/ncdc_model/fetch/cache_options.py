@@ -8,9 +8,10 @@ __all__ = ["CacheOptions", "TAG_BANKS", "TILE_HEIGHT", "TILE_WIDTH"]
 
 TILE_WIDTH, TILE_HEIGHT = 16, 4     # samples, a byte each
 TAG_BANKS = 4                       # one for each parity of a tile's column and row
-_MAX_TILES = 4096
+_LEAST_TILES, _MAX_TILES = 16, 4096
 _MAX_PENDING = 1024
 _MAX_OUTSTANDING = 64
+_ROWS = 4                           # of tiles, that a cache for a raster scan holds
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class CacheOptions:
     sequence_bits: int = 12
 
     def __post_init__(self):
-        for name, least, most in (("tiles", 16, _MAX_TILES), ("pending", 4, _MAX_PENDING)):
+        for name, least, most in (("tiles", _LEAST_TILES, _MAX_TILES), ("pending", 4, _MAX_PENDING)):
             value = getattr(self, name)
             if not least <= value <= most or value & (value - 1):
                 raise InputError(f"the cache's {name} is {value}, a power of two from {least} to "
@@ -78,6 +79,19 @@ class CacheOptions:
     def max_split(self):
         """The largest ``split``: one row of sets."""
         return self.sets.bit_length() - 1
+
+    @classmethod
+    def for_width(cls, width):
+        """The least cache that holds 16 lines of a raw frame ``width`` samples wide: enough for a
+        raster scan of a moderately rotated lens of up to 120 degrees."""
+        tiles_across = 1 << max(0, (width - 1).bit_length() - (TILE_WIDTH - 1).bit_length())
+        return cls(tiles=max(_LEAST_TILES, _ROWS * tiles_across))
+
+    def split_for(self, width):
+        """The split by which each tile column of a raw frame ``width`` samples wide has sets of its
+        own, as far as there are enough."""
+        pairs = -(-width // (2 * TILE_WIDTH))
+        return min(self.max_split, (pairs - 1).bit_length())
 
     def check_split(self, split):
         """Return ``split``.

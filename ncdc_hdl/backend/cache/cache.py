@@ -1,12 +1,12 @@
 """The prefetching tile cache: the fetcher that reads nearly every sample once."""
 
 from amaranth import *
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.backend.cache.fills import Fills
-from ncdc_hdl.backend.cache.layouts import set_bits, word_bytes
+from ncdc_hdl.backend.cache.layouts import set_bits, stalls_layout, word_bytes
 from ncdc_hdl.backend.cache.locate import Locate
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
@@ -50,8 +50,10 @@ class Cache(wiring.Component):
     bus0 : ``Out(ReadHost(...))``
     fetched : ``Out(1)``
         High for one clock per tile asked for.
-    stalls : ``Out(StructLayout)``
-        Causes of delay, see ``Tags``; and ``data``: the oldest window waits for a tile.
+    waiting : ``Out(1)``
+        The oldest window waits for a tile.
+    stalls : ``Out(stalls_layout())``
+        Why the tag stage does not move, see :class:`Tags`.
     """
 
     ports = 1
@@ -69,9 +71,7 @@ class Cache(wiring.Component):
             "i": In(stream.Signature(request_layout(f_bits))),
             "o": Out(stream.Signature(window_layout(f_bits))),
             "bus0": Out(ReadHost(data_width, self.fills.burst)),
-            "fetched": Out(1),
-            "stalls": Out(data.StructLayout({name: 1 for name in
-                                             ("interlock", "credit", "pending", "data")})),
+            "fetched": Out(1), "waiting": Out(1), "stalls": Out(stalls_layout()),
         })
 
     def elaborate(self, platform):
@@ -93,9 +93,7 @@ class Cache(wiring.Component):
             tags.retire.eq(retire.retire),
             tiles.shift.eq(retire.shift), tiles.enable.eq(retire.enable),
             tiles.box.eq(retire.box), retire.samples.eq(tiles.samples),
-            self.fetched.eq(tags.claim),
-            *(self.stalls[name].eq(value) for name, value in
-              (("interlock", tags.stalls.interlock), ("credit", tags.stalls.credit),
-               ("pending", tags.stalls.pending), ("data", retire.waiting))),
+            self.fetched.eq(tags.claim), self.waiting.eq(retire.waiting),
+            self.stalls.eq(tags.stalls),
         ]
         return m

@@ -7,7 +7,7 @@ from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
 from ncdc_model.geometry import MAX_SIZE
 
 __all__ = ["PAIR_X_BITS", "PAIR_Y_BITS", "TILE_X_BITS", "TILE_Y_BITS", "lookup_layout",
-           "set_bits", "slot_bits", "tile_layout", "window_place_layout", "word_bytes"]
+           "set_bits", "slot_bits", "stalls_layout", "tile_layout", "window_place_layout", "word_bytes"]
 
 TILE_X_BITS = ceil_log2(MAX_SIZE // TILE_WIDTH)
 TILE_Y_BITS = ceil_log2(MAX_SIZE // TILE_HEIGHT)
@@ -67,3 +67,8 @@ def lookup_layout(f_bits, options, lanes):
 def tile_layout(options):
     """A tile to be read from memory, and the slot it is for."""
     return data.StructLayout({"x": TILE_X_BITS, "y": TILE_Y_BITS, "slot": slot_bits(options)})
+
+
+def stalls_layout():
+    """Why the tag stage does not move: a place in use, no credit, too many pending look-ups."""
+    return data.StructLayout({"interlock": 1, "credit": 1, "pending": 1})

@@ -6,12 +6,10 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.cache.layouts import (PAIR_X_BITS, PAIR_Y_BITS, lookup_layout, set_bits,
-                                            tile_layout, window_place_layout)
+                                            stalls_layout, tile_layout, window_place_layout)
 from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["Tags"]
-
-_STALLS = ("interlock", "credit", "pending")
 
 
 class Tags(wiring.Component):
@@ -50,9 +48,8 @@ class Tags(wiring.Component):
         ``retire``.
     retire : ``In(1)``
         The oldest look-up passed on reads its samples in this clock.
-    stalls : ``Out(StructLayout)``
-        Why the look-up in the act stage does not leave, if so: ``interlock``, ``credit``,
-        ``pending``.
+    stalls : ``Out(stalls_layout())``
+        Why the look-up in the act stage neither claims nor leaves in this clock, if so.
     """
 
     def __init__(self, f_bits, options, lanes=1):
@@ -64,7 +61,7 @@ class Tags(wiring.Component):
             "push": Out(1), "place": Out(window_place_layout(f_bits, options, lanes)),
             "misses": Out(range(TAG_BANKS + 1)),
             "retire": In(1),
-            "stalls": Out(data.StructLayout({name: 1 for name in _STALLS})),
+            "stalls": Out(stalls_layout()),
         })
 
     def elaborate(self, platform):

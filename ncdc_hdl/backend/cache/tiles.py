@@ -106,7 +106,7 @@ class Tiles(wiring.Component):
                     write.addr.eq(Cat(fill.word, fill.slot)), write.data.eq(fill.data[column]),
                     write.en.eq(fill.enable[column] & (fill.row == row)),
                 ]
-                lower = box.row > row
+                lower = box.row > row if row < TILE_HEIGHT - 1 else Const(0, 1)
                 address = Cat(word[1:], column_set | Mux(lower, below, set_y), odd_x,
                               box.odd_tile.y ^ lower)
                 m.d.comb += [read.addr.eq(address), read.en.eq(self.shift & self.enable)]

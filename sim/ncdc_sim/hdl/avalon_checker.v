@@ -92,7 +92,7 @@ module avalon_checker #(
                     if (burstcount !== was_burstcount)
                         breach("burst-constant");
                 end else begin
-                    if (burstcount == 0 || burstcount > MAX_BURST)
+                    if (32'd0 + burstcount - 32'd1 >= MAX_BURST)     // 0 too
                         breach("burst-range");
                     if (address % LANES != 0)
                         breach("aligned");
