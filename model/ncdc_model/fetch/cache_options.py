@@ -87,6 +87,22 @@ class CacheOptions:
         tiles_across = 1 << max(0, (width - 1).bit_length() - (TILE_WIDTH - 1).bit_length())
         return cls(tiles=max(_LEAST_TILES, _ROWS * tiles_across))
 
+    @classmethod
+    def of_bytes(cls, size):
+        """The cache that holds ``size`` bytes of samples.
+
+        Raises
+        ------
+        InputError
+            If that is no power of two, or outside the limits.
+        """
+        tile = TILE_WIDTH * TILE_HEIGHT
+        least, most = _LEAST_TILES * tile, _MAX_TILES * tile
+        if not least <= size <= most or size & (size - 1):
+            raise InputError(f"the cache's size is {size} bytes, a power of two from {least} to "
+                             f"{most} is needed")
+        return cls(tiles=size // tile)
+
     def split_for(self, width):
         """The split by which each tile column of a raw frame ``width`` samples wide has sets of its
         own, as far as there are enough."""
