@@ -16,8 +16,8 @@ __all__ = ["COMMANDS", "main", "parser"]
 
 # Each module has HELP, EXAMPLE, add_arguments(parser) and run(args); run returns the exit
 # status, None for 0.
-COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "export", "generate", "simulate",
-            "bench")
+COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "export", "plan", "generate",
+            "simulate", "bench")
 
 
 _TO_FOLDER = ("demo", "generate")      # commands whose --output is a folder

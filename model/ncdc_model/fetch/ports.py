@@ -100,13 +100,18 @@ class _DramPort(_Port):
             upto = min(end, (address // memory.access_bytes + 1) * memory.access_bytes)
             edge = max(self.placed + 1, accepted + memory.controller_clocks,
                        self._edge(self.columns[0]))
-            done = self._edge(self._place(edge, address) + memory.read_data)
+            first, end_word = address // memory.word_bytes, (upto - 1) // memory.word_bytes
+            length = (end_word - first + 1) * memory.word_clocks
+            data = self._place(edge, address, length) + memory.cas_latency
             self.placed = edge
-            self.last = max(done, self.last + 1) + (upto - address) // word - 1
+            beats = (upto - address) // word
+            self.last = max(self.last + beats, self._edge(data + length),
+                            self._edge(data + memory.word_clocks) + beats - 1)
             address = upto
 
-    def _place(self, edge, address):
-        """Plan the access placed at ``edge``; its read command's time."""
+    def _place(self, edge, address, length):
+        """Plan the access placed at ``edge``, of ``length`` clocks of data; its column command's
+        time."""
         memory = self.memory
         now = self._time(edge)
         while now >= self.refresh_due:
@@ -127,8 +132,8 @@ class _DramPort(_Port):
             self.precharge_from[bank] = at + memory.ras
             self.column_from[bank] = at + memory.rcd
         at = self._issue(max(now + 1, self.column_from[bank], self.read_from))
-        self.read_from = at + memory.access_clocks
-        self.precharge_from[bank] = max(self.precharge_from[bank], at + memory.read_to_precharge)
+        self.read_from = at + length
+        self.precharge_from[bank] = max(self.precharge_from[bank], at + length)
         self.columns.append(at)
         return at
 
