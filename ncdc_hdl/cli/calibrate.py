@@ -49,7 +49,8 @@ def run(args):
             rejected[reason] = rejected.get(reason, 0) + count
     report = {
         "target": points.target, "columns": points.columns, "rows": points.rows,
-        "points_found": points.count, "points_rejected": sum(rejected.values()),
+        "points_found": points.count, "points_cut": points.count - points.whole,
+        "points_rejected": sum(rejected.values()),
         "points_rejected_by_reason": rejected, "photos_used": len(points.photos),
         "photos_rejected": points.rejected_photos, "points": str(output), "overlays": overlays,
     }
@@ -59,6 +60,8 @@ def run(args):
         return
     print(f"{points.count} points ({points.target}, {points.columns} columns x {points.rows} rows) "
           f"in {len(points.photos)} of {len(args.photos)} photos")
+    if report["points_cut"]:
+        print(f"  {report['points_cut']} of them are cut by the border: numbered, not used")
     for reason, count in rejected.items():
         print(f"  {count} rejected: {reason}")
     print(f"{output}; look at {overlays[0]}" + (" and the others" if overlays[1:] else ""))

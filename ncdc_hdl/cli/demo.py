@@ -153,9 +153,9 @@ def _truth(folder, camera, photo, trained, simulation):
 
 def _pictures(folder, target, points, descriptor, scene, simulation):
     """The comparison picture, and how straight the target's rows and columns have become."""
-    photo = points.photos[0]
+    photo = points.photos[0].whole
     corrected = correct(descriptor, target).picture
-    again = detect_points([("corrected", corrected)], "dots").photos[0]
+    again = detect_points([("corrected", corrected)], "dots").photos[0].whole
     before, after = straightness(photo.xy, photo.index), straightness(again.xy, again.index)
     write_image(folder / "comparison.png", side_by_side([
         [("the target as the camera sees it, with straight lines", draw_lines(

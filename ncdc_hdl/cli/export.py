@@ -34,7 +34,7 @@ def run(args):
             raise InputError(f"{args.output}: points are written as .csv")
         points = TargetPoints.load(args.source)
         save_csv(args.output, points, args.style or "opencv")
-        print(f"{args.output}: {points.count} points")
+        print(f"{args.output}: {points.whole} points")
         return
     if args.style:
         raise InputError(f"style {args.style} is for points, {args.source} holds none")

@@ -17,10 +17,21 @@ _FILL = (0.80, 1.15)   # area over the area of the ellipse with the same second 
 
 @dataclass(frozen=True)
 class Blobs:
-    """Centres (n, 2), areas (n,) in square pixels, and how many were rejected, by reason."""
+    """Round blobs, and what was rejected.
+
+    Parameters
+    ----------
+    xy, area : ndarray, shapes (n, 2) and (n,)
+        Centres, and areas in square pixels.
+    rejected : dict
+        How many were rejected, by reason; those that the border cuts are not among them.
+    cut : ndarray, shape (k, 2)
+        Middles of the visible parts of blobs that the border cuts.
+    """
     xy: np.ndarray
     area: np.ndarray
     rejected: dict
+    cut: np.ndarray
 
 
 def flat_field(image):
@@ -54,7 +65,7 @@ def find_blobs(image):
     pixel is taken relative to the page around it, with dots of that size closed, and a dot is
     what is darker than half of its own depth: this finds dots under smudges and glare too. The
     centre is the centroid of the ink, each pixel weighted by its darkness. A blob is rejected if
-    the border cuts it, if it is much smaller than the others, or no filled ellipse.
+    it is much smaller than the others, or no filled ellipse; if the border cuts it, only told.
     """
     flat = flat_field(image)
     smooth = cv2.GaussianBlur(flat, (0, 0), 0.7)
@@ -82,7 +93,7 @@ def _square(side):
 
 def _blobs(smooth, dark, smallest):
     """Blobs of the connected regions, of at least ``smallest`` pixels, of the mask ``dark``."""
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(dark.astype(np.uint8),
+    count, labels, stats, middles = cv2.connectedComponentsWithStats(dark.astype(np.uint8),
                                                                connectivity=4)
     height, width = smooth.shape
     left, top, wide, high, area = stats.T
@@ -92,15 +103,16 @@ def _blobs(smooth, dark, smallest):
     good = ~(cut | small)
     good[0] = False
     if not good.any():
-        return Blobs(np.empty((0, 2)), np.empty(0), _counts(cut, small, good & False))
+        return Blobs(np.empty((0, 2)), np.empty(0), _counts(small, good & False), middles[:0])
     xy, fill = _centres(smooth, labels, good, count, area)
     odd = good & ~((fill > _FILL[0]) & (fill < _FILL[1]))
     keep = good & ~odd
-    return Blobs(xy[keep], area[keep].astype(np.float64), _counts(cut, small, odd))
+    cut[0] = False
+    return Blobs(xy[keep], area[keep].astype(np.float64), _counts(small, odd), middles[cut])
 
 
-def _counts(cut, small, odd):
-    reasons = {"cut by the border": cut, "too small": small, "not a filled ellipse": odd}
+def _counts(small, odd):
+    reasons = {"too small": small, "not a filled ellipse": odd}
     # Component 0 is the page.
     return {reason: int(which[1:].sum()) for reason, which in reasons.items() if which[1:].any()}
 

@@ -1,10 +1,11 @@
 """From photos to numbered points: the target's name, and one photo after the other."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from ncdc_model.calibration.boards import find_any_chessboard, find_chessboard, find_circles
 from ncdc_model.calibration.dots import find_dots
-from ncdc_model.calibration.points import PhotoPoints, TargetPoints
+from ncdc_model.calibration.points import TargetPoints
 from ncdc_model.errors import InputError
 from ncdc_model.geometry import MIN_SIZE
 
@@ -63,8 +64,7 @@ def detect_points(images, target="auto"):
             rejected[str(name)] = str(error)
             continue
         size = size or shape
-        photos.append(PhotoPoints(index=found.index, xy=found.xy, area=found.area,
-                                  rejected=found.rejected, name=Path(name).name))
+        photos.append(replace(found, name=Path(name).name))
     if not photos:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
         raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")

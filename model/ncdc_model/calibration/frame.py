@@ -67,6 +67,8 @@ def ideal_frame(points, size=None, zoom="fit"):
     rejected, names = {}, []
     photos = []
     for photo in points.photos:
+        _count(rejected, "cut by the border", int(photo.cut.sum()))
+        photo = photo.whole
         if len(photo.index) < MIN_POINTS:
             _count(rejected, "in a photo with too few points", len(photo.index))
         else:

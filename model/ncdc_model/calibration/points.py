@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -29,15 +29,31 @@ class PhotoPoints:
     area : ndarray, shape (n,)
         Size of the dots in square pixels; zeros where the target's points have none.
     rejected : dict
-        How many candidates were not used, by reason.
+        How many candidates have no number, by reason.
     name : str
         File name of the photo.
+    cut : ndarray of bool, shape (n,), optional
+        Dots that the picture's border cuts: numbered, but too uncertain to fit a lens to.
     """
     index: np.ndarray
     xy: np.ndarray
     area: np.ndarray
     rejected: dict = field(default_factory=dict)
     name: str = ""
+    cut: np.ndarray | None = None
+
+    def __post_init__(self):
+        if self.cut is None:
+            object.__setattr__(self, "cut", np.zeros(len(self.index), bool))
+
+    @property
+    def whole(self):
+        """The photo without the points that the border cuts."""
+        if not self.cut.any():
+            return self
+        keep = ~self.cut
+        return replace(self, index=self.index[keep], xy=self.xy[keep], area=self.area[keep],
+                       cut=self.cut[keep])
 
 
 @dataclass(frozen=True)
@@ -79,7 +95,7 @@ class TargetPoints:
     def _check(self, photo):
         n = len(photo.index)
         for name, array, shape in (("index", photo.index, (n, 2)), ("xy", photo.xy, (n, 2)),
-                                   ("area", photo.area, (n,))):
+                                   ("area", photo.area, (n,)), ("cut", photo.cut, (n,))):
             if array.shape != shape:
                 raise InputError(f"{photo.name}: {name} has shape {array.shape}, {shape} is needed")
             if not np.isfinite(array).all():
@@ -112,12 +128,18 @@ class TargetPoints:
         return sum(len(photo.index) for photo in self.photos)
 
     @property
+    def whole(self):
+        """Points in all photos that the border does not cut."""
+        return sum(len(photo.whole.index) for photo in self.photos)
+
+    @property
     def digest(self):
         """Twelve hex digits of the hash of the image size, the indices and the points."""
         state = hashlib.sha256(repr((self.target, tuple(self.size))).encode())
         for photo in self.photos:
             state.update(np.asarray(photo.index).astype("<i8").tobytes())
             state.update(np.asarray(photo.xy).astype("<f8").tobytes())
+            state.update(np.asarray(photo.cut).astype("u1").tobytes() if photo.cut.any() else b"")
         return state.hexdigest()[:12]
 
     def save(self, path):
@@ -160,20 +182,25 @@ class TargetPoints:
 
 
 def _photo_text(photo):
-    """One photo as JSON, a line per point: column, row, x, y, area."""
+    """One photo as JSON, a line per point: column, row, x, y, area, and 1 if it is cut."""
     rows = [json.dumps([int(i), int(j), round(float(x), 4), round(float(y), 4),
-                        round(float(area), 1)])
-            for (i, j), (x, y), area in zip(photo.index, photo.xy, photo.area)]
+                        round(float(area), 1)] + [1] * bool(cut))
+            for (i, j), (x, y), area, cut in zip(photo.index, photo.xy, photo.area, photo.cut)]
     return (f'{{"name": {json.dumps(photo.name)}, "rejected": {json.dumps(photo.rejected)},\n'
             f'"points": [\n' + ",\n".join(rows) + "\n]}")
 
 
 def _photo(table):
-    points = np.array(table["points"], np.float64)
-    if points.ndim != 2 or points.shape[1] != 5:
-        raise InputError(f"{table['name']}: a point needs 5 numbers: column, row, x, y, area")
+    rows = [list(row) + [0] * (len(row) == 5) for row in table["points"]]
+    if any(len(row) != 6 for row in rows):
+        raise InputError(f"{table['name']}: a point needs 5 numbers: column, row, x, y, area, or "
+                         f"a sixth: 1 if the border cuts it")
+    points = np.array(rows, np.float64).reshape(-1, 6)
+    if not np.isin(points[:, 5], (0, 1)).all():
+        raise InputError(f"{table['name']}: the sixth number of a point must be 0 or 1")
     index = points[:, :2]
     if not (np.isfinite(index) & (index == np.floor(index)) & (np.abs(index) < 1e6)).all():
         raise InputError(f"{table['name']}: an index is no whole number below 1000000")
     return PhotoPoints(index=index.astype(np.int64), xy=points[:, 2:4], area=points[:, 4],
-                       rejected=dict(table["rejected"]), name=str(table["name"]))
+                       rejected=dict(table["rejected"]), name=str(table["name"]),
+                       cut=points[:, 5] == 1)

@@ -19,7 +19,8 @@ def points_csv(points, style):
         each from the left, then vertical lines from the left, each from the top; y before x.
     """
     header, rows = STYLES[style]
-    lines = [",".join(map(str, row)) for photo in points.photos for row in rows(photo)]
+    lines = [",".join(map(str, row)) for photo in points.photos
+             for row in rows(photo.whole)]
     return "\n".join([header, *lines]) + "\n"
 
 

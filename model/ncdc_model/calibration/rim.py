@@ -1,0 +1,146 @@
+"""Dots that the picture's border cuts: their centres from the part that is seen."""
+
+import cv2
+import numpy as np
+
+from ncdc_model.calibration.blobs import flat_field
+
+__all__ = ["recover_cut_dots"]
+
+_MOVE = 0.35           # of a step: farthest that a centre may lie from where it is expected
+_LIKE = 0.70           # least correlation of a cut dot's picture with that of a whole one
+_STEPS = 12            # of Gauss and Newton, at most
+_DONE = 1e-3           # pixels
+
+
+def recover_cut_dots(image, xy, index, area):
+    """Dots next to the numbered ones that the border cuts but whose centre lies in the picture.
+
+    The picture of a dot is nearly that of its neighbour further in. So the neighbour's picture,
+    with its size changed as the lattice's steps change, is laid over what is seen of the cut dot
+    and moved until the squares of the differences, free in brightness and contrast, are least. The
+    place where the whole dot's centroid then lies is the cut dot's: it has the bias of a whole
+    dot's centroid and no other. A centre outside the picture is not determined and not used.
+
+    Parameters
+    ----------
+    image : ndarray of uint8
+        As in :func:`ncdc_model.calibration.blobs.find_blobs`.
+    xy, index, area : ndarray
+        Whole dots, their (i, j) and areas.
+
+    Returns
+    -------
+    xy, index, area : ndarray
+        Of the recovered dots only; indices as the given ones count, so they may be negative.
+    """
+    flat = flat_field(image)
+    limit = np.array(image.shape[1::-1]) - 0.5
+    whole = {tuple(key): n for n, key in enumerate(index.tolist())}
+    place = {key: xy[n] for key, n in whole.items()}
+    found, front = {}, list(place)
+    while front:
+        reached = []
+        for key, lines in _expected(place, front):
+            result = _centre(flat, place, whole, area, lines)
+            if result is None:
+                continue
+            centre, size = result
+            edge = min(centre.min() + 0.5, (limit - centre).min())
+            apart = np.linalg.norm(np.array(list(place.values())) - centre, axis=1).min()
+            if 0 <= edge < 1.5 * np.sqrt(size / np.pi) + 2 and apart > np.sqrt(size):
+                place[key], found[key] = centre, size
+                reached.append(key)
+        front = reached
+    keys = sorted(found)
+    return (np.array([place[key] for key in keys]).reshape(-1, 2),
+            np.array(keys, int).reshape(-1, 2), np.array([found[key] for key in keys]))
+
+
+def _expected(place, front):
+    """Free neighbours of the dots ``front``, each with the lines of three that lead to it."""
+    guesses = {}
+    for i, j in front:
+        for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            key = i + di, j + dj
+            line = [(i - k * di, j - k * dj) for k in range(3)]
+            if key not in place and all(other in place for other in line):
+                guesses.setdefault(key, []).append(line)
+    return sorted(guesses.items())
+
+
+def _centre(flat, place, whole, area, lines):
+    """Centre and area of the cut dot that ``lines`` lead to, or None."""
+    results, sizes = [], []
+    for line in lines:
+        first, second, third = (place[key] for key in line)
+        # Along a line of four the third difference is that of a parabola: zero.
+        expected, step = 3 * first - 3 * second + third, first - second
+        if line[0] not in whole:
+            continue
+        size = area[whole[line[0]]]
+        shape = _change(place, line, expected - first)
+        result = _register(flat, first, expected, shape, 1.7 * np.sqrt(size / np.pi) + 1)
+        if result is None or np.linalg.norm(result - expected) > _MOVE * np.linalg.norm(step):
+            return None
+        results.append(result)
+        sizes.append(size * np.linalg.det(shape))
+    return (np.mean(results, axis=0), float(np.mean(sizes))) if results else None
+
+
+def _change(place, line, step):
+    """Matrix (2, 2) that takes the shape of the dot ``line[0]`` to that of the one beyond it.
+
+    The change of the steps along and across the line from the dot before to this one, once more.
+    """
+    (i, j), (k, l) = line[:2]
+    across = [(place.get((a + l - j, b + k - i)), place.get((a - l + j, b - k + i)))
+              for a, b in line[:2]]
+    before = place[line[0]] - place[line[1]]
+    if any(point is None for pair in across for point in pair):
+        return np.eye(2) * np.linalg.norm(step) / np.linalg.norm(before)
+    here, inner = (first - second for first, second in across)
+    return np.stack([step, 2 * here - inner], axis=1) @ np.linalg.inv(
+        np.stack([before, here], axis=1))
+
+
+def _register(flat, model, start, shape, radius):
+    """Where the surroundings of the whole dot at ``model`` are found again near ``start``.
+
+    None if the two are not alike.
+    """
+    height, width = flat.shape
+    centre, back = np.array(start, np.float64), np.linalg.inv(shape)
+    for _ in range(_STEPS):
+        left, top = np.ceil(np.maximum(centre - radius, 0)).astype(int)
+        right, bottom = np.floor(np.minimum(centre + radius, (width - 1, height - 1))).astype(int)
+        if right - left < 2 or bottom - top < 2:
+            return None
+        x, y = np.meshgrid(np.arange(left, right + 1), np.arange(top, bottom + 1))
+        near = (x - centre[0])**2 + (y - centre[1])**2 <= radius**2
+        x, y = x[near], y[near]
+        at = back @ np.stack([x - centre[0], y - centre[1]]) + model[:, None]
+        h = 0.5
+        values, east, west, south, north = (
+            cv2.remap(flat, (at[0] + dx).astype(np.float32)[None], (at[1] + dy).astype(np.float32)[
+                None], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)[0].astype(np.float64)
+            for dx, dy in ((0, 0), (h, 0), (-h, 0), (0, h), (0, -h)))
+        seen = flat[y, x].astype(np.float64)
+        if np.ptp(seen) == 0 or np.ptp(values) == 0:
+            return None
+        one = np.ones_like(values)
+        gain = np.polyfit(values, seen, 1)[0]
+        slope = -gain * np.stack([east - west, south - north], axis=1) / (2 * h) @ back
+        system = np.column_stack([values, one, slope])
+        try:
+            solution = np.linalg.lstsq(system, seen, rcond=None)[0]
+        except np.linalg.LinAlgError:
+            return None
+        move = np.clip(solution[2:], -1, 1)
+        centre = centre + move
+        if np.linalg.norm(centre - start) > 2 * radius:
+            return None
+        if np.linalg.norm(move) < _DONE:
+            break
+    alike = np.corrcoef(values, seen)[0, 1]
+    return centre if alike > _LIKE and gain > 0.3 else None
