@@ -11,15 +11,15 @@ from ncdc_model.memory_timing import MEMORIES, LatencyMemory, ddr3, memory_timin
 def test_sdram_in_clocks_of_10_ns():
     m = sdram()
     assert (m.ratio, m.rcd, m.rp, m.ras, m.rc, m.rrd) == (1, 2, 2, 5, 7, 2)
-    assert (m.refresh, m.refresh_interval, m.write_to_precharge, m.read_data) == (7, 781, 3, 4)
+    assert (m.refresh, m.refresh_interval, m.write_to_precharge) == (7, 781, 2)
     assert m.row_bytes * m.banks * 8192 == 128 << 20        # two parts of 512 Mbit
 
 
 def test_ddr3_in_clocks_of_2500_ps():
     m = ddr3()
     assert (m.ratio, m.rcd, m.rp, m.ras, m.rc, m.rrd, m.faw) == (4, 6, 6, 15, 21, 4, 20)
-    assert (m.refresh, m.refresh_interval, m.write_to_precharge, m.read_data) == (64, 3125, 15, 10)
-    assert (m.read_to_write, m.write_to_read) == (7, 13)
+    assert (m.refresh, m.refresh_interval, m.write_to_precharge) == (64, 3125, 11)
+    assert (m.read_to_write, m.write_to_read) == (3, 9)
     assert m.row_bytes * m.banks * 16384 * 8 == 2 << 30
 
 

@@ -69,21 +69,23 @@ class DramMemory:
     T(k) = floor(k * ratio). Rules:
 
     - The byte address is row, bank, column from the top: bank = address / row_bytes mod banks.
-    - An *access* moves the ``access_bytes`` aligned bytes of one column command. A read command
-      is split into the accesses that hold its bytes.
+    - An *access* is a column command; it moves bytes of one block of ``access_bytes`` aligned
+      bytes. A read command is split into the accesses that hold its bytes. The data of an access
+      occupies ``word_clocks`` for each of the words of ``word_bytes`` that it touches, n in all.
     - A command accepted at edge t may be placed from edge t + ``controller_clocks`` on. At each
       edge at most one access is placed, and only if the column command of the access
       ``look_ahead`` places before it has been issued: column(n - look_ahead) <= T(k).
     - Its commands go to the memory at the first free memory clocks after T(k), one command per
       memory clock: precharge (if another row is open) no earlier than activate + ``ras``,
-      read + ``read_to_precharge`` and write + ``write_to_precharge`` of that bank; activate (if
+      read + n and write + n + ``write_to_precharge`` of that bank; activate (if
       its row is not open) no earlier than precharge + ``rp``, activate of that bank + ``rc``,
       activate of any bank + ``rrd``, fourth last activate + ``faw``; column command no earlier
-      than activate + ``rcd`` and, behind the column command before it, ``access_clocks`` (same
-      direction), ``read_to_write`` or ``write_to_read``. Column commands keep the order of
-      placement; rows stay open.
-    - The word is on the port at the first edge k with T(k) >= read + ``read_data`` that is also
-      behind the port's word before it.
+      than activate + ``rcd`` and, behind the column command before it, n (same direction),
+      n + ``read_to_write`` or n + ``write_to_read``. Column commands keep the order of placement;
+      rows stay open.
+    - Data that ends with the j-th word (1, 2 ...) that a read touches is on the port at the first
+      edge k with T(k) >= read + ``cas_latency`` + j ``word_clocks`` that is also behind the port's
+      word before it.
     - Each ``refresh_interval`` a refresh is placed before other accesses: all banks are
       precharged by one command (under the bounds above, and behind all commands placed), ``rp``
       later the refresh, and activates wait ``refresh`` clocks from it.
@@ -98,10 +100,9 @@ class DramMemory:
         Memory clock, ns.
     clock : Fraction
         The corrector's clock, MHz.
-    banks, row_bytes, access_bytes, access_clocks : int
-    cas_latency, write_latency : int
-    rcd, rp, ras, rc, rrd, faw, write_recovery, read_to_precharge, read_to_write, write_to_read,
-    refresh, refresh_interval : int
+    banks, row_bytes, access_bytes, word_bytes, word_clocks, cas_latency : int
+    rcd, rp, ras, rc, rrd, faw, read_to_write, write_to_read, write_to_precharge, refresh,
+    refresh_interval : int
     controller_clocks : int
         Clocks of the corrector.
     look_ahead, write_batch, max_pending : int
@@ -116,19 +117,18 @@ class DramMemory:
     banks: int
     row_bytes: int
     access_bytes: int
-    access_clocks: int
+    word_bytes: int
+    word_clocks: int
     cas_latency: int
-    write_latency: int
     rcd: int
     rp: int
     ras: int
     rc: int
     rrd: int
     faw: int
-    write_recovery: int
-    read_to_precharge: int
     read_to_write: int
     write_to_read: int
+    write_to_precharge: int
     refresh: int
     refresh_interval: int
     controller_clocks: int
@@ -144,16 +144,6 @@ class DramMemory:
         """Memory clocks per clock of the corrector, a Fraction."""
         return 1000 / (self.clock * self.period)
 
-    @property
-    def read_data(self):
-        """From a read to the end of its data."""
-        return self.cas_latency + self.access_clocks
-
-    @property
-    def write_to_precharge(self):
-        """From a write to a precharge of its bank."""
-        return self.write_latency + self.access_clocks + self.write_recovery
-
 
 def _check_pending(value):
     if not 1 <= value <= MAX_PENDING:
@@ -166,9 +156,10 @@ def sdram(clock=100):
 
     20 ns, 20 ns and 70 ns for rcd, rp and refresh: LiteDRAM's table of this part. 42, 63 and
     14 ns for ras, rc and rrd, write recovery 14 ns, 8192 refreshes in 64 ms: data sheets of
-    512 Mbit parts of the speed grade -7 (Alliance AS4C32M16SB). Reads of one word each; the bus
-    rests for one clock between read and written data. The controller's 3 clocks give a read of an
-    open row its first word after 8, as measured on LiteDRAM's native port.
+    512 Mbit parts of the speed grade -7 (Alliance AS4C32M16SB). Bursts of four words, cut short by
+    the next command where fewer are needed; the bus rests for one clock between read and written
+    data. The controller's 3 clocks give a read of an open row its first word after 8, as measured
+    on LiteDRAM's native port.
 
     Raises
     ------
@@ -176,18 +167,18 @@ def sdram(clock=100):
         If the memory cannot be clocked that fast.
     """
     clock = _clock(clock, 143, "sdram")
-    period = 1000 / clock
+    period, cas = 1000 / clock, 3
 
     def clocks(ns):
         return math.ceil(ns / period)
 
     return DramMemory(
-        period=period, clock=clock, banks=4, row_bytes=4096, access_bytes=4, access_clocks=1,
-        cas_latency=3, write_latency=0, rcd=clocks(20), rp=clocks(20), ras=clocks(42),
-        rc=clocks(63), rrd=clocks(14), faw=0, write_recovery=clocks(14), read_to_precharge=1,
-        read_to_write=5, write_to_read=1, refresh=clocks(70),
+        period=period, clock=clock, banks=4, row_bytes=4096, access_bytes=16, word_bytes=4,
+        word_clocks=1, cas_latency=cas, rcd=clocks(20), rp=clocks(20), ras=clocks(42),
+        rc=clocks(63), rrd=clocks(14), faw=0, read_to_write=cas + 1, write_to_read=0,
+        write_to_precharge=clocks(14), refresh=clocks(70),
         refresh_interval=math.floor(Fraction(64_000_000, 8192) / period),
-        controller_clocks=3, look_ahead=4, write_batch=32, max_pending=8)
+        controller_clocks=3, look_ahead=4, write_batch=16, max_pending=8)
 
 
 def ddr3(clock=100):
@@ -195,10 +186,9 @@ def ddr3(clock=100):
     (16 bytes), 8 banks of 2 KB rows.
 
     JESD79-3, speed bin 800E (6-6-6) and 2 KB pages: rcd and rp 15 ns, ras 37.5 ns, rc 52.5 ns,
-    rrd 10 ns, faw 50 ns, write recovery 15 ns, write to read and read to precharge 7.5 ns but at
-    least 4 clocks, CAS write latency 5, refresh 160 ns,
-    8192 in 64 ms. Controller: 12, 16 and 20
-    clocks at 100, 150 and 200 MHz.
+    rrd 10 ns, faw 50 ns, write recovery 15 ns, write to read 7.5 ns but at least 4 clocks, CAS
+    write latency 5, refresh 160 ns, 8192 in 64 ms. Controller: 12, 16 and 20 clocks at 100, 150
+    and 200 MHz.
 
     Raises
     ------
@@ -211,13 +201,12 @@ def ddr3(clock=100):
     def clocks(ns, least=0):
         return max(least, math.ceil(Fraction(ns) / period))
 
-    cas, write, burst = 6, 5, 4
+    cas, write = 6, 5
     return DramMemory(
-        period=period, clock=clock, banks=8, row_bytes=2048, access_bytes=16,
-        access_clocks=burst, cas_latency=cas, write_latency=write, rcd=clocks(15), rp=clocks(15),
-        ras=clocks(37.5), rc=clocks(52.5), rrd=clocks(10, 4), faw=clocks(50),
-        write_recovery=clocks(15), read_to_precharge=clocks(7.5, 4),
-        read_to_write=cas - write + burst + 2, write_to_read=write + burst + clocks(7.5, 4),
+        period=period, clock=clock, banks=8, row_bytes=2048, access_bytes=16, word_bytes=16,
+        word_clocks=4, cas_latency=cas, rcd=clocks(15), rp=clocks(15), ras=clocks(37.5),
+        rc=clocks(52.5), rrd=clocks(10, 4), faw=clocks(50), read_to_write=cas - write + 2,
+        write_to_read=write + clocks(7.5, 4), write_to_precharge=write + clocks(15),
         refresh=clocks(160), refresh_interval=math.floor(Fraction(64_000_000, 8192) / period),
         controller_clocks=4 + round(clock * 8 / 100), look_ahead=8, write_batch=16,
         max_pending=32)

@@ -4,9 +4,9 @@ from ncdc_model.memory_timing import DramMemory
 
 __all__ = ["memory_settings"]
 
-_SAME = ("access_clocks", "read_data", "rcd", "rp", "ras", "rc", "rrd", "faw", "read_to_precharge",
-         "write_to_precharge", "read_to_write", "write_to_read", "refresh", "refresh_interval",
-         "look_ahead", "controller_clocks", "write_batch", "max_pending")
+_SAME = ("word_clocks", "cas_latency", "rcd", "rp", "ras", "rc", "rrd", "faw", "read_to_write",
+         "write_to_read", "write_to_precharge", "refresh", "refresh_interval", "look_ahead",
+         "controller_clocks", "write_batch", "max_pending")
 
 
 def memory_settings(memory, data_width, ports):
@@ -22,6 +22,7 @@ def memory_settings(memory, data_width, ports):
         return {"dram": 1, "ratio_mul": memory.ratio.numerator,
                 "ratio_div": memory.ratio.denominator, "bank_bits": _log2(memory.banks),
                 "column_bits": _log2(memory.row_bytes), "access_bits": _log2(memory.access_bytes),
+                "word_bits": _log2(memory.word_bytes),
                 **{name: getattr(memory, name) for name in _SAME}}
     word = data_width // 8
     rate = 256 * (ports + 1) if memory.bytes_per_clock is None else max(

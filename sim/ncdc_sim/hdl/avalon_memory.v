@@ -111,7 +111,7 @@ module avalon_memory #(
     integer    batch;                           // accesses since it changed
 
     integer k, p, q, slot, lane;
-    reg [31:0]           word, from, upto, done;
+    reg [31:0]           word, from, upto, data_start;
     reg [DATA_WIDTH-1:0] beat;
     reg                  may_read, may_write, idle;     // idle: no port holds a read command
     reg [31:0]           range_errors;
@@ -338,9 +338,10 @@ module avalon_memory #(
 
     task place_read;
         begin
-            dram_timing.place(1'b0, from, done);
-            for (k = from / LANES; k < upto / LANES; k = k + 1) begin
-                due_at[p * RETURN + (due_head[p] + due_count[p]) % RETURN] = done;
+            dram_timing.place(1'b0, from, upto, data_start);
+            for (k = from / LANES + 1; k <= upto / LANES; k = k + 1) begin
+                due_at[p * RETURN + (due_head[p] + due_count[p]) % RETURN] =
+                    data_start + dram_timing.words(from, k * LANES) * dram_timing.word_clocks;
                 due_count[p] = due_count[p] + 1;
             end
             place_from[p] = upto;
@@ -357,7 +358,7 @@ module avalon_memory #(
         begin
             from = piece_from[piece_head];
             upto = access_end(from, piece_end[piece_head]);
-            dram_timing.place(1'b1, from, done);
+            dram_timing.place(1'b1, from, upto, data_start);
             queued = queued - 1;
             piece_from[piece_head] = upto;
             if (upto == piece_end[piece_head]) begin

@@ -22,9 +22,9 @@ module dram_timing;
         REFRESH = 6;
 
     // Settings; names as in `DramMemory`, sizes of powers of two as their exponents.
-    reg [31:0] ratio_mul, ratio_div, bank_bits, column_bits, access_bits, access_clocks, read_data;
-    reg [31:0] rcd, rp, ras, rc, rrd, faw, read_to_precharge, write_to_precharge, read_to_write,
-        write_to_read, refresh, refresh_interval, look_ahead;
+    reg [31:0] ratio_mul, ratio_div, bank_bits, column_bits, access_bits, word_bits, word_clocks;
+    reg [31:0] cas_latency, rcd, rp, ras, rc, rrd, faw, read_to_write, write_to_read,
+        write_to_precharge, refresh, refresh_interval, look_ahead;
 
     initial begin
         if (!$value$plusargs("ratio_mul=%d", ratio_mul)) ratio_mul = 1;
@@ -32,18 +32,18 @@ module dram_timing;
         if (!$value$plusargs("bank_bits=%d", bank_bits)) bank_bits = 2;
         if (!$value$plusargs("column_bits=%d", column_bits)) column_bits = 12;
         if (!$value$plusargs("access_bits=%d", access_bits)) access_bits = 2;
-        if (!$value$plusargs("access_clocks=%d", access_clocks)) access_clocks = 1;
-        if (!$value$plusargs("read_data=%d", read_data)) read_data = 1;
+        if (!$value$plusargs("word_bits=%d", word_bits)) word_bits = 2;
+        if (!$value$plusargs("word_clocks=%d", word_clocks)) word_clocks = 1;
+        if (!$value$plusargs("cas_latency=%d", cas_latency)) cas_latency = 1;
         if (!$value$plusargs("rcd=%d", rcd)) rcd = 1;
         if (!$value$plusargs("rp=%d", rp)) rp = 1;
         if (!$value$plusargs("ras=%d", ras)) ras = 1;
         if (!$value$plusargs("rc=%d", rc)) rc = 1;
         if (!$value$plusargs("rrd=%d", rrd)) rrd = 1;
         if (!$value$plusargs("faw=%d", faw)) faw = 0;
-        if (!$value$plusargs("read_to_precharge=%d", read_to_precharge)) read_to_precharge = 1;
-        if (!$value$plusargs("write_to_precharge=%d", write_to_precharge)) write_to_precharge = 1;
-        if (!$value$plusargs("read_to_write=%d", read_to_write)) read_to_write = 1;
-        if (!$value$plusargs("write_to_read=%d", write_to_read)) write_to_read = 1;
+        if (!$value$plusargs("read_to_write=%d", read_to_write)) read_to_write = 0;
+        if (!$value$plusargs("write_to_read=%d", write_to_read)) write_to_read = 0;
+        if (!$value$plusargs("write_to_precharge=%d", write_to_precharge)) write_to_precharge = 0;
         if (!$value$plusargs("refresh=%d", refresh)) refresh = 1;
         if (!$value$plusargs("refresh_interval=%d", refresh_interval)) refresh_interval = 1000;
         if (!$value$plusargs("look_ahead=%d", look_ahead)) look_ahead = 1;
@@ -66,7 +66,7 @@ module dram_timing;
     reg [31:0] column;                  // of column_at: the access look_ahead places before
     reg        ready;
 
-    reg [63:0] log [0:LOG-1];           // MC, command, bank, row
+    reg [71:0] log [0:LOG-1];           // MC, command, bank, row, MC of data
     integer i;
 
     task restart;
@@ -118,8 +118,9 @@ module dram_timing;
     task step;
         begin
             for (i = now + 1; i <= next; i = i + 1)
-                if (log[i % LOG][63:32] == i)
-                    check(i, log[i % LOG][31:29], log[i % LOG][28:25], log[i % LOG][24:0]);
+                if (log[i % LOG][71:40] == i)
+                    check(i, log[i % LOG][39:37], log[i % LOG][36:33], log[i % LOG][32:8],
+                          log[i % LOG][7:0]);
             now = next;
             advance;
             if (now >= refresh_due) begin
@@ -140,6 +141,11 @@ module dram_timing;
         end
     endtask
 
+    // Words of the memory that hold the bytes from..upto.
+    function [31:0] words(input [31:0] from, input [31:0] upto);
+        words = ((upto - 1) >> word_bits) - (from >> word_bits) + 1;
+    endfunction
+
     function [31:0] later(input [31:0] a, input [31:0] b);
         later = a > b ? a : b;
     endfunction
@@ -147,31 +153,34 @@ module dram_timing;
     reg [31:0] at;                      // MC of the command being placed
 
     // Put a command on the first free MC from `at` on.
-    task issue(input [2:0] command, input [3:0] bank, input [24:0] row);
+    task issue(input [2:0] command, input [3:0] bank, input [24:0] row, input [7:0] length);
         begin
-            while (log[at % LOG][63:32] == at)
+            while (log[at % LOG][71:40] == at)
                 at = at + 1;
-            log[at % LOG] = {at, command, bank, row};
+            log[at % LOG] = {at, command, bank, row, length};
             last_command = later(last_command, at);
         end
     endtask
 
-    // Commands of the access to a byte address; `done` is the MC at which a read's data is there.
-    task place(input write, input [31:0] address, output [31:0] done);
+    // Commands of the access to the bytes from..upto (which is the first one beyond); `start` is
+    // the MC in which a read's data starts.
+    task place(input write, input [31:0] from, input [31:0] upto, output [31:0] start);
         reg [3:0]  bank;
         reg [24:0] row;
+        reg [7:0]  length;
         begin
-            bank = (address >> column_bits) & ((1 << bank_bits) - 1);
-            row = address >> (column_bits + bank_bits);
+            bank = (from >> column_bits) & ((1 << bank_bits) - 1);
+            row = from >> (column_bits + bank_bits);
+            length = words(from, upto) * word_clocks;
             if (!open[bank] || row_of[bank] != row) begin
                 if (open[bank]) begin
                     at = later(now + 1, precharge_from[bank]);
-                    issue(PRECHARGE, bank, 0);
+                    issue(PRECHARGE, bank, 0, 0);
                     activate_from[bank] = later(activate_from[bank], at + rp);
                 end
                 at = later(later(now + 1, activate_from[bank]),
                            later(any_activate_from, four_from[four]));
-                issue(ACTIVATE, bank, row);
+                issue(ACTIVATE, bank, row, 0);
                 activates = activates + 1;
                 open[bank] = 1;
                 row_of[bank] = row;
@@ -183,15 +192,15 @@ module dram_timing;
                 column_from[bank] = at + rcd;
             end
             at = later(later(now + 1, column_from[bank]), write ? write_from : read_from);
-            issue(write ? WRITE : READ, bank, row);
-            read_from = at + (write ? write_to_read : access_clocks);
-            write_from = at + (write ? access_clocks : read_to_write);
+            issue(write ? WRITE : READ, bank, row, length);
+            read_from = at + length + (write ? write_to_read : 0);
+            write_from = at + length + (write ? 0 : read_to_write);
             precharge_from[bank] = later(precharge_from[bank],
-                at + (write ? write_to_precharge : read_to_precharge));
+                                         at + length + (write ? write_to_precharge : 0));
             column_at[column] = at;
             column = column + 1 == look_ahead ? 0 : column + 1;
             ready = column_at[column] <= now;
-            done = at + read_data;
+            start = at + cas_latency;
         end
     endtask
 
@@ -202,10 +211,10 @@ module dram_timing;
                 for (i = 0; i < MAX_BANKS; i = i + 1)
                     if (open[i])
                         at = later(at, precharge_from[i]);
-                issue(PRECHARGE_ALL, 0, 0);
+                issue(PRECHARGE_ALL, 0, 0, 0);
                 at = at + rp;
             end                         // else all were closed by the refresh before
-            issue(REFRESH, 0, 0);
+            issue(REFRESH, 0, 0, 0);
             refreshes = refreshes + 1;
             open = 0;
             for (i = 0; i < MAX_BANKS; i = i + 1)
@@ -218,7 +227,7 @@ module dram_timing;
     reg [31:0] open_row     [0:MAX_BANKS-1];
     reg [31:0] activated    [0:MAX_BANKS-1];
     reg [31:0] precharged   [0:MAX_BANKS-1];
-    reg [31:0] bank_read    [0:MAX_BANKS-1];
+    reg [31:0] bank_read    [0:MAX_BANKS-1];    // ends of the data of its last column commands
     reg [31:0] bank_written [0:MAX_BANKS-1];
     reg [31:0] last_activates [0:3];    // newest first
     reg [31:0] last_read, last_write, refreshed;
@@ -235,14 +244,15 @@ module dram_timing;
     task check_precharge(input [31:0] t, input [3:0] bank);
         begin
             if (t - activated[bank] < ras) breach("ras");
-            if (t - bank_read[bank] < read_to_precharge) breach("read-precharge");
-            if (t - bank_written[bank] < write_to_precharge) breach("write-precharge");
+            if (t < bank_read[bank]) breach("read-precharge");
+            if (t < bank_written[bank] + write_to_precharge) breach("write-precharge");
             is_open[bank] = 0;
             precharged[bank] = t;
         end
     endtask
 
-    task check(input [31:0] t, input [2:0] command, input [3:0] bank, input [24:0] row);
+    task check(input [31:0] t, input [2:0] command, input [3:0] bank, input [24:0] row,
+               input [7:0] length);
         begin
             if (t - refreshed < refresh) breach("refresh");
             case (command)
@@ -268,15 +278,15 @@ module dram_timing;
                 READ, WRITE: begin
                     if (!is_open[bank] || open_row[bank] != row) breach("row");
                     if (t - activated[bank] < rcd) breach("rcd");
-                    if (t - last_read < (command == READ ? access_clocks : read_to_write)
-                            || t - last_write < (command == READ ? write_to_read : access_clocks))
+                    if (t < last_read + (command == READ ? 0 : read_to_write)
+                            || t < last_write + (command == READ ? write_to_read : 0))
                         breach("column");
                     if (command == READ) begin
-                        last_read = t;
-                        bank_read[bank] = t;
+                        last_read = t + length;
+                        bank_read[bank] = t + length;
                     end else begin
-                        last_write = t;
-                        bank_written[bank] = t;
+                        last_write = t + length;
+                        bank_written[bank] = t + length;
                     end
                 end
                 REFRESH: begin
