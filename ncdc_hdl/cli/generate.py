@@ -2,26 +2,35 @@
 
 from pathlib import Path
 
+from ncdc_boards.catalogue import board as board_of, board_names
+from ncdc_boards.project import check_board, project_files
 from ncdc_hdl.cli.common import add_json, write_report
-from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS
-from ncdc_hdl.export.c_header import c_header
-from ncdc_hdl.export.verilog import TOP, corrector_verilog
-from ncdc_hdl.options import HIDDEN, PRODUCTS, FrontEndOptions
+from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS, Corrector
+from ncdc_hdl.export.drivers import driver_files
+from ncdc_hdl.export.platform_designer import COMPONENT, hw_tcl
+from ncdc_hdl.export.verilog import TOP, verilog_of
+from ncdc_hdl.options import FETCHERS, HIDDEN, PRODUCTS, FetchOptions, FrontEndOptions
 from ncdc_model.descriptor import Descriptor
+from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.files import write_text
 
-__all__ = ["EXAMPLE", "FETCHERS", "HELP", "add_arguments", "add_hardware", "hardware",
-           "run"]
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "add_hardware", "hardware", "run"]
 
-HELP = "write the Verilog of the corrector and its register header"
+HELP = "write the Verilog of the corrector and its drivers"
 EXAMPLE = "ncdc generate net.toml -o hardware --data-width 32"
-FETCHERS = ("multiport",)
 
 
 def add_hardware(parser):
     """Declare the options that choose the hardware."""
-    parser.add_argument("--fetch", choices=FETCHERS, default="multiport",
-                        help="how raw windows are read: multiport, the paper's three burst readers")
+    parser.add_argument("--fetch", choices=FETCHERS, default=FETCHERS[0],
+                        help="how raw windows are read: cache (default), a prefetching cache of "
+                             "tiles, or multiport, the paper's three burst readers")
+    parser.add_argument("--cache-bytes", type=int, metavar="N",
+                        help="size of the cache, a power of two; 16 lines of the raw frame by "
+                             "default")
+    parser.add_argument("--cache-split", type=int, metavar="S",
+                        help="log2 of the tile pairs along a row that have sets of their own; as "
+                             "many as the raw frame has by default")
     parser.add_argument("--data-width", type=int, choices=DATA_WIDTHS, default=32, metavar="BITS",
                         help="width of the memory ports: 32 (default), 64 or 128")
     parser.add_argument("--to", choices=OUTPUTS, default="memory",
@@ -41,7 +50,9 @@ def hardware(args):
     """The chosen hardware, as keyword arguments of Corrector and corrector_verilog."""
     return {"data_width": args.data_width, "output": args.to,
             "front_end": FrontEndOptions(hidden=args.hidden, share=args.share,
-                                         products=args.products)}
+                                         products=args.products),
+            "fetch": FetchOptions(args.fetch, args.cache_bytes and CacheOptions.of_bytes(
+                args.cache_bytes), args.cache_split)}
 
 
 def add_arguments(parser):
@@ -49,21 +60,51 @@ def add_arguments(parser):
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
     add_hardware(parser)
+    parser.add_argument("--lens", action="append", default=[], metavar="NET",
+                        help="another descriptor that the same hardware may be given at run time, "
+                             "for the drivers; may be repeated")
+    parser.add_argument("--board", metavar="NAME",
+                        help=f"write a Quartus project too: {', '.join(board_names())}; the board "
+                             f"chooses --data-width, --to and --products unless they are given")
+    parser.set_defaults(data_width=None, to=None, products=None)
     add_json(parser)
+
+
+def _settle(args, board):
+    """Fill in what the user left open: the board's choice, or ours."""
+    chosen = {"data_width": 32, "to": "memory", "products": 27}
+    if board:
+        chosen = {"data_width": board.data_width, "products": board.multiplier_bits,
+                  "to": "stream"}
+    for name, value in chosen.items():
+        if getattr(args, name) is None:
+            setattr(args, name, value)
 
 
 def run(args):
     """Generate and write; files that would not change are left alone."""
     descriptor = Descriptor.load(args.descriptor)
-    files = {f"{TOP}.v": corrector_verilog(descriptor, **hardware(args)),
-             "ncdc_registers.h": c_header(descriptor, args.data_width)}
+    lenses = [(args.descriptor, descriptor), *((path, Descriptor.load(path)) for path in args.lens)]
+    board = board_of(args.board) if args.board else None
+    _settle(args, board)
+    if board:
+        check_board(board, descriptor, args.to)
+    corrector = Corrector(descriptor, **hardware(args))
+    files = {f"{TOP}.v": verilog_of(corrector),
+             **driver_files(corrector, lenses),
+             f"{COMPONENT}_hw.tcl": hw_tcl(corrector)}
+    if board:
+        files |= project_files(board, corrector)
     folder = Path(args.output)
     for name, text in files.items():
         write_text(folder / name, text)
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
               "fetch": args.fetch, "data_width": args.data_width, "output": args.to,
               "hidden": args.hidden, "share": args.share, "products": args.products,
+              "board": args.board, "left_to_user": board.left_to_user if board else {},
               "files": [str(folder / name) for name in files]}
     if not write_report(report, args.json):
         for name, text in files.items():
             print(f"{folder / name}: {len(text.splitlines())} lines")
+        for what, why in report["left_to_user"].items():
+            print(f"left to the user: {what}: {why}")

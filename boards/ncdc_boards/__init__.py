@@ -1,0 +1,1 @@
+"""Boards: pins, clocks and memory, and the Quartus projects made from them."""

@@ -1,0 +1,55 @@
+"""Resources that the boards have in common."""
+
+from amaranth.build import Attrs, Clock, Pins, PinsN, Resource, Subsignal
+
+__all__ = ["LVTTL", "clk50", "d5m", "reset", "sdram", "vga"]
+
+LVTTL = Attrs(IO_STANDARD="3.3-V LVTTL")
+# Terasic TRDB-D5M: number of the GPIO signal on the 40-pin header; D11 first.
+_D5M_DATA = (1, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13)
+
+
+def clk50(pin):
+    """The 50 MHz oscillator."""
+    return Resource("clk50", 0, Pins(pin, dir="i"), Clock(50e6), LVTTL)
+
+
+def reset(pin):
+    """A push button, low while pressed."""
+    return Resource("rst", 0, PinsN(pin, dir="i"), LVTTL)
+
+
+def sdram(*, clk, cke, cs, ras, cas, we, ba, a, dq, dqm):
+    """SDR SDRAM; pin names as blank-separated text, lowest bit first."""
+    one = {"clk": clk, "cke": cke, "cs_n": cs, "ras_n": ras, "cas_n": cas, "we_n": we, "ba": ba,
+           "a": a, "dqm": dqm}
+    return Resource("sdram", 0, *(Subsignal(name, Pins(pins, dir="o"))
+                                  for name, pins in one.items()),
+                    Subsignal("dq", Pins(dq, dir="io")),
+                    Attrs(IO_STANDARD="3.3-V LVTTL", FAST_OUTPUT_REGISTER="ON",
+                          CURRENT_STRENGTH_NEW="MAXIMUM CURRENT"))
+
+
+def vga(*, clk, hsync, vsync, sync, blank, r, g, b):
+    """VGA through a DAC of 8 bits per colour (ADV7123); lowest bit first."""
+    parts = {"clk": clk, "hsync": hsync, "vsync": vsync, "sync_n": sync, "blank_n": blank,
+             "r": r, "g": g, "b": b}
+    return Resource("vga", 0, *(Subsignal(name, Pins(pins, dir="o"))
+                                for name, pins in parts.items()), LVTTL)
+
+
+def d5m(gpio):
+    """The camera module TRDB-D5M on a 40-pin header whose signals GPIO[0..35] are ``gpio``."""
+    def pins(*numbers):
+        return " ".join(gpio[k] for k in numbers)
+    return Resource("d5m", 0,
+                    Subsignal("pixclk", Pins(pins(0), dir="i")),
+                    Subsignal("d", Pins(pins(*reversed(_D5M_DATA)), dir="i")),
+                    Subsignal("xclkin", Pins(pins(16), dir="o")),
+                    Subsignal("reset_n", Pins(pins(17), dir="o")),
+                    Subsignal("trigger", Pins(pins(19), dir="o")),
+                    Subsignal("strobe", Pins(pins(20), dir="i")),
+                    Subsignal("lval", Pins(pins(21), dir="i")),
+                    Subsignal("fval", Pins(pins(22), dir="i")),
+                    Subsignal("sdata", Pins(pins(23), dir="io")),
+                    Subsignal("sclk", Pins(pins(24), dir="o")), LVTTL)

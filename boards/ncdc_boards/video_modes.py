@@ -1,0 +1,56 @@
+"""Video modes of VESA's "Display Monitor Timing" that the boards put out."""
+
+from dataclasses import dataclass
+
+from ncdc_model.errors import InputError
+
+__all__ = ["MODES", "VideoMode", "mode_for"]
+
+
+@dataclass(frozen=True)
+class VideoMode:
+    """A video mode.
+
+    Parameters
+    ----------
+    horizontal, vertical : (int, int, int, int)
+        Visible pixels or lines, front porch, sync pulse, back porch.
+    high : bool
+        Whether the sync pulses are high.
+    ratio : (int, int)
+        Pixel clock over 50 MHz, within 0.15 % of the standard's, with an oscillator of the
+        phase-locked loop below 1.3 GHz.
+    """
+    horizontal: tuple
+    vertical: tuple
+    high: bool
+    ratio: tuple
+
+    @property
+    def size(self):
+        """Width and height in pixels."""
+        return self.horizontal[0], self.vertical[0]
+
+    @property
+    def pixel_mhz(self):
+        """Pixel clock in MHz."""
+        return 50 * self.ratio[0] / self.ratio[1]
+
+
+MODES = (
+    VideoMode((640, 16, 96, 48), (480, 10, 2, 33), False, (141, 280)),
+    VideoMode((800, 40, 128, 88), (600, 1, 4, 23), True, (4, 5)),
+    VideoMode((1024, 24, 136, 160), (768, 3, 6, 29), False, (13, 10)),
+    VideoMode((1280, 110, 40, 220), (720, 5, 5, 20), True, (89, 60)),
+    VideoMode((1280, 48, 112, 248), (1024, 1, 3, 38), True, (54, 25)),
+    VideoMode((1920, 88, 44, 148), (1080, 4, 5, 36), True, (89, 30)),
+)
+
+
+def mode_for(width, height):
+    """The smallest mode that shows ``width`` x ``height`` pixels; :class:`InputError` if none."""
+    for mode in MODES:
+        if mode.size[0] >= width and mode.size[1] >= height:
+            return mode
+    raise InputError(f"the corrected picture has {width}x{height} pixels, the largest video mode "
+                     f"has {MODES[-1].size[0]}x{MODES[-1].size[1]}")
