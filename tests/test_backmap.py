@@ -1,4 +1,4 @@
-"""Front end: coordinates in raster order equal the golden model, whatever the back end does."""
+"""Front end: coordinates in the scan's order equal the golden model, whatever the back end does."""
 
 from dataclasses import replace
 
@@ -10,17 +10,20 @@ from cameras import barrel_descriptor
 from pipelines import get, run_bench
 
 from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.frontend.layouts import lanes_of
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.errors import InputError
+from ncdc_model.geometry import scan_order
 from ncdc_model.network import frame_coordinates
 
 
 class FrontEnd(Elaboratable):
     """Front end and table of valid rows, as the corrector joins them."""
 
-    def __init__(self, d, **options):
-        self.backmap = BackMap(d.hidden_neurons, d.formats, options=FrontEndOptions(**options))
+    def __init__(self, d, lanes=1, **options):
+        self.backmap = BackMap(d.hidden_neurons, d.formats, options=FrontEndOptions(**options),
+                               lanes=lanes)
         self.table = ValidTable(d.valid, d.geometry.corrected_height)
 
     def elaborate(self, platform):
@@ -31,12 +34,12 @@ class FrontEnd(Elaboratable):
         return m
 
 
-def load(ctx, backmap, d):
+def load(ctx, backmap, d, strip=0):
     """Set the parameters of descriptor ``d``."""
     g = d.geometry
     origin_x, step_x, origin_y, step_y = g.scan()
     ctx.set(backmap.scan, {"width": g.corrected_width, "height": g.corrected_height,
-                           "origin_x": origin_x, "step_x": step_x,
+                           "strip": strip, "origin_x": origin_x, "step_x": step_x,
                            "origin_y": origin_y, "step_y": step_y})
     network = backmap.network
     for j in range(d.hidden_neurons):
@@ -47,31 +50,33 @@ def load(ctx, backmap, d):
                                     "bias": int(d.output_biases[k])})
 
 
-def expected(d):
-    """(x, y, blank, first, last) of every pixel in raster order."""
-    x, y = frame_coordinates(d)
+def expected(d, strip=0, lanes=1):
+    """(x, y, blank, first, last) of every pixel in order; the flags are those of its group."""
+    x, y = (scan_order(a, strip) for a in frame_coordinates(d))
     flags = np.zeros((2, x.size), int)
-    flags[0, 0] = flags[1, -1] = 1
-    blank = ~d.valid.mask(d.geometry.corrected_width)
-    return np.stack([x.ravel(), y.ravel(), blank.ravel().astype(int), *flags], axis=1)
+    flags[0, :lanes] = flags[1, -lanes:] = 1
+    blank = scan_order(~d.valid.mask(d.geometry.corrected_width), strip)
+    return np.stack([x, y, blank.astype(int), *flags], axis=1)
 
 
 def fields(items):
-    return np.array([[c.x, c.y, c.blank, c.first, c.last] for c in items])
+    return np.array([[c.x, c.y, c.blank, item.first, item.last]
+                     for item in items for c in lanes_of(item)])
 
 
-def frames(dut, descriptors, stall, seed=5):
+def frames(dut, descriptors, stall, seed=5, strip=0):
     """The fields of one frame of each of ``descriptors``, one after the other."""
     rng, results = np.random.default_rng(seed), []
 
     async def bench(ctx):
         for d in descriptors:
-            load(ctx, dut.backmap, d)
+            load(ctx, dut.backmap, d, strip)
             ctx.set(dut.backmap.start, 1)
             await ctx.tick()
             ctx.set(dut.backmap.start, 0)
-            results.append(fields(await get(ctx, dut.backmap.o, d.valid.mask(
-                d.geometry.corrected_width).size, lambda: rng.random() < stall)))
+            groups = d.valid.mask(d.geometry.corrected_width).size // dut.backmap.lanes
+            results.append(fields(await get(ctx, dut.backmap.o, groups,
+                                            lambda: rng.random() < stall)))
 
     run_bench(dut, bench)
     return results
@@ -85,6 +90,56 @@ def test_two_frames_equal_model(hidden, share, stall):
     for frame in frames(FrontEnd(d, hidden=hidden, share=share), [d, d], stall):
         np.testing.assert_array_equal(frame, expected(d))
     assert 0 < expected(d)[:, 2].sum() < 320
+
+
+@pytest.mark.parametrize("hidden,share,strip,lanes,stall", [
+    ("multiply", 1, 32, 1, .3), ("raster", 1, 32, 1, 0), ("raster", 2, 32, 1, .3),
+    ("multiply", 1, 0, 2, 0), ("multiply", 2, 32, 2, .6), ("raster", 1, 32, 2, .3),
+    ("raster", 2, 0, 4, 0)])
+def test_strips_and_lanes(hidden, share, strip, lanes, stall):
+    d = barrel_descriptor((36, 8), (40, 18))
+    dut = FrontEnd(d, lanes, hidden=hidden, share=share)
+    for frame in frames(dut, [d, d], stall, strip=strip):
+        np.testing.assert_array_equal(frame, expected(d, strip, lanes))
+
+
+@pytest.mark.parametrize("hidden,share", [("multiply", 1), ("multiply", 3), ("raster", 1),
+                                          ("raster", 2)])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_abort_at_any_moment(hidden, share, seed):
+    """What comes out of an aborted frame is its beginning and a blank end; the next is whole."""
+    d, rng = barrel_descriptor((44, 10), (40, 18)), np.random.default_rng(seed)
+    dut, strip = FrontEnd(d, hidden=hidden, share=share), 32
+    backmap, results = dut.backmap, []
+
+    async def bench(ctx):
+        load(ctx, backmap, d, strip)
+        for moment in (int(rng.integers(1, 500)), int(rng.integers(1, 60)), None):
+            frame, clock = [], 0
+            ctx.set(backmap.start, 1)
+            await ctx.tick()
+            ctx.set(backmap.start, 0)
+            while not (frame and frame[-1][4]):
+                ctx.set(backmap.abort, moment is not None and clock >= moment)
+                ready = rng.random() < .5
+                ctx.set(backmap.o.ready, ready)
+                _, _, valid, c = await ctx.tick().sample(backmap.o.valid, backmap.o.payload)
+                if valid and ready:
+                    frame.append([c.x, c.y, c.blank, c.first, c.last])
+                clock += 1
+                assert clock < 20000, "the frame does not end"
+            ctx.set(backmap.abort, 0)
+            results.append((np.array(frame), ctx.get(backmap.cut)))
+
+    run_bench(dut, bench)
+    whole = expected(d, strip)
+    assert results[1][1]
+    for frame, cut in (result for result in results[:2] if result[1]):
+        np.testing.assert_array_equal(frame[:-1], whole[:len(frame) - 1])
+        assert frame[-1, 2:].tolist() == [1, len(frame) == 1, 1]
+    for frame, cut in (result for result in results if not result[1]):
+        np.testing.assert_array_equal(frame, whole)
+    assert not results[2][1]
 
 
 @pytest.mark.parametrize("hidden,share,neurons", [
@@ -137,7 +192,7 @@ def test_one_coordinate_every_share_clocks(hidden, share):
 
     run_bench(dut, bench)
     # After the start: table, first sums of the frame, network, queue.
-    preset = dut.backmap.hidden.control.preset if hidden == "raster" else 0
+    preset = dut.backmap.hidden[0].control.preset if hidden == "raster" else 0
     first = 1 + preset + dut.backmap.latency + 2
     expected_clocks = range(first, first + 320 * share, share)
     np.testing.assert_array_equal(np.flatnonzero(valid), expected_clocks)

@@ -16,7 +16,7 @@ from ncdc_hdl.neural.neuron import WeightedSum
 from ncdc_hdl.neural.raster import RasterLayer
 from ncdc_model.descriptor import Formats
 from ncdc_model.fixed import requantise
-from ncdc_model.geometry import SCAN, Geometry
+from ncdc_model.geometry import SCAN, Geometry, scan_order
 from ncdc_model.network import hidden_neuron
 
 FORMATS = Formats()
@@ -24,18 +24,22 @@ LAYERS = {"multiply": MultiplyLayer, "raster": RasterLayer}
 
 
 class ScannedLayer(Elaboratable):
-    """A scan and a hidden layer behind it; ``forced`` fields of the pixel are stuck at zero."""
+    """A scan and a hidden layer behind it for each lane; ``forced`` fields of the pixel are stuck at zero."""
 
-    def __init__(self, kind, neurons, share, forced=()):
-        self.scan, self.layer = Scan(FORMATS), LAYERS[kind](neurons, FORMATS, share)
+    def __init__(self, kind, neurons, share, forced=(), lanes=1):
+        self.scan = Scan(FORMATS, lanes)
+        self.layers = [LAYERS[kind](neurons, FORMATS, share, lanes=lanes) for _ in range(lanes)]
         self.forced = forced
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.scan, m.submodules.layer = scan, layer = self.scan, self.layer
-        m.d.comb += [layer.active.eq(scan.active), layer.pixel.eq(scan.pixel),
-                     layer.start.eq(scan.start), layer.advance.eq(scan.advance), scan.fresh.eq(1)]
-        m.d.comb += [layer.pixel[name].eq(0) for name in self.forced]
+        m.submodules.scan = scan = self.scan
+        m.d.comb += scan.fresh.eq(1)
+        for k, layer in enumerate(self.layers):
+            m.submodules[f"layer{k}"] = layer
+            m.d.comb += [layer.active.eq(scan.active), layer.pixel.eq(scan.pixels[k]),
+                         layer.start.eq(scan.start), layer.advance.eq(scan.advance)]
+            m.d.comb += [layer.pixel[name].eq(0) for name in self.forced]
         return m
 
 
@@ -47,41 +51,43 @@ def scan_of(width, height, mirrored=False):
     return width, height, origin_x, step_x, origin_y, step_y
 
 
-def nets(scan, weights, biases):
+def nets(scan, weights, biases, strip=0):
     """Nets of the golden model, shape (pixels, neurons)."""
     width, height, origin_x, step_x, origin_y, step_y = scan
     shift = SCAN.f_bits - FORMATS.input.f_bits
-    v, u = (a.ravel() for a in np.indices((height, width)))
+    v, u = (scan_order(a, strip) for a in np.indices((height, width)))
     x = requantise(origin_x + u * step_x, shift, FORMATS.input)
     y = requantise(origin_y + v * step_y, shift, FORMATS.input)
     return np.stack([hidden_neuron(x, y, w, b, FORMATS) for w, b in zip(weights, biases)], axis=1)
 
 
-def run(dut, frames, gap=0.0, seed=1):
+def run(dut, frames, gap=0.0, seed=1, strip=0):
     """Nets of one frame for each (scan, weights, biases), each of shape (pixels, neurons)."""
-    layer, scan, rng = dut.layer, dut.scan, np.random.default_rng(seed)
+    layer, scan, rng = dut.layers[0], dut.scan, np.random.default_rng(seed)
     share, latency = layer.share, layer.latency
     samples, taken = [], []
 
     async def clock(ctx):
         await ctx.tick()
-        samples.append([ctx.get(o) for o in layer.o])
+        samples.append([[ctx.get(o) for o in layer.o] for layer in dut.layers])
 
     async def bench(ctx):
         for frame, (parameters, weights, biases) in enumerate(frames):
             names = ("width", "height", "origin_x", "step_x", "origin_y", "step_y")
-            ctx.set(scan.parameters, dict(zip(names, parameters)))
+            ctx.set(scan.parameters, dict(zip(names, parameters)) | {"strip": strip})
             for j, (w, b) in enumerate(zip(weights, biases)):
-                ctx.set(layer.neurons[j], {"weights": [int(v) for v in w], "bias": int(b)})
+                for layer in dut.layers:
+                    ctx.set(layer.neurons[j], {"weights": [int(v) for v in w], "bias": int(b)})
             ctx.set(scan.start, 1)
             await clock(ctx)
             ctx.set(scan.start, 0)
-            for _ in range(parameters[0] * parameters[1]):
+            for _ in range(parameters[0] * parameters[1] // len(dut.layers)):
                 while rng.random() < gap or not (ctx.get(scan.active) and ctx.get(layer.ready)):
                     await clock(ctx)
                 taken.append((frame, len(samples)))
                 for turn in range(share):
-                    ctx.set(layer.turn, turn)
+                    for layer in dut.layers:
+                        ctx.set(layer.turn, turn)
                     ctx.set(scan.advance, turn == share - 1)
                     await clock(ctx)
                 ctx.set(scan.advance, 0)
@@ -93,7 +99,9 @@ def run(dut, frames, gap=0.0, seed=1):
     for frame, at in taken:
         # A sample is taken after its clock: that of ``latency`` clocks has the index before.
         turns = samples[at + latency - 1:at + latency - 1 + share]
-        results[frame].append([turns[j % share][j // share] for j in range(len(frames[0][2]))])
+        for lane in range(len(dut.layers)):
+            results[frame].append([turns[j % share][lane][j // share]
+                                   for j in range(len(frames[0][2]))])
     return [np.array(result) for result in results]
 
 
@@ -120,9 +128,9 @@ def anything(rng, count):
             for _ in range(count)]
 
 
-def check(dut, frames, **how):
-    for result, frame in zip(run(dut, frames, **how), frames, strict=True):
-        np.testing.assert_array_equal(result, nets(*frame))
+def check(dut, frames, strip=0, **how):
+    for result, frame in zip(run(dut, frames, strip=strip, **how), frames, strict=True):
+        np.testing.assert_array_equal(result, nets(*frame, strip))
 
 
 def frame_of(scan, neurons):
@@ -153,6 +161,18 @@ def test_neurons_and_turns(kind, neurons, share):
     check(ScannedLayer(kind, neurons, share), frames, gap=.2)
 
 
+@pytest.mark.parametrize("kind", LAYERS)
+@pytest.mark.parametrize("share,lanes,strip,gap", [
+    (1, 1, 32, 0), (1, 1, 32, .4), (2, 1, 64, .2), (1, 2, 0, 0), (1, 2, 32, .3), (1, 4, 0, .2),
+    (2, 4, 32, 0)])
+def test_strips_and_lanes(kind, share, lanes, strip, gap):
+    """Behind a strip, and in each lane; the first picture's groups of 4 are half the range apart."""
+    rng = np.random.default_rng(5)
+    frames = [frame_of(scan_of(*size), anything(rng, 3) + extremes(rng, 2))
+              for size in ((8, 8), (72, 8), (100, 9))]
+    check(ScannedLayer(kind, 5, share, lanes=lanes), frames, gap=gap, strip=strip)
+
+
 def test_long_rows_do_not_drift():
     """Rows whose steps are small and whose carries are irregular."""
     rng = np.random.default_rng(9)
@@ -164,10 +184,16 @@ def frame_with_everything():
     return [frame_of(scan_of(13, 9), bias_edges() + anything(rng, 5))]
 
 
-@pytest.mark.parametrize("field", ["x_carry", "y_carry", "x_step", "y_step", "last_column"])
+@pytest.mark.parametrize("field", ["x_carry", "y_carry", "x_step", "y_step", "new_row"])
 def test_finds_a_field_of_the_scan_that_is_lost(field):
     with pytest.raises(AssertionError, match="Arrays are not equal"):
         check(ScannedLayer("raster", 20, 1, forced=[field]), frame_with_everything())
+
+
+def test_finds_a_new_strip_that_is_lost():
+    frames = [frame_of(scan_of(40, 9), anything(np.random.default_rng(4), 20))]
+    with pytest.raises(AssertionError, match="Arrays are not equal"):
+        check(ScannedLayer("raster", 20, 1, forced=["new_strip"]), frames, strip=32)
 
 
 def one_below(value, q):

@@ -7,16 +7,43 @@ import numpy as np
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
 
-__all__ = ["BAYER_PHASE", "Geometry", "MAX_SIZE", "MIN_SIZE", "SCAN", "ValidRows", "WINDOW"]
+__all__ = ["BAYER_PHASE", "Geometry", "MAX_SIZE", "MIN_SIZE", "SCAN", "STRIP_UNIT", "ValidRows",
+           "WINDOW", "check_strip_width", "scan_order"]
 
 WINDOW = 3             # rows and columns of the raw window that one corrected pixel is made from
 MIN_SIZE = 8           # pixels per side: a row has time to fetch the next one's valid spans
 MAX_SIZE = 4096        # pixels per side that the coordinate formats can address
 SPANS = 2              # spans of pixels with a source that one row can have
 SCAN = Q(1, 31)        # origin and step of the normalised scan
+STRIP_UNIT = 32        # columns: the width of a strip is a multiple of it
 
 # Phase of the colour filter array: (column, row) parity of its red samples.
 BAYER_PHASE = {"RGGB": (0, 0), "GRBG": (1, 0), "GBRG": (0, 1), "BGGR": (1, 1)}
+
+
+def check_strip_width(strip_width):
+    """Raise :class:`InputError` unless ``strip_width`` is one that the hardware can scan."""
+    if not 0 <= strip_width <= MAX_SIZE or strip_width % STRIP_UNIT:
+        raise InputError(f"the strip width is {strip_width}, 0 (raster) or a multiple of "
+                         f"{STRIP_UNIT} up to {MAX_SIZE} is needed")
+
+
+def scan_order(values, strip_width=0):
+    """``values`` of an image, shape (height, width, ...), as (pixels, ...) in the hardware's order.
+
+    Strips of ``strip_width`` columns from left to right, the last one what is left; in each the
+    rows from the top down, in each of those the columns from left to right. 0: one strip, a raster.
+
+    Raises
+    ------
+    InputError
+        If there is no strip of that width.
+    """
+    check_strip_width(strip_width)
+    width = values.shape[1]
+    edges = range(0, width, strip_width or width)
+    return np.concatenate([values[:, left:left + (strip_width or width)].reshape(
+        -1, *values.shape[2:]) for left in edges])
 
 
 @dataclass(frozen=True)

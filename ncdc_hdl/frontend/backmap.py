@@ -19,10 +19,11 @@ __all__ = ["BackMap"]
 class BackMap(wiring.Component):
     """Scan, HN hidden neurons with their tan-sigmoids, two output neurons, queue (Figs. 8, 29).
 
-    Equal bit for bit to ``ncdc_model.network.coordinates`` in raster order, whatever the
-    options. Timing: the network runs free, one coordinate every ``options.share`` clocks;
-    ``latency`` clocks from a scanned pixel to the queue. Instead of gating the front end's clock
-    while the back end is full, the scan issues a pixel only if the queue has room for all that is
+    Equal bit for bit to ``ncdc_model.network.coordinates`` in the order of :class:`Strips`,
+    whatever the options. Each of ``lanes`` neighbouring pixels has a network of its own; all have
+    the same weights. Timing: the networks run free, one group of pixels every ``options.share``
+    clocks; ``latency`` clocks from a scanned group to the queue. Instead of gating the front end's clock
+    while the back end is full, the scan issues a group only if the queue has room for all that is
     under way (see :class:`CreditQueue`).
 
     Parameters
@@ -34,22 +35,28 @@ class BackMap(wiring.Component):
         Of the tan-sigmoid.
     options : ncdc_hdl.options.FrontEndOptions
     queue : int, optional
-        Coordinates under way and queued together, more than twice those that the pipeline holds;
-        by default the least power of two that is, and 128 at least.
+        Groups under way and queued together, more than twice those that the pipeline holds; by
+        default the least power of two that is, and 128 at least.
+    lanes : int, optional
+        Pixels of a group: 1, 2 or 4.
 
     Members
     -------
     start : ``In(1)``
         Begins a frame; to be given only when the last one has left ``o``.
+    abort : ``In(1)``
+        Ends the frame early, see :class:`Scan`.
     scan, network : ``In(scan_layout())``, ``In(network_layout(...))``
         Constant during a frame.
     row, spans, fresh : ``Out``, ``In(SPANS)``, ``In(1)``
         To the table of valid rows.
-    o : ``Out(stream.Signature(coordinate_layout(formats)))``
+    o : ``Out(stream.Signature(coordinate_layout(formats, lanes)))``
     idle : ``Out(1)``
         Nothing is under way in the network and no pixel enters it in this clock.
     stalled : ``Out(1)``
         A pixel waits for room in the queue.
+    cut : ``Out(1)``
+        The frame was ended early.
 
     Raises
     ------
@@ -60,15 +67,18 @@ class BackMap(wiring.Component):
     """
 
     def __init__(self, hidden_neurons, formats, *, variant="mmhbc",
-                 options=FrontEndOptions(), queue=None):
-        self.hidden_neurons, self.formats = hidden_neurons, formats
+                 options=FrontEndOptions(), queue=None, lanes=1):
+        self.hidden_neurons, self.formats, self.lanes = hidden_neurons, formats, lanes
         self.share = options.share
         units = options.units(hidden_neurons)
-        self.hidden = (RasterLayer(hidden_neurons, formats, self.share)
+        self.hidden = [RasterLayer(hidden_neurons, formats, self.share, lanes)
                        if options.hidden == "raster" else
-                       MultiplyLayer(hidden_neurons, formats, self.share, options.products))
-        self.tansig = [Tansig(formats.tansig_design(variant)) for _ in range(units)]
-        self.output = OutputLayer(hidden_neurons, formats, self.share, options.products)
+                       MultiplyLayer(hidden_neurons, formats, self.share, options.products, lanes)
+                       for _ in range(lanes)]
+        self.tansig = [[Tansig(formats.tansig_design(variant)) for _ in range(units)]
+                       for _ in range(lanes)]
+        self.output = [OutputLayer(hidden_neurons, formats, self.share, options.products)
+                       for _ in range(lanes)]
         # Coordinates that the pipeline holds at once.
         self.under_way = -(-self.latency // self.share)
         self.queue = queue or max(128, 1 << (2 * self.under_way).bit_length())
@@ -76,47 +86,52 @@ class BackMap(wiring.Component):
             raise ValueError(f"queue is {queue}, it must exceed twice the {self.under_way} "
                              f"coordinates under way")
         super().__init__({
-            "start": In(1), "scan": In(scan_layout()),
+            "start": In(1), "abort": In(1), "scan": In(scan_layout()),
             "network": In(network_layout(hidden_neurons, formats)),
             "row": Out(SIZE), "spans": In(SPANS), "fresh": In(1),
-            "o": Out(stream.Signature(coordinate_layout(formats))),
-            "idle": Out(1), "stalled": Out(1),
+            "o": Out(stream.Signature(coordinate_layout(formats, lanes))),
+            "idle": Out(1), "stalled": Out(1), "cut": Out(1),
         })
 
     @property
     def latency(self):
         """Clocks from a scanned pixel to its arrival in the queue."""
-        return self.hidden.latency + self.tansig[0].latency + self.output.latency
+        return self.hidden[0].latency + self.tansig[0][0].latency + self.output[0].latency
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.scan = scan = Scan(self.formats)
+        m.submodules.scan = scan = Scan(self.formats, self.lanes)
         # Restarting this early keeps the queue from running dry while the network refills.
         m.submodules.queue = queue = CreditQueue(
-            coordinate_layout(self.formats), depth=self.queue, restart=self.queue - self.under_way)
+            coordinate_layout(self.formats, self.lanes), depth=self.queue, restart=self.queue - self.under_way)
         m.d.comb += [
-            scan.start.eq(self.start), scan.parameters.eq(self.scan),
-            self.row.eq(scan.row), scan.spans.eq(self.spans), scan.fresh.eq(self.fresh),
+            scan.start.eq(self.start), scan.abort.eq(self.abort), scan.parameters.eq(self.scan),
+            self.cut.eq(scan.cut), self.row.eq(scan.row), scan.spans.eq(self.spans), scan.fresh.eq(self.fresh),
         ]
 
-        issue, turn = self._pace(m, scan, queue.room & self.hidden.ready)
-        m.submodules.hidden, m.submodules.output = hidden, output = self.hidden, self.output
+        # All lanes are ready in the same clock.
+        issue, turn = self._pace(m, scan, queue.room & self.hidden[0].ready)
+        latency = self.output[0].latency
+        activated = delay(m, issue, self.latency - latency, "issue", reset_less=False)
+        arrived = delay(m, activated, latency, "output", reset_less=False)
+        blank = delay(m, scan.blank, self.latency, "blank")
+        coordinates = []
+        for k, (hidden, output) in enumerate(zip(self.hidden, self.output)):
+            m.submodules[f"hidden{k}"], m.submodules[f"output{k}"] = hidden, output
+            m.d.comb += [
+                hidden.start.eq(self.start), hidden.active.eq(scan.active),
+                hidden.pixel.eq(scan.pixels[k]), hidden.turn.eq(turn),
+                hidden.advance.eq(scan.advance), hidden.neurons.eq(self.network.hidden),
+                output.neurons.eq(self.network.output), output.first.eq(activated),
+            ]
+            for j, tansig in enumerate(self.tansig[k]):
+                m.submodules[f"tansig{k}_{j}"] = tansig
+                m.d.comb += [tansig.i.eq(hidden.o[j]), output.i[j].eq(tansig.o)]
+            coordinates += [output.o, blank[k]]
+        flags = delay(m, Cat(scan.first, scan.last), self.latency, "flags")
         m.d.comb += [
-            queue.issue.eq(issue),
-            hidden.start.eq(self.start), hidden.active.eq(scan.active),
-            hidden.pixel.eq(scan.pixel), hidden.turn.eq(turn), hidden.advance.eq(scan.advance),
-            hidden.neurons.eq(self.network.hidden), output.neurons.eq(self.network.output),
-        ]
-        for k, tansig in enumerate(self.tansig):
-            m.submodules[f"tansig{k}"] = tansig
-            m.d.comb += [tansig.i.eq(hidden.o[k]), output.i[k].eq(tansig.o)]
-
-        activated = delay(m, issue, self.latency - output.latency, "issue", reset_less=False)
-        arrived = delay(m, activated, output.latency, "output", reset_less=False)
-        flags = delay(m, Cat(scan.blank, scan.first, scan.last), self.latency, "flags")
-        m.d.comb += [
-            output.first.eq(activated), queue.arrive.eq(arrived),
-            Value.cast(queue.i).eq(Cat(output.o, flags)),
+            queue.issue.eq(issue), queue.arrive.eq(arrived),
+            Value.cast(queue.i).eq(Cat(*coordinates, flags)),
             self.idle.eq(queue.drained & ~(scan.active & queue.room)),
             self.stalled.eq(scan.active & ~queue.room),
         ]

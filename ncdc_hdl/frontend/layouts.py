@@ -31,9 +31,10 @@ def lanes_of(group):
 
 
 def scan_layout():
-    """What the scan needs to know: size in pixels, origin and step in Q1.31."""
+    """What the scan needs to know: size in pixels, columns of a strip (0: raster), origin and step
+    in Q1.31."""
     return data.StructLayout({
-        "width": SIZE, "height": SIZE,
+        "width": SIZE, "height": SIZE, "strip": SIZE,
         "origin_x": signed(SCAN.width), "step_x": signed(SCAN.width),
         "origin_y": signed(SCAN.width), "step_y": signed(SCAN.width),
     })

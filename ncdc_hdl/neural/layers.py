@@ -17,13 +17,13 @@ def served(unit, hidden_neurons, share):
     return range(unit * share, min((unit + 1) * share, hidden_neurons))
 
 
-def hidden_layer_ports(hidden_neurons, formats, share):
+def hidden_layer_ports(hidden_neurons, formats, share, lanes=1):
     """Ports of every kind of hidden layer.
 
     start : ``In(1)``
         Begins a frame, whose parameters are ready.
-    active, pixel : ``In(1)``, ``In(pixel_layout(formats))``
-        The pixel that the scan shows. Each stays for ``share`` clocks or more.
+    active, pixel : ``In(1)``, ``In(pixel_layout(formats, lanes))``
+        The pixel that the scan shows in the layer's lane. Each stays for ``share`` clocks or more.
     turn : ``In``
         0 in the first of those clocks, and one more in each after it.
     advance : ``In(1)``
@@ -31,13 +31,13 @@ def hidden_layer_ports(hidden_neurons, formats, share):
     neurons : ``In(hidden_layout(...))``
         Constant in a frame.
     ready : ``Out(1)``
-        From then on pixels are taken, until the next ``start``.
+        The pixel may be taken.
     o : ``Out(ArrayLayout(signed(net), units))``
         Nets; in turn t that of neuron ``unit * share + t``. ``latency`` clocks after the pixel.
     """
     units = -(-hidden_neurons // share)
     return {
-        "start": In(1), "active": In(1), "pixel": In(pixel_layout(formats)),
+        "start": In(1), "active": In(1), "pixel": In(pixel_layout(formats, lanes)),
         "turn": In(bits_for(share - 1)), "advance": In(1),
         "neurons": In(hidden_layout(hidden_neurons, formats)), "ready": Out(1),
         "o": Out(data.ArrayLayout(signed(formats.net.width), units)),
@@ -56,14 +56,16 @@ class MultiplyLayer(wiring.Component):
         Neurons that one multiply-accumulate pipeline computes in turn.
     products : int
         Bits of the multiplier blocks, 27 or 18.
+    lanes : int
+        Pixels of the scan's groups, one of which the layer takes.
 
     Members: :func:`hidden_layer_ports`; always ready.
     """
 
-    def __init__(self, hidden_neurons, formats, share=1, products=27):
+    def __init__(self, hidden_neurons, formats, share=1, products=27, lanes=1):
         self.hidden_neurons, self.share = hidden_neurons, share
         self.units = [HiddenNeuron(formats, products) for _ in range(-(-hidden_neurons // share))]
-        super().__init__(hidden_layer_ports(hidden_neurons, formats, share))
+        super().__init__(hidden_layer_ports(hidden_neurons, formats, share, lanes))
 
     @property
     def latency(self):

@@ -2,6 +2,7 @@
 
 from amaranth import *
 from amaranth.lib import data
+from amaranth.utils import ceil_log2
 
 __all__ = ["hidden_layout", "output_layout", "pixel_layout"]
 
@@ -22,13 +23,16 @@ def output_layout(hidden_neurons, formats):
         _neuron(hidden_neurons, formats.output_weight, formats.output_bias), 2)
 
 
-def pixel_layout(formats):
-    """A scanned pixel: its normalised coordinates ``x``, ``y``, and how the next one differs.
+def pixel_layout(formats, lanes=1):
+    """A scanned pixel: its normalised coordinates ``x``, ``y``, and how the next one in its lane,
+    ``lanes`` pixels on, differs.
 
-    Within a row x grows by ``x_step + x_carry``; from the last column, y grows by
-    ``y_step + y_carry`` and x is again that of the first column. The steps are constant in a
-    frame, the carries come from the fraction that the coordinates' rounding drops.
+    Within a row x grows by ``x_step + x_carry``. If ``new_row``, y grows by ``y_step + y_carry``
+    and x is again that of the row's first pixel; if ``new_strip``, both are new. The steps are
+    constant in a frame, the carries come from the fraction that the coordinates' rounding drops.
     """
     number = signed(formats.input.width)
-    return data.StructLayout({"x": number, "y": number, "x_step": number, "y_step": number,
-                              "x_carry": 1, "y_carry": 1, "last_column": 1})
+    # Groups of a narrow picture are more than half the range apart.
+    stride = signed(formats.input.width + ceil_log2(lanes))
+    return data.StructLayout({"x": number, "y": number, "x_step": stride, "y_step": number,
+                              "x_carry": 1, "y_carry": 1, "new_row": 1, "new_strip": 1})

@@ -1,4 +1,4 @@
-"""Hidden neurons that follow the raster scan by addition, without a multiplier."""
+"""Hidden neurons that follow the scan by addition, without a multiplier."""
 
 from amaranth import *
 from amaranth.lib import data, enum, wiring
@@ -40,8 +40,8 @@ class RasterNeuron(wiring.Component):
         X0 = weights[0] d        X1 = X0 + weights[0]
 
     and by Y0 or Y1 from row to row, starting at the row's first sum, which has a register of its
-    own. The same adder computes these four and the first sum at the start of a frame, digit by
-    digit. All is modulo 2**n, n bits being what the exact sum needs.
+    own. The same adder computes these four at the start of a frame and the first sum of each
+    strip, digit by digit. All is modulo 2**n, n bits being what the exact sum needs.
 
     Parameters
     ----------
@@ -107,11 +107,14 @@ class RasterControl(wiring.Component):
     A product with a coordinate takes one doubling and addition per digit, highest first. The
     coordinate is extended to the sum's n bits, so that its sign needs no subtraction and what
     the sum held before is shifted out. The sum at the first pixel has its two products'
-    digits alternate. A frame's start takes ``preset`` clocks from the pixel's appearance.
+    digits alternate. A frame's start takes ``preset`` clocks from the pixel's appearance, another
+    strip's ``restart``.
 
     Parameters
     ----------
     formats : ncdc_model.descriptor.Formats
+    lanes : int
+        Pixels of the scan's groups.
 
     Members
     -------
@@ -121,17 +124,23 @@ class RasterControl(wiring.Component):
         To the neurons.
     """
 
-    def __init__(self, formats):
+    def __init__(self, formats, lanes=1):
         self.bits = hidden_sum(formats).shape.width
         super().__init__({
-            "start": In(1), "active": In(1), "advance": In(1), "pixel": In(pixel_layout(formats)),
+            "start": In(1), "active": In(1), "advance": In(1),
+            "pixel": In(pixel_layout(formats, lanes)),
             "ready": Out(1), "choice": Out(Operand), "add": Out(ADD),
         })
 
     @property
     def preset(self):
         """Clocks from a frame's first pixel being shown to ``ready``."""
-        return 1 + 4 * self.bits + 4
+        return 1 + 2 * self.bits + 2 + self.restart
+
+    @property
+    def restart(self):
+        """Clocks from a strip's first pixel being shown to ``ready``."""
+        return 2 * self.bits + 2
 
     def elaborate(self, platform):
         m = Module()
@@ -184,7 +193,7 @@ class RasterControl(wiring.Component):
                 m.d.comb += [choice.eq(Operand.HALF), add.step.eq(1), add.save.eq(1)]
                 m.next = "RUN"
             with m.State("RUN"):
-                new_row = pixel.last_column
+                new_row = pixel.new_row
                 m.d.comb += [
                     self.ready.eq(1),
                     choice.eq(Cat(Mux(new_row, pixel.y_carry, pixel.x_carry), new_row)),
@@ -193,6 +202,9 @@ class RasterControl(wiring.Component):
                 ]
                 with m.If(self.start):
                     m.next = "WAIT"
+                with m.Elif(self.advance & pixel.new_strip):
+                    # What the sum becomes now is shifted out.
+                    m.next = "FIRST_X"
 
         add_next = Signal(ADD)
         m.d.sync += [self.choice.eq(choice), add_next.eq(add), self.add.eq(add_next)]
@@ -200,10 +212,11 @@ class RasterControl(wiring.Component):
 
 
 class RasterLayer(wiring.Component):
-    """Hidden neurons without a multiplier; the pixels must come in raster order.
+    """Hidden neurons without a multiplier; the pixels must come in the order of the scan.
 
     Equal bit for bit to :class:`ncdc_hdl.neural.layers.MultiplyLayer`, provided the scan stays
-    within the range of its coordinates. One pixel per clock, also from row to row.
+    within the range of its coordinates. One pixel per clock, also from row to row; each strip
+    begins with the ``restart`` clocks of :class:`RasterControl`.
 
     Parameters
     ----------
@@ -212,6 +225,8 @@ class RasterLayer(wiring.Component):
     formats : ncdc_model.descriptor.Formats
     share : int
         Neurons whose sums are rounded in turn.
+    lanes : int
+        Pixels of the scan's groups, one of which the layer takes.
 
     Members: :func:`ncdc_hdl.neural.layers.hidden_layer_ports`.
     """
@@ -222,10 +237,10 @@ class RasterLayer(wiring.Component):
     The sum itself has been there since the pixel before was taken.
     """
 
-    def __init__(self, hidden_neurons, formats, share=1):
+    def __init__(self, hidden_neurons, formats, share=1, lanes=1):
         self.hidden_neurons, self.formats, self.share = hidden_neurons, formats, share
-        self.control = RasterControl(formats)
-        super().__init__(hidden_layer_ports(hidden_neurons, formats, share))
+        self.control = RasterControl(formats, lanes)
+        super().__init__(hidden_layer_ports(hidden_neurons, formats, share, lanes))
 
     def elaborate(self, platform):
         m = Module()
