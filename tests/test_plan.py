@@ -94,7 +94,7 @@ def test_a_rate_takes_a_larger_cache(barrel):
 @pytest.mark.parametrize("options,message", [
     (dict(rate=1e9), "1e.09 frames per second are asked for, one pixel per clock gives 1302.1"),
     (dict(rate=0), "the rate is 0 frames per second"),
-    (dict(cache_bytes=5000), "the cache has 5000 bytes, a power of two from 1024 to 262144"),
+    (dict(cache_bytes=5000), "the cache's size is 5000 bytes, a power of two from 1024 to 262144"),
     (dict(cache_bytes=2048, split=4), "split is 4, the limits are 0 and 3"),
     (dict(split=9), "split is 9, the limits are 0 and 8"),
     (dict(stream=True, strip=64), "the strip width is 64, a video stream needs 0"),

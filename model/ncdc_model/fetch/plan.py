@@ -125,7 +125,8 @@ def candidates(width, *, stream, cache_bytes=None, split=None, strip=None):
     if stream and strip:
         raise InputError(f"the strip width is {strip}, a video stream needs 0 (raster)")
     check_strip_width(strip or 0)
-    sizes = [_options(size) for size in ([cache_bytes] if cache_bytes is not None else CACHE_BYTES)]
+    sizes = list(map(CacheOptions.of_bytes,
+                     CACHE_BYTES if cache_bytes is None else [cache_bytes]))
     if split is not None:
         sizes[-1].check_split(split)
         sizes = [options for options in sizes if split <= options.max_split]
@@ -248,10 +249,3 @@ def _worth_timing(choices):
             seen.add(key)
             yield choice
 
-
-def _options(cache_bytes):
-    tiles, rest = divmod(cache_bytes, TILE_BYTES)
-    if rest or not 16 <= tiles <= 4096 or tiles & (tiles - 1):
-        raise InputError(f"the cache has {cache_bytes} bytes, a power of two from 1024 to 262144 "
-                         f"is needed")
-    return CacheOptions(tiles)
