@@ -79,7 +79,7 @@ class FetchOptions:
     InputError
         If ``fetcher`` is none of the above.
     """
-    fetcher: str = "multiport"
+    fetcher: str = "cache"
     cache: CacheOptions | None = None
     split: int | None = None
 

@@ -18,6 +18,7 @@ from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 from ncdc_hdl.neural.tansig import Tansig
+from ncdc_hdl.options import FetchOptions
 from ncdc_model.descriptor import Formats
 from ncdc_model.tansig import TansigDesign
 from ncdc_sim.cocotb_run import design_of, run_cocotb
@@ -41,7 +42,8 @@ COMPONENTS = {
     "registers": lambda: Registers(
         registers(D.hidden_neurons, D.formats), host_values(D, 32),
         digest=int(D.digest[:8], 16), hidden_neurons=D.hidden_neurons),
-    "corrector": lambda: Corrector(D),
+    "corrector_cache": lambda: Corrector(D),
+    "corrector_multiport": lambda: Corrector(D, fetch=FetchOptions("multiport")),
 }
 
 PAUSES = pytest.mark.parametrize("gap,stall", [(0, 0), (0, .5), (.5, .3)])
@@ -124,7 +126,8 @@ def test_registers(simulator, descriptor):
 
 
 @BOTH
-@pytest.mark.parametrize("wait,latency", [(0, (1, 1)), (.5, (1, 40))])
-def test_corrector(wait, latency, simulator, descriptor):
-    run_cocotb(design("corrector"), "corrector", simulator, wait=wait, latency=latency,
+@pytest.mark.parametrize("fetcher,wait,latency", [
+    ("multiport", .5, (1, 40)), ("cache", 0, (1, 1)), ("cache", .5, (1, 40))])
+def test_corrector(fetcher, wait, latency, simulator, descriptor):
+    run_cocotb(design(f"corrector_{fetcher}"), "corrector", simulator, wait=wait, latency=latency,
                descriptor=descriptor)

@@ -10,9 +10,10 @@ from cameras import barrel_descriptor
 
 from ncdc_hdl import cli
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_hdl.options import FrontEndOptions
+from ncdc_hdl.options import FetchOptions, FrontEndOptions
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
+from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.images import mosaic, read_image, write_image
 
 
@@ -213,6 +214,33 @@ def test_front_end_options_reach_the_verilog(folder, capsys):
     assert (report["hidden"], report["share"], report["products"]) == ("raster", 2, 18)
 
 
+def test_cache_options_reach_the_verilog(folder, capsys):
+    options = "--cache-bytes 2048 --cache-split 1"
+    assert run(f"generate net.toml -o hw {options}") == 0
+    verilog = corrector_verilog(Descriptor.load("net.toml"),
+                                fetch=FetchOptions(cache=CacheOptions(tiles=32), split=1))
+    assert (folder / "hw" / "ncdc.v").read_text() == verilog
+    assert run(f"simulate net.toml raw.png -o sim.png --json r.json {options}") == 0
+    report = json.loads((folder / "r.json").read_text())
+    assert report["windows_fetched"] == report["windows_fetched_expected"] > 0
+    assert (report["pixels_different"], report["cache_bytes"], report["cache_split"]) == (0, 2048, 1)
+
+
+@pytest.mark.parametrize("options,message", [
+    ("--cache-bytes 3000", "size is 3000 bytes, a power of two from 1024 to 262144 is needed"),
+    ("--cache-bytes 1024 --cache-split 3", "split is 3, the limits are 0 and 2")])
+def test_refuses_a_cache_that_there_is_not(folder, options, message, capsys):
+    check_refused(folder, f"generate net.toml -o hw {options}", message, capsys)
+
+
+def test_simulate_multiport(folder, capsys):
+    assert run("simulate net.toml raw.png -o sim.png --json r.json --fetch multiport "
+               "--simulator icarus") == 0
+    report = json.loads((folder / "r.json").read_text())
+    assert report["windows_fetched"] == report["windows_fetched_expected"] > 0
+    assert (report["pixels_different"], report["fetch"]) == (0, "multiport")
+
+
 def test_refuses_to_share_among_too_many(folder, capsys):
     check_refused(folder, "generate net.toml -o hw --share 9", "the limit is the number of hidden",
                   capsys)
@@ -224,7 +252,7 @@ def test_simulate(folder, simulator, capsys):
     report = json.loads((folder / "r.json").read_text())
     assert (report["pixels_compared"], report["pixels_different"]) == (48 * 40, 0)
     assert report["windows_fetched"] == report["windows_fetched_expected"] > 0
-    assert report["simulator"] == simulator and report["fetch"] == "multiport"
+    assert report["simulator"] == simulator and report["fetch"] == "cache"
     golden = correct(Descriptor.load("net.toml"), read_image("raw.png"))
     np.testing.assert_array_equal(read_image("sim.png"), golden.picture)
 

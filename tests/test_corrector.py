@@ -7,7 +7,7 @@ from cameras import barrel_descriptor, barrel_map
 from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, frame_bytes, host_values,
                                             registers, table_words)
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_hdl.options import FrontEndOptions
+from ncdc_hdl.options import FetchOptions, FrontEndOptions
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor, FloatNetwork
 from ncdc_model.geometry import BAYER_PHASE, Geometry, ValidRows
@@ -107,16 +107,17 @@ def test_half_pixel_is_compensated():
 
 # The generated Verilog against the golden model.
 
-@pytest.mark.parametrize("simulator,data_width,output,memory,front_end", [
-    ("icarus", 32, "memory", "hostile", ("multiply", 1)),
-    ("icarus", 64, "stream", "sdram", ("raster", 1)),
-    ("icarus", 128, "memory", "ddr3", ("multiply", 2)),
-    ("verilator", 32, "memory", "hostile", ("raster", 2)),
-    ("verilator", 64, "stream", "hostile", ("multiply", 1))])
-def test_verilog_equals_golden(simulator, data_width, output, memory, front_end):
+@pytest.mark.parametrize("simulator,data_width,output,memory,fetcher,front_end", [
+    ("icarus", 32, "memory", "hostile", "multiport", ("multiply", 1)),
+    ("icarus", 64, "stream", "sdram", "cache", ("raster", 1)),
+    ("icarus", 128, "memory", "ddr3", "cache", ("multiply", 2)),
+    ("verilator", 32, "memory", "hostile", "cache", ("raster", 2)),
+    ("verilator", 64, "stream", "hostile", "multiport", ("multiply", 1))])
+def test_verilog_equals_golden(simulator, data_width, output, memory, fetcher, front_end):
     d = barrel_descriptor((37, 29), (45, 33), hidden_neurons=2, bayer="GBRG", fill=(200, 100, 50))
     result = simulate_correction(d, noise(d), data_width=data_width, output=output, memory=memory,
-                                 simulator=simulator, front_end=FrontEndOptions(*front_end))
+                                 simulator=simulator, front_end=FrontEndOptions(*front_end),
+                                 fetch=FetchOptions(fetcher))
     assert result.differing == []
     assert result.counters["FETCHES"] == result.fetches_expected
     assert result.counters["PIXELS"] == 37 * 29

@@ -14,7 +14,8 @@ from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_sim.frame import Program, simulate_frame
 
-__all__ = ["Simulation", "corrector_program", "raw_image", "simulate_correction"]
+__all__ = ["Simulation", "corrector_program", "raw_image", "simulate_correction",
+           "tiles_fetched"]
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ def corrector_program(descriptor, data_width, checked=True, split=None):
     return program
 
 
-def _tiles(descriptor, fetch):
+def tiles_fetched(descriptor, fetch):
     """Tiles that the golden model of the cache reads."""
     geometry = descriptor.geometry
     accessed = accesses(lookups(frame_windows(descriptor)))
@@ -148,7 +149,7 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
     return Simulation(
         picture=picture, golden=golden.picture, filled=golden.filled,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
-        fetches_expected=_tiles(descriptor, fetch) if cache else golden.fetches,
+        fetches_expected=tiles_fetched(descriptor, fetch) if cache else golden.fetches,
         bytes_read=sum(result.bytes_read),
         bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
         setup={"simulator": simulator, "memory": memory if isinstance(memory, str) else "custom",
