@@ -20,7 +20,7 @@ COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "export", "plan
             "simulate", "bench")
 
 
-_TO_FOLDER = ("demo", "generate")      # commands whose --output is a folder
+_TO_FOLDER = ("demo", "generate", "bench")      # commands whose --output is a folder
 
 
 class _Parser(argparse.ArgumentParser):
