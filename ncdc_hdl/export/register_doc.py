@@ -48,6 +48,7 @@ their limits are not checked: a width or height of 0 never ends.
 
 To correct a frame: write what differs from the reset values, write `COMMIT` and `START` (3) to
 `CTRL`, wait for `DONE` in `STATUS` (or for `irq`, if `IRQ_ENABLE` is 1), write `DONE` (2) to `STATUS`.
+[The drivers](drivers.md) do this in C and Python.
 
 What is written to shadow registers goes to a set of its own. `COMMIT` marks that set complete; at the
 next frame boundary, or at once if no frame runs, all of it becomes active in one clock. From then on

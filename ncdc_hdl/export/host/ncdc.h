@@ -1,0 +1,82 @@
+/* Driver of the NCDC corrector; see docs/drivers.md of the project.
+ *
+ * Registers are reached through two functions of yours. Offsets are in bytes, accesses are of
+ * 32 bits. */
+#ifndef NCDC_H
+#define NCDC_H
+
+#include <stdint.h>
+
+#include "ncdc_registers.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One corrector: how to reach it. `context` is handed to both functions. */
+struct ncdc {
+    uint32_t (*read)(void *context, uint32_t offset);
+    void (*write)(void *context, uint32_t offset, uint32_t value);
+    void *context;
+};
+
+struct ncdc_value {
+    uint32_t offset, value;
+};
+
+/* All that a camera needs but the places of its frames: network, geometry, valid rows. */
+struct ncdc_lens {
+    const char *digest;             /* of the descriptor, 12 hex digits */
+    uint32_t neurons;
+    const struct ncdc_value *values;
+    uint32_t value_count;
+    const uint32_t *valid_rows;     /* start | stop << 16 of both spans of every row */
+    uint32_t span_count;
+};
+
+/* What the last complete frame counted. */
+struct ncdc_counters {
+#define NCDC_COUNTER_MEMBER(member, offset) uint32_t member;
+    NCDC_EACH_COUNTER(NCDC_COUNTER_MEMBER)
+#undef NCDC_COUNTER_MEMBER
+};
+
+enum ncdc_result {
+    NCDC_OK = 0,
+    NCDC_ERROR_ID,          /* no corrector answers there */
+    NCDC_ERROR_NEURONS,     /* the lens has another number of hidden neurons */
+    NCDC_ERROR_COMMITTED,   /* a commit waits for its frame boundary: nothing was written */
+    NCDC_ERROR_REFUSED,     /* the corrector ignored a write */
+    NCDC_ERROR_TIMEOUT      /* no frame was complete in time */
+};
+
+/* Does a corrector answer? */
+enum ncdc_result ncdc_check(const struct ncdc *device);
+
+/* Write a lens to the set that the next commit makes active, its valid rows to the bank that is
+ * not in use. A frame that runs meanwhile does not see it. */
+enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *lens);
+
+/* Byte addresses of the raw and the corrected frame, for the next commit as well. */
+enum ncdc_result ncdc_place(const struct ncdc *device, uint32_t source, uint32_t target);
+
+/* Make what was written active at the next frame boundary. */
+void ncdc_commit(const struct ncdc *device);
+
+/* Correct a frame; while one runs, another one may be started. */
+void ncdc_start(const struct ncdc *device);
+
+/* Both, in one register write. */
+void ncdc_commit_and_start(const struct ncdc *device);
+
+/* Wait until a frame is complete, reading STATUS at most `polls` times (0: for ever), and take
+ * note of it, so that the next call waits for the next frame. */
+enum ncdc_result ncdc_wait(const struct ncdc *device, uint32_t polls);
+
+void ncdc_read_counters(const struct ncdc *device, struct ncdc_counters *counters);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,169 @@
+"""The drivers in C and Python against the corrector: their bus is the simulated Avalon-MM agent."""
+
+import ctypes
+import runpy
+import sys
+
+import cocotb
+import numpy as np
+from cocotb.task import bridge, resume
+
+from ncdc_hdl.avalon.register_table import frame_bytes, host_values
+from ncdc_model.corrector import correct
+from ncdc_model.descriptor import Descriptor
+from ncdc_sim.benches.avalon import Host, read_memory, write_memory
+from ncdc_sim.benches.common import settings, start
+
+__all__ = ["c_driver_alternates_lenses", "c_driver_corrects_one_frame", "c_driver_names_errors",
+           "python_driver_alternates_lenses"]
+
+_STEP = 8192        # bytes from frame to frame in memory
+_FRAMES = 5
+_READ = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)
+_WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)
+
+
+class Device(ctypes.Structure):
+    """``struct ncdc`` of ncdc.h."""
+    _fields_ = [("read", _READ), ("write", _WRITE), ("context", ctypes.c_void_p)]
+
+
+class Bench:
+    """The corrector between memory agents, with the raw frames of all cameras in memory."""
+
+    def __init__(self, dut):
+        s = settings()
+        self.dut = dut
+        self.cameras = [Descriptor.load(path) for path in s["descriptors"]]
+        rng = np.random.default_rng(5)
+        self.raws = [rng.integers(0, 256, d.geometry.distorted[::-1], np.uint8)
+                     for d in self.cameras]
+        self.memory = bytearray(b"\xa5" * (_STEP * (len(self.cameras) + _FRAMES)))
+        self.source = [_STEP * k for k in range(len(self.cameras))]
+        self.target = _STEP * len(self.cameras)
+        for place, d, raw in zip(self.source, self.cameras, self.raws):
+            pitch = host_values(d, 32)["SOURCE_PITCH"]
+            image = np.pad(raw, ((0, 0), (0, pitch - raw.shape[1]))).tobytes()
+            self.memory[place:place + len(image)] = image
+        self.errors = []        # ctypes drops what a callback raises
+
+    async def begin(self):
+        """Reset and start the memory; returns blocking read(offset) and write(offset, value)."""
+        dut = self.dut
+        readers = [r for r in range(3) if hasattr(dut, f"read{r}_read")]
+        await start(dut, csr_read=0, csr_write=0, csr_address=0, csr_writedata=0,
+                    write_waitrequest=0,
+                    **{f"read{r}_{name}": 0 for r in readers
+                       for name in ("waitrequest", "readdata", "readdatavalid")})
+        for r in readers:
+            cocotb.start_soon(read_memory(dut, f"read{r}", self.memory, wait=.3, latency=(1, 9),
+                                          seed=r))
+        cocotb.start_soon(write_memory(dut, "write", self.memory, wait=.3))
+        host = Host(dut, "csr")
+        return (resume(lambda offset: host.read(offset >> 2)),
+                resume(lambda offset, value: host.write(offset >> 2, value)))
+
+    def device(self, read, write):
+        """``struct ncdc`` whose functions are ``read`` and ``write``."""
+        def guarded(function, *arguments):
+            try:
+                return function(*arguments)
+            except Exception as error:
+                self.errors.append(error)
+                return 0
+
+        return Device(_READ(lambda _, offset: guarded(read, offset)),
+                      _WRITE(lambda _, offset, value: guarded(write, offset, value)), None)
+
+    def library(self):
+        """The compiled driver with the samples of the documentation."""
+        return ctypes.CDLL(settings()["library"])
+
+    def check(self, frames):
+        """Frame k in memory is camera k mod n's, for every k below ``frames``; none is behind."""
+        assert not self.errors, self.errors
+        for k in range(_FRAMES):
+            d, raw = (part[k % len(self.cameras)] for part in (self.cameras, self.raws))
+            place, size = self.target + k * _STEP, frame_bytes(d.geometry)
+            stored = np.frombuffer(bytes(self.memory[place:place + _STEP]), np.uint8)
+            if k >= frames:
+                assert (stored == 0xA5).all(), f"frame {k} was written"
+                continue
+            width, height = d.geometry.corrected
+            np.testing.assert_array_equal(stored[:size].reshape(height, width, 4)[..., 2::-1],
+                                          correct(d, raw).picture, f"frame {k}")
+
+
+@cocotb.test()
+async def c_driver_corrects_one_frame(dut):
+    """The first sample: load, place, start, wait, counters."""
+    bench = Bench(dut)
+    device, library = bench.device(*await bench.begin()), bench.library()
+    counters = (ctypes.c_uint32 * len(settings()["counters"]))()
+    result = await bridge(lambda: library.correct_one(
+        ctypes.byref(device), bench.source[0], bench.target, counters))()
+    assert result == 0
+    bench.check(1)
+    width, height = bench.cameras[0].geometry.corrected
+    named = dict(zip(settings()["counters"], counters))
+    assert named["PIXELS"] == width * height and named["FRAMES"] == 1
+    assert named["CLOCKS"] > named["PIXELS"]
+
+
+@cocotb.test()
+async def c_driver_alternates_lenses(dut):
+    """The second sample: another lens with every frame, each started while the last one runs."""
+    bench = Bench(dut)
+    device, library = bench.device(*await bench.begin()), bench.library()
+    source = (ctypes.c_uint32 * 2)(*bench.source)
+    result = await bridge(lambda: library.alternate(
+        ctypes.byref(device), source, bench.target, _STEP, _FRAMES))()
+    assert result == 0
+    bench.check(_FRAMES)
+
+
+@cocotb.test()
+async def c_driver_names_errors(dut):
+    """What the driver refuses, and that it leaves a waiting commit alone."""
+    bench = Bench(dut)
+    read, write = await bench.begin()
+    device, library = bench.device(read, write), bench.library()
+    here = ctypes.byref(device)
+    wide = ctypes.c_char.in_dll(library, "ncdc_lens_wide")
+
+    def errors():
+        assert library.ncdc_wait(here, 3) == 5, "timeout"
+        assert library.ncdc_load(here, ctypes.byref(wide)) == 0
+        assert library.ncdc_place(here, bench.source[0], bench.target) == 0
+        library.ncdc_commit_and_start(here)
+        library.ncdc_commit(here)
+        before = [read(offset) for offset in range(0x20, 0x58, 4)]
+        assert library.ncdc_load(here, ctypes.byref(wide)) == 3, "a commit waits"
+        assert library.ncdc_place(here, 0, 0) == 3, "a commit waits"
+        assert [read(offset) for offset in range(0x20, 0x58, 4)] == before
+        assert library.ncdc_wait(here, 0) == 0
+        other = bench.device(lambda offset: read(offset + 4), write)
+        assert library.ncdc_check(ctypes.byref(other)) == 1, "no ID"
+        # Somebody else commits between the driver's look at STATUS and its writes.
+        stolen = bench.device(lambda offset: read(offset) & ~8, write)
+        library.ncdc_start(here)
+        library.ncdc_commit(here)
+        assert library.ncdc_place(ctypes.byref(stolen), 0, 0) == 4, "refused"
+        assert library.ncdc_wait(here, 0) == 0
+        return True
+
+    assert await bridge(errors)()
+    bench.check(1)
+
+
+@cocotb.test()
+async def python_driver_alternates_lenses(dut):
+    """The sample in Python, over the same two functions."""
+    bench = Bench(dut)
+    read, write = await bench.begin()
+    sys.path.insert(0, settings()["python"])
+    sample = runpy.run_path(f"{settings()['python']}/samples.py")
+    counters = await bridge(lambda: sample["alternate"](
+        read, write, bench.source, bench.target, _STEP, _FRAMES))()
+    bench.check(_FRAMES)
+    assert counters["FRAMES"] == _FRAMES
