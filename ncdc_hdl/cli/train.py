@@ -1,6 +1,7 @@
 """``ncdc train``: from points or a camera file to a descriptor."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from ncdc_hdl.cli.common import Progress, add_camera, add_json, write_report
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
+from ncdc_model.fixed import Q
 from ncdc_model.float_network import check_gamma
 from ncdc_model.formats import Formats
 from ncdc_model.geometry import BAYER_PHASE
@@ -57,6 +59,12 @@ def add_arguments(parser):
                              "each; auto: table where a board has multipliers free, else mmhbc")
     parser.add_argument("--tansig-bits", type=int, choices=FRACTION_BITS, default=20,
                         help="accuracy of the tan-sigmoid in fraction bits (default: 20)")
+    parser.add_argument("--weight-bits", type=int, metavar="B",
+                        help="bits of the weights and of the coordinates they multiply, 18 to 24, "
+                             "in formats that fit this camera; 18 for boards with 18x18 multipliers "
+                             "(default: 24 in formats that fit every camera)")
+    parser.add_argument("--coordinate-bits", type=int, choices=range(6, 13), default=10,
+                        help="fraction bits of the back-map coordinates (default: 10)")
     parser.add_argument("--gamma", type=float, default=1.0, metavar="G",
                         help="gamma of the tan-sigmoid, equation (17); the hidden weights make "
                              "good for it (default: 1)")
@@ -76,7 +84,7 @@ def run(args):
                          args.bayer, _colour(args.fill), args.camera)
     trained = train_camera(source, args.neurons, args.trainer, args.seed, args.held_out,
                            training_progress(), skip=args.skip, gamma=check_gamma(args.gamma),
-                           formats=Formats().with_tansig_bits(args.tansig_bits),
+                           formats=_formats(args), weight_bits=args.weight_bits,
                            variant=choose_variant(args.tansig, args.neurons))
     trained.descriptor.save(args.output)
     plots = plot_training(trained, source, args.output, args.held_out)
@@ -138,6 +146,11 @@ def training_progress():
     """The trainer's progress callback: how far, and the error reached."""
     progress = Progress("training")
     return lambda done, mse: progress(done, f", MSE {mse:.5g} px²")
+
+
+def _formats(args):
+    formats = Formats().with_tansig_bits(args.tansig_bits)
+    return replace(formats, coordinate=Q(formats.coordinate.i_bits, args.coordinate_bits))
 
 
 def _size(text):

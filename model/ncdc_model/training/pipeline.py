@@ -1,11 +1,12 @@
 """From a source of training pairs to a descriptor with its error table."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ncdc_model.descriptor import Descriptor, Formats
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
 from ncdc_model.geometry import ValidRows
 from ncdc_model.training.problem import split
+from ncdc_model.training.rounding import check_weight_bits, fitted_formats, round_network
 from ncdc_model.training.train import HELD_OUT, Training, train
 from ncdc_model.valid import grown, lost_pixels, valid_mask
 
@@ -43,12 +44,14 @@ class TrainedCamera:
 
 
 def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progress=None,
-                 *, formats=Formats(), variant="mmhbc", gamma=1.0, **options):
+                 *, formats=Formats(), variant="mmhbc", gamma=1.0, weight_bits=None, **options):
     """Train, quantise and measure a :class:`~ncdc_model.training.source.Source`.
 
     The valid region comes from the exact map where the source has one, else from the float
     network, near where the smooth lens has a source. ``formats``, ``variant`` and ``gamma`` are
-    those of the descriptor; the further arguments as in :func:`ncdc_model.training.train.train`.
+    those of the descriptor; with ``weight_bits`` the weights and the inputs get formats of so many
+    bits that fit this network (:func:`ncdc_model.training.rounding.fitted_formats`). The further
+    arguments as in :func:`ncdc_model.training.train.train`.
 
     Returns
     -------
@@ -59,6 +62,8 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
     InputError
         If the request is bad, a weight leaves its format, or hardly a pixel has a source.
     """
+    if weight_bits is not None:
+        check_weight_bits(weight_bits)
     geometry = source.geometry
     training = train(source.pairs, geometry, neurons, trainer, seed, held_out, progress,
                      source.anchors, **options)
@@ -75,8 +80,9 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
                          f"{neurons} hidden neurons, {100 * LEAST_VALID:.0f} % is the limit")
     rows = ValidRows.of_mask(mask)
     provenance = {"trainer": trainer, "seed": seed, **source.provenance}
-    about = {"formats": formats, "variant": variant}
-    draft = Descriptor.quantise(network, geometry, rows, **about)
+    if weight_bits is not None:
+        formats = fitted_formats(network, formats, weight_bits)
+    draft = round_network(network, geometry, rows, formats, variant=variant)
     maps = {}
     frame = evaluate_frame(draft, source.back_map, maps if source.back_map else None)
     out = split(len(source.pairs[0]), held_out)
@@ -98,6 +104,5 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
                "valid_pixels_lost": lost_pixels(mask, rows), **tables}
     if covered is not None:
         report["extrapolated_percent"] = round(100 * float((mask & ~covered).mean()), 3)
-    descriptor = Descriptor.quantise(network, geometry, rows, errors=report,
-                                     provenance=provenance, **about)
+    descriptor = replace(draft, errors=report, provenance=provenance)
     return TrainedCamera(descriptor, training, report, maps)
