@@ -7,7 +7,9 @@ import pytest
 from cameras import barrel_descriptor
 
 from ncdc_hdl.avalon.registers import Registers
-from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.verilog import verilog_of
+from ncdc_hdl.options import FetchOptions
 from ncdc_sim.lens_change import simulate_lens_change
 
 BETWEEN = 2     # clocks from a frame's last to the next one's first
@@ -24,15 +26,19 @@ def cameras(corrected=(96, 72), distorted=(104, 80), hidden_neurons=3):
 
 
 @cache
-def verilog(output):
-    return corrector_verilog(cameras()[0][0], output=output)
+def hardware(fetcher, output):
+    """Corrector made for the first camera, and its Verilog."""
+    corrector = Corrector(cameras()[0][0], output=output, fetch=FetchOptions(fetcher))
+    return corrector, verilog_of(corrector)
 
 
-@pytest.mark.parametrize("output,memory,intruder", [
-    ("memory", "hostile", False), ("memory", "sdram", True), ("stream", "hostile", True)])
-def test_twenty_frames_of_two_lenses(output, memory, intruder):
+@pytest.mark.parametrize("fetcher,output,memory,intruder", [
+    ("cache", "memory", "hostile", False), ("cache", "memory", "sdram", True),
+    pytest.param("cache", "stream", "hostile", True, marks=pytest.mark.regress),
+    pytest.param("multiport", "memory", "hostile", True, marks=pytest.mark.regress)])
+def test_twenty_frames_of_two_lenses(fetcher, output, memory, intruder):
     pair = cameras()
-    result = simulate_lens_change(verilog(output), pair, 20, output=output, memory=memory,
+    result = simulate_lens_change(*hardware(fetcher, output), pair, 20, memory=memory,
                                   intruder=intruder)
     assert result.differing == (0,) * 20
     assert result.pixels == 10 * (96 * 72 + 88 * 66)
@@ -52,14 +58,18 @@ def test_a_tear_is_seen(fault, monkeypatch):
 
     monkeypatch.setattr(Registers, "_take_over", take_over)
     pair = cameras((48, 40), (56, 44))
-    result = simulate_lens_change(corrector_verilog(pair[0][0]), pair, 3, memory="sdram")
+    torn = Corrector(pair[0][0])
+    result = simulate_lens_change(torn, verilog_of(torn), pair, 3, memory="sdram")
     # The last frame has no successor that could disturb it.
     assert result.differing[0] > 0 and result.differing[1] > 0 and result.differing[2] == 0
 
 
 @pytest.mark.regress
-def test_lenses_change_at_full_size():
-    pair = cameras((640, 480), (656, 492), hidden_neurons=8)
-    result = simulate_lens_change(corrector_verilog(pair[0][0], data_width=64), pair, 20,
-                                  data_width=64, memory="hostile", intruder=True)
+@pytest.mark.parametrize("fetcher,data_width,size", [("cache", 128, (640, 480)),
+                                                     ("multiport", 64, (320, 240))])
+def test_lenses_change_at_full_size(fetcher, data_width, size):
+    pair = cameras(size, (size[0] + 16, size[1] + 12), hidden_neurons=8)
+    corrector = Corrector(pair[0][0], data_width=data_width, fetch=FetchOptions(fetcher))
+    result = simulate_lens_change(corrector, verilog_of(corrector), pair, 20, memory="hostile",
+                                  intruder=True)
     assert result.differing == (0,) * 20 and max(result.idle) <= BETWEEN

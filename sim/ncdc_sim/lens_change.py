@@ -6,8 +6,8 @@ import numpy as np
 
 from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, STATUS_BANK, STATUS_BUSY,
                                             STATUS_COMMITTED, STATUS_DONE, STATUS_PENDING,
-                                            STATUS_REFUSED, frame_bytes, host_values, registers,
-                                            table_words)
+                                            STATUS_REFUSED, TABLE, frame_bytes)
+from ncdc_hdl.export.lenses import Lens
 from ncdc_model.corrector import correct
 from ncdc_sim.corrector import raw_image
 from ncdc_sim.frame import Program, simulate_frame
@@ -43,8 +43,7 @@ class LensChange:
         return tuple(period - clocks for period, clocks in zip(self.periods, self.clocks[1:]))
 
 
-def simulate_lens_change(verilog, cameras, frames, *, data_width=32, output="memory",
-                         intruder=False, **options):
+def simulate_lens_change(corrector, verilog, cameras, frames, *, intruder=False, **options):
     """Correct ``frames`` frames, the cameras taking turns, each started while the last one runs.
 
     While frame k runs the host writes all registers and valid rows for frame k + 1, commits and
@@ -52,26 +51,23 @@ def simulate_lens_change(verilog, cameras, frames, *, data_width=32, output="mem
 
     Parameters
     ----------
-    verilog : str
-        Corrector with the neurons, formats and rows that all the cameras need.
+    corrector, verilog : Corrector, str
+        With the neurons, formats and rows that all the cameras need; and its text.
     cameras : sequence of (Descriptor, ndarray of uint8)
         Each with its raw frame.
     frames : int
-    data_width, output :
-        Those of ``verilog``.
     intruder : bool
         After each commit write other values to every register of the set and to the valid rows;
         the corrector must refuse them.
     options :
         As of :func:`ncdc_sim.frame.simulate_frame`.
     """
-    d = cameras[0][0]
-    rows = {r.name: r for r in registers(d.hidden_neurons, d.formats)}
-    values = [host_values(camera, data_width) for camera, _ in cameras]
+    rows = {r.name: r for r in corrector.registers.table}
+    lenses = [Lens.of(corrector, camera) for camera, _ in cameras]
     content, sources = b"", []
-    for (_, raw), value in zip(cameras, values):
+    for (_, raw), lens in zip(cameras, lenses):
         sources.append(len(content))
-        image = raw_image(raw, value["SOURCE_PITCH"])
+        image = raw_image(raw, lens.values["SOURCE_PITCH"])
         content += image + bytes(-len(image) % _ALIGN)
     places, end = [], len(content)
     for k in range(frames):
@@ -81,20 +77,19 @@ def simulate_lens_change(verilog, cameras, frames, *, data_width=32, output="mem
     def prepare(program, k):
         """Write the set and the valid rows of frame ``k``, commit and start."""
         turn, bank = k % len(cameras), k % 2
-        changed = values[turn] | {"SOURCE_BASE": sources[turn], "TARGET_BASE": places[k],
-                                  "VALID_BANK": bank}
+        changed = lenses[turn].values | {"SOURCE_BASE": sources[turn], "TARGET_BASE": places[k],
+                                         "VALID_BANK": bank}
         for name, value in changed.items():
             program.write(rows[name].address, value)
         program.write(rows["VALID_WINDOW"].address, bank)
-        table = table_words(cameras[turn][0].valid)
-        for address, value in table:
-            program.write(address, value)
+        for row, value in enumerate(lenses[turn].valid_rows):
+            program.write(TABLE + row, value)
         program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START)
         if intruder and k:
             for name, value in changed.items():
                 program.write(rows[name].address, ~value)
-            for address, value in table:
-                program.write(address, 0)
+            for row in range(len(lenses[turn].valid_rows)):
+                program.write(TABLE + row, 0)
             program.compare(rows["STATUS"].address, STATUS_BUSY | STATUS_PENDING | STATUS_COMMITTED
                             | STATUS_REFUSED | (0 if bank else STATUS_BANK))
             program.write(rows["STATUS"].address, STATUS_REFUSED)
@@ -109,7 +104,7 @@ def simulate_lens_change(verilog, cameras, frames, *, data_width=32, output="mem
         program.read(rows["CLOCKS"].address)
     program.compare(rows["FRAMES"].address, frames)
 
-    stream = output == "stream"
+    stream = corrector.output == "stream"
     sizes = [3 * camera.geometry.corrected_width * camera.geometry.corrected_height
              for camera, _ in cameras]
     if stream:
