@@ -61,9 +61,14 @@ class ReadCommands(wiring.Component):
             self.i.ready.eq(~stale & (~read | accepted)),
         ]
         m.d.sync += due.eq(due + Mux(accepted, words, 0) - bus.readdatavalid)
-        with m.If(~read & (due == 0)):
+        with m.If(self._nothing_due(read, due)):
             m.d.sync += stale.eq(0)
         with m.If(~read | accepted):
             m.d.sync += [read.eq(self.i.valid & self.i.ready), address.eq(self.i.p.address),
                          words.eq(self.i.p.words)]
         return m
+
+    @staticmethod
+    def _nothing_due(read, due):
+        """Whether the memory owes nothing, and no command stands on the bus."""
+        return ~read & (due == 0)

@@ -25,7 +25,11 @@ class CacheOptions:
         set  = ((ty >> 1) mod Ky) Kx + (tx >> 1) mod Kx      Kx = 2**split, Kx Ky = tiles / 4
         slot = bank tiles / 4 + set
 
-    The four tiles that a window can touch are in four banks, so no window evicts its own tiles.
+    Several pixels per clock make groups, each one look-up if its samples (x0, y0) to (x1, y1), the
+    windows of all its pixels that are not blank, fit a box: ``(x1 >> 3) - (x0 >> 3) <= 1`` and
+    ``y1 - y0 <= 3``. A group that does not is cut in halves, these likewise, from left to right.
+
+    The four tiles that a window, or a box, can touch are in four banks, so no window evicts its own tiles.
     ``split``, 0..max_split, is chosen at run time (register CACHE_SPLIT): Kx large for a scan along
     the rows of the raw frame, small for one along its columns.
 

@@ -22,8 +22,8 @@ class Align(wiring.Component):
 
     Members
     -------
-    shift : ``In(1)``
-        Whether the stages move.
+    shift, take : ``In(1)``
+        Whether the stages move; whether ``o`` takes on what leaves the first one.
     samples : ``In(samples_layout(word_bytes))``
     x, y : ``In(4)``, ``In(2)``
         In the tile.
@@ -35,7 +35,7 @@ class Align(wiring.Component):
     def __init__(self, word_bytes):
         self.word_bytes = word_bytes
         super().__init__({
-            "shift": In(1), "samples": In(samples_layout(word_bytes)),
+            "shift": In(1), "take": In(1), "samples": In(samples_layout(word_bytes)),
             "x": In(ceil_log2(TILE_WIDTH)), "y": In(ceil_log2(TILE_HEIGHT)),
             "o": Out(data.ArrayLayout(8, WINDOW * WINDOW)),
         })
@@ -54,6 +54,7 @@ class Align(wiring.Component):
             with m.If(self.shift):
                 m.d.sync += words.eq(Mux(self.x[byte_bits],
                                          row.rotate_right(8 * self.word_bytes), row))
+            with m.If(self.shift & self.take):
                 m.d.sync += Cat(*(self.o[WINDOW * j + k] for k in range(WINDOW))).eq(
                     words >> (byte << 3))
         return m

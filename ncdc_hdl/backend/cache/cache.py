@@ -5,6 +5,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
+from ncdc_hdl.backend.cache.boxes import Boxes
 from ncdc_hdl.backend.cache.fills import Fills
 from ncdc_hdl.backend.cache.layouts import set_bits, stalls_layout, word_bytes
 from ncdc_hdl.backend.cache.locate import Locate
@@ -27,7 +28,7 @@ class Cache(wiring.Component):
     are 16 bytes by 4 rows, of which those at the frame's edges reach up to 15 bytes and 3 rows
     beyond it.
 
-    Timing: one window per clock, whatever the memory's latency, as far as ``pending`` windows and
+    Timing: one group per clock, whatever the memory's latency, as far as ``pending`` windows and
     ``outstanding`` tiles hide it; see ``Tags`` for what it waits for. Requests marked ``last`` end
     a frame: behind it the cache is emptied, in as many clocks as it has sets.
 
@@ -38,6 +39,9 @@ class Cache(wiring.Component):
     data_width : int
         Bits of a memory word: 32, 64 or 128.
     options : CacheOptions
+    lanes : int
+        Windows of a group, 1, 2 or 4. A group is looked up in one clock if its samples fit a box,
+        see ``Boxes``, and else in two or more.
 
     Members
     -------
@@ -45,8 +49,8 @@ class Cache(wiring.Component):
         Of the raw frame in bytes, multiples of the word, constant during a frame.
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
-    i : ``In(stream.Signature(request_layout(f_bits)))``
-    o : ``Out(stream.Signature(window_layout(f_bits)))``
+    i : ``In(stream.Signature(request_layout(f_bits, lanes)))``
+    o : ``Out(stream.Signature(window_layout(f_bits, lanes)))``
     bus0 : ``Out(ReadHost(...))``
     fetched : ``Out(1)``
         High for one clock per tile asked for.
@@ -58,29 +62,31 @@ class Cache(wiring.Component):
 
     ports = 1
 
-    def __init__(self, f_bits, data_width, options=CacheOptions()):
-        lanes = 1
+    def __init__(self, f_bits, data_width, options=CacheOptions(), lanes=1):
+        self.f_bits, self.data_width, self.options, self.lanes = f_bits, data_width, options, lanes
         width = word_bytes(data_width, lanes)
-        self.locate = Locate(f_bits, options)
+        self.boxes = Boxes(f_bits, lanes)
+        self.locate = Locate(f_bits, options, lanes)
         self.tags = Tags(f_bits, options, lanes)
         self.fills = Fills(options, data_width, width)
         self.tiles = Tiles(options, width)
         self.retire = Retire(f_bits, options, width, lanes)
         super().__init__({
             "base": In(ADDRESS_BITS), "pitch": In(SIZE), "split": In(range(set_bits(options) + 1)),
-            "i": In(stream.Signature(request_layout(f_bits))),
-            "o": Out(stream.Signature(window_layout(f_bits))),
+            "i": In(stream.Signature(request_layout(f_bits, lanes))),
+            "o": Out(stream.Signature(window_layout(f_bits, lanes))),
             "bus0": Out(ReadHost(data_width, self.fills.burst)),
             "fetched": Out(1), "waiting": Out(1), "stalls": Out(stalls_layout()),
         })
 
     def elaborate(self, platform):
         m = Module()
-        for name in ("locate", "tags", "fills", "tiles", "retire"):
+        for name in ("boxes", "locate", "tags", "fills", "tiles", "retire"):
             m.submodules[name] = getattr(self, name)
         locate, tags, fills, tiles, retire = (self.locate, self.tags, self.fills, self.tiles,
                                               self.retire)
-        wiring.connect(m, wiring.flipped(self.i), locate.i)
+        wiring.connect(m, wiring.flipped(self.i), self.boxes.i)
+        wiring.connect(m, self.boxes.o, locate.i)
         wiring.connect(m, locate.o, tags.i)
         wiring.connect(m, retire.o, wiring.flipped(self.o))
         wiring.connect(m, fills.bus, wiring.flipped(self.bus0))

@@ -80,10 +80,15 @@ class Fills(wiring.Component):
         ]
         outstanding = Signal(range(most + 1))
         complete = Signal()
-        m.d.comb += self.credit.eq(outstanding != most)
+        m.d.comb += self.credit.eq(self._credit(outstanding, most))
         m.d.sync += outstanding.eq(outstanding + self.claim - complete)
         self._write(m, commands, slots, complete)
         return m
+
+    @staticmethod
+    def _credit(outstanding, most):
+        """Whether one more tile may be claimed."""
+        return outstanding != most
 
     def _write(self, m, commands, slots, complete):
         """Words from the memory to words of the tile memory, and where they go."""

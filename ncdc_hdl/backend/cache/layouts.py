@@ -35,8 +35,9 @@ def window_place_layout(f_bits, options, lanes):
 
     ``set`` is that of its first tile, whose column and row parity are ``odd_tile``. Each lane:
     ``x``, ``y`` in the tile of its own, place in its window, whether it is blank. A group of
-    several lanes may take several look-ups: ``mask`` tells which lanes are this one's, ``end``
-    whether it is the group's last, ``word`` and ``row`` where in the first tile its box begins.
+    several lanes may take several look-ups: ``mask`` tells which lanes are this one's, ``used``
+    whether any of them is not blank, ``end`` whether it is the group's last, ``word`` and ``row``
+    where in the first tile its box begins.
     """
     fields = {
         "set": set_bits(options), "odd_tile": data.StructLayout({"x": 1, "y": 1}),
@@ -45,7 +46,7 @@ def window_place_layout(f_bits, options, lanes):
              "blank": 1}), lanes),
         "first": 1, "last": 1}
     if lanes > 1:
-        fields |= {"mask": lanes, "end": 1, "word": 1, "row": ceil_log2(TILE_HEIGHT)}
+        fields |= {"mask": lanes, "used": 1, "end": 1, "word": 1, "row": ceil_log2(TILE_HEIGHT)}
     return data.StructLayout(fields)
 
 

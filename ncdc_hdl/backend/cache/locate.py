@@ -1,15 +1,14 @@
-"""From windows to the tiles that they touch."""
+"""From boxes of samples to the tiles that they touch."""
 
 from amaranth import *
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
+from ncdc_hdl.backend.cache.boxes import box_layout
 from ncdc_hdl.backend.cache.layouts import TILE_X_BITS, TILE_Y_BITS, lookup_layout, set_bits
-from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.frontend.layouts import lanes_of
 from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
-from ncdc_model.geometry import WINDOW
 
 __all__ = ["Locate"]
 
@@ -17,30 +16,29 @@ _X_BITS, _Y_BITS = ceil_log2(TILE_WIDTH), ceil_log2(TILE_HEIGHT)
 
 
 class Locate(wiring.Component):
-    """Tiles and sets of each window, by the index rule of ``CacheOptions``.
+    """Tiles and sets of each box, by the index rule of ``CacheOptions``.
 
-    Timing: two stream stages, one window per clock.
+    Timing: two stream stages, one box per clock.
 
     Parameters
     ----------
-    f_bits : int
-        Fraction bits of the place in the window.
-    options : CacheOptions
+    f_bits, options, lanes
+        As of :class:`ncdc_hdl.backend.cache.cache.Cache`.
 
     Members
     -------
     split : ``In``
-        log2 Kx, constant while windows are under way.
-    i : ``In(stream.Signature(request_layout(f_bits)))``
-    o : ``Out(stream.Signature(lookup_layout(f_bits, options, 1)))``
+        log2 Kx, constant while boxes are under way.
+    i : ``In(stream.Signature(box_layout(f_bits, lanes)))``
+    o : ``Out(stream.Signature(lookup_layout(f_bits, options, lanes)))``
     """
 
-    def __init__(self, f_bits, options):
-        self.options = options
+    def __init__(self, f_bits, options, lanes=1):
+        self.options, self.lanes = options, lanes
         super().__init__({
             "split": In(range(set_bits(options) + 1)),
-            "i": In(stream.Signature(request_layout(f_bits))),
-            "o": Out(stream.Signature(lookup_layout(f_bits, options, 1))),
+            "i": In(stream.Signature(box_layout(f_bits, lanes))),
+            "o": Out(stream.Signature(lookup_layout(f_bits, options, lanes))),
         })
 
     def elaborate(self, platform):
@@ -55,21 +53,25 @@ class Locate(wiring.Component):
         m.d.sync += mask_x.eq((1 << self.split) - 1)
         with m.If(~t_valid | advance):
             m.d.comb += self.i.ready.eq(1)
+            # A box is narrower and lower than a tile or two: the lowest bits tell.
             m.d.sync += [
                 t_valid.eq(self.i.valid), t.eq(self.i.payload),
-                t_across.eq(self.i.p.x0[:_X_BITS] > TILE_WIDTH - WINDOW),
-                t_down.eq(self.i.p.y0[:_Y_BITS] > TILE_HEIGHT - WINDOW),
+                t_across.eq(self.i.p.x0[_X_BITS] ^ self.i.p.x1[_X_BITS]),
+                t_down.eq(self.i.p.y0[_Y_BITS] ^ self.i.p.y1[_Y_BITS]),
             ]
         # S: sets. Of an odd column and the even one behind it, the even one is in the next pair.
         with m.If(advance):
             m.d.sync += [
                 self.o.valid.eq(t_valid),
                 place.odd_tile.x.eq(tile_x[0]), place.odd_tile.y.eq(tile_y[0]),
-                place.first.eq(t.first), place.last.eq(t.last),
+                place.first.eq(t.group.first), place.last.eq(t.group.last & t.end),
             ]
-            for lane, pixel in zip(place.lane, lanes_of(t)):
+            for lane, pixel in zip(place.lane, lanes_of(t.group)):
                 m.d.sync += [lane.x.eq(pixel.x0), lane.y.eq(pixel.y0), lane.fx.eq(pixel.fx),
                              lane.fy.eq(pixel.fy), lane.blank.eq(pixel.blank)]
+            if self.lanes > 1:
+                m.d.sync += [place.mask.eq(t.mask), place.end.eq(t.end), place.used.eq(t.used),
+                             place.word.eq(t.x0[_X_BITS - 1]), place.row.eq(t.y0)]
             for odd in range(2):
                 pair_x = Signal(TILE_X_BITS - 1, name=f"pair_x{odd}")
                 pair_y = Signal(TILE_Y_BITS - 1, name=f"pair_y{odd}")
@@ -81,6 +83,6 @@ class Locate(wiring.Component):
             m.d.sync += place.set.eq(first_set_x | ((tile_y >> 1) << self.split))
             for bank in range(TAG_BANKS):
                 m.d.sync += o.need[bank].eq(
-                    ~t.blank & (t_across | (tile_x[0] == bank & 1))
+                    t.used & (t_across | (tile_x[0] == bank & 1))
                     & (t_down | (tile_y[0] == bank >> 1)))
         return m

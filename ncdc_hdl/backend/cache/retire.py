@@ -75,7 +75,7 @@ class Retire(wiring.Component):
             queue.w_data.eq(Cat(self.place, self.misses)), queue.w_en.eq(self.push),
             Cat(oldest, misses).eq(queue.r_data),
             shift.eq(~self.o.valid | self.o.ready), self.shift.eq(shift),
-            enough.eq(tokens >= misses),
+            enough.eq(self._enough(tokens, misses)),
             pop.eq(queue.r_rdy & enough & shift), queue.r_en.eq(pop),
             self.waiting.eq(queue.r_rdy & ~enough),
         ]
@@ -89,30 +89,38 @@ class Retire(wiring.Component):
                 m.d.sync += [stage[0].eq(before[0]), stage[1].eq(before[1])]
             before = stage
         (b_valid, b), _, (_, s), (w_valid, w) = stages
-        word, row = self._corner(b)
+        word, row, used = self._corner(b)
         m.d.comb += [
-            self.retire.eq(b_valid & shift),
-            self.enable.eq(b_valid & ~Cat(lane.blank for lane in b.lane).all()),
+            self.retire.eq(b_valid & shift), self.enable.eq(b_valid & used),
             self.box.set.eq(b.set), self.box.odd_tile.eq(b.odd_tile),
             self.box.word.eq(word), self.box.row.eq(row),
         ]
         with m.If(shift):
-            m.d.sync += [self.o.valid.eq(w_valid), self.o.p.first.eq(w.first),
-                         self.o.p.last.eq(w.last)]
+            m.d.sync += [self.o.valid.eq(w_valid & (w.end if self.lanes > 1 else 1)),
+                         self.o.p.first.eq(w.first), self.o.p.last.eq(w.last)]
         for k, out in enumerate(lanes_of(self.o.p)):
+            # A group that took several look-ups is gathered in the output.
+            take = w_valid & w.mask[k] if self.lanes > 1 else w_valid
             m.submodules[f"align{k}"] = align = Align(self.word_bytes)
             m.d.comb += [
-                align.shift.eq(shift), align.samples.eq(self.samples),
+                align.shift.eq(shift), align.take.eq(take), align.samples.eq(self.samples),
                 align.x.eq(s.lane[k].x), align.y.eq(s.lane[k].y), out.samples.eq(align.o),
             ]
-            with m.If(shift):
+            with m.If(shift & take):
                 m.d.sync += [
                     out.odd_column.eq(w.lane[k].x), out.odd_row.eq(w.lane[k].y),
                     out.fx.eq(w.lane[k].fx), out.fy.eq(w.lane[k].fy),
                     out.blank.eq(w.lane[k].blank)]
         return m
 
+    @staticmethod
+    def _enough(tokens, misses):
+        """Whether all tiles of the oldest look-up have arrived."""
+        return tokens >= misses
+
     def _corner(self, place):
-        """Word and row of a look-up's first tile in which its box begins."""
+        """Word and row of a look-up's first tile in which its box begins; whether it has any."""
+        if self.lanes > 1:
+            return place.word, place.row, place.used
         lane = place.lane[0]
-        return lane.x[ceil_log2(self.word_bytes):], lane.y
+        return lane.x[ceil_log2(self.word_bytes):], lane.y, ~lane.blank

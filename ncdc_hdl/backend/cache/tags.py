@@ -194,15 +194,20 @@ class Tags(wiring.Component):
         """Whether nothing is accepted, whether entries are made invalid, and of which set."""
         closed, clearing = Signal(init=1), Signal(init=1)
         clear_set = Signal(set_bits(self.options))
-        with m.If(self.i.valid & self.i.ready & self.i.p.place.last):
+        with m.If(self.i.valid & self.i.ready & self._last(self.i.p.place)):
             m.d.sync += closed.eq(1)
-        with m.If(self.push & self.place.last):
+        with m.If(self.push & self._last(self.place)):
             m.d.sync += clearing.eq(1)
         with m.If(clearing):
             m.d.sync += clear_set.eq(clear_set + 1)
             with m.If(clear_set == self.options.sets - 1):
                 m.d.sync += [clearing.eq(0), closed.eq(0), clear_set.eq(0)]
         return closed, clearing, clear_set
+
+    @staticmethod
+    def _last(place):
+        """Whether a look-up is a frame's last."""
+        return place.last
 
     @staticmethod
     def _of(one_hot, values):

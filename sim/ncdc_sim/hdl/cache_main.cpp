@@ -1,0 +1,367 @@
+// Frames of random windows through the tile cache, module `cache`, against a memory with random
+// latency and waits, a source with gaps and a sink that stalls.
+//
+// No lens: the windows jump about, so that tiles replace each other all the time. Each frame has
+// its own base, pitch, split, pattern of windows, and temper of memory, source and sink; some are
+// cut short by a reset that the memory does not see. A byte of the memory is a hash of its
+// address, so a sample of another tile, row or frame is a wrong one.
+//
+// Checked: every sample, the order of the windows and their flags; every read command against the
+// tiles that a direct-mapped cache of this size must ask for, in order; commands and windows that
+// are refused stay as they are. Arguments: name=value, see main. Prints RESULT name value.
+//
+// Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, and for each field of a request (I_) and a
+// window (O_) its first bit in lane 0, with the bits of a lane: see cache_stress.py.
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "Vcache.h"
+#include "verilated.h"
+
+// Verilator's name of the port part__name.
+#define PORT(part, name) part##___05F##name
+
+namespace {
+
+constexpr int kLanes = NCDC_LANES, kWord = NCDC_DATA_WIDTH / 8, kSets = NCDC_TILES / 4;
+constexpr int kPlace = NCDC_PLACE;          // bits of fx and of fy
+
+struct Random {
+    std::uint64_t state;
+    std::uint32_t next() {
+        state ^= state << 13, state ^= state >> 7, state ^= state << 17;
+        return static_cast<std::uint32_t>((state * 0x2545F4914F6CDD1D) >> 32);
+    }
+    std::uint32_t below(std::uint32_t n) { return static_cast<std::uint64_t>(next()) * n >> 32; }
+    int between(int low, int high) { return low + static_cast<int>(below(high - low + 1)); }
+    bool chance(int of256) { return static_cast<int>(below(256)) < of256; }
+};
+
+std::uint8_t sample(std::uint32_t address) {
+    std::uint32_t h = address * 0x9E3779B1u;
+    h ^= h >> 15;
+    return static_cast<std::uint8_t>(h * 0x85EBCA77u >> 24);
+}
+
+// Ports are numbers or, from 65 bits on, arrays of words.
+template <class Port> std::uint32_t bits(const Port& port, int at, int width) {
+    std::uint64_t value;
+    if constexpr (std::is_integral_v<Port>) {
+        value = static_cast<std::uint64_t>(port) >> at;
+    } else {
+        value = port[at / 32];
+        if (at % 32 + width > 32) value |= static_cast<std::uint64_t>(port[at / 32 + 1]) << 32;
+        value >>= at % 32;
+    }
+    return static_cast<std::uint32_t>(value & ((std::uint64_t{1} << width) - 1));
+}
+
+template <class Port> void put(Port& port, int at, int width, std::uint32_t value) {
+    for (int k = 0; k < width; k++) {
+        const bool one = value >> k & 1;
+        if constexpr (std::is_integral_v<Port>) {
+            const Port mask = static_cast<Port>(Port{1} << (at + k));
+            port = one ? port | mask : port & ~mask;
+        } else {
+            const std::uint32_t mask = 1u << ((at + k) % 32);
+            std::uint32_t word = port[(at + k) / 32];
+            port[(at + k) / 32] = one ? word | mask : word & ~mask;
+        }
+    }
+}
+
+struct Pixel { std::uint32_t x = 0, y = 0; bool blank = false; };
+struct Group { Pixel lane[kLanes]; bool first, last; std::uint32_t number; };
+
+struct Frame {
+    std::uint32_t base, pitch, split, width, height, area_x, area_y, area_w, area_h;
+    int pattern, blank, gap, stall, wait, latency, pause;
+    std::uint64_t groups, reset_after;
+};
+
+[[noreturn]] void fail(const char* what, std::uint64_t clock) {
+    std::printf("FAILED %s at clock %llu\n", what, static_cast<unsigned long long>(clock));
+    std::exit(1);
+}
+
+}  // namespace
+
+class Bench {
+public:
+    Bench(std::uint64_t seed, int resets) : random{seed * 0x9E3779B97F4A7C15 + 1}, resets(resets) {
+        held.assign(4 * kSets, -1);
+        dut->clk = 0, dut->rst = 1;
+        dut->PORT(i, valid) = 0, dut->PORT(o, ready) = 0;
+        dut->PORT(bus0, waitrequest) = 0, dut->PORT(bus0, readdatavalid) = 0;
+        for (int k = 0; k < 4; k++) clock();
+        dut->rst = 0;
+    }
+
+    void frame(std::uint64_t limit) {
+        choose(limit);
+        dut->base = f.base, dut->pitch = f.pitch, dut->split = f.split;
+        held.assign(4 * kSets, -1);
+        sent = done = 0;
+        x = f.area_x, y = f.area_y;
+        while (done < f.groups) {
+            step();
+            if (f.reset_after && sent == f.reset_after) {
+                reset();
+                return;
+            }
+        }
+        for (int k = 0; k < f.pause; k++) step();
+        frames++;
+    }
+
+    std::uint64_t windows = 0, wrong = 0, clocks = 0, tiles = 0, frames = 0, reset_count = 0;
+
+private:
+    void choose(std::uint64_t limit) {
+        f.width = random.chance(32) ? random.between(3, 40) : random.between(3, 4096);
+        f.height = random.chance(32) ? random.between(3, 20) : random.between(3, 4096);
+        f.pitch = (f.width + 15) / 16 * 16 + 16 * random.below(8);
+        f.base = 16 * random.below(1 << 26);
+        int splits = 1;
+        while (1 << splits < 2 * kSets) splits++;
+        f.split = random.below(splits);
+        const int scale = 1 << random.between(2, 12);
+        f.area_w = std::min<std::uint32_t>(f.width - 2, scale);
+        f.area_h = std::min<std::uint32_t>(f.height - 2, std::max(1, scale >> random.below(6)));
+        f.area_x = random.below(f.width - 1 - f.area_w);
+        f.area_y = random.below(f.height - 1 - f.area_h);
+        f.pattern = random.below(4);
+        f.blank = random.chance(64) ? random.below(256) : 20;
+        f.gap = random.chance(128) ? 0 : random.below(200);
+        f.stall = random.chance(128) ? 0 : random.below(200);
+        f.wait = random.chance(128) ? 0 : random.below(220);
+        f.latency = random.chance(64) ? 1 : random.between(1, 100);
+        f.pause = random.chance(128) ? 0 : random.below(40);
+        f.groups = std::min<std::uint64_t>(limit, random.between(1, 1 << random.between(3, 12)));
+        f.reset_after = random.chance(resets) ? random.between(1, static_cast<int>(f.groups)) : 0;
+    }
+
+    // 0: anywhere in the area, 1: a walk, 2: along rows, 3: along columns, with jumps in all.
+    Group next_group() {
+        Group group;
+        for (Pixel& p : group.lane) {
+            const bool jump = f.pattern == 0 || random.chance(4);
+            if (jump) {
+                x = f.area_x + random.below(f.area_w), y = f.area_y + random.below(f.area_h);
+            } else if (f.pattern == 1) {
+                x += random.between(-3, 3), y += random.between(-1, 1);
+            } else if (f.pattern == 2) {
+                x += random.between(0, 2), y += random.chance(8);
+                if (x >= f.area_x + f.area_w) x = f.area_x, y++;
+            } else {
+                y += random.between(0, 2), x += random.chance(8);
+                if (y >= f.area_y + f.area_h) y = f.area_y, x++;
+            }
+            if (x < f.area_x || x >= f.area_x + f.area_w) x = f.area_x;
+            if (y < f.area_y || y >= f.area_y + f.area_h) y = f.area_y;
+            p.x = x, p.y = y, p.blank = random.chance(f.blank);
+        }
+        group.first = sent == 0;
+        group.last = sent == f.groups - 1;
+        group.number = counter++;
+        ask(group, 0, kLanes);
+        return group;
+    }
+
+    // What the cache must ask for: a box of two words of 8 bytes by four rows is one look-up; a
+    // group that needs more is cut in halves.
+    void ask(const Group& group, int from, int count) {
+        std::uint32_t x0 = ~0u, x1 = 0, y0 = ~0u, y1 = 0;
+        bool any = false;
+        for (int k = from; k < from + count; k++) {
+            const Pixel& p = group.lane[k];
+            if (p.blank) continue;
+            any = true;
+            x0 = std::min(x0, p.x), x1 = std::max(x1, p.x + 2);
+            y0 = std::min(y0, p.y), y1 = std::max(y1, p.y + 2);
+        }
+        if (!any) return;
+        if (count > 1 && ((x1 >> 3) > (x0 >> 3) + 1 || y1 > y0 + 3)) {
+            ask(group, from, count / 2);
+            ask(group, from + count / 2, count / 2);
+            return;
+        }
+        for (std::uint32_t bank = 0; bank < 4; bank++) {
+            const std::uint32_t tx = (x0 >> 4) + (((x0 >> 4) ^ bank) & 1);
+            const std::uint32_t ty = (y0 >> 2) + (((y0 >> 2) ^ bank >> 1) & 1);
+            if (tx > x1 >> 4 || ty > y1 >> 2) continue;
+            const std::uint32_t kx = 1u << f.split, ky = kSets >> f.split;
+            const std::uint32_t slot = bank * kSets + (ty / 2 % ky) * kx + tx / 2 % kx;
+            const std::int64_t tile = static_cast<std::int64_t>(ty) << 16 | tx;
+            if (held[slot] == tile) continue;
+            held[slot] = tile;
+            tiles++;
+            for (std::uint32_t row = 0; row < 4; row++)
+                expected.push_back(f.base + (4 * ty + row) * f.pitch + 16 * tx);
+        }
+    }
+
+    void step() {
+        // Source.
+        if (!offered && sent < f.groups && !random.chance(f.gap)) {
+            current = next_group();
+            offered = true;
+            for (int k = 0; k < kLanes; k++) {
+                const Pixel& p = current.lane[k];
+                const int at = k * I_LANE;
+                put(dut->PORT(i, payload), I_X0 + at, 12, p.x);
+                put(dut->PORT(i, payload), I_Y0 + at, 12, p.y);
+                put(dut->PORT(i, payload), I_FX + at, kPlace, current.number + k);
+                put(dut->PORT(i, payload), I_FY + at, kPlace, (current.number >> kPlace) ^ k);
+                put(dut->PORT(i, payload), I_BLANK + at, 1, p.blank);
+            }
+            put(dut->PORT(i, payload), I_FIRST, 1, current.first);
+            put(dut->PORT(i, payload), I_LAST, 1, current.last);
+        }
+        dut->PORT(i, valid) = offered;
+        dut->PORT(o, ready) = !random.chance(f.stall);
+        clock();
+    }
+
+    // One clock of everything but the source.
+    void clock() {
+        // Memory.
+        const bool answer = !due.empty() && due.front().ready <= clocks && !random.chance(f.wait / 4);
+        dut->PORT(bus0, readdatavalid) = answer;
+        for (int k = 0; k < kWord; k++)
+            put(dut->PORT(bus0, readdata), 8 * k, 8,
+                answer ? sample(due.front().address + k) : random.next() & 255);
+        if (answer) due.pop_front();
+        dut->PORT(bus0, waitrequest) = random.chance(f.wait);
+        dut->eval();
+
+        if (dut->PORT(bus0, read)) {
+            if (command_held && dut->PORT(bus0, address) != command) fail("command changed", clocks);
+            command = dut->PORT(bus0, address);
+            command_held = dut->PORT(bus0, waitrequest);
+            if (!command_held) accept();
+        } else if (command_held) {
+            fail("command withdrawn", clocks);
+        }
+        if (!dut->rst) take();
+        if (clocks - moved > 100000) fail("hang", clocks);
+
+        dut->clk = 1;
+        dut->eval();
+        dut->clk = 0;
+        dut->eval();
+        clocks++;
+    }
+
+    void accept() {
+        if (dut->PORT(bus0, burstcount) != 16 / kWord) fail("burstcount", clocks);
+        if (left_over >= 0 && command == static_cast<std::uint64_t>(left_over)) {
+            left_over = -1;
+        } else {
+            left_over = -1;
+            if (expected.empty() || expected.front() != command) fail("read of a wrong tile", clocks);
+            expected.pop_front();
+        }
+        const std::uint64_t ready = clocks + random.between(1, f.latency);
+        for (int k = 0; k < 16 / kWord; k++) due.push_back({command + k * kWord, ready});
+    }
+
+    void take() {
+        if (offered && dut->PORT(i, ready)) {
+            offered = false;
+            sent++;
+            flying.push_back(current);
+            moved = clocks;
+        }
+        const bool valid = dut->PORT(o, valid);
+        if (refused && (!valid || std::memcmp(&window, &dut->PORT(o, payload), sizeof window)))
+            fail("window changed in a stall", clocks);
+        std::memcpy(&window, &dut->PORT(o, payload), sizeof window);
+        refused = valid && !dut->PORT(o, ready);
+        if (!valid || refused) return;
+        if (flying.empty()) fail("window that nobody asked for", clocks);
+        const Group& group = flying.front();
+        bool right = bits(window, O_FIRST, 1) == group.first && bits(window, O_LAST, 1) == group.last;
+        for (int k = 0; k < kLanes; k++) {
+            const Pixel& p = group.lane[k];
+            const int at = k * O_LANE;
+            const std::uint32_t mask = (1u << kPlace) - 1;
+            right &= bits(window, O_FX + at, kPlace) == ((group.number + k) & mask);
+            right &= bits(window, O_FY + at, kPlace) == (((group.number >> kPlace) ^ k) & mask);
+            right &= bits(window, O_BLANK + at, 1) == p.blank;
+            if (p.blank) continue;
+            right &= bits(window, O_ODD_COLUMN + at, 1) == (p.x & 1);
+            right &= bits(window, O_ODD_ROW + at, 1) == (p.y & 1);
+            for (std::uint32_t n = 0; n < 9; n++)
+                right &= bits(window, O_SAMPLES + at + 8 * n, 8)
+                         == sample(f.base + (p.y + n / 3) * f.pitch + p.x + n % 3);
+        }
+        windows += kLanes;
+        wrong += right ? 0 : kLanes;
+        done++;
+        moved = clocks;
+        flying.pop_front();
+    }
+
+    // The memory goes on; what it owes must not reach the next frame.
+    void reset() {
+        dut->rst = 1;
+        dut->PORT(i, valid) = 0;
+        const int length = random.between(1, 60);
+        clock();
+        // A command that is on the bus by now stays there.
+        left_over = expected.empty() ? -1 : static_cast<std::int64_t>(expected.front());
+        expected.clear();
+        for (int k = 1; k < length; k++) clock();
+        dut->rst = 0;
+        flying.clear();
+        offered = refused = false;
+        moved = clocks;
+        reset_count++;
+    }
+
+    struct Word { std::uint32_t address; std::uint64_t ready; };
+
+    const std::unique_ptr<VerilatedContext> context = std::make_unique<VerilatedContext>();
+    const std::unique_ptr<Vcache> dut = std::make_unique<Vcache>(context.get());
+    Random random;
+    int resets;
+    Frame f{};
+    Group current{};
+    bool offered = false, refused = false, command_held = false;
+    std::uint32_t x = 0, y = 0, counter = 0, command = 0;
+    std::uint64_t sent = 0, done = 0, moved = 0;
+    std::int64_t left_over = -1;
+    std::vector<std::int64_t> held;
+    std::deque<std::uint32_t> expected;
+    std::deque<Word> due;
+    std::deque<Group> flying;
+    std::remove_reference_t<decltype(std::declval<Vcache>().PORT(o, payload))> window{};
+};
+
+int main(int argc, char** argv) {
+    std::uint64_t seed = 1, groups = 100000, resets = 0;
+    for (int k = 1; k < argc; k++) {
+        const std::string text = argv[k];
+        const std::uint64_t value = std::strtoull(text.c_str() + text.find('=') + 1, nullptr, 10);
+        if (text.rfind("seed=", 0) == 0) seed = value;
+        if (text.rfind("groups=", 0) == 0) groups = value;
+        if (text.rfind("resets=", 0) == 0) resets = value;      // frames of 256 that are cut short
+    }
+    Bench bench(seed, static_cast<int>(resets));
+    while (bench.windows < groups * kLanes) bench.frame(groups - bench.windows / kLanes);
+    const std::pair<const char*, std::uint64_t> results[] = {
+        {"windows", bench.windows}, {"wrong", bench.wrong}, {"clocks", bench.clocks},
+        {"tiles", bench.tiles}, {"frames", bench.frames}, {"resets", bench.reset_count}};
+    for (const auto& [name, value] : results)
+        std::printf("RESULT %s %llu\n", name, static_cast<unsigned long long>(value));
+    return 0;
+}

@@ -1,0 +1,66 @@
+"""The tile cache on random windows, where tiles replace each other all the time.
+
+The bench counts wrong windows, and stops at a read of a wrong tile, a breach of protocol or a
+hang. Each guard against a hazard is taken out once, which must be seen.
+"""
+
+import pytest
+from amaranth import Const
+
+from ncdc_hdl.avalon.read_commands import ReadCommands
+from ncdc_hdl.backend.cache.cache import Cache
+from ncdc_hdl.backend.cache.fills import Fills
+from ncdc_hdl.backend.cache.retire import Retire
+from ncdc_hdl.backend.cache.tags import Tags
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_sim.cache_stress import stress_cache
+from ncdc_sim.tools import SimulationError
+
+F = 10
+SMALL = CacheOptions(tiles=16, pending=8, outstanding=3, sequence_bits=5)
+MIDDLE = CacheOptions(tiles=64, pending=32, outstanding=8, sequence_bits=8)
+
+
+def check(groups, data_width, options, lanes=1, **settings):
+    result = stress_cache(Cache(F, data_width, options, lanes), groups=groups, **settings)
+    assert result["wrong"] == 0 and result["windows"] >= groups * lanes
+    assert result["tiles"] > 100 and result["frames"] > 5
+    return result
+
+
+@pytest.mark.parametrize("data_width,options,lanes", [
+    (32, SMALL, 1), (64, MIDDLE, 1), (128, SMALL, 1), (128, MIDDLE, 2), (32, SMALL, 4)])
+def test_random_windows(data_width, options, lanes):
+    check(50000 // lanes, data_width, options, lanes)
+    assert check(10000, data_width, options, lanes, resets=100, seed=2)["resets"] > 2
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("data_width,options,lanes,groups", [
+    (32, SMALL, 1, 2_000_000), (64, MIDDLE, 1, 3_000_000), (128, CacheOptions(), 1, 4_000_000),
+    (128, SMALL, 1, 1_000_000), (64, MIDDLE, 2, 1_000_000), (128, CacheOptions(), 4, 1_000_000)])
+def test_ten_million_random_windows(data_width, options, lanes, groups):
+    check(groups, data_width, options, lanes, seed=3)
+    check(groups // 10, data_width, options, lanes, resets=100, seed=4)
+
+
+GUARDS = {
+    "interlock": (Tags, "_in_flight", lambda last_use, retired, level: Const(0)),
+    "tokens": (Retire, "_enough", lambda tokens, misses: tokens + 1 >= misses),
+    "credit": (Fills, "_credit", lambda outstanding, most: outstanding != most + 1),
+    "clear": (Tags, "_last", lambda place: Const(0)),
+    "stale": (ReadCommands, "_nothing_due", lambda read, due: ~read),
+}
+
+
+@pytest.mark.parametrize("guard", GUARDS)
+def test_each_guard_is_needed(guard, monkeypatch):
+    owner, name, without = GUARDS[guard]
+    assert isinstance(vars(owner)[name], staticmethod)
+    monkeypatch.setattr(owner, name, staticmethod(without))
+    try:
+        wrong = stress_cache(Cache(F, 128, SMALL), groups=10000, resets=160, seed=2)["wrong"]
+    except SimulationError as error:
+        assert "FAILED" in str(error)
+    else:
+        assert wrong > 0
