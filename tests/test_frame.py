@@ -98,6 +98,52 @@ def test_access_beyond_the_memory():
              .write(3, 1).wait_irq())
 
 
+def test_two_frames_of_other_places():
+    """Registers written between two frames: each goes from its own source to its own place."""
+    half = WORDS // 2
+    steps = program(half)
+    steps.write(0, SOURCE + 4 * half).write(1, OUTPUT + 4 * half).write(3, 1).wait_irq()
+    result = copy(copier(), program=steps, memory="sdram")
+    np.testing.assert_array_equal(np.frombuffer(result.output, np.uint8), ~frame())
+    assert len(result.clocks) == len(result.ends) == 2
+    assert result.ends[1] - result.ends[0] > result.clocks[1]
+
+
+def reset_after(*waits):
+    """The stream's pixels when the copier is reset in its first frame and does another one."""
+    steps = Program().write(0, SOURCE).write(1, OUTPUT).write(2, WORDS).write(3, 1)
+    for wait in waits:
+        wait(steps)
+    steps.reset().write(0, SOURCE).write(1, OUTPUT).write(2, WORDS).write(3, 1).wait_irq()
+    result = copy(copier(stream=True), program=steps, output_bytes=6 * WORDS,
+                  memory=LatencyMemory(latency=(40, 40)))
+    assert len(result.resets) == 1
+    return result.output[:result.resets[0]], result.output[result.resets[0]:]
+
+
+def test_reset_in_mid_frame():
+    pixels = (~frame()).reshape(-1, 4)[:, 2::-1].tobytes()
+    first, second = reset_after(lambda steps: steps.wait_output(3 * 100))
+    assert 300 <= len(first) < 320 and pixels.startswith(first)
+    # Sent in the clock in which the reset begins.
+    assert len(second) - len(pixels) in (0, 3) and second.endswith(pixels)
+
+
+def test_words_under_way_survive_a_reset():
+    """The copier forgets at a reset what it has asked for, so its next frame is wrong."""
+    pixels = (~frame()).reshape(-1, 4)[:, 2::-1].tobytes()
+    first, second = reset_after(lambda steps: steps.wait_output(3 * 100).wait(30))
+    assert pixels.startswith(first) and len(second) == len(pixels)
+    assert second[:24] == pixels[len(first):len(first) + 24]
+
+
+def test_poll():
+    steps = Program().write(2, 7).poll(WORDS_REGISTER, 7).wait(50).read(WORDS_REGISTER)
+    assert copy(copier(), program=steps).registers == {WORDS_REGISTER: 7}
+    with pytest.raises(SimulationError, match="FAILED clock-limit 3000 clocks"):
+        copy(copier(), program=Program().poll(WORDS_REGISTER, 8), clock_limit=3000)
+
+
 def test_wrong_register_value():
     with pytest.raises(SimulationError, match="word 5 reads 4e434443 instead of 00000001"):
         copy(copier(), program=Program().compare(MAGIC_REGISTER, 1))

@@ -41,6 +41,22 @@ class Program:
         """Read; the value appears in :attr:`FrameResult.registers`."""
         return self._add(4, address, 0)
 
+    def wait(self, clocks):
+        """Let so many clocks go by."""
+        return self._add(5, 0, clocks)
+
+    def wait_output(self, count):
+        """Wait until ``count`` bytes of output, counted from the start of the run, are out."""
+        return self._add(6, 0, count)
+
+    def reset(self, clocks=1):
+        """Reset the module, not the memory, for so many clocks, whatever it is doing."""
+        return self._add(7, 0, clocks)
+
+    def poll(self, address, value):
+        """Read until ``value`` is read."""
+        return self._add(8, address, value & 0xFFFFFFFF)
+
     def text(self):
         """The program as the bench reads it."""
         return "".join(f"{op:02x}{address:06x}{value:08x}\n"
@@ -63,6 +79,8 @@ class FrameResult:
         Clocks of each frame, from the register write before the wait to the interrupt.
     ends : tuple of int
         Clock, counted from the start of the run, in which each interrupt was seen.
+    resets : tuple of int
+        Bytes of output that were out when each reset of the module began.
     total_clocks : int
     bytes_read : tuple of int
         Bytes delivered by each read port.
@@ -80,6 +98,7 @@ class FrameResult:
     output: bytes = b""
     clocks: tuple = ()
     ends: tuple = ()
+    resets: tuple = ()
     total_clocks: int = 0
     bytes_read: tuple = ()
     bytes_written: int = 0
@@ -199,6 +218,8 @@ class _Listener:
             address, value = int(values[0]), int(values[1]) if values[1].isdigit() else values[1]
             result.registers[address] = value
             result.reads += ((address, value),)
+        elif kind == "RESET":
+            result.resets += (int(values[0]),)
         elif kind == "RESULT":
             result.counters[values[0]] = int(values[1])
         elif kind in ("AVALON-ERROR", "FAILED"):

@@ -8,11 +8,12 @@ from ncdc_sim.benches.common import clocks, settings, start
 __all__ = ["breaches", "good_traffic"]
 
 IDLE = {"address": 0, "read": 0, "write": 0, "burstcount": 0, "writedata": 0, "byteenable": 0,
-        "waitrequest": 0, "readdatavalid": 0}
+        "waitrequest": 0, "readdatavalid": 0, "host_rst": 0}
 READ = {"read": 1, "address": 64, "burstcount": 2}
 WRITE = {"write": 1, "address": 128, "burstcount": 2, "writedata": 7, "byteenable": 15}
 WAIT = {"waitrequest": 1}
 DATA = {"readdatavalid": 1}
+HOST = {"host_rst": 1}
 
 GOOD = [
     READ | WAIT, READ, {}, DATA, DATA,
@@ -20,6 +21,7 @@ GOOD = [
     WRITE | WAIT, WRITE, {}, WRITE | {"writedata": 9, "address": 1} | WAIT,
     WRITE | {"writedata": 9, "address": 2},                     # the address counts once
     READ | {"burstcount": 16}, *[DATA] * 16, WAIT, {},
+    READ | WAIT | HOST, {}, READ, HOST, DATA, DATA,             # its host is reset
 ]
 
 # Rule, then the clocks that break it once.
@@ -39,6 +41,8 @@ BREACHES = [
     ("read-and-write", [READ | WRITE | {"burstcount": 1}, DATA]),
     ("aligned", [READ | {"address": 66}, DATA, DATA]),
     ("aligned", [WRITE | {"address": 129}, WRITE]),
+    ("held", [HOST | READ | WAIT, READ | WAIT, {}]),
+    ("burst-constant", [WRITE, HOST, WRITE | {"burstcount": 3}]),
     ("unrequested", [DATA]),
     ("unrequested", [READ, DATA, DATA, DATA]),
     ("unrequested", [READ | DATA | {"burstcount": 1}, DATA]),
@@ -72,7 +76,7 @@ async def good_traffic(dut):
     """No breach; the counters count."""
     assert await play(dut, GOOD) == 0
     assert [int(getattr(dut, name).value) for name in ("commands", "beats", "bytes", "waits")] \
-        == [5, 6 + 2 + 16, 8, 3]
+        == [6, 8 + 2 + 16, 8, 4]
     assert not settings()["four_states"] or await play(dut, UNUSED) == 0
 
 

@@ -7,13 +7,16 @@ from ncdc_sim.benches.common import clocks, settings, start
 
 __all__ = ["breaches", "good_traffic"]
 
-IDLE = {"valid": 0, "ready": 0, "data": 0, "startofpacket": 0, "endofpacket": 0}
+IDLE = {"valid": 0, "ready": 0, "data": 0, "startofpacket": 0, "endofpacket": 0,
+        "host_rst": 0}
 TAKE = {"valid": 1, "ready": 1}
 FIRST, LAST = TAKE | {"startofpacket": 1}, TAKE | {"endofpacket": 1}
 STALL = {"ready": 0}
+HOST = {"host_rst": 1}
 
 GOOD = [FIRST | STALL, FIRST, TAKE | {"data": 3} | STALL, TAKE | {"data": 3}, {}, LAST,
-        FIRST | LAST, FIRST, LAST]
+        FIRST | LAST, FIRST, LAST,
+        FIRST, TAKE | STALL | HOST, {}, FIRST, LAST]            # the source is reset
 
 BREACHES = [
     ("held", [FIRST | STALL, {}]),
@@ -42,7 +45,7 @@ async def play(dut, steps):
 async def good_traffic(dut):
     """No breach; the counters count."""
     assert await play(dut, GOOD) == 0
-    assert [int(getattr(dut, name).value) for name in ("beats", "packets", "waits")] == [6, 3, 2]
+    assert [int(getattr(dut, name).value) for name in ("beats", "packets", "waits")] == [9, 4, 3]
 
 
 @cocotb.test()

@@ -9,7 +9,8 @@
 //   aligned          the address is a multiple of the word's bytes
 //   unrequested      readdatavalid only while a beat is due
 //   unknown          no X or Z on control out of reset, nor on what it qualifies (four states)
-// Unused halves are tied to 0. Counters: commands, beats, enabled bytes written, clocks a command
+// `host_rst` high: the host is being reset and may let go of what it holds; what it has been promised
+// and what it has begun stay due. Unused halves are tied to 0. Counters: commands, beats, enabled bytes written, clocks a command
 // waited. The address matters on the first beat of a burst alone.
 
 `timescale 1ns/1ps
@@ -22,6 +23,7 @@ module avalon_checker #(
 ) (
     input  wire                    clk,
     input  wire                    rst,
+    input  wire                    host_rst,
     input  wire [31:0]             address,
     input  wire                    read,
     input  wire                    write,
@@ -126,7 +128,7 @@ module avalon_checker #(
                         bytes = bytes + 1;
             end
 
-            was_waiting = (read || write) && waitrequest;
+            was_waiting = (read || write) && waitrequest && !host_rst;
             was_read = read;
             was_write = write;
             was_address = address;

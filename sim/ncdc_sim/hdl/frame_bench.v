@@ -5,11 +5,14 @@
 // Files, in the working directory: source.bin (raw frame), program.hex (one access per line,
 // 2 hex digits of operation, 6 of word address, 8 of data), output.bin (written at the end).
 //
-// Operations: 00 end, 01 write, 02 read and compare, 03 wait for irq, 04 read and report.
-// The clocks of a frame run from the last register write before a wait to the irq.
+// Operations: 00 end, 01 write, 02 read and compare, 03 wait for irq, 04 read and report, 05 wait
+// for some clocks, 06 wait until so many bytes are out, 07 reset the module for some clocks, 08 read
+// until the value comes. The clocks of a frame run from the last register write before a wait to
+// the irq. A reset leaves memory and sink as they are: words under way still come.
 //
-// Settings are decimal plusargs, read below and by the memory. Lines printed: PROGRESS bytes; FRAME clocks end;
-// READ address data; RESULT name value; AVALON-ERROR port rule time; FAILED reason.
+// Settings are decimal plusargs, read below and by the memory. Lines printed: PROGRESS bytes; FRAME
+// clocks end; READ address data; RESET output bytes; RESULT name value; AVALON-ERROR port rule time;
+// FAILED reason.
 //
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH,
 // NCDC_WRITE_BURST_WIDTH, NCDC_CSR_ADDRESS_WIDTH, NCDC_MEMORY_BYTES, NCDC_THREE_READ_PORTS,
@@ -27,9 +30,11 @@ module frame_bench (
     localparam PROGRAM = 65536;
     localparam POISON = 8'hA5;          // output bytes that nobody wrote
 
-    localparam END = 0, WRITE = 1, COMPARE = 2, WAIT_IRQ = 3, REPORT = 4;
+    localparam END = 0, WRITE = 1, COMPARE = 2, WAIT_IRQ = 3, REPORT = 4, WAIT = 5, WAIT_OUTPUT = 6,
+        RESET = 7, POLL = 8;
 
     reg rst = 1;
+    reg module_rst = 1;                 // of the module under test alone
 
     // Settings of this run.
     reg [31:0] source_base, source_bytes, output_base, output_bytes, output_pixels;
@@ -83,7 +88,7 @@ module frame_bench (
         .read``k``_readdatavalid(read_readdatavalid[k])
 
     ncdc dut (
-        .clk(clk), .rst(rst),
+        .clk(clk), .rst(module_rst),
         .csr_address(csr_address), .csr_read(csr_read), .csr_write(csr_write),
         .csr_writedata(csr_writedata), .csr_readdata(csr_readdata),
         .csr_readdatavalid(csr_readdatavalid), .csr_waitrequest(csr_waitrequest),
@@ -128,7 +133,8 @@ module frame_bench (
                 .NAME(g == 0 ? "read0" : g == 1 ? "read1" : "read2"),
                 .DATA_WIDTH(DW), .BURST_WIDTH(BW), .MAX_BURST(1 << (BW - 1))
             ) checker_of_port (
-                .clk(clk), .rst(rst), .address(read_address[32*g +: 32]), .read(read_read[g]),
+                .clk(clk), .rst(rst), .host_rst(module_rst),
+                .address(read_address[32*g +: 32]), .read(read_read[g]),
                 .write(1'b0), .burstcount(read_burstcount[BW*g +: BW]), .writedata({DW{1'b0}}),
                 .byteenable({DW/8{1'b0}}), .waitrequest(read_waitrequest[g]),
                 .readdatavalid(read_readdatavalid[g]), .errors(read_errors[g]),
@@ -139,8 +145,8 @@ module frame_bench (
     endgenerate
 
     avalon_checker #(.NAME("csr"), .DATA_WIDTH(32), .BURST_WIDTH(2), .MAX_BURST(1)) checker_of_csr (
-        .clk(clk), .rst(rst), .address({csr_address, 2'b00}), .read(csr_read), .write(csr_write),
-        .burstcount(2'd1), .writedata(csr_writedata), .byteenable(4'hF),
+        .clk(clk), .rst(rst), .host_rst(1'b0), .address({csr_address, 2'b00}), .read(csr_read),
+        .write(csr_write), .burstcount(2'd1), .writedata(csr_writedata), .byteenable(4'hF),
         .waitrequest(csr_waitrequest), .readdatavalid(csr_readdatavalid),
         .errors(), .commands(), .beats(), .bytes(), .waits()
     );
@@ -158,8 +164,8 @@ module frame_bench (
     assign output_done = 3 * stream_beats;
 
     stream_checker #(.NAME("stream"), .WIDTH(24)) stream_checker (
-        .clk(clk), .rst(rst), .valid(stream_valid), .ready(stream_ready), .data(stream_data),
-        .startofpacket(stream_startofpacket), .endofpacket(stream_endofpacket),
+        .clk(clk), .rst(rst), .host_rst(module_rst), .valid(stream_valid), .ready(stream_ready),
+        .data(stream_data), .startofpacket(stream_startofpacket), .endofpacket(stream_endofpacket),
         .errors(output_errors), .beats(stream_beats), .packets(stream_packets),
         .waits(stream_waits)
     );
@@ -184,8 +190,8 @@ module frame_bench (
     avalon_checker #(
         .NAME("write"), .DATA_WIDTH(DW), .BURST_WIDTH(WBW), .MAX_BURST(1 << (WBW - 1))
     ) write_checker (
-        .clk(clk), .rst(rst), .address(write_address), .read(1'b0), .write(write_write),
-        .burstcount(write_burstcount), .writedata(write_writedata),
+        .clk(clk), .rst(rst), .host_rst(module_rst), .address(write_address), .read(1'b0),
+        .write(write_write), .burstcount(write_burstcount), .writedata(write_writedata),
         .byteenable(write_byteenable), .waitrequest(write_waitrequest), .readdatavalid(1'b0),
         .errors(output_errors), .commands(write_commands), .beats(write_beats),
         .bytes(output_done), .waits(write_waits)
@@ -195,6 +201,7 @@ module frame_bench (
     // The register program.
     reg [31:0] clocks = 0, started = 0, position = 0, progress = 0, closing = 0;
     reg        reading = 0;
+    reg [31:0] waited = 0;              // clocks of the present operation
     reg [63:0] now;
     wire [7:0] operation = now[63:56];
     assign csr_address = now[32 +: `NCDC_CSR_ADDRESS_WIDTH];
@@ -203,6 +210,7 @@ module frame_bench (
     task next;
         begin
             position = position + 1;
+            waited = 0;
             now <= instructions[position];
         end
     endtask
@@ -242,6 +250,7 @@ module frame_bench (
     always @(posedge clk) begin
         clocks = clocks + 1;
         rst <= clocks < 8;
+        module_rst <= clocks < 8;
         if (clocks == 8)
             now <= instructions[0];
         if (clocks > 16) begin
@@ -269,7 +278,7 @@ module frame_bench (
                         next;
                     end
                 end
-                COMPARE, REPORT: begin
+                COMPARE, REPORT, POLL: begin
                     csr_read <= !reading;
                     if (csr_read && !csr_waitrequest) begin
                         csr_read <= 0;
@@ -280,13 +289,30 @@ module frame_bench (
                         reading = 0;
                         if (operation == REPORT)
                             $display("READ %0d %0d", csr_address, csr_readdata);
-                        else if (csr_readdata !== csr_writedata) begin
+                        else if (operation == COMPARE && csr_readdata !== csr_writedata) begin
                             $display("FAILED register-compare word %0d reads %h instead of %h",
                                      csr_address, csr_readdata, csr_writedata);
                             report;
                         end
-                        next;
+                        if (operation != POLL || csr_readdata === csr_writedata)
+                            next;
                     end
+                end
+                WAIT: begin
+                    waited = waited + 1;
+                    if (waited >= csr_writedata)
+                        next;
+                end
+                WAIT_OUTPUT:
+                    if (output_done >= csr_writedata)
+                        next;
+                RESET: begin
+                    if (waited == 0)
+                        $display("RESET %0d", output_done);
+                    waited = waited + 1;
+                    module_rst <= 1;
+                    if (waited >= csr_writedata)
+                        next;
                 end
                 WAIT_IRQ:
                     if (irq) begin

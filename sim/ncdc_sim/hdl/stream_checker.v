@@ -13,6 +13,7 @@ module stream_checker #(
 ) (
     input  wire             clk,
     input  wire             rst,
+    input  wire             host_rst,   // the source is being reset: a packet may break off
     input  wire             valid,
     input  wire             ready,
     input  wire [WIDTH-1:0] data,
@@ -62,7 +63,9 @@ module stream_checker #(
             end
             if (valid && !ready)
                 waits = waits + 1;
-            was_waiting = valid && !ready;
+            if (host_rst)
+                in_packet = 0;
+            was_waiting = valid && !ready && !host_rst;
             was_payload = {startofpacket, endofpacket, data};
         end
     end
