@@ -182,6 +182,59 @@ print(json.dumps([r.OFFSET, flags, r.COUNTERS, ncdc_lenses.LENSES]))
         assert lens["valid_rows"] == [value for _, value in table_words(d.valid)]
 
 
+PYTHON_ERRORS = """
+import ncdc_registers as r
+from ncdc_driver import Corrector, CorrectorError
+from ncdc_lenses import LENSES
+words = {r.OFFSET["ID"]: r.ID_VALUE, r.OFFSET["NEURONS"]: 3}
+written = []
+status = r.OFFSET["STATUS"]
+
+def attempt(action, *arguments):
+    del written[:]
+    try:
+        action(*arguments)
+    except CorrectorError as error:
+        print(len(written), error)
+
+read = lambda offset: words.get(offset, 0)
+write = lambda offset, value: written.append((offset, value))
+attempt(Corrector, lambda offset: 0xDEAD, write)
+corrector = Corrector(read, write)
+attempt(corrector.wait, 2)
+attempt(corrector.load, LENSES["wide"] | {"neurons": 5})
+words[status] = r.STATUS_COMMITTED
+attempt(corrector.load, LENSES["wide"])
+attempt(corrector.place, 0, 0)
+words[status] = r.STATUS_REFUSED
+attempt(corrector.place, 8, 16)
+assert written == [(r.OFFSET["SOURCE_BASE"], 8), (r.OFFSET["TARGET_BASE"], 16),
+                   (status, r.STATUS_REFUSED)]
+words[status] = r.STATUS_DONE
+attempt(corrector.wait)
+assert written == [(status, r.STATUS_DONE)]
+for bank in (0, 1):
+    words[status] = r.STATUS_BANK if bank else 0
+    attempt(corrector.load, LENSES["wide"])
+    assert written[-1] == (r.OFFSET["VALID_BANK"], 1 - bank)
+    assert (r.OFFSET["VALID_WINDOW"], 1 - bank) in written
+    assert all(0 <= value < 1 << 32 for _, value in written)
+"""
+
+
+def test_python_driver_names_errors(folder):
+    done = subprocess.run([sys.executable, "-c", PYTHON_ERRORS], cwd=folder, text=True,
+                          capture_output=True)
+    assert not done.returncode, done.stderr
+    assert done.stdout.splitlines() == [
+        "0 ID reads 0x0000dead, 0x4e434443 is needed",
+        "0 no frame is complete after 2 polls",
+        "0 the lens has 5 hidden neurons, the corrector 3",
+        "0 a commit waits for its frame boundary: nothing was written",
+        "0 a commit waits for its frame boundary: nothing was written",
+        "3 the corrector refused a write"]
+
+
 # SystemRDL.
 
 def compiled(path):

@@ -30,8 +30,9 @@ def c_lenses_header(lenses):
     """Text of the header that declares ``lenses``, a dict of :class:`Lens` by name."""
     lines = ["/* Lenses that the corrector can be given, see ncdc_load(). */",
              "#ifndef NCDC_LENSES_H", "#define NCDC_LENSES_H", "", '#include "ncdc.h"', ""]
+    lines += ["#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
     lines += [f"extern const struct ncdc_lens ncdc_lens_{name};" for name in lenses]
-    return "\n".join([*lines, "", "#endif", ""])
+    return "\n".join([*lines, "", "#ifdef __cplusplus", "}", "#endif", "", "#endif", ""])
 
 
 def c_lenses(lenses):
