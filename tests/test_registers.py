@@ -253,6 +253,77 @@ def test_a_commit_at_the_frame_boundary_is_whole(lead):
     run(bench)
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_random_host_against_the_contract(seed):
+    """Writes, starts, commits and ends of frames in any order: what a frame sees is constant while
+    it runs, and is a whole set as it was when committed; no valid row of its bank is written."""
+    shadow_rows = [r for r in ROWS if r.access == "shadow"]
+    rng = np.random.default_rng(seed)
+    chosen = [BY_NAME[name] for name in ("VALID_BANK", "FILL", "BAYER_PHASE", "VALID_WINDOW")]
+    seen = {"commits": 0, "refused": 0, "waits": 0}
+
+    def cut(register, value):
+        value &= (1 << register.shape.width) - 1
+        return value - (1 << register.shape.width) * (
+            register.shape.signed and value >> register.shape.width - 1)
+
+    async def bench(ctx, dut, host):
+        bus = dut.bus
+        kept = {r.name: ctx.get(dut.active[r.name]) for r in shadow_rows} | {"VALID_WINDOW": 0}
+        active = {r.name: kept[r.name] for r in shadow_rows}
+        busy = pending = committed = refused = False
+        for _ in range(2000):
+            write, ended = rng.random() < 0.7, busy and rng.random() < 0.02
+            kind, value = rng.integers(10), int(rng.integers(0, 1 << 32))
+            if kind < 2:
+                address, value = BY_NAME["CTRL"].address, int(rng.integers(0, 4))
+            elif kind < 5:
+                address = TABLE + int(rng.integers(0, 4))
+            else:
+                pool = chosen if kind < 8 else shadow_rows
+                address = pool[rng.integers(len(pool))].address
+            ctx.set(bus.address, address)
+            ctx.set(bus.writedata, value)
+            ctx.set(bus.write, write)
+            ctx.set(dut.ended, ended)
+            # The contract, clock by clock.
+            begin, take = pending and not busy, committed and not busy
+            assert ctx.get(dut.begin) == begin
+            register = next((r for r in ROWS if r.address == address), None)
+            started = write and address == BY_NAME["CTRL"].address and value & CTRL_START
+            commit = write and address == BY_NAME["CTRL"].address and value & CTRL_COMMIT
+            taken = dict(kept)
+            if write and address >= TABLE:
+                bank = kept["VALID_WINDOW"]
+                held = ((busy or pending) and bank == active["VALID_BANK"]
+                        or committed and bank == kept["VALID_BANK"])
+                assert ctx.get(dut.table_write) != held
+                refused |= held
+            elif write and register.name in kept:
+                if register.access == "shadow" and committed:
+                    refused = True
+                else:
+                    taken[register.name] = cut(register, value)
+            if take:
+                active = {name: kept[name] for name in active}
+                seen["commits"] += 1
+            seen["waits"] += committed and busy
+            committed = bool(commit) or committed and not take
+            pending, busy = bool(started) or pending and not begin, begin or busy and not ended
+            kept = taken
+            await ctx.tick()
+            assert {name: ctx.get(dut.active[name]) for name in active} == active
+        ctx.set(bus.write, 0)
+        ctx.set(dut.ended, 0)
+        assert bool(await status(host) & STATUS_REFUSED) == refused
+        for name, value in kept.items():
+            assert await host.read(BY_NAME[name].address) == value & 0xFFFFFFFF, name
+        seen["refused"] = refused
+
+    run(bench)
+    assert seen["commits"] > 10 and seen["refused"] and seen["waits"] > 100
+
+
 def test_banks_of_the_table_are_separate():
     async def bench(ctx, dut, host):
         await host.write(BY_NAME["VALID_WINDOW"].address, 1)
