@@ -7,9 +7,11 @@ from ncdc_boards.project import check_board, project_files
 from ncdc_hdl.cli.common import add_json, write_report
 from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS, Corrector
 from ncdc_hdl.export.drivers import driver_files
+from ncdc_hdl.export.fusesoc import fusesoc_core
 from ncdc_hdl.export.platform_designer import COMPONENT, hw_tcl
 from ncdc_hdl.export.verilog import TOP, verilog_of
-from ncdc_hdl.options import FETCHERS, HIDDEN, PRODUCTS, FetchOptions, FrontEndOptions
+from ncdc_hdl.export.waivers import verilator_config
+from ncdc_hdl.options import FETCHERS, HIDDEN, LANES, PRODUCTS, FetchOptions, FrontEndOptions
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.files import write_text
@@ -31,6 +33,12 @@ def add_hardware(parser):
     parser.add_argument("--cache-split", type=int, metavar="S",
                         help="log2 of the tile pairs along a row that have sets of their own; as "
                              "many as the raw frame has by default")
+    parser.add_argument("--strip", type=int, default=0, metavar="COLUMNS",
+                        help="make pixels in strips of so many columns, a multiple of 32; 0 "
+                             "(default): row by row; memory output only, same results")
+    parser.add_argument("--pixels-per-clock", type=int, choices=LANES, default=1, metavar="N",
+                        help="1 (default), 2 or 4 neighbouring pixels at a time, each with a "
+                             "network of its own; same results")
     parser.add_argument("--data-width", type=int, choices=DATA_WIDTHS, default=32, metavar="BITS",
                         help="width of the memory ports: 32 (default), 64 or 128")
     parser.add_argument("--to", choices=OUTPUTS, default="memory",
@@ -50,9 +58,9 @@ def hardware(args):
     """The chosen hardware, as keyword arguments of Corrector and corrector_verilog."""
     return {"data_width": args.data_width, "output": args.to,
             "front_end": FrontEndOptions(hidden=args.hidden, share=args.share,
-                                         products=args.products),
+                                         products=args.products, lanes=args.pixels_per_clock),
             "fetch": FetchOptions(args.fetch, args.cache_bytes and CacheOptions.of_bytes(
-                args.cache_bytes), args.cache_split)}
+                args.cache_bytes), args.cache_split, args.strip)}
 
 
 def add_arguments(parser):
@@ -91,8 +99,9 @@ def run(args):
         check_board(board, descriptor, args.to)
     corrector = Corrector(descriptor, **hardware(args))
     files = {f"{TOP}.v": verilog_of(corrector),
-             **driver_files(corrector, lenses),
-             f"{COMPONENT}_hw.tcl": hw_tcl(corrector)}
+             **driver_files(corrector, lenses), f"{TOP}.core": fusesoc_core(corrector, TOP),
+             f"{COMPONENT}_hw.tcl": hw_tcl(corrector),
+             f"{TOP}.vlt": verilator_config()}
     if board:
         files |= project_files(board, corrector)
     folder = Path(args.output)
@@ -101,6 +110,7 @@ def run(args):
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
               "fetch": args.fetch, "data_width": args.data_width, "output": args.to,
               "hidden": args.hidden, "share": args.share, "products": args.products,
+              "strip": args.strip, "pixels_per_clock": args.pixels_per_clock,
               "board": args.board, "left_to_user": board.left_to_user if board else {},
               "files": [str(folder / name) for name in files]}
     if not write_report(report, args.json):
