@@ -6,7 +6,7 @@ import pytest
 
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.fetch.lookups import lookups
-from ncdc_model.fetch.ports import read_port
+from ncdc_model.fetch.ports import memory_port
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.fetch.timing import FRAME_LATENCY, predict_clocks
 from ncdc_model.memory_timing import LatencyMemory, memory_timing

@@ -11,36 +11,40 @@ from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.fetch.timing import predict_clocks
+from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.memory_timing import memory_timing
 from ncdc_sim.corrector import simulate_correction
 
 OPTIONS = CacheOptions(64, pending=64, outstanding=8)
 
 
-@pytest.fixture(scope="module")
-def prepared():
-    """A descriptor, the Verilog of its corrector, and a raw frame."""
+@pytest.fixture(scope="module", params=["stream", "memory"])
+def prepared(request):
+    """Where pixels go, a descriptor, the Verilog of its corrector, and a raw frame."""
     descriptor = barrel_descriptor((160, 120), (160, 120), hidden_neurons=4, strength=.5)
-    verilog = corrector_verilog(descriptor, data_width=64, output="stream",
+    verilog = corrector_verilog(descriptor, data_width=64, output=request.param,
                                 fetch=FetchOptions("cache", OPTIONS, 0))
     raw = np.random.default_rng(2).integers(0, 256, (120, 160), dtype=np.uint8)
-    return descriptor, verilog, raw
+    return request.param, descriptor, verilog, raw
 
 
 @pytest.mark.parametrize("memory,split", [
     ("ideal", 3), ("ddr3", 3), ("ddr3@200", 1), ("sdram", 2), ("sdram", 0), ("fixed:100:4", 3),
     ("fixed:20:1.5", 0)])
 def test_misses_are_equal_and_clocks_within_a_hundredth(prepared, memory, split):
-    """A cache that is too small and splits that do not suit make tiles be evicted all the time."""
-    descriptor, verilog, raw = prepared
+    """A cache that is too small and splits that do not suit make tiles be evicted all the time;
+    output to memory takes turns with the reads, and saturates the slow ones."""
+    output, descriptor, verilog, raw = prepared
     simulation = simulate_correction(descriptor, raw, verilog=verilog, data_width=64,
-                                     output="stream", memory=memory,
+                                     output=output, memory=memory,
                                      fetch=FetchOptions("cache", OPTIONS, split))
     boxes = lookups(frame_windows(descriptor))
     missed = misses(accesses(boxes), OPTIONS, split)
-    values = host_values(descriptor, 64, split)
-    predicted = predict_clocks(missed, boxes, OPTIONS, memory_timing(memory), 64,
-                               base=values["SOURCE_BASE"], pitch=values["SOURCE_PITCH"])
+    values, timing = host_values(descriptor, 64, split), memory_timing(memory)
+    writes = None if output == "stream" else frame_writes(
+        160, 120, 0, 64, getattr(timing, "access_bytes", 1), values["TARGET_BASE"])
+    predicted = predict_clocks(missed, boxes, OPTIONS, timing, 64, base=values["SOURCE_BASE"],
+                               pitch=values["SOURCE_PITCH"], writes=writes)
     assert simulation.differing == []
     assert simulation.counters["FETCHES"] == len(missed)
     assert simulation.bytes_read == 64 * len(missed)

@@ -1,12 +1,13 @@
 """``ncdc plan``: cache, scan and speed of a trained map, before any Verilog exists."""
 
+from ncdc_hdl.avalon.register_table import host_values
 from ncdc_hdl.cli.common import Progress, add_json, write_report
 from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.plan import CLOCK_MHZ, plan
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "add_choices", "run", "summary"]
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "add_choices", "frame_places", "run", "summary"]
 
 HELP = "choose cache, split and strips for a trained map, and predict its speed on a memory"
 EXAMPLE = "ncdc plan net.toml --memory ddr3 --clock 150 --to stream"
@@ -51,7 +52,8 @@ def run(args):
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
     planned = plan(descriptor, memory=args.memory, clock_mhz=args.clock, data_width=width,
                    stream=args.to == "stream", cache_bytes=args.cache_bytes, split=args.split,
-                   strip=args.strip, rate=args.rate, progress=Progress("planning"))
+                   strip=args.strip, rate=args.rate, **frame_places(descriptor, width),
+                   progress=Progress("planning"))
     report = {"digest": descriptor.digest, "output": args.to, **planned.report()}
     if write_report(report, args.json):
         return
@@ -60,6 +62,13 @@ def run(args):
           f"frames per second predicted ({args.memory}, {width} bits, {args.clock:g} MHz)")
     print(f"{planned.worst:.2f} bytes per pixel in the worst 8192 pixels; "
           f"{planned.live} bytes of tiles in use at once")
+
+
+def frame_places(descriptor, data_width):
+    """Where the frames lie after configuration, as keyword arguments of the planner."""
+    values = host_values(descriptor, data_width)
+    return {"base": values["SOURCE_BASE"], "pitch": values["SOURCE_PITCH"],
+            "target": values["TARGET_BASE"]}
 
 
 def summary(planned):

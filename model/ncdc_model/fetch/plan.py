@@ -9,6 +9,7 @@ from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.fetch.timing import predict_clocks
 from ncdc_model.fetch.traffic import TILE_BYTES, distinct_bytes, live_tiles, worst_span
+from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.geometry import check_strip_width
 from ncdc_model.memory_timing import memory_timing
 
@@ -169,7 +170,7 @@ def choose(windows, distinct, sizes, strips, split=None, progress=lambda fractio
 
 
 def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, stream=False,
-         cache_bytes=None, split=None, strip=None, rate=None, base=0, pitch=None,
+         cache_bytes=None, split=None, strip=None, rate=None, base=0, pitch=None, target=None,
          progress=lambda fraction: None):
     """:class:`Plan` of the first of :func:`choose` that needs at most 1.02 clocks per pixel, or
     that corrects ``rate`` frames per second if that is given; else of the fastest.
@@ -187,8 +188,9 @@ def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, strea
         As of :func:`candidates`.
     rate : float, optional
         Frames per second.
-    base, pitch : int
-        Of the raw frame in bytes; pitch as narrow as the port allows by default.
+    base, pitch, target : int
+        Addresses of the raw and of the corrected frame and the bytes from one raw row to the next;
+        by default the rows, and the frames, follow each other as closely as the port allows.
     progress : callable
         Called with the fraction done.
 
@@ -203,6 +205,7 @@ def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, strea
     geometry = descriptor.geometry
     word = data_width // 8
     pitch = pitch or -(-geometry.distorted_width // word) * word
+    target = base + pitch * geometry.distorted_height if target is None else target
     width, height = geometry.corrected
     pixels = width * height
     limit = _CLOCKS_GOAL * pixels if rate is None else clock_mhz * 1e6 / rate
@@ -220,8 +223,10 @@ def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, strea
         boxes = lookups(windows, choice.strip)
         accessed = accesses(boxes)
         missed = misses(accessed, choice.options, choice.split)
+        writes = None if stream else frame_writes(
+            width, height, choice.strip, data_width, getattr(timing, "access_bytes", 1), target)
         clocks = predict_clocks(missed, boxes, choice.options, timing, data_width, base=base,
-                                pitch=pitch,
+                                pitch=pitch, writes=writes,
                                 progress=lambda done, total: progress(
                                     .7 + .3 * (k + done / total) / _TIMINGS))
         if made is None or clocks.clocks < made.clocks:

@@ -1,34 +1,49 @@
-"""When a memory answers read commands: the rules of ``memory_timing``, command by command.
+"""When a memory answers: the rules of ``memory_timing``, from event to event.
 
-Each port takes commands in order of time and jumps from event to event. The clock edge of a time
-is the one at which the host sees it: a command accepted, a word on the port.
+The clock edge of a time is the one at which the host sees it: a command accepted, a word on the
+port. Edges ascend from call to call.
 """
 
 from collections import deque
 
+from ncdc_model.fetch.writes import BURST
 from ncdc_model.memory_timing import DramMemory
 
-__all__ = ["read_port"]
+__all__ = ["memory_port"]
+
+_READ_TO_WRITE_BUS = 24     # from a window read to its pixel in a word on the bus
+_QUEUED_WORDS = 2 * BURST   # that the burst writer holds
+_QUEUED_PIXELS = 32         # that the interpolator holds
+_NEVER = 1 << 62
 
 
-def read_port(memory, data_width):
+def memory_port(memory, data_width, writes=None, lags=None):
     """A port on ``memory`` (``LatencyMemory`` or ``DramMemory``) with words of ``data_width`` bits.
 
     Its ``read(clock, address, words)`` presents a command at edge ``clock`` and returns two edges:
-    the one that accepts it and the one at which its last word is on the port. Commands are to be
-    presented in order, each behind the acceptance of the one before.
+    the one that accepts it and the one at which its last word is on the port. If the same memory
+    takes the corrected frame, ``writes`` are its :class:`FrameWrites` and ``lags`` tells when a
+    pixel is there to be written, and is told when the writer is full. ``known`` is the first
+    look-up of which that is not known; ``advance(clock)`` writes what is written before a clock.
     """
     kind = _DramPort if isinstance(memory, DramMemory) else _LatencyPort
-    return kind(memory, data_width // 8)
+    return kind(memory, data_width // 8, writes, lags)
 
 
 class _Port:
-    """What all ports share: the limit of commands under way."""
+    """The limit of read commands under way, and the arrival of writes."""
 
-    def __init__(self, memory, word):
+    def __init__(self, memory, word, writes, lags):
         self.memory, self.word = memory, word
         self.ends = deque([0] * memory.max_pending, memory.max_pending)
         self.last = 0               # edge of the last word on the port
+        self.writes, self.lags, self.known = writes, lags, 0
+        self.total = len(writes.words) if writes else 0
+        self.arrived = []           # edge at which each write access is complete on the bus
+        self.done = 0               # write accesses placed
+        # Pixels that are held behind one whose word has not left the writer.
+        self.slack = _QUEUED_WORDS * word // 4 + _QUEUED_PIXELS
+        self.done_at = deque([], self.queue)
 
     def read(self, clock, address, words):
         accepted = max(clock, self.ends[0])
@@ -36,45 +51,91 @@ class _Port:
         self.ends.append(self.last)
         return accepted, self.last
 
+    def _arrive(self):
+        """Arrivals of writes, as far as they are known; whether one waits to be placed."""
+        writes = self.writes
+        while len(self.arrived) < min(self.total, self.done + self.queue):
+            j = len(self.arrived)
+            last, words = writes.last[j], writes.words[j]
+            if last >= self.known:
+                break
+            self.lags.settle(last)
+            edge = self.lags.clock(last) + _READ_TO_WRITE_BUS + words
+            if j:
+                edge = max(edge, self.arrived[-1] + words)
+            if j >= self.queue:
+                before = j - self.queue - self.done + len(self.done_at)
+                edge = max(edge, self.done_at[before] + words)
+            self.arrived.append(edge)
+            self.lags.hold(writes.first[j] + self.slack, edge - words)
+        return self.done < len(self.arrived)
+
+    def finish(self):
+        """All pixels are known: the edge at which the last write is accepted."""
+        self.known = _NEVER
+        self.advance(_NEVER)
+        return self.arrived[-1] if self.total else 0
+
 
 class _LatencyPort(_Port):
-    """A latency and a rate; of a random latency the mean."""
+    """A latency and a rate; of a random latency the mean. Reads and writes are paid for in order
+    of time."""
 
-    def __init__(self, memory, word):
-        super().__init__(memory, word)
+    queue = 1
+
+    def __init__(self, memory, word, writes, lags):
+        super().__init__(memory, word, writes, lags)
         self.latency = round(sum(memory.latency) / 2)
         # 256 pay for a word.
-        self.rate = (512 if memory.bytes_per_clock is None
+        self.rate = (1024 if memory.bytes_per_clock is None
                      else max(1, round(256 * memory.bytes_per_clock / word)))
         self.granule = -(-memory.granule // word)
         self.cap = self.rate + 256 * self.granule
         self.credit, self.paid_at = 0, 0
 
+    def _pay(self, edge, cost):
+        """The first edge from ``edge`` on at which ``cost`` is paid."""
+        edge = max(edge, self.paid_at)
+        credit = min(self.cap, self.credit + self.rate * (edge - self.paid_at))
+        if credit < cost:
+            wait = -((credit - cost) // self.rate)
+            edge, credit = edge + wait, credit + self.rate * wait
+        self.credit, self.paid_at = credit - cost, edge
+        return edge
+
     def _serve(self, accepted, address, words):
         cost = 256 * max(1, self.granule - words + 1)
         for _ in range(words):
             edge = max(self.last + 1, accepted + self.latency)
-            credit = min(self.cap, self.credit + self.rate * (edge - self.paid_at))
-            if credit < cost:
-                wait = -((credit - cost) // self.rate)
-                edge, credit = edge + wait, credit + self.rate * wait
-            self.credit, self.paid_at, self.last = credit - cost, edge, edge
-            cost = 256
+            self.advance(edge)
+            self.last, cost = self._pay(edge, cost), 256
+
+    def advance(self, clock):
+        while self.total and self._arrive() and self.arrived[self.done] < clock:
+            words = self.writes.words[self.done]
+            edge = self.arrived[self.done] - words
+            for _ in range(words):
+                edge = self._pay(edge + 1, 256)
+            self.arrived[self.done] = edge
+            self.done_at.append(edge)
+            self.done += 1
 
 
 class _DramPort(_Port):
     """Rows, banks, refresh; times in memory clocks but for edges."""
 
-    def __init__(self, memory, word):
-        super().__init__(memory, word)
+    def __init__(self, memory, word, writes, lags):
+        self.queue = 2 * memory.write_batch
+        super().__init__(memory, word, writes, lags)
         self.multiply, self.divide = memory.ratio.numerator, memory.ratio.denominator
         self.placed = 0                 # edge of the last access placed
+        self.writing, self.batch = False, 0
         self.columns = deque([0] * memory.look_ahead, memory.look_ahead)
         self.row = [None] * memory.banks
         self.precharge_from = [0] * memory.banks
         self.activate_from = [0] * memory.banks
         self.column_from = [0] * memory.banks
-        self.any_activate_from, self.read_from = 0, 0
+        self.any_activate_from, self.read_from, self.write_from = 0, 0, 0
         self.fours = deque([0] * 4, 4)
         self.taken, self.last_command = set(), 0
         self.refresh_due = memory.refresh_interval
@@ -86,6 +147,82 @@ class _DramPort(_Port):
         """The first edge that is not before the memory clock ``time``."""
         return -(-time * self.divide // self.multiply)
 
+    def _serve(self, accepted, address, words):
+        memory, word = self.memory, self.word
+        end, from_edge = address + words * word, accepted + memory.controller_clocks
+        while address < end:
+            upto = min(end, (address // memory.access_bytes + 1) * memory.access_bytes)
+            edge = self._write_until(from_edge, accepted)
+            length = self._length(address, upto)
+            data = self._place(edge, address, length, False) + memory.cas_latency
+            beats = (upto - address) // word
+            self.last = max(self.last + beats, self._edge(data + length),
+                            self._edge(data + memory.word_clocks) + beats - 1)
+            address = upto
+
+    def advance(self, clock):
+        if self.done < self.total and self._arrive():
+            self._write_until(_NEVER, _NEVER, clock)
+
+    def _write_until(self, read_from, held_from, clock=_NEVER):
+        """Place writes until a read that may be placed from edge ``read_from`` on has its turn, and
+        return its edge, or until ``clock``. ``held_from``: the port holds the read's command.
+        """
+        memory = self.memory
+        while True:
+            edge = max(self.placed + 1, self._edge(self.columns[0]))
+            if not self.total or not self._arrive():
+                self.batch = 1 if self.writing else self.batch + 1
+                self.writing = False
+                return max(edge, read_from)
+            write_from = self.arrived[self.done] + memory.controller_clocks
+            edge = max(edge, min(read_from, write_from))
+            if edge >= clock:
+                return edge
+            if self._writes_at(edge, read_from, write_from, held_from):
+                self._write(edge)
+            elif read_from <= edge and not self.writing:
+                self.batch += 1
+                return edge
+            else:
+                # Nothing may go: wait for a read, a batch of writes, or until no read is held.
+                batch = self.done + memory.write_batch - 1
+                turn = min(read_from, self.last if edge < self.last < held_from else _NEVER,
+                           self.arrived[batch] if batch < len(self.arrived) else _NEVER)
+                if turn >= clock:
+                    return clock
+                self.placed = turn - 1
+
+    def _writes_at(self, edge, read_from, write_from, held_from):
+        """Whether a write has its turn at ``edge``; changes direction if it must."""
+        may_read, may_write = read_from <= edge, write_from <= edge
+        batch = self.memory.write_batch
+        if self.writing:
+            change = may_read and (not may_write or self.batch >= batch)
+        else:
+            idle = self.last <= edge < held_from
+            queued = self.done + batch - 1
+            change = may_write and (idle or (
+                queued < len(self.arrived) and self.arrived[queued] <= edge
+                and (not may_read or self.batch >= batch)))
+        if change:
+            self.writing, self.batch = not self.writing, 0
+        return self.writing and may_write
+
+    def _write(self, edge):
+        writes, j = self.writes, self.done
+        address = writes.address[j]
+        self._place(edge, address, self._length(address, address + writes.words[j] * self.word),
+                    True)
+        self.batch += 1
+        self.done_at.append(edge)
+        self.done += 1
+
+    def _length(self, address, upto):
+        """Memory clocks of data of the bytes address..upto."""
+        size = self.memory.word_bytes
+        return ((upto - 1) // size - address // size + 1) * self.memory.word_clocks
+
     def _issue(self, at):
         while at in self.taken:
             at += 1
@@ -93,23 +230,7 @@ class _DramPort(_Port):
         self.last_command = max(self.last_command, at)
         return at
 
-    def _serve(self, accepted, address, words):
-        memory, word = self.memory, self.word
-        end = address + words * word
-        while address < end:
-            upto = min(end, (address // memory.access_bytes + 1) * memory.access_bytes)
-            edge = max(self.placed + 1, accepted + memory.controller_clocks,
-                       self._edge(self.columns[0]))
-            first, end_word = address // memory.word_bytes, (upto - 1) // memory.word_bytes
-            length = (end_word - first + 1) * memory.word_clocks
-            data = self._place(edge, address, length) + memory.cas_latency
-            self.placed = edge
-            beats = (upto - address) // word
-            self.last = max(self.last + beats, self._edge(data + length),
-                            self._edge(data + memory.word_clocks) + beats - 1)
-            address = upto
-
-    def _place(self, edge, address, length):
+    def _place(self, edge, address, length, write):
         """Plan the access placed at ``edge``, of ``length`` clocks of data; its column command's
         time."""
         memory = self.memory
@@ -131,10 +252,15 @@ class _DramPort(_Port):
             self.activate_from[bank] = at + memory.rc
             self.precharge_from[bank] = at + memory.ras
             self.column_from[bank] = at + memory.rcd
-        at = self._issue(max(now + 1, self.column_from[bank], self.read_from))
-        self.read_from = at + length
-        self.precharge_from[bank] = max(self.precharge_from[bank], at + length)
+        at = self._issue(max(now + 1, self.column_from[bank],
+                             self.write_from if write else self.read_from))
+        end = at + length
+        self.read_from = end + (memory.write_to_read if write else 0)
+        self.write_from = end + (0 if write else memory.read_to_write)
+        self.precharge_from[bank] = max(self.precharge_from[bank],
+                                        end + (memory.write_to_precharge if write else 0))
         self.columns.append(at)
+        self.placed = edge
         return at
 
     def _refresh(self, now):

@@ -1,11 +1,11 @@
 """How many clocks the cache takes for a frame, from its misses alone."""
 
-from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass
 
 from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
-from ncdc_model.fetch.ports import read_port
+from ncdc_model.fetch.lags import Lags
+from ncdc_model.fetch.ports import memory_port
 
 __all__ = ["Clocks", "FRAME_LATENCY", "predict_clocks"]
 
@@ -18,8 +18,10 @@ _RETIRE_TO_PUSH = 1         # a window is read, there is room for another look-u
 _RETIRE_TO_CLAIM = 2        # a window is read, its tiles may be replaced
 
 # From the start of a frame to its first look-up, and from its last window read to its last pixel:
-# most of it the network, whose latency differs by some clocks from one to the next.
+# most of it the network, whose latency differs by some clocks from one to the next. To memory: to
+# the first look-up.
 FRAME_LATENCY = 64
+_START_LATENCY = 50
 
 
 @dataclass(frozen=True)
@@ -39,9 +41,9 @@ class Clocks:
     credit: int
 
 
-def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
+def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch, writes=None,
                    progress=lambda done, total: None):
-    """:class:`Clocks` of a frame whose pixels are taken as they come (a stream).
+    """:class:`Clocks` of a frame.
 
     Jumps from miss to miss: between them one look-up enters and one leaves per clock. Of each
     look-up only two times count: when it leaves the tag stage (push) and when its window is read
@@ -60,15 +62,17 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
         Bits of a memory word.
     base, pitch : int
         Of the raw frame in bytes.
+    writes : FrameWrites, optional
+        What goes to the same memory; absent if pixels are taken as they come (a stream).
     progress : callable
         Called with (misses done, misses) now and then.
     """
-    port = read_port(memory, data_width)
+    read = Lags(_PUSH_TO_RETIRE)            # b
+    port = memory_port(memory, data_width, writes, read)
     words = 8 * TILE_WIDTH // data_width
     pending, wrap = options.pending, 1 << options.sequence_bits
     push_lag = 0                            # a, of the last look-up that missed
-    at, lag = [-1], [_PUSH_TO_RETIRE]       # where b rises, and to what
-    room = 0                                # index of b that holds for the one that makes room
+    room = 0                                # step of b that holds for the one that makes room
     fills = deque([-_FILL_TO_CLAIM] * options.outstanding, options.outstanding)
     command = 0                             # edge at which the bus is free
     interlock = credit = 0
@@ -78,19 +82,30 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
     def make_room(i):
         """Look-up i - pending has left before i is pushed."""
         nonlocal push_lag, room
-        while room + 1 < len(at) and at[room + 1] <= i - pending:
-            room += 1
-        push_lag = max(push_lag, lag[room] - pending + _RETIRE_TO_PUSH)
+        while True:
+            read.settle(i - pending)
+            while room + 1 < len(read.at) and read.at[room + 1] <= i - pending:
+                room += 1
+            lag = read.lag[room] - pending + _RETIRE_TO_PUSH
+            if writes is None or lag <= push_lag:
+                break
+            # Until then the writer may have held up more.
+            push_lag = lag
+            port.advance(i + push_lag + _CLAIM_TO_COMMAND)
+        push_lag = max(push_lag, lag)
 
     def close(i):
         """Look-up i has claimed all its tiles."""
         nonlocal push_lag
         make_room(i)
         push_lag = max(push_lag, claimed - i)
-        wait = max(last_word + _FILL_TO_RETIRE - i, push_lag + _PUSH_TO_RETIRE)
-        if wait > lag[-1]:
-            at.append(i)
-            lag.append(wait)
+        read.step(i, max(last_word + _FILL_TO_RETIRE - i, push_lag + _PUSH_TO_RETIRE))
+
+    def reach(i):
+        """All look-ups before i are known."""
+        port.known = i
+        if writes is not None:
+            port.advance(i + push_lag + _CLAIM_TO_COMMAND)
 
     columns = (missed.columns * TILE_WIDTH + base).tolist()
     lines = (missed.rows * (TILE_HEIGHT * pitch)).tolist()
@@ -101,6 +116,7 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
             if current >= 0:
                 close(current)
             current = i
+            reach(i)
             make_room(i - 1)
             claimed = i + push_lag - 1
         claim = claimed + 1
@@ -108,7 +124,7 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
         # modulo the sequence, has read its window.
         user = victim + (i - 1 - victim) // wrap * wrap
         if user >= i - pending:
-            free = user + lag[bisect_right(at, user) - 1] + _RETIRE_TO_CLAIM
+            free = read.clock(user) + _RETIRE_TO_CLAIM
             if free > claim:
                 interlock += free - claim
                 claim = free
@@ -127,4 +143,8 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
             progress(k, total)
     if current >= 0:
         close(current)
-    return Clocks(len(boxes) - 1 + lag[-1] + FRAME_LATENCY, interlock, credit)
+    if writes is not None:
+        clocks = port.finish() + _START_LATENCY
+    else:
+        clocks = read.clock(len(boxes) - 1) + FRAME_LATENCY
+    return Clocks(clocks, interlock, credit)
