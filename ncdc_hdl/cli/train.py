@@ -1,22 +1,26 @@
 """``ncdc train``: from points or a camera file to a descriptor."""
 
+import argparse
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ncdc_hdl.cli.common import Progress, add_camera, add_json, write_report
+from ncdc_hdl.cli.common import (Progress, add_camera, add_json, straightness_text,
+                                 write_report)
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
 from ncdc_model.float_network import check_gamma
-from ncdc_model.formats import Formats
+from ncdc_model.formats import MAX_NEURONS, Formats
 from ncdc_model.geometry import BAYER_PHASE
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
 from ncdc_model.tansig import FRACTION_BITS, VARIANTS, choose_variant
+from ncdc_model.training.choose import choose_camera
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.problem import split
+from ncdc_model.training.rounding import check_weight_bits
 from ncdc_model.training.source import load_source
 from ncdc_model.training.train import HELD_OUT, TRAINERS
 
@@ -32,8 +36,12 @@ def add_arguments(parser):
     parser.add_argument("source", metavar="FILE",
                         help="points.json of ncdc calibrate, or a camera file: OpenCV, ROS, "
                              "Kalibr, BoofCV (YAML, XML, JSON), or our own (TOML)")
-    parser.add_argument("--neurons", type=int, required=True, metavar="N",
-                        help="hidden neurons; 4 to 12 are usual")
+    parser.add_argument("--neurons", type=_neurons, required=True, metavar="N",
+                        help="hidden neurons, 4 to 12 are usual; auto: the fewest, up to 16, that "
+                             "meet --max-error")
+    parser.add_argument("--max-error", type=float, metavar="PX",
+                        help="with --neurons auto: largest error, on the whole frame where a "
+                             "camera file is the source, else at the held-out points")
     parser.add_argument("--skip", action="store_true",
                         help="add a linear path from the inputs straight to the outputs: four "
                              "products that save about one hidden neuron")
@@ -80,12 +88,11 @@ def run(args):
         raise InputError(f"the output {args.output} would replace the input")
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
+    if (args.neurons == "auto") != (args.max_error is not None):
+        raise InputError("--neurons auto and --max-error belong together, one of them is missing")
     source = load_source(args.source, _size(args.size) if args.size else None, args.zoom,
                          args.bayer, _colour(args.fill), args.camera)
-    trained = train_camera(source, args.neurons, args.trainer, args.seed, args.held_out,
-                           training_progress(), skip=args.skip, gamma=check_gamma(args.gamma),
-                           formats=_formats(args), weight_bits=args.weight_bits,
-                           variant=choose_variant(args.tansig, args.neurons))
+    trained = _train(args, source)
     trained.descriptor.save(args.output)
     plots = plot_training(trained, source, args.output, args.held_out)
     report = trained.report | {"descriptor": str(args.output), "digest": trained.descriptor.digest,
@@ -98,7 +105,7 @@ def run(args):
         return
     width, height = source.geometry.corrected
     skip = ", skip path" if args.skip else ""
-    print(f"{args.neurons} hidden neurons{skip}, {width}x{height} corrected pixels, "
+    print(f"{report['hidden_neurons']} hidden neurons{skip}, {width}x{height} corrected pixels, "
           f"{report['valid_percent']:.1f} % with a source")
     if report.get("extrapolated_percent"):
         print(f"{report['extrapolated_percent']:.1f} % lie beyond the calibrated points: there the "
@@ -106,7 +113,26 @@ def run(args):
     print(error_table({name: report[name] for name in ("training", "held_out", "frame")
                        if name in report}))
     print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")
+    if source.frame:
+        print(straightness_text(report, "held-out points" if args.held_out else "points"))
+        for reason, count in report["points_dropped"].items():
+            print(f"  {count} points not used: {reason}")
     print(f"{args.output}; look at {' and '.join(plots)}")
+
+
+def _train(args, source):
+    if args.weight_bits is not None:
+        check_weight_bits(args.weight_bits)
+    about = {"skip": args.skip, "gamma": check_gamma(args.gamma), "formats": _formats(args),
+             "weight_bits": args.weight_bits, "variant": choose_variant(args.tansig, MAX_NEURONS)}
+    how = args.trainer, args.seed, args.held_out, training_progress()
+    if args.neurons == "auto":
+        return choose_camera(source, args.max_error, *how, _tried, **about)
+    return train_camera(source, args.neurons, *how, **about)
+
+
+def _tried(neurons, worst):
+    print(f"{neurons} hidden neurons: at most {worst:.4g} px", file=sys.stderr)
 
 
 def plot_training(trained, source, output, held_out=HELD_OUT):
@@ -146,6 +172,12 @@ def training_progress():
     """The trainer's progress callback: how far, and the error reached."""
     progress = Progress("training")
     return lambda done, mse: progress(done, f", MSE {mse:.5g} px²")
+
+
+def _neurons(text):
+    if text == "auto" or text.removeprefix("-").isdecimal():
+        return text if text == "auto" else int(text)
+    raise argparse.ArgumentTypeError(f"{text!r} is neither a whole number nor auto")
 
 
 def _formats(args):

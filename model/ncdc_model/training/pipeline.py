@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+from ncdc_model.calibration.measure import measure_map
 from ncdc_model.descriptor import Descriptor, Formats
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
 from ncdc_model.geometry import ValidRows
@@ -10,7 +11,7 @@ from ncdc_model.training.rounding import check_weight_bits, fitted_formats, roun
 from ncdc_model.training.train import HELD_OUT, Training, train
 from ncdc_model.valid import grown, lost_pixels, valid_mask
 
-__all__ = ["TrainedCamera", "train_camera"]
+__all__ = ["TrainedCamera", "describe", "train_camera"]
 
 LEAST_VALID = 0.05     # of the corrected frame; less is no picture
 
@@ -32,7 +33,9 @@ class TrainedCamera:
         again at the top, ``measured_on`` tells which; ``fixed_minus_float_max_px``;
         ``valid_pixels``, ``valid_percent`` and ``valid_pixels_lost``, those that two spans a
         row cannot hold; of points ``extrapolated_percent``, valid pixels that lie beyond
-        the points, where the network follows the smooth lens.
+        the points, where the network follows the smooth lens, ``points_dropped``, points that
+        were not used by reason, and the values of
+        :func:`ncdc_model.calibration.measure.measure_map`, on held-out points if there are any.
     error_maps : dict
         ``float`` and ``fixed``: distance to the true map in pixels, float32 (height, width),
         ``nan`` where a pixel has no source; empty if the true map is not known.
@@ -47,10 +50,7 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
                  *, formats=Formats(), variant="mmhbc", gamma=1.0, weight_bits=None, **options):
     """Train, quantise and measure a :class:`~ncdc_model.training.source.Source`.
 
-    The valid region comes from the exact map where the source has one, else from the float
-    network, near where the smooth lens has a source. ``formats``, ``variant`` and ``gamma`` are
-    those of the descriptor; with ``weight_bits`` the weights and the inputs get formats of so many
-    bits that fit this network (:func:`ncdc_model.training.rounding.fitted_formats`). The further
+    ``formats``, ``variant``, ``gamma`` and ``weight_bits`` as in :func:`describe`, the further
     arguments as in :func:`ncdc_model.training.train.train`.
 
     Returns
@@ -64,9 +64,33 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
     """
     if weight_bits is not None:
         check_weight_bits(weight_bits)
-    geometry = source.geometry
-    training = train(source.pairs, geometry, neurons, trainer, seed, held_out, progress,
+    training = train(source.pairs, source.geometry, neurons, trainer, seed, held_out, progress,
                      source.anchors, **options)
+    return describe(source, training, trainer, seed, held_out, formats=formats, variant=variant,
+                    gamma=gamma, weight_bits=weight_bits)
+
+
+def describe(source, training, trainer, seed, held_out, *, formats=Formats(), variant="mmhbc",
+             gamma=1.0, weight_bits=None):
+    """Quantise and measure a :class:`Training` of ``source``.
+
+    The valid region comes from the exact map where the source has one, else from the float
+    network, near where the smooth lens has a source. ``formats``, ``variant`` and ``gamma`` are
+    those of the descriptor; with ``weight_bits`` the weights and the inputs get formats of so many
+    bits that fit this network (:func:`ncdc_model.training.rounding.fitted_formats`). ``trainer``,
+    ``seed`` and ``held_out`` are those of the training.
+
+    Returns
+    -------
+    TrainedCamera
+
+    Raises
+    ------
+    InputError
+        If a weight leaves its format, or hardly a pixel has a source.
+    """
+    geometry = source.geometry
+    neurons = training.network.hidden_neurons
     network = training.network.with_gamma(gamma)
     back_map = source.back_map or float_map(network, geometry)
     within = covered = None
@@ -105,4 +129,7 @@ def train_camera(source, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progr
     if covered is not None:
         report["extrapolated_percent"] = round(100 * float((mask & ~covered).mean()), 3)
     descriptor = replace(draft, errors=report, provenance=provenance)
+    if source.frame:
+        report = report | {"points_dropped": source.frame.rejected} | measure_map(
+            source.frame, float_map(network, geometry), out if out.any() else None)
     return TrainedCamera(descriptor, training, report, maps)
