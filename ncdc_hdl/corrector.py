@@ -14,6 +14,7 @@ from ncdc_hdl.backend.multiport import Multiport
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.frontend.layouts import lanes_of
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.options import FetchOptions, FrontEndOptions
 from ncdc_model.errors import InputError
@@ -46,7 +47,7 @@ class Corrector(wiring.Component):
     fetch : ncdc_hdl.options.FetchOptions
     output : str
         "memory": a burst writer stores four bytes per pixel (blue, green, red, zero), row after
-        row without a gap; "stream": a video stream source in its place.
+        row without a gap; "stream": a video stream source in its place, always a raster.
 
     Members
     -------
@@ -54,7 +55,8 @@ class Corrector(wiring.Component):
     read0_*, read1_*, read2_* : Avalon-MM read hosts; the cache has the first alone
     write_* : Avalon-MM write host (``output`` "memory")
     stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
-        video stream, red in the top byte of 24 (``output`` "stream")
+        video stream, red in the top byte of 24 bits per pixel, the leftmost pixel in the lowest
+        (``output`` "stream")
     irq : ``Out(1)``
         Frame complete.
     front_end_idle : ``Out(1)``
@@ -64,8 +66,9 @@ class Corrector(wiring.Component):
     Raises
     ------
     InputError
-        If ``data_width`` or ``output`` is none of the above, or ``front_end`` does not fit the
-        number of neurons.
+        If ``data_width`` or ``output`` is none of the above, ``front_end`` does not fit the number
+        of neurons, the pixels per clock fit neither the width nor the fetcher, or a stream is to
+        come in strips.
     """
 
     def __init__(self, descriptor, *, data_width=32, output="memory",
@@ -77,21 +80,29 @@ class Corrector(wiring.Component):
             raise InputError(f"the output is {output!r}, one of {', '.join(OUTPUTS)} is needed")
         if descriptor.skip_weights is not None:
             raise InputError("the descriptor has a skip path, the gateware has none")
+        if fetch.strip and output == "stream":
+            raise InputError(f"the strip width is {fetch.strip}, a video stream needs 0 (raster)")
+        lanes, width = front_end.lanes, descriptor.geometry.corrected_width
+        if width % lanes:
+            raise InputError(f"the corrected width is {width}, {lanes} pixels per clock need a "
+                             f"multiple of {lanes}")
+        if lanes > 1 and fetch.fetcher == "multiport":
+            raise InputError(f"pixels per clock is {lanes}, the multiport fetcher can have 1 only")
         self.descriptor, self.data_width, self.output = descriptor, data_width, output
         self.front_end = front_end
         formats = descriptor.formats
         self.backmap = BackMap(descriptor.hidden_neurons, formats, variant=descriptor.variant,
                                options=front_end)
         self.table = ValidTable(descriptor.valid, descriptor.geometry.corrected_height)
-        self.window = WindowAddress(formats)
+        self.window = WindowAddress(formats, lanes)
         f_bits = formats.coordinate.f_bits
         self.fetch_options, split = fetch, fetch.split_for(descriptor.geometry)
         self.fetch = Multiport(f_bits, data_width) if fetch.fetcher == "multiport" else Cache(
-            f_bits, data_width, fetch.cache_for(descriptor.geometry))
-        self.interpolator = Interpolator(formats.coordinate.f_bits)
+            f_bits, data_width, fetch.cache_for(descriptor.geometry), lanes)
+        self.interpolator = Interpolator(f_bits, lanes)
         self.registers = Registers(
             registers(descriptor.hidden_neurons, formats),
-            host_values(descriptor, data_width, split),
+            host_values(descriptor, data_width, split, fetch.strip),
             digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons)
         ports = _flat("csr", Agent(ADDRESS_WORDS_BITS), In)
         for r in range(self.fetch.ports):
@@ -100,7 +111,7 @@ class Corrector(wiring.Component):
             self.writer = BurstWriter(data_width, burst=_WRITE_BURST)
             ports |= _flat("write", self.writer.bus.signature, Out)
         else:
-            ports |= {"stream_valid": Out(1), "stream_ready": In(1), "stream_data": Out(24),
+            ports |= {"stream_valid": Out(1), "stream_ready": In(1), "stream_data": Out(24 * lanes),
                       "stream_startofpacket": Out(1), "stream_endofpacket": Out(1)}
         super().__init__(ports | {"irq": Out(1), "front_end_idle": Out(1)})
 
@@ -118,23 +129,28 @@ class Corrector(wiring.Component):
         m.d.comb += [self.irq.eq(registers.irq), self.front_end_idle.eq(self.backmap.idle)]
         self._table(m)
         self._parameters(m, active)
-        m.d.comb += self.backmap.start.eq(begun)
+        m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort),
+                     registers.cut.eq(self.backmap.cut)]
         wiring.connect(m, self.backmap.o, self.window.i)
         wiring.connect(m, self.window.o, self.fetch.i)
         wiring.connect(m, self.fetch.o, self.interpolator.i)
         pixels = self.interpolator.o
         if self.output == "memory":
-            m.submodules.packer = packer = Packer(self.data_width)
+            m.submodules.packer = packer = Packer(self.data_width, self.front_end.lanes)
             m.submodules.writer = writer = self.writer
             wiring.connect(m, pixels, packer.i)
             wiring.connect(m, packer.o, writer.i)
             self._join(m, "write", writer.bus)
-            m.d.comb += [writer.start.eq(begun), writer.base.eq(active.TARGET_BASE),
-                         registers.ended.eq(writer.done)]
+            m.d.comb += [
+                packer.start.eq(begun), packer.base.eq(active.TARGET_BASE),
+                packer.order.width.eq(active.CORRECTED_WIDTH),
+                packer.order.height.eq(active.CORRECTED_HEIGHT),
+                packer.order.strip.eq(active.STRIP_WIDTH), registers.ended.eq(writer.done),
+            ]
         else:
             m.d.comb += [
                 self.stream_valid.eq(pixels.valid), pixels.ready.eq(self.stream_ready),
-                self.stream_data.eq(Cat(pixels.p.b, pixels.p.g, pixels.p.r)),
+                self.stream_data.eq(Cat(Cat(p.b, p.g, p.r) for p in lanes_of(pixels.p))),
                 self.stream_startofpacket.eq(pixels.p.first),
                 self.stream_endofpacket.eq(pixels.p.last),
                 registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last),
@@ -168,6 +184,7 @@ class Corrector(wiring.Component):
         scan, network = self.backmap.scan, self.backmap.network
         m.d.comb += [
             scan.width.eq(active.CORRECTED_WIDTH), scan.height.eq(active.CORRECTED_HEIGHT),
+            scan.strip.eq(active.STRIP_WIDTH if self.output == "memory" else 0),
             scan.origin_x.eq(active.SCAN_ORIGIN_X), scan.step_x.eq(active.SCAN_STEP_X),
             scan.origin_y.eq(active.SCAN_ORIGIN_Y), scan.step_y.eq(active.SCAN_STEP_Y),
             self.window.width.eq(active.DISTORTED_WIDTH),
@@ -194,7 +211,7 @@ class Corrector(wiring.Component):
         running = Signal()
         values = {name: Signal(32, name=name.lower()) for name in COUNTERS}
         events = dict.fromkeys(COUNTERS, 0) | {
-            "CLOCKS": running, "PIXELS": pixels.valid & pixels.ready,
+            "CLOCKS": running, "PIXELS": Mux(pixels.valid & pixels.ready, self.front_end.lanes, 0),
             "FETCHES": self.fetch.fetched, "FRONT_END_STALLS": self.backmap.stalled,
             "SINK_STALLS": pixels.valid & ~pixels.ready, "DATA_STALLS": self.fetch.waiting}
         if self.fetch_options.fetcher == "cache":

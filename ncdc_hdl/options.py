@@ -4,13 +4,15 @@ from dataclasses import dataclass
 
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.geometry import check_strip_width
 
-__all__ = ["FETCHERS", "FetchOptions", "FrontEndOptions", "HIDDEN", "PRODUCTS"]
+__all__ = ["FETCHERS", "FetchOptions", "FrontEndOptions", "HIDDEN", "LANES", "PRODUCTS"]
 
 FETCHERS = ("cache", "multiport")
 
 HIDDEN = ("multiply", "raster")
 PRODUCTS = (27, 18)
+LANES = (1, 2, 4)
 
 
 @dataclass(frozen=True)
@@ -21,22 +23,25 @@ class FrontEndOptions:
     ----------
     hidden : str
         "multiply": two multipliers per hidden neuron; "raster": one adder per hidden neuron,
-        which follows the raster scan.
+        which follows the scan.
     share : int
         Hidden neurons that one tan-sigmoid serves in turn: one coordinate every ``share``
         clocks. The multipliers are shared likewise.
     products : int
         Bits of the device's multiplier blocks: 27 makes each product of the neurons one
         multiplication, 18 cuts it into parts that fit blocks of 18 x 18 bits.
+    lanes : int
+        Pixels per clock, 1, 2 or 4: neighbours of a row, each with a network of its own.
 
     Raises
     ------
     InputError
-        If ``hidden`` or ``products`` is none of the above, or ``share`` is not positive.
+        If ``hidden``, ``products`` or ``lanes`` is none of the above, or ``share`` is not positive.
     """
     hidden: str = "multiply"
     share: int = 1
     products: int = 27
+    lanes: int = 1
 
     def __post_init__(self):
         if self.hidden not in HIDDEN:
@@ -46,6 +51,9 @@ class FrontEndOptions:
         if self.products not in PRODUCTS:
             raise InputError(f"products is {self.products}, one of "
                              f"{', '.join(map(str, PRODUCTS))} is needed")
+        if self.lanes not in LANES:
+            raise InputError(f"pixels per clock is {self.lanes}, one of "
+                             f"{', '.join(map(str, LANES))} is needed")
 
     def units(self, hidden_neurons):
         """Tan-sigmoids of a network of ``hidden_neurons``.
@@ -73,17 +81,21 @@ class FetchOptions:
         Sizes of the cache; those of :meth:`CacheOptions.for_width` if absent.
     split : int
         Of the cache, after configuration; that of :meth:`CacheOptions.split_for` if absent.
+    strip : int
+        Columns of the strips in whose order pixels are made, after configuration; 0: a raster.
 
     Raises
     ------
     InputError
-        If ``fetcher`` is none of the above.
+        If ``fetcher`` is none of the above, or there is no such strip.
     """
     fetcher: str = "cache"
     cache: CacheOptions | None = None
     split: int | None = None
+    strip: int = 0
 
     def __post_init__(self):
+        check_strip_width(self.strip)
         if self.fetcher not in FETCHERS:
             raise InputError(f"fetch is {self.fetcher!r}, one of {', '.join(FETCHERS)} is needed")
 

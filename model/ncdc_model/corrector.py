@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.geometry import WINDOW
+from ncdc_model.geometry import WINDOW, scan_order
 from ncdc_model.network import coordinates
 from ncdc_model.picture import bayer_quads, bilinear, fetches, window_address
 
@@ -33,10 +33,11 @@ def check_raw(raw, geometry):
                          "for {}x{}".format(*geometry.distorted))
 
 
-def correct(descriptor, raw, progress=lambda done, total: None):
+def correct(descriptor, raw, progress=lambda done, total: None, strip=0):
     """Correct the ``raw`` Bayer frame (distorted height, width) uint8; returns :class:`Corrected`.
 
-    ``progress(done, total)`` is called with the corrected rows done.
+    ``progress(done, total)`` is called with the corrected rows done. ``strip``: of
+    :func:`ncdc_model.geometry.scan_order`; only the number of fetches depends on it.
 
     Raises
     ------
@@ -56,7 +57,7 @@ def correct(descriptor, raw, progress=lambda done, total: None):
         origins[:, rows], used[rows] = (x0, y0), known
         progress(rows.stop, height)
     picture[~used] = geometry.fill
-    return Corrected(picture, ~used, fetches(*origins, used))
+    return Corrected(picture, ~used, fetches(*(scan_order(a, strip) for a in (*origins, used))))
 
 
 def window_bands(descriptor):

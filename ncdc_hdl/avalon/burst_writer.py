@@ -9,30 +9,38 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS, WriteHost
 
 __all__ = ["BurstWriter", "word_layout"]
 
+_BURSTS = 4  # complete bursts that wait for the bus
+
 
 def word_layout(data_width):
-    """A word to write: its bytes, which of them count, and whether it is the frame's last."""
-    return data.StructLayout({"data": data_width, "enable": data_width // 8, "last": 1})
+    """A word to write: its bytes, which of them count, its byte address, whether the next one is
+    elsewhere in memory (``end``), and whether it is the frame's ``last``."""
+    return data.StructLayout({"data": data_width, "enable": data_width // 8,
+                              "address": ADDRESS_BITS, "end": 1, "last": 1})
 
 
 class BurstWriter(wiring.Component):
-    """Writes the words of a frame to consecutive addresses, in bursts.
+    """Writes words in bursts, which begin anew behind each ``end``.
 
     A burst begins when all of its words are queued, so that it occupies the memory for no longer
-    than it must; the frame's last burst may be shorter.
+    than it must; bursts follow each other without a gap. All outputs to the bus are registers.
+
+    A burst that has begun is completed, whatever happens: a reset in its middle forgets the words
+    and the bursts that have not begun, but not how many words the bus still expects; those go with
+    no byte enabled.
 
     Parameters
     ----------
     data_width : int
         Bits of a word.
     burst : int
-        Words of a burst; the queue holds two.
+        Words of a burst, at most; the queue holds twice as many.
 
     Members
     -------
-    start, base : ``In(1)``, ``In(32)``
-        Begins a frame at byte address ``base`` (a multiple of the word); only while not busy.
     i : ``In(stream.Signature(word_layout(data_width)))``
+        Addresses are multiples of the word, ascending by a word up to an ``end``; the frame's last
+        word is one.
     done : ``Out(1)``
         High for one clock when the memory has accepted the last word.
     bus : ``Out(WriteHost(data_width, burst))``
@@ -41,7 +49,6 @@ class BurstWriter(wiring.Component):
     def __init__(self, data_width, *, burst):
         self.data_width, self.burst = data_width, burst
         super().__init__({
-            "start": In(1), "base": In(ADDRESS_BITS),
             "i": In(stream.Signature(word_layout(data_width))),
             "done": Out(1),
             "bus": Out(WriteHost(data_width, burst)),
@@ -49,34 +56,58 @@ class BurstWriter(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        layout = word_layout(self.data_width)
-        m.submodules.fifo = fifo = SyncFIFOBuffered(width=layout.size, depth=2 * self.burst)
-        word = data.View(layout, fifo.r_data)
-        ended = Signal()                             # the frame's last word is in the queue
-        left = Signal(range(self.burst + 1))         # words of the present burst
-        address = Signal(ADDRESS_BITS)
-        log2_bytes = (self.data_width // 8).bit_length() - 1
-        m.d.comb += [
-            fifo.w_data.eq(Value.cast(self.i.payload)), fifo.w_en.eq(self.i.valid & ~ended),
-            self.i.ready.eq(fifo.w_rdy & ~ended),
-            self.bus.writedata.eq(word.data), self.bus.byteenable.eq(word.enable),
-            self.bus.write.eq((left != 0) & fifo.r_rdy),
-        ]
-        with m.If(self.i.valid & self.i.ready & self.i.p.last):
-            m.d.sync += ended.eq(1)
-        with m.If(left == 0):
-            full = fifo.level >= self.burst
-            with m.If(full | ended & (fifo.level != 0)):
-                count = Mux(full, self.burst, fifo.level)
-                m.d.sync += [left.eq(count), self.bus.burstcount.eq(count),
-                             self.bus.address.eq(address),
-                             address.eq(address + (count << log2_bytes))]
-        with m.If(self.bus.write & ~self.bus.waitrequest):
-            m.d.comb += fifo.r_en.eq(1)
-            m.d.sync += left.eq(left - 1)
-            with m.If(word.last):
-                m.d.comb += self.done.eq(1)
-                m.d.sync += ended.eq(0)
-        with m.If(self.start):
-            m.d.sync += address.eq(self.base)
+        words = data.StructLayout({"data": self.data_width, "enable": self.data_width // 8})
+        bursts = data.StructLayout({"address": ADDRESS_BITS, "count": range(self.burst + 1),
+                                    "last": 1})
+        m.submodules.words = word_queue = SyncFIFOBuffered(width=words.size, depth=2 * self.burst)
+        m.submodules.bursts = burst_queue = SyncFIFOBuffered(width=bursts.size, depth=_BURSTS)
+        self._gather(m, word_queue, burst_queue, bursts)
+        self._send(m, word_queue, data.View(words, word_queue.r_data),
+                   burst_queue, data.View(bursts, burst_queue.r_data))
         return m
+
+    def _gather(self, m, word_queue, burst_queue, layout):
+        """Queue words, and a burst whenever one is complete."""
+        i, count, address = self.i.p, Signal(range(self.burst)), Signal(ADDRESS_BITS)
+        complete, burst = Signal(), Signal(layout)
+        m.d.comb += [
+            self.i.ready.eq(word_queue.w_rdy & burst_queue.w_rdy),
+            complete.eq(i.end | (count == self.burst - 1)),
+            word_queue.w_data.eq(Cat(i.data, i.enable)),
+            word_queue.w_en.eq(self.i.valid & self.i.ready),
+            burst.address.eq(Mux(count == 0, i.address, address)), burst.count.eq(count + 1),
+            burst.last.eq(i.last),
+            burst_queue.w_data.eq(burst), burst_queue.w_en.eq(word_queue.w_en & complete),
+        ]
+        with m.If(word_queue.w_en):
+            m.d.sync += [count.eq(Mux(complete, 0, count + 1)), address.eq(burst.address)]
+
+    def _send(self, m, word_queue, word, burst_queue, burst):
+        """Put one word after the other on the bus."""
+        write = Signal(reset_less=True)
+        beat = Signal(word.shape(), reset_less=True)
+        command = Signal(burst.shape(), reset_less=True)
+        left = Signal(range(self.burst + 1), reset_less=True)   # words of the burst to come
+        known = Signal()                             # the burst is of the time since the reset
+        frame_end = Signal()                         # the burst is the frame's last
+        forgotten = (left != 0) & ~known
+        m.d.comb += [
+            self.bus.write.eq(write), self.bus.writedata.eq(beat.data),
+            self.bus.byteenable.eq(beat.enable),
+            self.bus.address.eq(command.address), self.bus.burstcount.eq(command.count),
+            self.done.eq(write & ~self.bus.waitrequest & (left == 0) & frame_end),
+        ]
+        with m.If(~write | ~self.bus.waitrequest):
+            m.d.sync += [write.eq(0), beat.eq(word)]
+            with m.If(left == 0):
+                m.d.comb += burst_queue.r_en.eq(1)
+                m.d.sync += frame_end.eq(0)
+                with m.If(burst_queue.r_rdy):
+                    m.d.comb += word_queue.r_en.eq(1)
+                    m.d.sync += [command.eq(burst), left.eq(burst.count - 1), write.eq(1),
+                                 known.eq(1), frame_end.eq(burst.last)]
+            with m.Else():
+                m.d.comb += word_queue.r_en.eq(~forgotten)
+                m.d.sync += [write.eq(1), left.eq(left - 1)]
+                with m.If(forgotten):
+                    m.d.sync += beat.enable.eq(0)

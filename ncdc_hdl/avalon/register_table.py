@@ -7,12 +7,12 @@ from amaranth import signed, unsigned
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.packer import PIXEL_BYTES
 from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN
+from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 
-__all__ = ["ADDRESS_WORDS_BITS", "CONSTANTS", "CTRL_COMMIT", "CTRL_START", "Flag", "ID", "Register",
-           "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_PENDING",
-           "STATUS_REFUSED", "TABLE", "counters", "frame_bytes", "host_values", "network_values", "registers",
-           "table_words"]
+__all__ = ["ADDRESS_WORDS_BITS", "CONSTANTS", "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "Flag",
+           "ID", "Register", "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED",
+           "STATUS_DONE", "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "counters", "frame_bytes",
+           "host_values", "network_values", "registers", "table_words"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
@@ -20,9 +20,9 @@ ID = 0x4E434443           # "NCDC"
 
 CONSTANTS = ("ID", "DIGEST", "NEURONS")      # of an instance
 
-CTRL_START, CTRL_COMMIT = 1, 2
+CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
-STATUS_COMMITTED, STATUS_REFUSED, STATUS_BANK = 8, 16, 32
+STATUS_COMMITTED, STATUS_REFUSED, STATUS_BANK, STATUS_ABORTED = 8, 16, 32, 64
 
 _SIZE = unsigned(MAX_SIZE.bit_length())
 
@@ -90,7 +90,9 @@ _FIXED = (
             Flag("START", CTRL_START, "w1",
                  "correct one frame; while a frame runs, one more waits its turn"),
             Flag("COMMIT", CTRL_COMMIT, "w1",
-                 "make the whole set of shadow registers active at the next frame boundary")),
+                 "make the whole set of shadow registers active at the next frame boundary"),
+            Flag("ABORT", CTRL_ABORT, "w1",
+                 "end the frame that runs with a blank pixel; what is under way drains first")),
     _action("STATUS", 0x04, "",
             Flag("BUSY", STATUS_BUSY, "ro", "a frame runs"),
             Flag("DONE", STATUS_DONE, "w1c",
@@ -99,7 +101,9 @@ _FIXED = (
             Flag("COMMITTED", STATUS_COMMITTED, "ro", "a commit waits for the frame boundary"),
             Flag("REFUSED", STATUS_REFUSED, "w1c",
                  "a write was ignored that would have changed a committed set or valid rows in use"),
-            Flag("BANK", STATUS_BANK, "ro", "bank of the valid rows in use")),
+            Flag("BANK", STATUS_BANK, "ro", "bank of the valid rows in use"),
+            Flag("ABORTED", STATUS_ABORTED, "ro",
+                 "the last frame lacks pixels: it was aborted, or its width or height is 0")),
     Register("IRQ_ENABLE", 0x05, "rw", unsigned(1), "irq follows STATUS.DONE."),
     Register("VALID_WINDOW", 0x06, "rw", unsigned(1),
              "Bank of the valid rows that the table window reads and writes."),
@@ -128,6 +132,8 @@ _FIXED = (
              "Colour of pixels without a source, 0xRRGGBB."),
     Register("CACHE_SPLIT", 0x16, "shadow", unsigned(4),
              "Cache fetcher: log2 of the tile pairs along a row that have sets of their own."),
+    Register("STRIP_WIDTH", 0x17, "shadow", _SIZE,
+             f"Columns of a strip, a multiple of {STRIP_UNIT}; 0: raster. A stream is always a raster."),
     Register("CLOCKS", 0x18, "ro", unsigned(32), "Clocks of the last frame, start to last pixel."),
     Register("PIXELS", 0x19, "ro", unsigned(32), "Pixels of the last frame."),
     Register("FETCHES", 0x1A, "ro", unsigned(32), "Windows (multiport), or tiles of 16x4 (cache), "
@@ -192,11 +198,12 @@ def network_values(descriptor):
     return values
 
 
-def host_values(descriptor, data_width, split=None):
+def host_values(descriptor, data_width, split=None, strip=0):
     """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera:
     network, geometry, and a raw frame at address 0 with the corrected frame behind it.
 
-    ``split``: of the cache; that of :meth:`CacheOptions.for_width` if absent."""
+    ``split``: of the cache; that of :meth:`CacheOptions.for_width` if absent. ``strip``: columns
+    of a strip, 0 for a raster."""
     g = descriptor.geometry
     if split is None:
         split = CacheOptions.for_width(g.distorted_width).split_for(g.distorted_width)
@@ -215,7 +222,7 @@ def host_values(descriptor, data_width, split=None):
         "SCAN_ORIGIN_Y": origin_y, "SCAN_STEP_Y": step_y,
         "BAYER_PHASE": g.phase[0] | g.phase[1] << 1,
         "FILL": red << 16 | green << 8 | blue,
-        "CACHE_SPLIT": split,
+        "CACHE_SPLIT": split, "STRIP_WIDTH": strip,
     }
 
 

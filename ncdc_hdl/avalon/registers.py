@@ -21,7 +21,8 @@ class Registers(wiring.Component):
     clock. Until then writes to the set, and to the bank of valid rows that it names, are refused;
     so are, at any time, writes to the bank that a running or waiting frame uses. A refused write
     changes nothing and is remembered in STATUS, so that no frame ever sees half a set.
-    A start while a frame runs is kept, one deep; without a commit it uses the set in use.
+    A start while a frame runs is kept, one deep; without a commit it uses the set in use. An
+    abort concerns the frame that runs, not the one that waits.
 
     Timing: a write is taken at once; a read answers after 3 clocks, one at a time. The clock after
     ``ended`` is that of the next ``begin``, with or without a commit.
@@ -48,6 +49,10 @@ class Registers(wiring.Component):
         High for one clock, the one before ``active`` is that of a new frame.
     ended : ``In(1)``
         The frame is complete.
+    abort : ``Out(1)``
+        The frame is to end early; until it has ``ended``.
+    cut : ``In(1)``
+        The frame lacks pixels; when it has ``ended``.
     counters : ``In(StructLayout)``
         Of the frame, by name; copied when it ends.
     irq : ``Out(1)``
@@ -66,7 +71,7 @@ class Registers(wiring.Component):
             "table_write": Out(1), "table_read": Out(1),
             "table_start": Out(part), "table_stop": Out(part),
             "table_span_start": In(part), "table_span_stop": In(part),
-            "begin": Out(1), "ended": In(1),
+            "begin": Out(1), "ended": In(1), "abort": Out(1), "cut": In(1),
             "counters": In(data.StructLayout({name: 32 for name in COUNTERS})),
             "irq": Out(1),
         })
@@ -153,8 +158,11 @@ class Registers(wiring.Component):
             m.d.sync += pending.eq(1)
         with m.If(control["COMMIT"]):
             m.d.sync += committed.eq(1)
+        with m.If(control["ABORT"]):
+            m.d.sync += self.abort.eq(busy)
         with m.If(self.ended):
-            m.d.sync += [busy.eq(0), status["DONE"].eq(1),
+            m.d.sync += [busy.eq(0), status["DONE"].eq(1), self.abort.eq(0),
+                         status["ABORTED"].eq(self.cut),
                          counted["FRAMES"].eq(counted["FRAMES"] + 1)]
             m.d.sync += [counted[name].eq(self.counters[name]) for name in COUNTERS]
         return m

@@ -3,9 +3,13 @@
 from amaranth import *
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.burst_writer import word_layout
+from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.layouts import pixel_layout
+from ncdc_hdl.frontend.layouts import lanes_of
+from ncdc_hdl.frontend.strips import ORDER, Strips
 
 __all__ = ["Packer", "PIXEL_BYTES"]
 
@@ -13,40 +17,82 @@ PIXEL_BYTES = 4  # blue, green, red, zero: the usual XRGB8888 in little-endian m
 
 
 class Packer(wiring.Component):
-    """Gathers pixels of four bytes (blue, green, red, zero) into words of ``data_width`` bits.
+    """Gathers pixels of four bytes (blue, green, red, zero) into words, each with its address.
 
-    The frame's last word is sent as soon as the last pixel has come; its missing bytes are not
-    enabled. Timing: one pixel per clock.
+    Pixel (u, v) goes to ``base + 4 (v width + u)``; the pixels come in the order of
+    :class:`Strips`. Rows of a raster follow each other without a gap. A row of a strip ends with a
+    word of its own, and begins with one: bytes of pixels of other strips are not enabled. The
+    frame's last word is sent as soon as the last pixel has come.
+
+    Timing: latency 1; one group per clock, or as many clocks as it has words.
+
+    Parameters
+    ----------
+    data_width : int
+        Bits of a word.
+    lanes : int
+        Pixels of a group: 1, 2 or 4.
 
     Members
     -------
-    i : ``In(stream.Signature(pixel_layout()))``
+    start : ``In(1)``
+        Begins a frame, in which nothing of the last one is left.
+    base, order : ``In(32)``, ``In(ORDER)``
+        Byte address of the frame, a multiple of the word; sizes. Constant in a frame.
+    i : ``In(stream.Signature(pixel_layout(lanes)))``
     o : ``Out(stream.Signature(word_layout(data_width)))``
     """
 
-    def __init__(self, data_width):
-        self.data_width = data_width
-        super().__init__({"i": In(stream.Signature(pixel_layout())),
+    def __init__(self, data_width, lanes=1):
+        self.data_width, self.lanes = data_width, lanes
+        super().__init__({"start": In(1), "base": In(ADDRESS_BITS), "order": In(ORDER),
+                          "i": In(stream.Signature(pixel_layout(lanes))),
                           "o": Out(stream.Signature(word_layout(data_width)))})
 
     def elaborate(self, platform):
         m = Module()
-        lanes = self.data_width // (8 * PIXEL_BYTES)
+        room = self.data_width // (8 * PIXEL_BYTES)  # pixels of a word
+        step = min(self.lanes, room)                 # pixels taken at a time
+        parts = self.lanes // step
         # At least one bit: Verilog has no signal of none.
-        lane = Signal(range(max(lanes, 2)))
-        pixel = Cat(self.i.p.b, self.i.p.g, self.i.p.r, Const(0, 8))
-        word, enable = self.o.p.data, self.o.p.enable
+        part = Signal(range(max(parts, 2)))
+        group = Cat(Cat(p.b, p.g, p.r, Const(0, 8)) for p in lanes_of(self.i.p))
+        pixels = group.word_select(part, 8 * PIXEL_BYTES * step)
+        last = self.i.p.last & (part == parts - 1)
+
+        m.submodules.strips = strips = Strips(step)
+        address, row, strip, next_strip = (Signal(ADDRESS_BITS, name=name) for name in
+                                           ("address", "row", "strip", "next_strip"))
+        word_bits, step_bits = exact_log2(self.data_width // 8), exact_log2(PIXEL_BYTES * step)
+        place = address[step_bits:word_bits] if step < room else Const(0)
+        row_end = strips.last_column & ~strips.raster
+        begun = Signal()                             # the word has pixels already
+        complete = (place == room // step - 1) | row_end | last
+        m.d.comb += [strips.order.eq(self.order), strips.start.eq(self.start)]
+        # A strip that another one follows has more pixels than this is late.
+        m.d.sync += next_strip.eq(strip + strips.strip * PIXEL_BYTES)
+
+        o = self.o.p
         with m.If(~self.o.valid | self.o.ready):
-            m.d.comb += self.i.ready.eq(1)
-            complete = (lane == lanes - 1) | self.i.p.last
+            m.d.comb += [self.i.ready.eq(part == parts - 1), strips.advance.eq(self.i.valid)]
             m.d.sync += self.o.valid.eq(self.i.valid & complete)
-            with m.If(self.i.valid):
-                m.d.sync += [self.o.p.last.eq(self.i.p.last), lane.eq(Mux(complete, 0, lane + 1))]
-                for k in range(lanes):
-                    here = lane == k
-                    with m.If(here):
-                        m.d.sync += word.word_select(k, 8 * PIXEL_BYTES).eq(pixel)
-                    kept = enable.word_select(k, PIXEL_BYTES) & (lane != 0).replicate(PIXEL_BYTES)
-                    m.d.sync += enable.word_select(k, PIXEL_BYTES).eq(
-                        kept | here.replicate(PIXEL_BYTES))
+        with m.If(strips.advance):
+            m.d.sync += [part.eq(Mux(part == parts - 1, 0, part + 1)), begun.eq(~complete),
+                         o.last.eq(last), o.end.eq(row_end | last),
+                         o.address.eq(Cat(Const(0, word_bits), address[word_bits:]))]
+            for k in range(room // step):
+                enable = o.enable.word_select(k, PIXEL_BYTES * step)
+                with m.If(place == k):
+                    m.d.sync += [o.data.word_select(k, len(pixels)).eq(pixels), enable.eq(-1)]
+                with m.Elif(~begun):
+                    m.d.sync += enable.eq(0)
+            m.d.sync += address.eq(address + PIXEL_BYTES * step)
+            with m.If(strips.last_column & ~strips.last_row):
+                below = row + self.order.width * PIXEL_BYTES
+                m.d.sync += [address.eq(below), row.eq(below)]
+            with m.If(strips.last_column & strips.last_row):
+                m.d.sync += [address.eq(next_strip), row.eq(next_strip), strip.eq(next_strip)]
+        with m.If(self.start):
+            m.d.sync += [address.eq(self.base), row.eq(self.base), strip.eq(self.base),
+                         begun.eq(0), part.eq(0)]
         return m

@@ -39,7 +39,8 @@ class Lens:
         if split is None:       # the best one for this lens of the cache that is there
             cache = fetch.cache_for(corrector.descriptor.geometry)
             split = cache.split_for(descriptor.geometry.distorted_width)
-        values = host_values(descriptor, corrector.data_width, split)
+        values = host_values(descriptor, corrector.data_width, split,
+                             corrector.fetch_options.strip)
         return cls(descriptor.digest, descriptor.hidden_neurons,
                    {name: value for name, value in values.items() if name not in _HOST},
                    tuple(word for _, word in table_words(descriptor.valid)))

@@ -42,7 +42,14 @@ two words, one per span of pixels with a source: start in bits {bits}:0, stop in
 pixel u has a source if start <= u < stop of either span; an empty span is 0. A bank has as many
 rows as the corrected image of the descriptor, rounded up to a power of two; a host that sets a
 taller image than that gets the spans of other rows; writes beyond the bank are ignored. Sizes outside
-their limits are not checked: a width or height of 0 never ends.
+their limits are not checked; a frame whose width or height is 0 has one blank pixel, and `ABORTED`.
+
+`ABORT` ends the frame that runs early: the pixel after the one that enters the network is blank and
+the last. What is under way drains in order, the writer completes its burst, and the frame ends as any
+other does, with `DONE` and with `ABORTED`, which the next frame's end clears. A memory keeps what it
+had where the missing pixels belong; a stream's packet is short. Without a frame that runs it does
+nothing; `ABORT` and `START` together (5) end that frame and begin another. A frame whose stream is
+never taken cannot end: reset the module.
 
 ## A frame, another lens
 

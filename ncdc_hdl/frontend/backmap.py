@@ -20,7 +20,7 @@ class BackMap(wiring.Component):
     """Scan, HN hidden neurons with their tan-sigmoids, two output neurons, queue (Figs. 8, 29).
 
     Equal bit for bit to ``ncdc_model.network.coordinates`` in the order of :class:`Strips`,
-    whatever the options. Each of ``lanes`` neighbouring pixels has a network of its own; all have
+    whatever the options. Each of ``options.lanes`` neighbouring pixels has a network of its own; all have
     the same weights. Timing: the networks run free, one group of pixels every ``options.share``
     clocks; ``latency`` clocks from a scanned group to the queue. Instead of gating the front end's clock
     while the back end is full, the scan issues a group only if the queue has room for all that is
@@ -37,8 +37,6 @@ class BackMap(wiring.Component):
     queue : int, optional
         Groups under way and queued together, more than twice those that the pipeline holds; by
         default the least power of two that is, and 128 at least.
-    lanes : int, optional
-        Pixels of a group: 1, 2 or 4.
 
     Members
     -------
@@ -67,8 +65,9 @@ class BackMap(wiring.Component):
     """
 
     def __init__(self, hidden_neurons, formats, *, variant="mmhbc",
-                 options=FrontEndOptions(), queue=None, lanes=1):
-        self.hidden_neurons, self.formats, self.lanes = hidden_neurons, formats, lanes
+                 options=FrontEndOptions(), queue=None):
+        self.hidden_neurons, self.formats, self.lanes = hidden_neurons, formats, options.lanes
+        lanes = self.lanes
         self.share = options.share
         units = options.units(hidden_neurons)
         self.hidden = [RasterLayer(hidden_neurons, formats, self.share, lanes)

@@ -39,6 +39,8 @@ class Strips(wiring.Component):
     last_column, last_row, last_strip : ``Out(1)``
         Whether the group is the last of its row within the strip; its row the last of the
         picture; its strip the last.
+    strip, raster : ``Out``
+        Columns of a strip but the last; the whole picture is one.
     """
 
     def __init__(self, lanes=1):
@@ -46,27 +48,29 @@ class Strips(wiring.Component):
         super().__init__({
             "order": In(ORDER), "start": In(1), "advance": In(1), "u": Out(SIZE), "v": Out(SIZE),
             "last_column": Out(1), "last_row": Out(1), "last_strip": Out(1),
+            "strip": Out(SIZE), "raster": Out(1),
         })
 
     def elaborate(self, platform):
         m = Module()
         order, unit = self.order, exact_log2(STRIP_UNIT)
-        strip = Cat(Const(0, unit), order.strip[unit:])
         left = Signal(SIZE)                          # first column of the strip
         edge = Signal(SIZE)                          # last column of the strip
         # The next strip's edge, a clock late: no strip but the last has so few columns.
         next_edge, next_last = Signal(SIZE), Signal()
 
         def limited(column):
-            beyond = (strip == 0) | (column >= order.width - 1)
+            beyond = self.raster | (column >= order.width - 1)
             return Mux(beyond, order.width - 1, column), beyond
 
         group = exact_log2(self.lanes)
         m.d.comb += [
+            self.strip.eq(Cat(Const(0, unit), order.strip[unit:])),
+            self.raster.eq(self.strip == 0),
             self.last_column.eq(self.u[group:] == edge[group:]),
             self.last_row.eq(self.v == order.height - 1),
         ]
-        further_edge, further_last = limited(edge + strip)
+        further_edge, further_last = limited(edge + self.strip)
         m.d.sync += [next_edge.eq(further_edge), next_last.eq(further_last)]
         with m.If(self.advance):
             m.d.sync += self.u.eq(self.u + self.lanes)
@@ -76,7 +80,7 @@ class Strips(wiring.Component):
             with m.Elif(self.last_column):
                 m.d.sync += [self.v.eq(self.v + 1), self.u.eq(left)]
         with m.If(self.start):
-            first_edge, only = limited(strip - 1)
+            first_edge, only = limited(self.strip - 1)
             m.d.sync += [self.u.eq(0), self.v.eq(0), left.eq(0),
                          edge.eq(first_edge), self.last_strip.eq(only)]
         return m

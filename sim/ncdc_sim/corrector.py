@@ -37,7 +37,7 @@ class Simulation:
         From the start's register write to the interrupt, counted by the bench.
     setup : dict
         ``simulator``, ``memory``, ``fetch``, ``cache_bytes``, ``cache_split``, ``data_width``,
-        ``output``, ``hidden``, ``share``, ``products``.
+        ``output``, ``hidden``, ``share``, ``products``, ``strip``, ``pixels_per_clock``.
     """
     picture: np.ndarray
     golden: np.ndarray
@@ -71,13 +71,13 @@ class Simulation:
         }
 
 
-def corrector_program(descriptor, data_width, checked=True, split=None):
+def corrector_program(descriptor, data_width, checked=True, split=None, strip=0):
     """Register accesses that a host makes to correct one frame: every parameter is written
-    (and, if ``checked``, read back), a frame started and awaited, the counters read. ``split``: as
-    of :func:`ncdc_hdl.avalon.register_table.host_values`."""
+    (and, if ``checked``, read back), a frame started and awaited, the counters read. ``split``,
+    ``strip``: as of :func:`ncdc_hdl.avalon.register_table.host_values`."""
     rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
     writes = [(rows[name].address, value)
-              for name, value in host_values(descriptor, data_width, split).items()]
+              for name, value in host_values(descriptor, data_width, split, strip).items()]
     writes += table_words(descriptor.valid)
     program = Program()
     for address, value in [*writes, (rows["IRQ_ENABLE"].address, 1)]:
@@ -94,7 +94,7 @@ def corrector_program(descriptor, data_width, checked=True, split=None):
 def tiles_fetched(descriptor, fetch):
     """Tiles that the golden model of the cache reads."""
     geometry = descriptor.geometry
-    accessed = accesses(lookups(frame_windows(descriptor)))
+    accessed = accesses(lookups(frame_windows(descriptor), fetch.strip))
     return len(misses(accessed, fetch.cache_for(geometry), fetch.split_for(geometry)))
 
 
@@ -131,19 +131,19 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
         verilog = corrector_verilog(descriptor, data_width=data_width, output=output,
                                     front_end=front_end, fetch=fetch)
     split = fetch.split_for(descriptor.geometry)
-    values = host_values(descriptor, data_width, split)
+    values = host_values(descriptor, data_width, split, fetch.strip)
     width, height = descriptor.geometry.corrected
     stream = output == "stream"
     result = simulate_frame(
         verilog, raw_image(raw, values["SOURCE_PITCH"]),
-        corrector_program(descriptor, data_width, split=split),
+        corrector_program(descriptor, data_width, split=split, strip=fetch.strip),
         source_base=values["SOURCE_BASE"], output_base=values["TARGET_BASE"],
         output_bytes=3 * width * height if stream else frame_bytes(descriptor.geometry),
         memory=memory, simulator=simulator, seed=seed, progress=progress)
     picture = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
     if not stream:
         picture = picture[..., 2::-1]  # stored blue first, a zero byte last
-    golden = correct(descriptor, raw)
+    golden = correct(descriptor, raw, strip=fetch.strip)
     cache = fetch.cache_for(descriptor.geometry) if fetch.fetcher == "cache" else None
     rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
     return Simulation(
@@ -156,4 +156,5 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
                "fetch": fetch.fetcher, "cache_bytes": cache.bytes if cache else 0,
                "cache_split": split if cache else 0, "data_width": data_width, "output": output,
                "hidden": front_end.hidden, "share": front_end.share,
-               "products": front_end.products})
+               "products": front_end.products, "strip": fetch.strip,
+               "pixels_per_clock": front_end.lanes})
