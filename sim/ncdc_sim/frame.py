@@ -172,7 +172,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
                "NCDC_CSR_ADDRESS_WIDTH": ports["csr_address"],
                "NCDC_MEMORY_BYTES": max(LEAST_MEMORY, 1 << (end - 1).bit_length())}
     defines |= {"NCDC_THREE_READ_PORTS": None} if readers == 3 else {}
-    defines |= {"NCDC_STREAM": None} if stream else {}
+    defines |= {"NCDC_STREAM": ports["stream_data"] // 24} if stream else {}
     sources = [(name, (HDL / name).read_text()) for name in BENCH] + [("ncdc.v", verilog)]
     top = "frame_bench"
     if simulator == "icarus":

@@ -16,7 +16,7 @@
 //
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH,
 // NCDC_WRITE_BURST_WIDTH, NCDC_CSR_ADDRESS_WIDTH, NCDC_MEMORY_BYTES, NCDC_THREE_READ_PORTS,
-// NCDC_STREAM (stream instead of memory output).
+// NCDC_STREAM (stream instead of memory output, so many pixels per beat).
 
 `timescale 1ns/1ps
 
@@ -154,23 +154,24 @@ module frame_bench (
     wire [31:0] output_errors, output_done;     // breaches, bytes delivered
 `ifdef NCDC_STREAM
     wire        stream_valid, stream_startofpacket, stream_endofpacket;
-    wire [23:0] stream_data;
+    localparam SP = `NCDC_STREAM;       // pixels of a beat
+    wire [24*SP-1:0] stream_data;
     reg         stream_ready = 0;
     wire [31:0] stream_beats, stream_packets, stream_waits;
     reg  [31:0] sink_random;
 
     assign write_address = 0, write_write = 0, write_burstcount = 0;
     assign write_writedata = 0, write_byteenable = 0;
-    assign output_done = 3 * stream_beats;
+    assign output_done = 3 * SP * stream_beats;
 
-    stream_checker #(.NAME("stream"), .WIDTH(24)) stream_checker (
+    stream_checker #(.NAME("stream"), .WIDTH(24 * SP)) stream_checker (
         .clk(clk), .rst(rst), .host_rst(module_rst), .valid(stream_valid), .ready(stream_ready),
         .data(stream_data), .startofpacket(stream_startofpacket), .endofpacket(stream_endofpacket),
         .errors(output_errors), .beats(stream_beats), .packets(stream_packets),
         .waits(stream_waits)
     );
 
-    integer pixels;
+    integer pixels, lane;
     initial begin
         pixels = $fopen("output.bin", "wb");
         sink_random = 32'h2545F491;
@@ -182,7 +183,9 @@ module frame_bench (
         sink_random = sink_random ^ (sink_random << 5);
         stream_ready <= sink_random[15:8] < sink_chance;
         if (!rst && stream_valid && stream_ready)
-            $fwrite(pixels, "%c%c%c", stream_data[23:16], stream_data[15:8], stream_data[7:0]);
+            for (lane = 0; lane < SP; lane = lane + 1)
+                $fwrite(pixels, "%c%c%c", stream_data[24*lane+16 +: 8],
+                        stream_data[24*lane+8 +: 8], stream_data[24*lane +: 8]);
     end
 `else
     wire [31:0] write_commands, write_beats, write_waits;
@@ -264,7 +267,7 @@ module frame_bench (
                     // A stream's sink may still be taking pixels that the module has let go.
                     closing = closing + 1;
 `ifdef NCDC_STREAM
-                    if (closing == 16 + 64 * 256 || (closing > 16 && stream_beats >= output_pixels))
+                    if (closing == 16 + 64 * 256 || (closing > 16 && SP * stream_beats >= output_pixels))
 `else
                     if (closing == 16)
 `endif
