@@ -232,11 +232,12 @@ _FIXED = re.compile(r"fixed:(\d+):(\d+(?:\.\d+)?)")
 _CLOCKED = re.compile(r"(sdram|ddr3)@(\d+(?:\.\d+)?)")
 
 
-def memory_timing(memory):
+def memory_timing(memory, others=()):
     """The memory of a name; a memory is returned as it is.
 
     Names: those of :data:`MEMORIES`; ``sdram@MHZ`` and ``ddr3@MHZ`` at another clock of the
     corrector; ``fixed:LATENCY:BYTES`` with a fixed latency in clocks and bytes per clock.
+    ``others`` are names that the caller knows, for the message of the error.
 
     Raises
     ------
@@ -252,5 +253,5 @@ def memory_timing(memory):
         return LatencyMemory(latency=(latency, latency), bytes_per_clock=float(match[2]))
     if match := _CLOCKED.fullmatch(memory):
         return {"sdram": sdram, "ddr3": ddr3}[match[1]](Fraction(match[2]))
-    raise InputError(f"memory is {memory!r}, one of {', '.join(MEMORIES)}, sdram@MHZ, ddr3@MHZ or "
-                     "fixed:LATENCY:BYTES is needed")
+    raise InputError(f"memory is {memory!r}, one of {', '.join([*MEMORIES, *others])}, sdram@MHZ, "
+                     "ddr3@MHZ or fixed:LATENCY:BYTES is needed")

@@ -7,8 +7,8 @@ from ncdc_hdl.cli.generate import add_hardware, hardware
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.images import check_suffix, write_image
-from ncdc_model.memory_timing import memory_timing
 from ncdc_sim.corrector import simulate_correction
+from ncdc_sim.memories import simulated_memory
 from ncdc_sim.tools import SIMULATORS
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "difference", "run"]
@@ -27,7 +27,8 @@ def add_arguments(parser):
     add_hardware(parser)
     parser.add_argument("--memory", default="sdram", metavar="MEMORY",
                         help="simulated memory: ideal, sdram (default), ddr3, hostile, sdram@MHZ, "
-                             "ddr3@MHZ, fixed:LATENCY:BYTES (clocks, bytes per clock)")
+                             "ddr3@MHZ, fixed:LATENCY:BYTES (clocks, bytes per clock), or the "
+                             "controller LiteDRAM: litedram, litedram-ddr3")
     parser.add_argument("--simulator", choices=SIMULATORS, default="verilator",
                         help="verilator (default) or icarus, which takes some 100 times as long")
     parser.add_argument("--seed", type=int, default=1, metavar="S",
@@ -40,11 +41,12 @@ def run(args):
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
     check_suffix(args.output)
-    memory_timing(args.memory)
+    simulated_memory(args.memory)
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(args.image, descriptor.geometry)
+    chosen, _ = hardware(args, descriptor)
     simulation = simulate_correction(
-        descriptor, raw, **hardware(args), memory=args.memory, simulator=args.simulator,
+        descriptor, raw, **chosen, memory=args.memory, simulator=args.simulator,
         seed=args.seed, progress=Progress("simulating"))
     write_image(args.output, simulation.picture)
     if note:

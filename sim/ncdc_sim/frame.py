@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ncdc_model.errors import InputError
-from ncdc_model.memory_timing import memory_timing
-from ncdc_sim.memories import memory_settings
+from ncdc_sim.litedram import LiteDram, litedram_sources
+from ncdc_sim.memories import memory_settings, simulated_memory
 from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_sim.tools import SimulationError
@@ -14,8 +14,8 @@ from ncdc_sim.tools import SimulationError
 __all__ = ["FrameResult", "Program", "simulate_frame"]
 
 TOP = "ncdc"
-BENCH = ("frame_bench.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.v",
-         "stream_checker.v")
+BENCH = ("frame_bench.v", "avalon_checker.v", "stream_checker.v")
+MODEL = ("avalon_memory.v", "dram_timing.v")
 LEAST_MEMORY = 1 << 24          # bytes; more frame sizes share one build
 PROGRAM_LIMIT = 65536           # operations that the bench holds
 
@@ -126,8 +126,8 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         Byte addresses, multiples of 16.
     output_bytes : int
         Size of the output: in memory from ``output_base`` on, or 3 bytes per pixel of a stream.
-    memory : str, LatencyMemory or DramMemory
-        A name that ``ncdc_model.memory_timing.memory_timing`` knows, or a memory of your own.
+    memory : str, LatencyMemory, DramMemory or LiteDram
+        A name that ``ncdc_sim.memories.simulated_memory`` knows, or a memory of your own.
     simulator : str
         ``verilator`` or ``icarus``.
     clock_limit : int
@@ -151,7 +151,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         If the Verilog does not compile, breaks a rule of its buses, reads a wrong register value,
         or does not end in time; it holds the result as far as it goes.
     """
-    timing = memory_timing(memory)
+    memory = simulated_memory(memory)
     ports = ports_of(verilog, TOP)
     readers = sum(name.endswith("_readdata") and name.startswith("read") for name in ports)
     stream = "stream_data" in ports
@@ -174,13 +174,27 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     defines |= {"NCDC_THREE_READ_PORTS": None} if readers == 3 else {}
     defines |= {"NCDC_STREAM": ports["stream_data"] // 24} if stream else {}
     sources = [(name, (HDL / name).read_text()) for name in BENCH] + [("ncdc.v", verilog)]
+    if isinstance(memory, LiteDram):
+        if simulator != "verilator" or width % memory.native or end > memory.bytes:
+            raise InputError(
+                f"LiteDRAM with ports of {memory.native} bits and {memory.bytes >> 20} MB needs "
+                f"the simulator verilator and a data width that is a multiple of them; asked for "
+                f"are {simulator}, {width} bits and {end >> 20} MB")
+        defines |= {"NCDC_LITEDRAM_NATIVE": memory.native,
+                    "NCDC_LITEDRAM_ADDRESS": memory.address_bits}
+        sources += [("litedram_memory.v", (HDL / "litedram_memory.v").read_text()),
+                    *litedram_sources(memory, readers + 1)]
+        options, settings = ("-Wno-fatal",), {}
+    else:
+        sources += [(name, (HDL / name).read_text()) for name in MODEL]
+        options, settings = (), memory_settings(memory, width, readers)
     top = "frame_bench"
     if simulator == "icarus":
         top = "frame_clock"
         sources.insert(0, ("frame_clock.v", (HDL / "frame_clock.v").read_text()))
     binary = build("frame", top, sources, defines=defines, simulator=simulator,
-                   main=HDL / "frame_main.cpp")
-    settings = memory_settings(timing, width, readers) | {
+                   main=HDL / "frame_main.cpp", options=options)
+    settings |= {
         "source_base": source_base, "source_bytes": len(source), "output_base": output_base,
         "output_bytes": output_bytes, "program_words": len(program.operations) + 1,
         "clock_limit": clock_limit or 1000000 + 100 * output_bytes, "seed": seed,

@@ -1,16 +1,31 @@
-"""Settings of the simulated memory ``avalon_memory``."""
+"""The memories that a frame is simulated with."""
 
-from ncdc_model.memory_timing import DramMemory
+from ncdc_model.memory_timing import DramMemory, memory_timing
+from ncdc_sim.litedram import LITEDRAM
 
-__all__ = ["memory_settings"]
+__all__ = ["memory_settings", "simulated_memory"]
 
 _SAME = ("word_clocks", "cas_latency", "rcd", "rp", "ras", "rc", "rrd", "faw", "read_to_write",
          "write_to_read", "write_to_precharge", "refresh", "refresh_interval", "look_ahead",
          "controller_clocks", "write_batch", "max_pending")
 
 
+def simulated_memory(memory):
+    """The memory of a name: a controller of :data:`ncdc_sim.litedram.LITEDRAM`, or whatever
+    :func:`ncdc_model.memory_timing.memory_timing` knows; a memory is returned as it is.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, or a value is out of its range.
+    """
+    if isinstance(memory, str) and memory in LITEDRAM:
+        return LITEDRAM[memory]
+    return memory_timing(memory, others=LITEDRAM)
+
+
 def memory_settings(memory, data_width, ports):
-    """Plusargs of the model that make it the ``memory`` for words of ``data_width`` bits.
+    """Plusargs of ``avalon_memory`` that make it the ``memory`` for words of ``data_width`` bits.
 
     Parameters
     ----------
