@@ -55,12 +55,14 @@ class ReadCommands(wiring.Component):
         due = Signal(range(self.limit + 1), reset_less=True)
         stale = Signal(init=1)          # what comes was asked for before the reset
         accepted = read & ~bus.waitrequest
+        # Before the first reset of all the memory may say anything.
+        came = bus.readdatavalid & (due != 0)
         m.d.comb += [
             bus.read.eq(read), bus.address.eq(address), bus.burstcount.eq(words),
-            self.valid.eq(bus.readdatavalid & ~stale), self.word.eq(bus.readdata),
+            self.valid.eq(came & ~stale), self.word.eq(bus.readdata),
             self.i.ready.eq(~stale & (~read | accepted)),
         ]
-        m.d.sync += due.eq(due + Mux(accepted, words, 0) - bus.readdatavalid)
+        m.d.sync += due.eq(due + Mux(accepted, words, 0) - came)
         with m.If(self._nothing_due(read, due)):
             m.d.sync += stale.eq(0)
         with m.If(~read | accepted):
