@@ -99,8 +99,10 @@ def _properties(name, kind, direction, corrector):
         return own | _HOST
     if kind == "avalon_streaming":
         width = corrector.signature.members["stream_data"].shape
-        return own | {"dataBitsPerSymbol": 8, "symbolsPerBeat": Shape.cast(width).width // 8,
-                      "firstSymbolInHighOrderBits": "true", "readyLatency": 0}
+        symbols = Shape.cast(width).width // 8
+        # Red first; of several pixels, the leftmost first, which is in the lowest bits.
+        return own | {"dataBitsPerSymbol": 8, "symbolsPerBeat": symbols,
+                      "firstSymbolInHighOrderBits": str(symbols == 3).lower(), "readyLatency": 0}
     if kind == "interrupt":
         return own | {"associatedAddressablePoint": "csr"}
     return own
