@@ -78,8 +78,6 @@ class Corrector(wiring.Component):
                              f"{', '.join(map(str, DATA_WIDTHS))} is needed")
         if output not in OUTPUTS:
             raise InputError(f"the output is {output!r}, one of {', '.join(OUTPUTS)} is needed")
-        if descriptor.skip_weights is not None:
-            raise InputError("the descriptor has a skip path, the gateware has none")
         if fetch.strip and output == "stream":
             raise InputError(f"the strip width is {fetch.strip}, a video stream needs 0 (raster)")
         lanes, width = front_end.lanes, descriptor.geometry.corrected_width
@@ -205,6 +203,9 @@ class Corrector(wiring.Component):
             ]
         m.d.comb += [network.output[0].bias.eq(active.OUTPUT_X_BIAS),
                      network.output[1].bias.eq(active.OUTPUT_Y_BIAS)]
+        if self.descriptor.skip_weights is not None:
+            m.d.comb += [network.output[k].skip[j].eq(active[f"SKIP_{axis}_WEIGHT_{name}"])
+                         for k, axis in enumerate("XY") for j, name in enumerate("XY")]
 
     def _counters(self, m, begun, pixels):
         counters = self.registers.counters

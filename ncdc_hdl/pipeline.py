@@ -1,8 +1,11 @@
 """Registers of free-running pipelines."""
 
 from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.memory import Memory
+from amaranth.lib.wiring import In, Out
 
-__all__ = ["delay", "register"]
+__all__ = ["DelayMemory", "delay", "register"]
 
 
 def register(m, name, value, shape=None, reset_less=True):
@@ -20,3 +23,38 @@ def delay(m, value, clocks, name, reset_less=True):
     for k in range(clocks):
         value = register(m, f"{name}_d{k}", value, reset_less=reset_less)
     return value
+
+
+class DelayMemory(wiring.Component):
+    """``i`` as it was ``clocks`` clocks ago, through a memory: for words long under way.
+
+    Parameters
+    ----------
+    shape : Shape
+    clocks : int
+        At least 2, so that no word is read in the clock that writes it.
+
+    Members
+    -------
+    i, o : ``In(shape)``, ``Out(shape)``
+    """
+
+    def __init__(self, shape, clocks):
+        if clocks < 2:
+            raise ValueError(f"a memory delays by 2 clocks at least, not by {clocks}")
+        self.clocks = clocks
+        super().__init__({"i": In(shape), "o": Out(shape)})
+
+    def elaborate(self, platform):
+        m = Module()
+        i, o = Value.cast(self.i), Value.cast(self.o)
+        m.submodules.memory = memory = Memory(shape=len(i), depth=self.clocks, init=[])
+        write, read = memory.write_port(), memory.read_port()
+        place, following = Signal(range(self.clocks)), Signal(range(self.clocks))
+        m.d.sync += place.eq(following)
+        m.d.comb += [
+            following.eq(Mux(place == self.clocks - 1, 0, place + 1)),
+            write.addr.eq(place), write.data.eq(i), write.en.eq(1),
+            read.addr.eq(following), o.eq(read.data),
+        ]
+        return m

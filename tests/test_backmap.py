@@ -45,8 +45,9 @@ def load(ctx, backmap, d, strip=0):
         ctx.set(network.hidden[j], {"weights": d.hidden_weights[j].tolist(),
                                     "bias": int(d.hidden_biases[j])})
     for k in range(2):
+        skip = {} if d.skip_weights is None else {"skip": d.skip_weights[k].tolist()}
         ctx.set(network.output[k], {"weights": d.output_weights[k].tolist(),
-                                    "bias": int(d.output_biases[k])})
+                                    "bias": int(d.output_biases[k]), **skip})
 
 
 def expected(d, strip=0, lanes=1):

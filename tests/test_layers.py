@@ -21,8 +21,8 @@ def test_output_layer(neurons, share, gap):
     activations = rng.integers(q.lo, q.hi, (count, neurons), endpoint=True)
     weights = rng.integers(F.output_weight.lo, F.output_weight.hi, (2, neurons)) >> 3
     biases = rng.integers(F.output_bias.lo, F.output_bias.hi, 2) >> 3
-    clocks = rng.integers(q.lo, q.hi, (count, share + gap, dut.inputs), endpoint=True)
-    for unit in range(dut.inputs):
+    clocks = rng.integers(q.lo, q.hi, (count, share + gap, dut.units), endpoint=True)
+    for unit in range(dut.units):
         for turn, j in enumerate(served(unit, neurons, share)):
             clocks[:, turn, unit] = activations[:, j]
     items = [(turn == 0, a) for coordinate in clocks for turn, a in enumerate(coordinate)]

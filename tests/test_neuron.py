@@ -25,7 +25,7 @@ def bias_edges(xq, wq, bq, yq):
 
 
 def check(dut, model, xq, wq, bq, yq, rng):
-    n = dut.inputs
+    n = dut.terms
     # The bias is coarser than the sum: products of +-1 walk the steps between.
     items = [([1] * n, [w] + [0] * (n - 1), b) for b in bias_edges(xq, wq, bq, yq)
              for w in (0, -1, 1)]

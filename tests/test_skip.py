@@ -5,12 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cameras import barrel_descriptor
+from pipelines import run_pipeline
+from test_backmap import FrontEnd, expected, extreme, frames
 
+from ncdc_hdl.avalon.register_table import host_values, registers
+from ncdc_hdl.neural.neuron import WeightedSum, output_sum
+from ncdc_hdl.pipeline import DelayMemory
+from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor, Formats
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, fixed_map
 from ncdc_model.fixed import Q
 from ncdc_model.network import frame_coordinates, output_neuron
+from ncdc_sim.corrector import simulate_correction
 
 SKIP = np.array([[3.25, -41.5], [1000.0625, -7.75]])
 
@@ -85,3 +92,79 @@ def test_bad_skip_paths_are_named(tmp_path, old, new, message):
     path.write_text(text.replace(old, new))
     with pytest.raises(InputError, match=message):
         Descriptor.load(path)
+
+
+@pytest.mark.parametrize("hidden,share,products,tansig_bits,lanes", [
+    ("multiply", 1, 27, 20, 1), ("multiply", 3, 27, 20, 1), ("raster", 1, 27, 20, 1),
+    ("raster", 2, 18, 20, 1), ("multiply", 1, 18, 16, 1), ("multiply", 4, 18, 16, 1),
+    ("raster", 1, 27, 20, 2)])
+def test_front_end_equals_model(hidden, share, products, tansig_bits, lanes):
+    """Frames with weights at the limits, then those of a map; stalls in between."""
+    plain = barrel_descriptor((20, 16), (24, 18), hidden_neurons=4)
+    formats = replace(Formats().with_tansig_bits(tansig_bits).with_skip(),
+                      skip_weight=Q(12, 6) if tansig_bits == 16 else Q(14, 12))
+    d = Descriptor.quantise(replace(plain.network, skip_weights=SKIP), plain.geometry, plain.valid,
+                            formats)
+    worst = [replace(extreme(d, seed), skip_weights=np.where(SKIP > 0, q.lo, q.hi))
+             for seed, q in ((1, formats.skip_weight),)]
+    dut = FrontEnd(d, hidden=hidden, share=share, products=products, lanes=lanes)
+    for frame, case in zip(frames(dut, [d, *worst], .3), [d, *worst]):
+        np.testing.assert_array_equal(frame, expected(case, lanes=lanes))
+    assert (expected(d)[:, :2] != expected(plain)[:, :2]).any(axis=0).all()
+
+
+@pytest.mark.parametrize("field,change", [("skip_shift", 1), ("product_shift", 1)])
+def test_finds_a_wrong_alignment(field, change, monkeypatch):
+    right = getattr(WeightedSum, field).fget
+
+    def wrong(q):
+        return right(q) + change * (q.skip is not None)
+    monkeypatch.setattr(WeightedSum, field, property(wrong))
+    d = with_skip(barrel_descriptor((10, 9), (12, 10)))
+    frame, = frames(FrontEnd(d), [d], 0)
+    assert (frame != expected(d)).any()
+
+
+@pytest.mark.parametrize("neurons", [1, 8, 32])
+@pytest.mark.parametrize("skip_weight", [Q(14, 12), Q(14, 8)])
+def test_no_weights_can_make_the_accumulator_wrap(neurons, skip_weight):
+    q = output_sum(neurons, replace(Formats(), skip_weight=skip_weight))
+    x, w = q.skip
+    largest = (q.terms * q.xq.lo * q.wq.lo << q.product_shift) + (2 * x.lo * w.lo << q.skip_shift)
+    largest += (q.bq.hi << q.bias_shift) + q.half
+    limit = 1 << (q.shape.width - 1)
+    assert limit // 2 <= largest < limit
+
+
+@pytest.mark.parametrize("clocks", [2, 3, 43])
+def test_delay_memory(clocks):
+    dut, rng = DelayMemory(9, clocks), np.random.default_rng(clocks)
+    dut.latency = clocks
+    items = rng.integers(0, 512, 150).tolist()
+    got = run_pipeline(dut, items, lambda ctx, item: ctx.set(dut.i, item), lambda: [dut.o])
+    np.testing.assert_array_equal(np.ravel(got), items)
+    with pytest.raises(ValueError, match="delays by 2 clocks at least, not by 1"):
+        DelayMemory(9, 1)
+
+
+def test_registers():
+    plain = barrel_descriptor()
+    d = with_skip(plain)
+    table = registers(3, d.formats)
+    added = [r for r in table if r not in registers(3, plain.formats)]
+    assert [r.name for r in added] == [f"SKIP_{k}_WEIGHT_{j}" for k in "XY" for j in "XY"]
+    assert len({r.address for r in table}) == len(table)
+    values = host_values(d, 32)
+    assert [values[r.name] for r in added] == np.ravel(d.skip_weights).tolist()
+    assert all(r.access == "shadow" and r.shape.width == 26 and r.shape.signed for r in added)
+
+
+@pytest.mark.parametrize("simulator", ["icarus", pytest.param("verilator",
+                                                              marks=pytest.mark.regress)])
+def test_verilog_corrects_a_frame_with_it(simulator):
+    d = with_skip(barrel_descriptor((40, 32), (44, 36)), SKIP / 100)
+    raw = np.random.default_rng(1).integers(0, 256, d.geometry.distorted[::-1], np.uint8)
+    result = simulate_correction(d, raw, simulator=simulator)
+    assert not len(result.differing)
+    plain = correct(barrel_descriptor((40, 32), (44, 36)), raw)
+    assert (result.picture != plain.picture).any(axis=2).mean() > .3

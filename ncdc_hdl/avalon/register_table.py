@@ -10,9 +10,10 @@ from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 
 __all__ = ["ADDRESS_WORDS_BITS", "CONSTANTS", "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "Flag",
-           "ID", "Register", "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED",
-           "STATUS_DONE", "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "counters", "frame_bytes",
-           "host_values", "network_values", "registers", "table_words"]
+           "ID", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY",
+           "STATUS_COMMITTED", "STATUS_DONE", "STATUS_PENDING", "STATUS_REFUSED",
+           "TABLE", "counters", "frame_bytes", "host_values", "network_values",
+           "registers", "table_words"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
@@ -154,7 +155,7 @@ _FIXED = (
              "Cache fetcher: clocks in which a window waited because as many as allowed were "
              "pending."),
 )
-_HIDDEN, _OUTPUT, _OUTPUT_BIAS = 0x100, 0x200, 0x280
+_HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
 
 def registers(hidden_neurons, formats):
@@ -176,6 +177,12 @@ def registers(hidden_neurons, formats):
         rows.append(Register(f"OUTPUT_{axis}_BIAS", _OUTPUT_BIAS + k, "shadow",
                              signed(formats.output_bias.width),
                              f"Bias of output {axis.lower()}', pixels, {formats.output_bias}."))
+    if formats.skip_weight is not None:
+        rows += [Register(f"SKIP_{axis}_WEIGHT_{name}", SKIP + 2 * k + j, "shadow",
+                          signed(formats.skip_weight.width),
+                          f"Weight of input {name.lower()} in output {axis.lower()}', pixels, "
+                          f"{formats.skip_weight}; only with a skip path.")
+                 for k, axis in enumerate("XY") for j, name in enumerate("XY")]
     return tuple(rows)
 
 
@@ -195,6 +202,9 @@ def network_values(descriptor):
             values[f"OUTPUT_{axis}_WEIGHT{j}"] = int(descriptor.output_weights[k, j])
     for k, axis in enumerate("XY"):
         values[f"OUTPUT_{axis}_BIAS"] = int(descriptor.output_biases[k])
+        if descriptor.skip_weights is not None:
+            for j, name in enumerate("XY"):
+                values[f"SKIP_{axis}_WEIGHT_{name}"] = int(descriptor.skip_weights[k, j])
     return values
 
 

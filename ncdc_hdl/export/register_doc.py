@@ -2,7 +2,7 @@
 
 import re
 
-from ncdc_hdl.avalon.register_table import ADDRESS_WORDS_BITS, TABLE, registers
+from ncdc_hdl.avalon.register_table import ADDRESS_WORDS_BITS, SKIP, TABLE, registers
 from ncdc_model.descriptor import Formats
 from ncdc_model.geometry import MAX_SIZE
 
@@ -27,6 +27,10 @@ Access:
 - `rw`: takes effect at once;
 - `shadow`: read and written at any time, but only a commit makes it active, see below;
 - `action`: flags. `w1`: writing 1 acts, it reads 0; `w1c`: writing 1 clears it.
+
+Where the descriptor has a skip path ([numbers](numbers.md#the-skip-path)), the four registers from
+0x{skip:04X} on are `SKIP_X_WEIGHT_X`, the weight of x in x', `SKIP_X_WEIGHT_Y`, `SKIP_Y_WEIGHT_X` and
+`SKIP_Y_WEIGHT_Y`.
 
 The sizes of the network's registers are those of {neurons} hidden neurons (j = 0 .. {last}) in the
 default formats.
@@ -93,7 +97,7 @@ def register_doc(hidden_neurons, formats):
                  "Spans of pixels with a source in row r, see below. |\n")
     bits = MAX_SIZE.bit_length() - 1
     return (_HEAD.format(words=1 << ADDRESS_WORDS_BITS, neurons=hidden_neurons,
-                         last=hidden_neurons - 1)
+                         last=hidden_neurons - 1, skip=4 * SKIP)
             + "".join(lines) + _TAIL.format(bits=bits, high=16 + bits))
 
 

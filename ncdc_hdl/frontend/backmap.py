@@ -10,7 +10,7 @@ from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
 from ncdc_hdl.neural.raster import RasterLayer
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_hdl.options import FrontEndOptions
-from ncdc_hdl.pipeline import delay
+from ncdc_hdl.pipeline import DelayMemory, delay
 from ncdc_hdl.streams import CreditQueue
 
 __all__ = ["BackMap"]
@@ -117,6 +117,11 @@ class BackMap(wiring.Component):
         coordinates = []
         for k, (hidden, output) in enumerate(zip(self.hidden, self.output)):
             m.submodules[f"hidden{k}"], m.submodules[f"output{k}"] = hidden, output
+            if output.skip:
+                m.submodules[f"inputs{k}"] = inputs = DelayMemory(
+                    2 * self.formats.input.width, self.latency - latency + output.inputs_clock)
+                m.d.comb += [inputs.i.eq(Cat(scan.pixels[k].x, scan.pixels[k].y)),
+                             Value.cast(output.inputs).eq(inputs.o)]
             m.d.comb += [
                 hidden.start.eq(self.start), hidden.active.eq(scan.active),
                 hidden.pixel.eq(scan.pixels[k]), hidden.turn.eq(turn),

@@ -111,6 +111,8 @@ class OutputLayer(wiring.Component):
         With the activations of turn 0; the others follow clock by clock.
     i : ``In(ArrayLayout(signed(tansig), units))``
         In turn t the activation of neuron ``unit * share + t``; any value if there is none.
+    inputs : ``In(ArrayLayout(signed(input), 2))``
+        x, y of the pixel, ``inputs_clock`` clocks after ``first`` (only with a skip path).
     neurons : ``In(output_layout(...))``
         Constant in a frame.
     o : ``Out(ArrayLayout(signed(coordinate), 2))``
@@ -119,14 +121,20 @@ class OutputLayer(wiring.Component):
 
     def __init__(self, hidden_neurons, formats, share=1, products=27):
         self.hidden_neurons, self.share = hidden_neurons, share
-        self.inputs = -(-hidden_neurons // share)
-        self.outputs = [OutputNeuron(self.inputs, formats, share, products) for _ in range(2)]
+        self.units = -(-hidden_neurons // share)
+        self.skip = formats.skip_weight is not None
+        self.outputs = [OutputNeuron(self.units, formats, share, products) for _ in range(2)]
         super().__init__({
             "first": In(1),
-            "i": In(data.ArrayLayout(signed(formats.tansig.width), self.inputs)),
+            "i": In(data.ArrayLayout(signed(formats.tansig.width), self.units)),
             "neurons": In(output_layout(hidden_neurons, formats)),
             "o": Out(data.ArrayLayout(signed(formats.coordinate.width), 2)),
-        })
+        } | ({"inputs": In(data.ArrayLayout(signed(formats.input.width), 2))} if self.skip else {}))
+
+    @property
+    def inputs_clock(self):
+        """Clocks from ``first`` to ``inputs``; may be negative."""
+        return self.outputs[0].inputs_clock
 
     @property
     def latency(self):
@@ -146,7 +154,9 @@ class OutputLayer(wiring.Component):
                          self.o[k].eq(output.o)]
             if self.share > 1:
                 m.d.comb += output.first.eq(self.first)
-            for unit in range(self.inputs):
+            if self.skip:
+                m.d.comb += [output.inputs.eq(self.inputs), output.skip.eq(neuron.skip)]
+            for unit in range(self.units):
                 weights = [neuron.weights[j]
                            for j in served(unit, self.hidden_neurons, self.share)]
                 weights += [Const(0)] * (self.share - len(weights))

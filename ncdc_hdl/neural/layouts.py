@@ -18,9 +18,12 @@ def hidden_layout(hidden_neurons, formats):
 
 
 def output_layout(hidden_neurons, formats):
-    """Weights and biases of the two output neurons, raw in ``formats``."""
-    return data.ArrayLayout(
-        _neuron(hidden_neurons, formats.output_weight, formats.output_bias), 2)
+    """Weights, biases and skip weights, if any, of the two output neurons, raw in ``formats``."""
+    neuron = _neuron(hidden_neurons, formats.output_weight, formats.output_bias)
+    if formats.skip_weight is not None:
+        skip = data.ArrayLayout(signed(formats.skip_weight.width), 2)
+        neuron = data.StructLayout(neuron.members | {"skip": skip})
+    return data.ArrayLayout(neuron, 2)
 
 
 def pixel_layout(formats, lanes=1):

@@ -22,12 +22,16 @@ __all__ = ["HiddenNeuron", "OutputNeuron", "WeightedSum", "hidden_sum", "output_
 class WeightedSum:
     """Formats of a neuron's sum: products ``xq`` x ``wq``, a bias, one rounding to ``yq``.
 
+    The sum has the fraction bits of the products, the finer ones if there is a skip path.
+
     Parameters
     ----------
     terms : int
         Products in the sum.
     xq, wq, bq, yq : ncdc_model.fixed.Q
         Of the inputs, the weights, the bias, the result.
+    skip : (Q, Q) or None
+        Inputs and weights of the two further products of a skip path.
 
     Raises
     ------
@@ -39,6 +43,7 @@ class WeightedSum:
     wq: Q
     bq: Q
     yq: Q
+    skip: tuple | None = None
 
     def __post_init__(self):
         if self.shift < 1:
@@ -47,10 +52,25 @@ class WeightedSum:
         if self.bias_shift < 0:
             raise ValueError(f"bias {self.bq} is finer than the products {self.xq} x {self.wq}")
 
+    def _finer(self, x, w):
+        """Fraction bits that the sum has beyond the products of formats ``x`` and ``w``."""
+        pairs = [(self.xq, self.wq)] + ([self.skip] if self.skip else [])
+        return max(a.f_bits + b.f_bits for a, b in pairs) - x.f_bits - w.f_bits
+
+    @property
+    def product_shift(self):
+        """Fraction bits that the sum has beyond its products."""
+        return self._finer(self.xq, self.wq)
+
+    @property
+    def skip_shift(self):
+        """Fraction bits that the sum has beyond the products of the skip path."""
+        return self._finer(*self.skip)
+
     @property
     def shift(self):
         """Fraction bits that the rounding drops."""
-        return self.xq.f_bits + self.wq.f_bits - self.yq.f_bits
+        return self.product_shift + self.xq.f_bits + self.wq.f_bits - self.yq.f_bits
 
     @property
     def half(self):
@@ -59,13 +79,16 @@ class WeightedSum:
 
     @property
     def bias_shift(self):
-        """Fraction bits that the products have beyond the bias."""
-        return self.xq.f_bits + self.wq.f_bits - self.bq.f_bits
+        """Fraction bits that the sum has beyond the bias."""
+        return self.product_shift + self.xq.f_bits + self.wq.f_bits - self.bq.f_bits
 
     @property
     def shape(self):
         """Shape of the accumulator: no sum of any weights that fit the formats can wrap."""
-        largest = self.terms * self.xq.lo * self.wq.lo - (self.bq.lo << self.bias_shift) + self.half
+        largest = (self.terms * self.xq.lo * self.wq.lo << self.product_shift) + self.half
+        largest -= self.bq.lo << self.bias_shift
+        if self.skip:
+            largest += 2 * self.skip[0].lo * self.skip[1].lo << self.skip_shift
         return signed(largest.bit_length() + 1)
 
 
@@ -76,8 +99,9 @@ def hidden_sum(formats):
 
 def output_sum(hidden_neurons, formats):
     """The sum of an output neuron over ``hidden_neurons``, in ``formats``."""
+    skip = formats.skip_weight and (formats.input, formats.skip_weight)
     return WeightedSum(hidden_neurons, formats.tansig, formats.output_weight, formats.output_bias,
-                       formats.coordinate)
+                       formats.coordinate, skip)
 
 
 class _Accumulator(wiring.Component):
@@ -85,32 +109,42 @@ class _Accumulator(wiring.Component):
 
     A register more stands before each :class:`Product`, whose blocks have ``products`` bits. Of
     several turns, each brings ``inputs`` more terms of the same sum; ``first`` marks the one that
-    begins it.
+    begins it. The two products of a skip path are added to the bias.
     """
 
     weights_clock = 1
     """Clocks from an input to its weights, if those change from turn to turn."""
 
     def __init__(self, inputs, format, turns=1, products=27):
-        self.inputs, self.format, self.turns = inputs, format, turns
+        self.terms, self.format, self.turns = inputs, format, turns
         self.products = [Product(format.xq.width, format.wq.width, products)
                          for _ in range(inputs)]
+        self.skip_products = [Product(*(q.width for q in format.skip), products)
+                              for _ in range(2 if format.skip else 0)]
         super().__init__({
             "i": In(data.ArrayLayout(signed(format.xq.width), inputs)),
             "weights": In(data.ArrayLayout(signed(format.wq.width), inputs)),
             "bias": In(signed(format.bq.width)),
             "o": Out(signed(format.yq.width)),
-        } | ({"first": In(1)} if turns > 1 else {}))
+        } | ({"first": In(1)} if turns > 1 else {}) | ({
+            "inputs": In(data.ArrayLayout(signed(format.skip[0].width), 2)),
+            "skip": In(data.ArrayLayout(signed(format.skip[1].width), 2)),
+        } if format.skip else {}))
 
     @property
     def _summed(self):
         """Clocks from ``i`` to the sum of its products: 1 in, products, adder tree."""
-        return 1 + self.products[0].latency + ceil_log2(self.inputs)
+        return 1 + self.products[0].latency + ceil_log2(self.terms)
 
     @property
     def bias_clock(self):
         """Clocks from an input to its bias, if that changes from input to input."""
         return self._summed - 1
+
+    @property
+    def inputs_clock(self):
+        """Clocks from the first turn's ``i`` to ``inputs``, those of a skip path; may be negative."""
+        return self._summed - (1 + self.skip_products[0].latency + 1 + 1)
 
     @property
     def latency(self):
@@ -135,11 +169,18 @@ class _Accumulator(wiring.Component):
             level += 1
         # The bias carries the half that rounds: a static sum, off the data path.
         biased = register("b_bias", (self.bias << q.bias_shift) + q.half, q.shape)
+        for k, product in enumerate(self.skip_products):
+            m.submodules[f"skip{k}"] = product
+            m.d.comb += [product.a.eq(register(f"k0_{k}", self.inputs[k])),
+                         product.b.eq(self.skip[k])]
+        if self.skip_products:
+            skipped = register("k_sum", self.skip_products[0].o + self.skip_products[1].o)
+            biased = register("k_bias", biased + (skipped << q.skip_shift), q.shape)
         total = Signal(q.shape, name="a_total", reset_less=True)
         before = biased
         if self.turns > 1:
             before = Mux(delay(m, self.first, self._summed, "first"), biased, total)
-        m.d.sync += total.eq(terms[0] + before)
+        m.d.sync += total.eq((terms[0] << q.product_shift) + before)
         m.d.comb += self.o.eq(register("r_o", saturate(total[q.shift:].as_signed(), q.yq),
                                        signed(q.yq.width)))
         return m
@@ -200,6 +241,9 @@ class OutputNeuron(_Accumulator):
     Members, Raises: as :class:`HiddenNeuron`, with ``inputs`` in place of 2, and
     first : ``In(1)``
         With the activations of the first turn (``turns`` above 1 only).
+    inputs, skip : ``In(ArrayLayout(signed(n), 2))``
+        The hidden neurons' x and y, ``inputs_clock`` clocks after the first turn's activations,
+        and their weights (only if ``formats`` has a skip path).
     """
 
     def __init__(self, inputs, formats, turns=1, products=27):

@@ -22,9 +22,13 @@ def scan_of(d):
 
 def network_of(d):
     """The network's weights and biases of descriptor ``d``."""
-    return {layer: [{"weights": w.tolist(), "bias": int(b)} for w, b in zip(weights, biases)]
-            for layer, weights, biases in (("hidden", d.hidden_weights, d.hidden_biases),
-                                           ("output", d.output_weights, d.output_biases))}
+    layers = {layer: [{"weights": w.tolist(), "bias": int(b)} for w, b in zip(weights, biases)]
+              for layer, weights, biases in (("hidden", d.hidden_weights, d.hidden_biases),
+                                             ("output", d.output_weights, d.output_biases))}
+    if d.skip_weights is not None:
+        for neuron, weights in zip(layers["output"], d.skip_weights):
+            neuron["skip"] = weights.tolist()
+    return layers
 
 
 async def table(dut, spans, busy):
