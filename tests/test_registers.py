@@ -6,10 +6,10 @@ from amaranth import *
 from cameras import barrel_descriptor
 from pipelines import run_bench
 
-from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, ID, STATUS_BANK, STATUS_BUSY,
-                                            STATUS_COMMITTED, STATUS_DONE, STATUS_PENDING,
-                                            STATUS_REFUSED, TABLE, host_values, registers,
-                                            table_words)
+from ncdc_hdl.avalon.register_table import (CTRL_ABORT, CTRL_COMMIT, CTRL_START, ID, STATUS_ABORTED,
+                                            STATUS_BANK, STATUS_BUSY, STATUS_COMMITTED, STATUS_DONE,
+                                            STATUS_PENDING, STATUS_REFUSED, TABLE, host_values,
+                                            registers, table_words)
 from ncdc_hdl.avalon.registers import Registers
 from ncdc_hdl.frontend.valid import ValidTable
 
@@ -341,5 +341,37 @@ def test_unused_addresses_read_zero(address):
     async def bench(ctx, dut, host):
         await host.write(address, 0xFFFFFFFF)
         assert await host.read(address) == 0
+
+    run(bench)
+
+
+def test_an_abort_concerns_the_frame_that_runs():
+    """It is held until that frame has ended; without one, and for the next one, it is nothing."""
+    async def bench(ctx, dut, host):
+        async def control(value):
+            await host.write(BY_NAME["CTRL"].address, value)
+            await wait(ctx, 3)
+
+        async def end(cut):
+            ctx.set(dut.cut, cut)
+            ctx.set(dut.ended, 1)
+            await ctx.tick()
+            ctx.set(dut.ended, 0)
+            await wait(ctx, 3)
+
+        async def status():
+            return await host.read(BY_NAME["STATUS"].address)
+
+        await control(CTRL_ABORT)
+        assert not ctx.get(dut.abort)
+        await control(CTRL_START | CTRL_ABORT)
+        assert not ctx.get(dut.abort) and await status() == STATUS_BUSY
+        await control(CTRL_START | CTRL_ABORT)
+        assert ctx.get(dut.abort) and await status() == STATUS_BUSY | STATUS_PENDING
+        await end(1)
+        assert not ctx.get(dut.abort)
+        assert await status() == STATUS_BUSY | STATUS_DONE | STATUS_ABORTED
+        await end(0)
+        assert await status() == STATUS_DONE
 
     run(bench)
