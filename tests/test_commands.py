@@ -197,14 +197,35 @@ def test_generate_writes_the_corrector(folder, capsys):
     assert run("generate net.toml -o hw --data-width 64 --to stream --json -") == 0
     report = json.loads(capsys.readouterr().out)
     assert report["data_width"] == 64 and report["output"] == "stream"
-    verilog = corrector_verilog(Descriptor.load("net.toml"), data_width=64, output="stream")
+    verilog = corrector_verilog(Descriptor.load("net.toml"), data_width=64, output="stream",
+                                fetch=planned(report))
     assert (folder / "hw" / "ncdc.v").read_text() == verilog
+
+
+def planned(report):
+    """The fetcher of a report of generate or simulate."""
+    return FetchOptions("cache", CacheOptions.of_bytes(report["cache_bytes"]),
+                        report["cache_split"], report["strip"])
+
+
+@pytest.mark.parametrize("to", ["memory", "stream"])
+def test_generate_plans_the_cache_and_says_so(folder, to, capsys):
+    assert run(f"generate net.toml -o hw --to {to}") == 0
+    line = capsys.readouterr().out.splitlines()[0]
+    assert re.fullmatch(r"cache of \d+ bytes, split \d, .*: [\d.]+ bytes read per pixel, "
+                        r"[\d.]+ times the distinct bytes", line)
+    assert run(f"generate net.toml -o hw --to {to} --cache-bytes 4096 --json -") == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["cache_bytes"] == 4096
+    assert (folder / "hw" / "ncdc.v").read_text() == corrector_verilog(
+        Descriptor.load("net.toml"), output=to, fetch=planned(report))
 
 
 def test_front_end_options_reach_the_verilog(folder, capsys):
     options = "--hidden raster --share 2 --products 18"
-    assert run(f"generate net.toml -o hw {options}") == 0
-    verilog = corrector_verilog(Descriptor.load("net.toml"),
+    assert run(f"generate net.toml -o hw --json r.json {options}") == 0
+    report = json.loads((folder / "r.json").read_text())
+    verilog = corrector_verilog(Descriptor.load("net.toml"), fetch=planned(report),
                                 front_end=FrontEndOptions(hidden="raster", share=2,
                                                           products=18))
     assert (folder / "hw" / "ncdc.v").read_text() == verilog
@@ -215,7 +236,7 @@ def test_front_end_options_reach_the_verilog(folder, capsys):
 
 
 def test_cache_options_reach_the_verilog(folder, capsys):
-    options = "--cache-bytes 2048 --cache-split 1"
+    options = "--cache-bytes 2048 --cache-split 1 --strip 0"
     assert run(f"generate net.toml -o hw {options}") == 0
     verilog = corrector_verilog(Descriptor.load("net.toml"),
                                 fetch=FetchOptions(cache=CacheOptions(tiles=32), split=1))

@@ -80,7 +80,7 @@ def test_header_of_the_verilog_names_descriptor_and_options(folder, tmp_path):
     verilog, _ = generate(folder, tmp_path, data_width=64, to="stream")
     comment = verilog.partition("\n\n")[0]
     assert all(line.startswith("// ") for line in comment.splitlines())
-    for text in (descriptor().digest, "2 hidden neurons", "50x34 RGGB to 40x24", "cache of 4096",
+    for text in (descriptor().digest, "2 hidden neurons", "50x34 RGGB to 40x24", "cache of 8192",
                  "64-bit memory", "output to stream"):
         assert text in comment, text
 

@@ -5,15 +5,15 @@ from pathlib import Path
 from ncdc_boards.catalogue import board as board_of, board_names
 from ncdc_boards.project import check_board, project_files
 from ncdc_hdl.cli.common import add_json, write_report
+from ncdc_hdl.cli.plan import add_choices, planned_fetch
 from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS, Corrector
 from ncdc_hdl.export.drivers import driver_files
 from ncdc_hdl.export.fusesoc import fusesoc_core
 from ncdc_hdl.export.platform_designer import COMPONENT, hw_tcl
 from ncdc_hdl.export.verilog import TOP, verilog_of
 from ncdc_hdl.export.waivers import verilator_config
-from ncdc_hdl.options import FETCHERS, HIDDEN, LANES, PRODUCTS, FetchOptions, FrontEndOptions
+from ncdc_hdl.options import FETCHERS, HIDDEN, LANES, PRODUCTS, FrontEndOptions
 from ncdc_model.descriptor import Descriptor
-from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.files import write_text
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "add_hardware", "hardware", "run"]
@@ -27,15 +27,7 @@ def add_hardware(parser):
     parser.add_argument("--fetch", choices=FETCHERS, default=FETCHERS[0],
                         help="how raw windows are read: cache (default), a prefetching cache of "
                              "tiles, or multiport, the paper's three burst readers")
-    parser.add_argument("--cache-bytes", type=int, metavar="N",
-                        help="size of the cache, a power of two; 16 lines of the raw frame by "
-                             "default")
-    parser.add_argument("--cache-split", type=int, metavar="S",
-                        help="log2 of the tile pairs along a row that have sets of their own; as "
-                             "many as the raw frame has by default")
-    parser.add_argument("--strip", type=int, default=0, metavar="COLUMNS",
-                        help="make pixels in strips of so many columns, a multiple of 32; 0 "
-                             "(default): row by row; memory output only, same results")
+    add_choices(parser)
     parser.add_argument("--pixels-per-clock", type=int, choices=LANES, default=1, metavar="N",
                         help="1 (default), 2 or 4 neighbouring pixels at a time, each with a "
                              "network of its own; same results")
@@ -54,13 +46,14 @@ def add_hardware(parser):
                              "which products are cut into parts; same results")
 
 
-def hardware(args):
-    """The chosen hardware, as keyword arguments of Corrector and corrector_verilog."""
+def hardware(args, descriptor):
+    """The chosen hardware, as keyword arguments of Corrector and corrector_verilog, and a line on
+    what was planned, None if nothing was."""
+    fetch, planned = planned_fetch(args, descriptor)
     return {"data_width": args.data_width, "output": args.to,
             "front_end": FrontEndOptions(hidden=args.hidden, share=args.share,
                                          products=args.products, lanes=args.pixels_per_clock),
-            "fetch": FetchOptions(args.fetch, args.cache_bytes and CacheOptions.of_bytes(
-                args.cache_bytes), args.cache_split, args.strip)}
+            "fetch": fetch}, planned
 
 
 def add_arguments(parser):
@@ -89,6 +82,15 @@ def _settle(args, board):
             setattr(args, name, value)
 
 
+def _fetch_report(fetch, descriptor):
+    """What the cache is, under the names in reports; zeros without one."""
+    if fetch.fetcher != "cache":
+        return {"cache_bytes": 0, "cache_split": 0, "strip": fetch.strip}
+    geometry = descriptor.geometry
+    return {"cache_bytes": fetch.cache_for(geometry).bytes,
+            "cache_split": fetch.split_for(geometry), "strip": fetch.strip}
+
+
 def run(args):
     """Generate and write; files that would not change are left alone."""
     descriptor = Descriptor.load(args.descriptor)
@@ -97,7 +99,8 @@ def run(args):
     _settle(args, board)
     if board:
         check_board(board, descriptor, args.to)
-    corrector = Corrector(descriptor, **hardware(args))
+    chosen, planned = hardware(args, descriptor)
+    corrector = Corrector(descriptor, **chosen)
     files = {f"{TOP}.v": verilog_of(corrector),
              **driver_files(corrector, lenses), f"{TOP}.core": fusesoc_core(corrector, TOP),
              f"{COMPONENT}_hw.tcl": hw_tcl(corrector),
@@ -110,10 +113,12 @@ def run(args):
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
               "fetch": args.fetch, "data_width": args.data_width, "output": args.to,
               "hidden": args.hidden, "share": args.share, "products": args.products,
-              "strip": args.strip, "pixels_per_clock": args.pixels_per_clock,
+              **_fetch_report(chosen["fetch"], descriptor), "pixels_per_clock": args.pixels_per_clock,
               "board": args.board, "left_to_user": board.left_to_user if board else {},
               "files": [str(folder / name) for name in files]}
     if not write_report(report, args.json):
+        if planned:
+            print(planned)
         for name, text in files.items():
             print(f"{folder / name}: {len(text.splitlines())} lines")
         for what, why in report["left_to_user"].items():

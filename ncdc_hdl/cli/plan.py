@@ -3,25 +3,32 @@
 from ncdc_hdl.avalon.register_table import host_values
 from ncdc_hdl.cli.common import Progress, add_json, write_report
 from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS
+from ncdc_hdl.options import FetchOptions
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
-from ncdc_model.fetch.plan import CLOCK_MHZ, plan
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.fetch.lookups import frame_windows
+from ncdc_model.fetch.plan import CLOCK_MHZ, candidates, choose, plan
+from ncdc_model.fetch.traffic import TILE_BYTES, distinct_bytes
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "add_choices", "frame_places", "run", "summary"]
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "add_choices", "frame_places", "planned_fetch",
+           "run"]
 
 HELP = "choose cache, split and strips for a trained map, and predict its speed on a memory"
 EXAMPLE = "ncdc plan net.toml --memory ddr3 --clock 150 --to stream"
+_LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
 
 
 def add_choices(parser):
     """Declare the options that fix what the planner would choose."""
     parser.add_argument("--cache-bytes", type=int, metavar="N",
                         help="samples that the cache holds, a power of two (default: planned)")
-    parser.add_argument("--split", type=int, metavar="S",
-                        help="log2 of the cache's sets that count columns (default: planned)")
-    parser.add_argument("--strip", type=int, metavar="COLUMNS",
-                        help="scan strips of so many columns, a multiple of 32; 0: raster "
+    parser.add_argument("--cache-split", type=int, metavar="S",
+                        help="log2 of the tile pairs along a row that have sets of their own "
                              "(default: planned)")
+    parser.add_argument("--strip", type=int, metavar="COLUMNS",
+                        help="make pixels in strips of so many columns, a multiple of 32, or row "
+                             "by row, 0; a stream takes 0 only (default: planned); same results")
 
 
 def add_arguments(parser):
@@ -51,13 +58,15 @@ def run(args):
     descriptor = Descriptor.load(args.descriptor)
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
     planned = plan(descriptor, memory=args.memory, clock_mhz=args.clock, data_width=width,
-                   stream=args.to == "stream", cache_bytes=args.cache_bytes, split=args.split,
+                   stream=args.to == "stream", cache_bytes=args.cache_bytes, split=args.cache_split,
                    strip=args.strip, rate=args.rate, **frame_places(descriptor, width),
                    progress=Progress("planning"))
     report = {"digest": descriptor.digest, "output": args.to, **planned.report()}
     if write_report(report, args.json):
         return
-    print(summary(planned))
+    report = planned.report()
+    print(choice_line(planned.options, planned.split, planned.strip,
+                      report["bytes_read_per_pixel"], planned.amplification))
     print(f"{planned.clocks_per_pixel:.4f} clocks per pixel, {planned.frames_per_second:.1f} "
           f"frames per second predicted ({args.memory}, {width} bits, {args.clock:g} MHz)")
     print(f"{planned.worst:.2f} bytes per pixel in the worst 8192 pixels; "
@@ -71,11 +80,42 @@ def frame_places(descriptor, data_width):
             "target": values["TARGET_BASE"]}
 
 
-def summary(planned):
-    """One line on what a plan chose and reads."""
-    report = planned.report()
-    scan = f"strips of {planned.strip} columns" if planned.strip else "raster scan"
-    return (f"cache of {report['cache_bytes']} bytes, split {planned.split}, {scan}: "
-            f"{report['bytes_read_per_pixel']:.3f} bytes read per pixel, "
-            f"{planned.amplification:.3f} times the distinct bytes")
+def choice_line(options, split, strip, bytes_read, amplification):
+    """One line on a choice and what it reads per pixel and per distinct byte."""
+    scan = f"strips of {strip} columns" if strip else "raster scan"
+    return (f"cache of {options.bytes} bytes, split {split}, {scan}: {bytes_read:.3f} bytes read "
+            f"per pixel, {amplification:.3f} times the distinct bytes")
 
+
+def planned_fetch(args, descriptor):
+    """The fetcher that a command's options choose, what they leave open planned for the map.
+
+    Returns
+    -------
+    FetchOptions
+    str or None
+        A line on the choice; None where nothing was left open.
+
+    Raises
+    ------
+    InputError
+        If an option is outside its limits.
+    """
+    fixed = args.cache_bytes, args.cache_split, args.strip
+    if args.fetch != "cache":
+        return FetchOptions(args.fetch, strip=args.strip or 0), None
+    if None not in fixed:
+        return FetchOptions("cache", CacheOptions.of_bytes(args.cache_bytes), *fixed[1:]), None
+    geometry = descriptor.geometry
+    width, height = geometry.corrected
+    sizes, strips = candidates(width, stream=args.to == "stream", cache_bytes=args.cache_bytes,
+                               split=args.cache_split, strip=args.strip)
+    progress = Progress("planning") if width * height >= _LONG else lambda fraction: None
+    windows = frame_windows(descriptor, lambda done, total: progress(.7 * done / total))
+    distinct = distinct_bytes(windows, geometry)
+    choice = choose(windows, distinct, sizes, strips, args.cache_split,
+                    lambda fraction: progress(.7 + .3 * fraction))[0]
+    read = choice.misses * TILE_BYTES
+    return (FetchOptions("cache", choice.options, choice.split, choice.strip),
+            choice_line(choice.options, choice.split, choice.strip, read / (width * height),
+                        read / max(1, distinct)))

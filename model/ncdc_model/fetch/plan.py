@@ -95,7 +95,7 @@ class Plan:
     def report(self):
         """The figures under their names in every report."""
         return {
-            "cache_bytes": self.options.bytes, "split": self.split, "strip": self.strip,
+            "cache_bytes": self.options.bytes, "cache_split": self.split, "strip": self.strip,
             "scan": "strip" if self.strip else "raster", "memory": self.memory,
             "clock_mhz": self.clock_mhz, "data_width": self.data_width, "misses": self.misses,
             "predicted_clocks_per_pixel": self.clocks_per_pixel,
