@@ -86,7 +86,7 @@ def test_plots(tmp_path):
     # Every map of one lens, quickly: the plot needs rows and maps, not good ones.
     fit, = fits_of("PC105", [("pbm6-separate", None, None)])
     row = {**fit.row, "model": "ncdc", "seed": 0, "fixed_mse": .2, "fixed_max": 2.0}
-    networks = [type(fit)({**row, "hidden_neurons": n, "mse": .1 / n}, fit.back_map)
+    networks = [type(fit)({**row, "hidden_neurons": n, "mse": .1 / n}, fit.back_map, fit.real_map)
                 for n in (4, 5, 6)]
     plot_accuracy(tmp_path, [fit, *networks])
     assert {path.name for path in tmp_path.iterdir()} == {"accuracy-PC105.png",

@@ -1,4 +1,4 @@
-"""The network beside other maps: all fitted to the same noisy dots, all measured on whole frames."""
+"""The network beside other maps: all fitted to the same noisy dots, measured on whole frames."""
 
 import time
 from dataclasses import dataclass, field
@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ncdc_model.baselines import BASELINES
-from ncdc_model.descriptor import Descriptor
 from ncdc_model.evaluate import float_map, map_error
+from ncdc_model.formats import Formats
 from ncdc_model.geometry import ValidRows
 from ncdc_model.network import coordinates
 from ncdc_model.reference_lenses import ReferenceLens
+from ncdc_model.training.rounding import round_network
 from ncdc_model.training.train import train
 
 __all__ = ["MODELS", "Fit", "NETWORKS", "fits_of", "jobs_of", "reliability"]
@@ -39,9 +40,12 @@ class Fit:
         dots to map.
     back_map : callable
         (u, v) to (x', y'): the integers of a network at whole pixels, else real numbers.
+    real_map : callable
+        The same in real numbers.
     """
     row: dict
     back_map: object = field(repr=False)
+    real_map: object = field(repr=False)
 
 
 def jobs_of(models, neurons, seeds):
@@ -65,7 +69,7 @@ def fits_of(name, jobs):
     for model, neurons, seed in jobs:
         start = time.process_time()
         if model in NETWORKS:
-            network, descriptor = _network(dots, neurons, seed, NETWORKS[model])
+            network, descriptor = _network(dots, truth, neurons, seed, NETWORKS[model])
             real, fixed = float_map(network, dots.geometry), _integer_map(descriptor)
         else:
             real, fixed = BASELINES[model](dots), None
@@ -74,14 +78,16 @@ def fits_of(name, jobs):
                **_errors(real, fixed, truth),
                "dots_mse": map_error(real(dots.u, dots.v), (dots.x, dots.y))["mse"],
                "seconds": seconds}
-        yield Fit(row, fixed or real)
+        yield Fit(row, fixed or real, real)
 
 
-def _network(dots, neurons, seed, options):
+def _network(dots, truth, neurons, seed, options):
+    """The network trained on ``dots``, and its integers, valid where ``truth`` has a source."""
     pairs = dots.u, dots.v, dots.x, dots.y
     network = train(pairs, dots.geometry, neurons, seed=seed, held_out=0, **options).network
-    everywhere = ValidRows.everything(*dots.geometry.corrected)
-    return network, Descriptor.quantise(network, dots.geometry, everywhere)
+    mask = np.zeros(dots.geometry.corrected[::-1], bool)
+    mask[truth.v.astype(int), truth.u.astype(int)] = True
+    return network, round_network(network, dots.geometry, ValidRows.of_mask(mask), Formats())
 
 
 def _integer_map(descriptor):

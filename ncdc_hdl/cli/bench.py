@@ -3,13 +3,13 @@
 import sys
 
 from ncdc_hdl.bench.synthesis import SynthesisError
-from ncdc_hdl.cli import bench_accuracy, bench_tansig
+from ncdc_hdl.cli import bench_accuracy, bench_lines, bench_tansig
 
 __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
-BENCHES = {"accuracy": bench_accuracy, "tansig": bench_tansig}
+BENCHES = {"accuracy": bench_accuracy, "lines": bench_lines, "tansig": bench_tansig}
 
 
 def add_arguments(parser):

@@ -10,10 +10,10 @@ from ncdc_model.errors import InputError
 from ncdc_model.files import check_outputs
 from ncdc_model.reference_lenses import REFERENCE_LENSES
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "neuron_counts", "run", "table"]
 
-HELP = ("fit the network and other maps to the same noisy dots of simulated lenses, and measure all "
-        "on the whole frame")
+HELP = ("fit the network and other maps to the same noisy dots of simulated lenses, and measure "
+        "all on the whole frame")
 EXAMPLE = "ncdc bench accuracy --lens PC105 --neurons 4,5,6 --model ncdc opencv-full"
 
 # Without options: a few minutes on one core. Back-propagation is slow, one network of it will do.
@@ -70,7 +70,9 @@ def run(args):
 def _work(args):
     """Lenses and the jobs on each."""
     lenses = args.lens or (REFERENCE_LENSES if args.all else _LENSES)
-    neurons = _counts(args.neurons) if args.neurons else _ALL_NEURONS if args.all else _NEURONS
+    neurons = _ALL_NEURONS if args.all else _NEURONS
+    if args.neurons:
+        neurons = neuron_counts(args.neurons)
     work = []
     for lens in lenses:
         if args.model:
@@ -83,7 +85,7 @@ def _work(args):
     return work
 
 
-def _counts(text):
+def neuron_counts(text):
     """Hidden neurons of a list such as 4,5,8-10; raises InputError."""
     counts = []
     for part in text.split(","):
