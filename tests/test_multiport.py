@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from amaranth import ResetInserter, Signal
 from amaranth.sim import Simulator
 from memory import read_agent
 from pipelines import get, put
@@ -97,3 +98,43 @@ def test_a_new_frame_is_read_again():
                                            log=logs[r]), background=True)
     simulator.run()
     assert [len(log) for log in logs] == [3, 3, 3]
+
+
+def test_a_reset_does_not_forget_reads():
+    """Words asked for before a reset come behind it, and must not be taken for those of later."""
+    rng = np.random.default_rng(2)
+    raw = rng.integers(0, 256, (64, 64), np.uint8)
+    origins = [(int(x), int(y)) for x, y in rng.integers(0, 61, (12, 2))]
+    items = [{"x0": x, "y0": y, "fx": 0, "fy": 0, "blank": 0, "first": k == 0, "last": 0}
+             for k, (x, y) in enumerate(origins)]
+    for clocks in (8, 15, 31):
+        dut, got = Multiport(F, 32), []
+        reset = ResetInserter(Signal(name="rst"))
+        held = reset.controls["sync"]
+        simulator = Simulator(reset(dut))
+        simulator.add_clock(1e-8)
+
+        async def bench(ctx):
+            ctx.set(dut.pitch, 64)
+            ctx.set(dut.i.valid, 1)
+            for k in range(clocks):
+                ctx.set(dut.i.payload, items[-1 - k % 3])
+                await ctx.tick()
+            ctx.set(dut.i.valid, 0)
+            ctx.set(held, 1)
+            await ctx.tick().repeat(2)
+            ctx.set(held, 0)
+            await put(ctx, dut.i, items, lambda: False)
+
+        async def sink(ctx):
+            await ctx.tick().repeat(clocks + 2)
+            got.extend(await get(ctx, dut.o, len(items), lambda: False))
+
+        simulator.add_testbench(bench)
+        simulator.add_testbench(sink)
+        for r in range(3):
+            simulator.add_testbench(read_agent(getattr(dut, f"bus{r}"), raw.ravel(), 4, rng,
+                                               latency=(40, 40)), background=True)
+        simulator.run()
+        for (x, y), window in zip(origins, got):
+            assert list(window.samples) == raw[y:y + 3, x:x + 3].ravel().tolist()
