@@ -345,6 +345,17 @@ def test_unused_addresses_read_zero(address):
     run(bench)
 
 
+def test_an_abort_right_behind_the_start_counts():
+    """The start's frame begins in the very clock in which the abort arrives."""
+    async def bench(ctx, dut, host):
+        await host.write(BY_NAME["CTRL"].address, CTRL_START)
+        await host.write(BY_NAME["CTRL"].address, CTRL_ABORT)
+        await wait(ctx, 3)
+        assert ctx.get(dut.abort) and await status(host) == STATUS_BUSY
+
+    run(bench)
+
+
 def test_an_abort_concerns_the_frame_that_runs():
     """It is held until that frame has ended; without one, and for the next one, it is nothing."""
     async def bench(ctx, dut, host):

@@ -159,7 +159,7 @@ class Registers(wiring.Component):
         with m.If(control["COMMIT"]):
             m.d.sync += committed.eq(1)
         with m.If(control["ABORT"]):
-            m.d.sync += self.abort.eq(busy)
+            m.d.sync += self.abort.eq(busy | self.begin)
         with m.If(self.ended):
             m.d.sync += [busy.eq(0), status["DONE"].eq(1), self.abort.eq(0),
                          status["ABORTED"].eq(self.cut),
