@@ -66,6 +66,28 @@ def test_jobs():
     assert set(MODELS) == set(NETWORKS) | set(BASELINES)
 
 
+@pytest.mark.parametrize("options, networks, slow", [
+    ([], {"PC105": [4, 5, 6], "PC120": [4, 5, 6], "120kb": [8, 10, 12, 16]}, {"PC105": [4]}),
+    (["--lens", "105br"], {"105br": [4, 6, 8, 10, 12]}, {}),
+    (["--lens", "PC105", "--neurons", "5,7-8"], {"PC105": [5, 7, 8]}, {}),
+    (["--all"], {lens: list(range(4, 17)) for lens in REFERENCE_LENSES},
+     {lens: [4, 5, 6] for lens in REFERENCE_LENSES})])
+def test_what_is_done_without_options(options, networks, slow, monkeypatch, capsys):
+    asked = {}
+
+    def fits_of(lens, jobs):
+        asked[lens] = jobs
+        return []
+    monkeypatch.setattr("ncdc_hdl.cli.bench_accuracy.fits_of", fits_of)
+    assert main(["bench", "accuracy", *options]) == 0
+    assert {lens: [hn for model, hn, _ in jobs if model == "ncdc"]
+            for lens, jobs in asked.items()} == networks
+    assert {lens: found for lens, jobs in asked.items()
+            if (found := [hn for model, hn, _ in jobs if model == "ebp"])} == slow
+    assert all({model for model, _, _ in jobs} >= {*BASELINES, "ncdc-skip"}
+               for jobs in asked.values())
+
+
 def test_reliability_counts_the_seeds_near_the_best():
     rows = [{"lens": "PC105", "model": "ncdc", "hidden_neurons": 4, "seed": seed, "dots_mse": mse}
             for seed, mse in enumerate([.15, .164, .166, .4])]
@@ -90,7 +112,7 @@ def test_plots(tmp_path):
                 for n in (4, 5, 6)]
     plot_accuracy(tmp_path, [fit, *networks])
     assert {path.name for path in tmp_path.iterdir()} == {"accuracy-PC105.png",
-                                                          "accuracy-PC105-map.png"}
+                                                          "accuracy-PC105-map.jpg"}
 
 
 @pytest.mark.parametrize("options, message", [

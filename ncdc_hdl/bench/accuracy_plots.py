@@ -18,7 +18,7 @@ _SAME = ("pbm7", "pbm8")       # lie on the lines of order 6
 
 
 def plot_accuracy(folder, fits):
-    """Write ``accuracy-LENS.png`` (if a network is there) and ``accuracy-LENS-map.png``.
+    """Write ``accuracy-LENS.png`` (if a network is there) and ``accuracy-LENS-map.jpg``.
 
     The first has MSE and largest error against the hidden neurons, the other maps as lines. The
     second has the error of each map over the frame, of networks with the fewest and the most
@@ -40,7 +40,7 @@ def plot_accuracy(folder, fits):
         own = [fit for fit in fits if fit.row["lens"] == lens]
         if any(fit.row["model"] in NETWORKS for fit in own):
             _against_neurons(folder / f"accuracy-{lens}.png", lens, [fit.row for fit in own])
-        _maps(folder / f"accuracy-{lens}-map.png", ReferenceLens(lens), own)
+        _maps(folder / f"accuracy-{lens}-map.jpg", ReferenceLens(lens), own)
 
 
 def _against_neurons(path, lens, rows):
@@ -103,4 +103,7 @@ def _extreme(fit, fits):
 
 def _save(figure, path):
     with replace_file(path) as temporary:
-        figure.savefig(temporary, dpi=80, format="png", metadata={"Software": None})
+        if path.suffix == ".png":
+            figure.savefig(temporary, dpi=80, format="png", metadata={"Software": None})
+        else:
+            figure.savefig(temporary, dpi=80, format="jpeg", pil_kwargs={"quality": 85})

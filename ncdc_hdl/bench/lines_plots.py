@@ -43,7 +43,7 @@ def plot_lines(path, raw, results):
         axes.set(xlim=(-.5, picture.shape[1] - .5), ylim=(picture.shape[0] - .5, -.5))
         axes.set_title(title, fontsize=10)
     with replace_file(path) as temporary:
-        figure.savefig(temporary, dpi=80, format="jpeg", pil_kwargs={"quality": 80})
+        figure.savefig(temporary, dpi=75, format="jpeg", pil_kwargs={"quality": 70})
 
 
 def _grey(raw):
