@@ -16,6 +16,7 @@ from ncdc_hdl.cli import main
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.drivers import driver_files
 from ncdc_hdl.export.lenses import lens_name
+from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.errors import InputError
 from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SimulationError
@@ -210,9 +211,12 @@ words[status] = r.STATUS_REFUSED
 attempt(corrector.place, 8, 16)
 assert written == [(r.OFFSET["SOURCE_BASE"], 8), (r.OFFSET["TARGET_BASE"], 16),
                    (status, r.STATUS_REFUSED)]
-words[status] = r.STATUS_DONE
-attempt(corrector.wait)
-assert written == [(status, r.STATUS_DONE)]
+for ended in (r.STATUS_DONE, r.STATUS_DONE | r.STATUS_ABORTED):
+    words[status] = ended
+    attempt(corrector.wait)
+    assert written == [(status, r.STATUS_DONE)]
+attempt(corrector.abort)
+assert written == [(r.OFFSET["CTRL"], r.CTRL_ABORT)]
 for bank in (0, 1):
     words[status] = r.STATUS_BANK if bank else 0
     attempt(corrector.load, LENSES["wide"])
@@ -232,7 +236,8 @@ def test_python_driver_names_errors(folder):
         "0 the lens has 5 hidden neurons, the corrector 3",
         "0 a commit waits for its frame boundary: nothing was written",
         "0 a commit waits for its frame boundary: nothing was written",
-        "3 the corrector refused a write"]
+        "3 the corrector refused a write",
+        "1 the frame was aborted"]
 
 
 # SystemRDL.
@@ -297,6 +302,13 @@ def test_registers_in_one_place_are_not_accepted(folder, tmp_path):
 def test_a_lens_that_does_not_fit(corrector, other, message):
     with pytest.raises(InputError, match=f"tele.toml: {message}"):
         driver_files(corrector, [("wide.toml", WIDE), ("tele.toml", other)])
+
+
+def test_a_lens_of_odd_width():
+    pairs = Corrector(WIDE, front_end=FrontEndOptions(lanes=2))
+    odd = barrel_descriptor((19, 16), (24, 18), hidden_neurons=3)
+    with pytest.raises(InputError, match="odd.toml: the corrected width is 19, 2 pixels per clock"):
+        driver_files(pairs, [("wide.toml", WIDE), ("odd.toml", odd)])
 
 
 def test_two_lenses_of_one_name(corrector):

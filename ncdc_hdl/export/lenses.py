@@ -39,8 +39,7 @@ class Lens:
         if split is None:       # the best one for this lens of the cache that is there
             cache = fetch.cache_for(corrector.descriptor.geometry)
             split = cache.split_for(descriptor.geometry.distorted_width)
-        values = host_values(descriptor, corrector.data_width, split,
-                             corrector.fetch_options.strip)
+        values = host_values(descriptor, corrector.data_width, split, fetch.strip)
         return cls(descriptor.digest, descriptor.hidden_neurons,
                    {name: value for name, value in values.items() if name not in _HOST},
                    tuple(word for _, word in table_words(descriptor.valid)))
@@ -57,7 +56,8 @@ def check_lens(corrector, path, descriptor):
     Raises
     ------
     InputError
-        If neurons, formats or tan-sigmoid differ, or the table of valid rows is too short.
+        If neurons, formats or tan-sigmoid differ, the table of valid rows is too short, or the
+        width is no multiple of the pixels per clock.
     """
     made_for = corrector.descriptor
     for what, value, needed in (
@@ -71,6 +71,10 @@ def check_lens(corrector, path, descriptor):
     if descriptor.geometry.corrected_height > rows:
         raise InputError(f"{path}: the corrected image has {descriptor.geometry.corrected_height} "
                          f"rows, the corrector's table of valid rows holds {rows}")
+    width, lanes = descriptor.geometry.corrected_width, corrector.front_end.lanes
+    if width % lanes:
+        raise InputError(f"{path}: the corrected width is {width}, {lanes} pixels per clock need a "
+                         f"multiple of {lanes}")
 
 
 def lenses_of(corrector, named):

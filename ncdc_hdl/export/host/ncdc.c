@@ -67,15 +67,23 @@ void ncdc_commit_and_start(const struct ncdc *device)
     put(device, NCDC_CTRL, NCDC_CTRL_COMMIT | NCDC_CTRL_START);
 }
 
+void ncdc_abort(const struct ncdc *device)
+{
+    put(device, NCDC_CTRL, NCDC_CTRL_ABORT);
+}
+
 enum ncdc_result ncdc_wait(const struct ncdc *device, uint32_t polls)
 {
     uint32_t left = polls;
+    uint32_t status = get(device, NCDC_STATUS);
 
-    while (!(get(device, NCDC_STATUS) & NCDC_STATUS_DONE))
+    while (!(status & NCDC_STATUS_DONE)) {
         if (polls && !--left)
             return NCDC_ERROR_TIMEOUT;
+        status = get(device, NCDC_STATUS);
+    }
     put(device, NCDC_STATUS, NCDC_STATUS_DONE);
-    return NCDC_OK;
+    return status & NCDC_STATUS_ABORTED ? NCDC_ERROR_ABORTED : NCDC_OK;
 }
 
 void ncdc_read_counters(const struct ncdc *device, struct ncdc_counters *counters)

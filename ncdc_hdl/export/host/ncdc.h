@@ -47,7 +47,8 @@ enum ncdc_result {
     NCDC_ERROR_NEURONS,     /* the lens has another number of hidden neurons */
     NCDC_ERROR_COMMITTED,   /* a commit waits for its frame boundary: nothing was written */
     NCDC_ERROR_REFUSED,     /* the corrector ignored a write */
-    NCDC_ERROR_TIMEOUT      /* no frame was complete in time */
+    NCDC_ERROR_TIMEOUT,     /* no frame was complete in time */
+    NCDC_ERROR_ABORTED      /* the frame that is complete lacks pixels */
 };
 
 /* Does a corrector answer? */
@@ -68,6 +69,9 @@ void ncdc_start(const struct ncdc *device);
 
 /* Both, in one register write. */
 void ncdc_commit_and_start(const struct ncdc *device);
+
+/* End the frame that runs, soon; ncdc_wait() tells when its last word is in memory. */
+void ncdc_abort(const struct ncdc *device);
 
 /* Wait until a frame is complete, reading STATUS at most `polls` times (0: for ever), and take
  * note of it, so that the next call waits for the next frame. */

@@ -83,21 +83,28 @@ class Corrector:
         """Both, in one register write."""
         self.put("CTRL", registers.CTRL_COMMIT | registers.CTRL_START)
 
+    def abort(self):
+        """End the frame that runs, soon; :meth:`wait` tells when its last word is in memory."""
+        self.put("CTRL", registers.CTRL_ABORT)
+
     def wait(self, polls=None):
         """Wait until a frame is complete and take note of it; read STATUS ``polls`` times at most.
 
         Raises
         ------
         CorrectorError
-            If no frame is complete by then.
+            If no frame is complete by then, or the frame lacks pixels.
         """
-        left = polls
-        while not self.get("STATUS") & registers.STATUS_DONE:
+        left, status = polls, self.get("STATUS")
+        while not status & registers.STATUS_DONE:
             if polls is not None:
                 left -= 1
                 if left <= 0:
                     raise CorrectorError(f"no frame is complete after {polls} polls")
+            status = self.get("STATUS")
         self.put("STATUS", registers.STATUS_DONE)
+        if status & registers.STATUS_ABORTED:
+            raise CorrectorError("the frame was aborted")
 
     def counters(self):
         """What the last complete frame counted, by name."""

@@ -142,6 +142,9 @@ async def c_driver_names_errors(dut):
         assert library.ncdc_place(here, 0, 0) == 3, "a commit waits"
         assert [read(offset) for offset in range(0x20, 0x58, 4)] == before
         assert library.ncdc_wait(here, 0) == 0
+        library.ncdc_start(here)
+        library.ncdc_abort(here)
+        assert library.ncdc_wait(here, 0) == 6, "aborted"
         other = bench.device(lambda offset: read(offset + 4), write)
         assert library.ncdc_check(ctypes.byref(other)) == 1, "no ID"
         # Somebody else commits between the driver's look at STATUS and its writes.
