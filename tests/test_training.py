@@ -173,3 +173,13 @@ def test_bad_pairs_are_named():
         Problem([1, 2, 3], [1, 2, 3], [1, 2], [1, 2], GEOMETRY)
     with pytest.raises(InputError, match="training pair 1 has y = nan"):
         Problem([1, 2], [1, 2], [1, 2], [1, np.nan], GEOMETRY)
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("name,neurons,best", [
+    ("120kb", 6, 1.43504), ("120kb", 8, .106227), ("PC105", 5, .046609)])
+def test_nine_of_ten_seeds_come_within_10_percent_of_the_best_known(name, neurons, best):
+    dots, _ = reference_lens(name)
+    reached = [train_levenberg(dots, neurons, seed=seed)[1][-1][1] for seed in range(10)]
+    assert sum(mse <= 1.1 * best for mse in reached) >= 9
+    assert min(reached) > .9 * best, "a better network than the best known: correct the table"

@@ -55,7 +55,9 @@ def plot_learning_curve(path, curve, title, steps):
     step, mse = np.array(curve, np.float64).T
     axes.step(step, mse, where="post", linewidth=1.6)
     axes.plot(step[-1:], mse[-1:], "o")
-    axes.annotate(f"{mse[-1]:.4g}", (step[-1], mse[-1]), xytext=(-6, 8), ha="right",
+    # The curve only falls: the place below its end is free.
+    axes.margins(y=.12)
+    axes.annotate(f"{mse[-1]:.4g}", (step[-1], mse[-1]), xytext=(6, -14), ha="right",
                   textcoords="offset points")
     axes.set(title=title, xlabel=steps, ylabel="MSE on the training points (px²)",
              xscale="log", yscale="log")

@@ -14,7 +14,7 @@ RIDGE = 2e-10                      # keeps output weights near 1000 pixels, cost
 SEARCH_POINTS = 700                # the search uses a subset, the polish every point
 
 
-def train_levenberg(problem, neurons, seed=0, starts=96, rounds=4, skip=False, progress=None):
+def train_levenberg(problem, neurons, seed=0, starts=64, rounds=4, skip=False, progress=None):
     """Network of least summed squared error on the pairs of ``problem``, and its learning curve.
 
     Equations (15)-(18) of the paper, gamma = 1, trained by Levenberg-Marquardt instead of error
