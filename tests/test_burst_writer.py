@@ -94,7 +94,7 @@ def counter(dut, done):
     ((65, 4), 64, 1),           # a strip of one column
     ((40, 3), 64, 1),           # one strip only: rows end all the same
     ((38, 3), 32, 2), ((14, 5), 0, 2), ((36, 4), 32, 4), ((12, 5), 0, 4)])
-@pytest.mark.parametrize("gap,wait", [(0, 0), (.5, 0), (.2, .6)])
+@pytest.mark.parametrize("gap,wait", [(0, 0), (.2, .6)])
 def test_two_frames(data_width, size, strip, lanes, gap, wait):
     rng, word = np.random.default_rng(size[0]), data_width // 8
     frames = rng.integers(0, 256, (2, size[1], size[0], 3))
@@ -164,7 +164,7 @@ def test_a_frame_that_ends_early(strip, lanes, data_width, upto):
     np.testing.assert_array_equal(content, expected)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("data_width,strip", [(32, 0), (64, 32), (128, 32)])
 def test_reset_completes_the_burst(data_width, strip, seed):
     """A reset at any moment, also while a word waits: the bus sees whole bursts, nothing wrong is

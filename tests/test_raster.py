@@ -163,13 +163,12 @@ def test_neurons_and_turns(kind, neurons, share):
 
 @pytest.mark.parametrize("kind", LAYERS)
 @pytest.mark.parametrize("share,lanes,strip,gap", [
-    (1, 1, 32, 0), (1, 1, 32, .4), (2, 1, 64, .2), (1, 2, 0, 0), (1, 2, 32, .3), (1, 4, 0, .2),
-    (2, 4, 32, 0)])
+    (1, 1, 32, .2), (2, 1, 64, 0), (1, 2, 32, .3), (2, 4, 0, 0)])
 def test_strips_and_lanes(kind, share, lanes, strip, gap):
     """Behind a strip, and in each lane; the first picture's groups of 4 are half the range apart."""
     rng = np.random.default_rng(5)
     frames = [frame_of(scan_of(*size), anything(rng, 3) + extremes(rng, 2))
-              for size in ((8, 8), (72, 8), (100, 9))]
+              for size in ((8, 8), (72, 8))]
     check(ScannedLayer(kind, 5, share, lanes=lanes), frames, gap=gap, strip=strip)
 
 
