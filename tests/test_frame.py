@@ -31,7 +31,7 @@ def copy(verilog, width=32, words=WORDS, **options):
 
 @pytest.mark.parametrize("simulator", SIMULATORS)
 @pytest.mark.parametrize("width", [32, 128])
-@pytest.mark.parametrize("memory", ["ideal", "hostile"])
+@pytest.mark.parametrize("memory", ["ideal", "hostile", "sdram", "ddr3@150"])
 def test_copies(memory, width, simulator):
     result = copy(copier(width), width, memory=memory, simulator=simulator)
     np.testing.assert_array_equal(np.frombuffer(result.output, np.uint8), ~frame(width))
