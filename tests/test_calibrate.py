@@ -44,7 +44,7 @@ def test_unusable_photo_is_named_and_the_other_used(folder, capsys):
     out, report = folder / "both.json", folder / "report.json"
     command(folder / "blank.png", folder / "page.png", "-o", out, "--json", report)
     text = capsys.readouterr()
-    assert "blank.png: not used: neither a page of at least 49 dots nor" in text.err
+    assert "blank.png: not used: neither a whole grid of circles, a page of" in text.err
     assert "in 1 of 2 photos" in text.out
     assert list(json.loads(report.read_text())["photos_rejected"]) == [str(folder / "blank.png")]
 

@@ -55,7 +55,7 @@ def set_point(row):
     (lambda t: t.update(version=9), "has points version 9, version 1 is needed"),
     (lambda t: t.update(format="other"), "is no points file"),
     (lambda t: t.pop("target"), "lacks the value 'target'"),
-    (lambda t: t.update(target="stars"), "target is 'stars', one of dots, circles, chessboard"),
+    (lambda t: t.update(target="stars"), "target is 'stars', one of dots, circles, acircles, chessboard"),
     (lambda t: t.update(columns=7), "columns and rows are 7 and 4, the indices span 4 and 4"),
     (lambda t: t.update(width=2), "image size is 2x48, the limits are 8 and 4096"),
     (lambda t: t.update(width="x"), "holds a value of the wrong kind"),

@@ -7,7 +7,8 @@ import sys
 from ncdc_model.files import write_text
 from ncdc_model.images import is_raw, mosaic, read_image
 
-__all__ = ["Progress", "add_camera", "add_json", "percent", "raw_frame", "write_report"]
+__all__ = ["Progress", "add_camera", "add_json", "percent", "raw_frame",
+           "straightness_text", "write_report"]
 
 
 def raw_frame(path, geometry):
@@ -38,6 +39,17 @@ class Progress:
             start = "" if self.end else "\r"
             print(f"{start}{self.name}: {percent:3d} %{note}   ", file=sys.stderr, flush=True,
                   end="\n" if fraction >= 1 else self.end)
+
+
+def straightness_text(report, points):
+    """One or two lines on the straightness of a target's rows and columns on ``points``."""
+    text = f"rows and columns straight to {report['straightness_rms_px']:.3f} px rms on {points}"
+    if math.isfinite(report["straightness_floor_rms_px"]):
+        text += f", their own scatter is worth {report['straightness_floor_rms_px']:.3f}"
+    if report["relief_rms_px"]:
+        text += (f"\nthe target is not flat: its relief, {report['relief_rms_px']:.2f} px rms, is "
+                 f"taken off; taken as flat: {report['straightness_as_flat_rms_px']:.3f} px rms")
+    return text
 
 
 def percent(progress):

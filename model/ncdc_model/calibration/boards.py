@@ -1,49 +1,15 @@
-"""Finds circle grids and chessboards with OpenCV."""
-
-from dataclasses import replace
+"""Finds chessboards with OpenCV."""
 
 import cv2
 import numpy as np
-from scipy.spatial import cKDTree
 
-from ncdc_model.calibration.blobs import find_blobs, flat_field
+from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.errors import InputError
 
-__all__ = ["find_any_chessboard", "find_chessboard", "find_circles"]
+__all__ = ["find_any_chessboard", "find_chessboard", "grey_picture"]
 
 _SQUARES = ((3, 3), (4, 3), (6, 4), (9, 6))   # inner corners that a board of unknown size may have
-
-
-def find_circles(image, columns, rows):
-    """Centres of a symmetric grid of dark circles, ``columns`` x ``rows``, as PhotoPoints.
-
-    Raises
-    ------
-    InputError
-        If the whole grid is not found.
-    """
-    grey = _grey(image)
-    for flags in (cv2.CALIB_CB_SYMMETRIC_GRID | cv2.CALIB_CB_CLUSTERING,
-                  cv2.CALIB_CB_SYMMETRIC_GRID):
-        found, centres = cv2.findCirclesGrid(grey, (columns, rows), flags=flags)
-        if found:
-            return _refined(image, _points(centres, columns, rows))
-    raise InputError(f"no grid of {columns}x{rows} circles was found")
-
-
-def _refined(image, photo):
-    """``photo`` with the blobs' centres and areas in place of OpenCV's coarser centres.
-
-    A circle that is no blob by itself, as one in a shadow, keeps its centre and the area zero.
-    """
-    blobs = find_blobs(image)
-    if not len(blobs.xy):
-        return photo
-    distance, nearest = cKDTree(blobs.xy).query(photo.xy)
-    same = distance < 0.25 * np.sqrt(blobs.area[nearest])
-    return replace(photo, xy=np.where(same[:, None], blobs.xy[nearest], photo.xy),
-                   area=np.where(same, blobs.area[nearest], 0.0))
 
 
 def find_chessboard(image, columns, rows):
@@ -58,7 +24,7 @@ def find_chessboard(image, columns, rows):
         if count < 3:
             raise InputError(f"the chessboard has {count} {side} of inner corners, at least 3 "
                              f"are needed")
-    grey = _grey(image)
+    grey = grey_picture(image)
     flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
     for effort in (0, cv2.CALIB_CB_EXHAUSTIVE):
         found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags | effort)
@@ -83,7 +49,7 @@ def find_any_chessboard(image):
     InputError
         If no board of at least 3x3 inner corners is found.
     """
-    grey, best = _grey(image), None
+    grey, best = grey_picture(image), None
     for columns, rows in _SQUARES:
         found, _, meta = cv2.findChessboardCornersSBWithMeta(
             grey, (columns, rows), cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_LARGER)
@@ -94,7 +60,7 @@ def find_any_chessboard(image):
     return best
 
 
-def _grey(image):
+def grey_picture(image):
     """Eight-bit grey picture; a raw frame is made grey by flat-fielding each filter colour."""
     if image.ndim == 3:
         return cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ncdc_model.calibration.quality import check_share
+from ncdc_model.calibration.relief import find_relief
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
 from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera, choose_frame
@@ -12,6 +14,7 @@ from ncdc_model.lens import Camera, choose_frame
 __all__ = ["IdealFrame", "ideal_frame"]
 
 _MARGIN = 0.05         # of the corrected size: points farther outside do not help to train
+_ROUND = "dots", "circles", "acircles"
 _GROSS = 8.0           # times the usual residual, but at least 3 pixels: farther from the smooth
 _GROSS_PIXELS = 3.0    # lens than its neighbours are, a point was numbered or detected wrongly
 
@@ -28,7 +31,7 @@ class IdealFrame:
         Take (column, row, 1) of each photo's target to corrected pixels.
     corrected, distorted : ndarray, shape (n, 2)
         Pairs (u, v) and (x, y) in pixels. (u, v) are exactly the homography's of the index;
-        (x, y) are measured.
+        (x, y) are measured, less what the target's dots and relief move them by.
     index : ndarray of int, shape (n, 2)
         Column and row on the target.
     photo : ndarray of int, shape (n,)
@@ -37,6 +40,14 @@ class IdealFrame:
         Root mean square distance, in distorted pixels, of the used points from the smooth lens.
     rejected : dict
         How many points were not used, by reason.
+    along, relief : ndarray, shape (n, 2)
+        Directions in which a dent of the target moves the points, and by how many pixels the
+        target's relief had moved them before (x, y) were put right; see
+        :func:`ncdc_model.calibration.relief.find_relief`.
+    degrees : tuple of int
+        Of the polynomial that the smooth lens lacks, for each photo.
+    names : tuple of str
+        Of the photos.
     """
     camera: Camera
     homographies: tuple
@@ -46,6 +57,10 @@ class IdealFrame:
     photo: np.ndarray
     rms: float
     rejected: dict
+    along: np.ndarray
+    relief: np.ndarray
+    degrees: tuple
+    names: tuple
 
 
 def ideal_frame(points, size=None, zoom="fit"):
@@ -56,12 +71,14 @@ def ideal_frame(points, size=None, zoom="fit"):
     to the sensor's at the centre of distortion, whatever the rotation and tilt of the target, and
     its scale and place follow from ``zoom`` (see :func:`ncdc_model.lens.choose_frame`; at zoom
     1 the magnification in the middle is 1). The centre of gravity of a round dot's picture is
-    moved by the lens and by perspective; it is corrected for the size of the dots.
+    moved by the lens and by perspective; it is corrected for the size of the dots. Where the target
+    is seen not to be flat, what its relief moves the points by is taken off.
 
     Raises
     ------
     InputError
-        If no photo has 12 points, no lens explains them, or ``zoom`` does not suit the lens.
+        If no photo has 12 points, no lens explains them, more than a tenth of them disagree with
+        their neighbours, or ``zoom`` does not suit the lens.
     """
     size = tuple(size or points.size)
     rejected, names = {}, []
@@ -76,11 +93,16 @@ def ideal_frame(points, size=None, zoom="fit"):
             names.append(photo.name)
     if not photos:
         raise InputError(f"no photo has {MIN_POINTS} points")
-    index = [np.asarray(photo.index, np.float64) for photo in photos]
+    index = [photo.index * (1.0, points.aspect) for photo in photos]
     xy = [photo.xy for photo in photos]
     fit = fit_smooth(points.size, list(zip(index, xy)))
-    if points.target != "chessboard":
-        xy = [photo.xy - _eccentricity(fit, number, photo) for number, photo in enumerate(photos)]
+    if points.target in _ROUND:
+        xy = [photo.xy - _eccentricity(fit, number, index[number], photo) for number, photo in enumerate(photos)]
+        fit = fit_smooth(points.size, list(zip(index, xy)))
+    relief = [find_relief(photos[k].index, xy[k] - fit.pixels(k, index[k]), fit.normal(k, index[k]))
+              for k in range(len(photos))]
+    if any(part.found for part in relief):
+        xy = [place - part.shift for place, part in zip(xy, relief)]
         fit = fit_smooth(points.size, list(zip(index, xy)))
 
     residual = [fit.pixels(number, index[number]) - xy[number] for number in range(len(photos))]
@@ -90,7 +112,7 @@ def ideal_frame(points, size=None, zoom="fit"):
     camera = replace(fit.camera, frame=frame)
     homographies, kept = [], []
     for number, distance in enumerate(far):
-        homography = frame.matrix @ fit.planes[number]
+        homography = frame.matrix @ fit.planes[number] @ np.diag([1.0, points.aspect, 1.0])
         homographies.append(homography / homography[2, 2])
         rays = fit.rays(number, index[number])
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -103,14 +125,20 @@ def ideal_frame(points, size=None, zoom="fit"):
         _count(rejected, "outside the corrected frame", int((~inside & ~gross).sum()))
         use = inside & ~gross
         kept.append((uv[use], xy[number][use], photos[number].index[use],
-                     np.full(int(use.sum()), number), distance[use]))
-    corrected, distorted, used, photo, distance = (np.concatenate(part) for part in zip(*kept))
+                     np.full(int(use.sum()), number), distance[use], relief[number].along[use],
+                     relief[number].shift[use]))
+    corrected, distorted, used, photo, distance, along, shift = (
+        np.concatenate(part) for part in zip(*kept))
+    if ruined := check_share(rejected, points.whole):
+        raise InputError(ruined)
     if len(used) < MIN_POINTS:
         raise InputError(f"{len(used)} points lie inside the corrected frame, at least "
                          f"{MIN_POINTS} are needed")
     return IdealFrame(camera=camera, homographies=tuple(homographies), corrected=corrected,
                       distorted=distorted, index=used, photo=photo,
-                      rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected)
+                      rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected, along=along,
+                      relief=shift, degrees=tuple(part.degree for part in relief),
+                      names=tuple(photo.name for photo in photos))
 
 
 def _against_neighbours(index, residual):
@@ -124,14 +152,14 @@ def _count(rejected, reason, count):
         rejected[reason] = rejected.get(reason, 0) + count
 
 
-def _eccentricity(fit, number, photo):
+def _eccentricity(fit, number, index, photo):
     """Centre of gravity of each dot's picture minus the picture of its centre, (n, 2) pixels.
 
     The dots' radius on the target follows from their areas. The integrals over a disc are those
     of the seven-point formula of degree five.
     """
     def pixels(offset):
-        return fit.pixels(number, photo.index + np.asarray(offset, np.float64))
+        return fit.pixels(number, index + np.asarray(offset, np.float64))
 
     def stretch(offset, h=1e-3):
         change = (pixels(np.add(offset, d)) - pixels(np.subtract(offset, d))

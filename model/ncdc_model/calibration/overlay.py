@@ -6,14 +6,19 @@ import numpy as np
 __all__ = ["draw_points"]
 
 _SHIFT = 4             # fraction bits of OpenCV's drawing coordinates
+_ARROW = 0.4           # of the middle step between points: length of an arrow of the usual size
+_MAGNIFY = 1, 2, 5, 10, 20, 50, 100, 200, 500
 
 
-def draw_points(image, photo):
+def draw_points(image, photo, frame=None):
     """RGB uint8 picture of ``image`` with ``photo``'s points and the lines of their lattice.
 
     Neighbours in a row are joined by a line whose colour tells the row, neighbours in a column
-    likewise; a line that crosses others shows a wrong number. Every point has a dot, point
-    (0, 0) a ring, and its number is written at every fifth where there is room.
+    likewise; a line that crosses others shows a wrong number. Every point has a dot, hollow where
+    the border cuts it, point (0, 0) a ring, and its number is written at every fifth where there is
+    room. With ``frame`` (the :class:`IdealFrame` of the photos) an arrow leads from each point to
+    where the smooth lens has it, magnified as the text at the bottom tells, and points that were
+    dropped are crossed out.
     """
     # The photo recedes behind the drawing.
     picture = np.array(image if image.ndim == 3 else np.dstack([image] * 3))
@@ -21,17 +26,22 @@ def draw_points(image, photo):
     scale = max(1.0, picture.shape[1] / 1280)
     thick = max(1, round(scale))
     place = {tuple(key): point for key, point in zip(photo.index.tolist(), photo.xy)}
+    cut = {tuple(key) for key in photo.index[photo.cut].tolist()}
 
     def fixed(point):
         return tuple(int(round(value * (1 << _SHIFT))) for value in point)
+    # In a staggered grid the neighbours of a line are two half steps away.
+    step = 1 if len({sum(key) % 2 for key in place}) > 1 or len(place) < 2 else 2
+    lengths = []
     for (i, j), point in place.items():
-        for key, number in (((i + 1, j), j), ((i, j + 1), i)):
+        for key, number in (((i + step, j), j), ((i, j + step), i)):
             if key in place:
+                lengths.append(np.linalg.norm(place[key] - point))
                 cv2.line(picture, fixed(point), fixed(place[key]), _colour(number), thick,
                          cv2.LINE_AA, _SHIFT)
     for (i, j), point in place.items():
-        cv2.circle(picture, fixed(point), fixed([1.5 * scale])[0], (200, 0, 0), -1, cv2.LINE_AA,
-                   _SHIFT)
+        cv2.circle(picture, fixed(point), fixed([(2.5 if (i, j) in cut else 1.5) * scale])[0],
+                   (200, 0, 0), thick if (i, j) in cut else -1, cv2.LINE_AA, _SHIFT)
         if i % 5 == 0 and j % 5 == 0:
             x, y = (int(round(value + 3 * scale)) for value in point)
             cv2.putText(picture, f"{i},{j}", (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.33 * scale,
@@ -39,7 +49,36 @@ def draw_points(image, photo):
     if (0, 0) in place:
         cv2.circle(picture, fixed(place[0, 0]), fixed([5 * scale])[0], (200, 0, 0), thick,
                    cv2.LINE_AA, _SHIFT)
+    if frame is not None and photo.name in frame.names:
+        _residuals(picture, photo, frame, place, float(np.median(lengths)) if lengths else 20.0,
+                   scale, fixed)
     return picture
+
+
+def _residuals(picture, photo, frame, place, step, scale, fixed):
+    """Arrows from the used points to the smooth lens's places; crosses over dropped ones."""
+    on = frame.photo == frame.names.index(photo.name)
+    residual = np.stack(frame.camera.back_map(*frame.corrected[on].T), axis=1) - frame.distorted[on]
+    usual = float(np.sqrt(np.mean(residual**2) * 2)) if on.any() else 0.0
+    wanted = _ARROW * step / max(usual, 1e-6)
+    magnify = max((value for value in _MAGNIFY if value <= wanted), default=_MAGNIFY[0])
+    thick = max(1, round(scale))
+    used = {tuple(key) for key in frame.index[on].tolist()}
+    for key, offset in zip(frame.index[on].tolist(), residual):
+        start = place[tuple(key)]
+        cv2.arrowedLine(picture, fixed(start), fixed(start + magnify * offset), (0, 0, 0), thick,
+                        cv2.LINE_AA, _SHIFT, 0.25)
+    for key, point in place.items():
+        if key not in used and not photo.cut[(photo.index == key).all(axis=1)].any():
+            for sign in (1, -1):
+                arm = np.array([4.0, 4.0 * sign]) * scale
+                cv2.line(picture, fixed(point - arm), fixed(point + arm), (230, 0, 0), 2 * thick,
+                         cv2.LINE_AA, _SHIFT)
+    text = f"arrows: {magnify} x the way to the smooth lens, {usual:.2f} px rms"
+    where = int(8 * scale), picture.shape[0] - int(8 * scale)
+    for colour, width in (((255, 255, 255), 4 * thick), ((0, 0, 0), thick)):
+        cv2.putText(picture, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.5 * scale, colour, width,
+                    cv2.LINE_AA)
 
 
 def _colour(number):

@@ -13,7 +13,7 @@ from ncdc_model.geometry import MAX_SIZE
 __all__ = ["PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
 
 VERSION = 1
-TARGETS = ("dots", "circles", "chessboard")
+TARGETS = ("dots", "circles", "acircles", "chessboard", "charuco")
 
 
 @dataclass(frozen=True)
@@ -63,12 +63,14 @@ class TargetPoints:
     Parameters
     ----------
     target : str
-        dots, circles or chessboard.
+        dots, circles, acircles (staggered, the index counts half steps), chessboard or charuco.
     size : (int, int)
         Width and height of the photos.
     photos : tuple of PhotoPoints
     rejected_photos : dict
         Why a photo was not used, by its name.
+    aspect : float
+        Distance of two rows over that of two columns on the target.
 
     Raises
     ------
@@ -80,6 +82,7 @@ class TargetPoints:
     size: tuple
     photos: tuple
     rejected_photos: dict = field(default_factory=dict)
+    aspect: float = 1.0
 
     def __post_init__(self):
         if self.target not in TARGETS:
@@ -87,6 +90,8 @@ class TargetPoints:
         if not all(8 <= value <= MAX_SIZE for value in self.size):
             raise InputError(f"the image size is {self.size[0]}x{self.size[1]}, the limits are 8 "
                              f"and {MAX_SIZE}")
+        if not 0.1 <= self.aspect <= 10:
+            raise InputError(f"aspect is {self.aspect}, the limits are 0.1 and 10")
         if not self.photos:
             raise InputError("there are points of 0 photos, at least 1 is needed")
         for photo in self.photos:
@@ -135,7 +140,8 @@ class TargetPoints:
     @property
     def digest(self):
         """Twelve hex digits of the hash of the image size, the indices and the points."""
-        state = hashlib.sha256(repr((self.target, tuple(self.size))).encode())
+        about = self.target, tuple(self.size), *([self.aspect] if self.aspect != 1 else [])
+        state = hashlib.sha256(repr(about).encode())
         for photo in self.photos:
             state.update(np.asarray(photo.index).astype("<i8").tobytes())
             state.update(np.asarray(photo.xy).astype("<f8").tobytes())
@@ -145,7 +151,7 @@ class TargetPoints:
     def save(self, path):
         """Write the points as JSON; the file is replaced whole or not at all."""
         lines = [f'"format": "ncdc points", "version": {VERSION}',
-                 f'"target": {json.dumps(self.target)}',
+                 f'"target": {json.dumps(self.target)}, "aspect": {self.aspect!r}',
                  f'"columns": {self.columns}, "rows": {self.rows}',
                  f'"width": {self.size[0]}, "height": {self.size[1]}',
                  f'"rejected_photos": {json.dumps(self.rejected_photos)}',
@@ -174,7 +180,8 @@ class TargetPoints:
         with reading(path):
             points = cls(target=table["target"], size=(int(table["width"]), int(table["height"])),
                          photos=tuple(map(_photo, table["photos"])),
-                         rejected_photos=dict(table["rejected_photos"]))
+                         rejected_photos=dict(table["rejected_photos"]),
+                         aspect=float(table.get("aspect", 1.0)))
             if (points.columns, points.rows) != (table["columns"], table["rows"]):
                 raise InputError(f"columns and rows are {table['columns']} and {table['rows']}, "
                                  f"the indices span {points.columns} and {points.rows}")

@@ -10,7 +10,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.lens import (AsymmetricSurface, BrownWeng, Camera, Frame, KannalaBrandt,
                              TiltedSensor)
 
-__all__ = ["MIN_POINTS", "SmoothFit", "fit_smooth"]
+__all__ = ["MIN_POINTS", "SmoothFit", "fit_smooth", "misfit"]
 
 MIN_POINTS = 12        # of a photo: its pose has six unknowns, the lens has nine more
 _FOCALS = (0.3, 0.45, 0.7, 1.1)     # first guesses, in image widths
@@ -45,6 +45,15 @@ class SmoothFit:
     def rays(self, photo, index):
         """Directions (n, 3) of the target's points ``index`` (n, 2) in photo number ``photo``."""
         return index @ self.planes[photo][:, :2].T + self.planes[photo][:, 2]
+
+    def normal(self, photo, index):
+        """Pixels (n, 2) by which points of the target move for a step, one column, towards the
+        camera along its normal."""
+        first, second, _ = self.planes[photo].T
+        step = 0.01 * np.cross(first, second) * np.linalg.norm(first)
+        step = step / np.linalg.norm(np.cross(first, second))
+        rays = self.rays(photo, index)
+        return (_project(self.camera, rays - step) - _project(self.camera, rays + step)) / 0.02
 
     def pixels(self, photo, index):
         """Distorted pixels (n, 2) of the target's points ``index`` (n, 2)."""
@@ -109,6 +118,20 @@ def fit_smooth(size, photos):
         raise InputError(f"no smooth lens explains the points: half of them are off by more than "
                          f"{typical:.1f} pixels")
     return SmoothFit(camera, tuple(planes))
+
+
+def misfit(size, photos):
+    """Median distance, in pixels, of points from the smooth lens fitted to them; inf if none fits.
+
+    Arguments as of :func:`fit_smooth`.
+    """
+    try:
+        fit = fit_smooth(size, photos)
+    except InputError:
+        return np.inf
+    return float(np.median(np.concatenate([
+        np.linalg.norm(fit.pixels(k, index) - xy, axis=1)
+        for k, (index, xy) in enumerate(photos)])))
 
 
 def _unpack(parameters, size):

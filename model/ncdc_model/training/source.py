@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ncdc_model.calibration.camera_file import load_camera_map, training_grid
-from ncdc_model.calibration.frame import ideal_frame
+from ncdc_model.calibration.frame import IdealFrame, ideal_frame
 from ncdc_model.calibration.points import TargetPoints
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
@@ -41,6 +41,8 @@ class Source:
     provenance : dict
         For the descriptor: ``source`` (file name), ``source_kind``, ``source_hash``, ``frame``
         (focal length and centre of the corrected image in pixels), and of points ``homography``.
+    frame : IdealFrame or None
+        The points' rows and columns, whose straightness measures a network.
     """
     pairs: tuple
     geometry: Geometry
@@ -49,6 +51,7 @@ class Source:
     smooth_map: object = None
     anchors: tuple | None = None
     provenance: dict = field(default_factory=dict)
+    frame: IdealFrame | None = None
 
 
 def is_points_file(path):
@@ -105,14 +108,14 @@ def _of_points(path, size, zoom, options):
     matrices = [matrix.ravel().tolist() for matrix in frame.homographies]
     provenance = {"source": Path(path).name, "source_kind": f"{points.target} points",
                   "source_hash": points.digest, "frame": _numbers(frame.camera.frame),
-                  "points_rejected": sum(frame.rejected.values()),
+                  "points_dropped": sum(frame.rejected.values()),
                   "homography": matrices[0] if len(matrices) == 1 else matrices}
     calibrated = Calibrated(u, v, x, y, REACH * pitch)
     smooth = frame.camera.back_map
     anchors = training_grid(smooth, geometry, _ANCHORS, sum(_ANCHORS),
                             without=calibrated.mask(smooth, geometry))
     return Source((u, v, x, y), geometry, calibrated=calibrated, smooth_map=smooth,
-                  anchors=anchors, provenance=provenance)
+                  anchors=anchors, provenance=provenance, frame=frame)
 
 
 def _numbers(frame):

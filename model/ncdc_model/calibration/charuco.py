@@ -1,0 +1,108 @@
+"""Finds ChArUco boards: chessboards whose white squares carry numbered markers."""
+
+import cv2
+import numpy as np
+
+from ncdc_model.calibration.boards import grey_picture
+from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.errors import InputError
+
+__all__ = ["find_any_charuco", "find_charuco"]
+
+# The largest of each family holds the markers of the smaller ones.
+_FAMILIES = ("DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000",
+             "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h11")
+_MARKERS = 4           # that a board shows at least
+_CORNERS = 12
+_SIDES = range(3, 25)  # squares that a board of unknown size may have in a row
+
+
+def find_charuco(image, columns, rows):
+    """Inner corners of a board of ``columns`` x ``rows`` squares, as far as they are seen.
+
+    The family of the markers and their size are told from the picture. Corners are numbered by
+    the markers beside them, so that part of a board has the numbers of the whole one.
+
+    Raises
+    ------
+    InputError
+        If fewer than 12 corners are found.
+    """
+    grey = grey_picture(image)
+    family, corners, ids = _markers(grey)
+    found = _corners(grey, family, corners, ids, columns, rows) if family else (None, None)
+    if found[0] is None or len(found[0]) < _CORNERS:
+        raise InputError(f"{0 if found[0] is None else len(found[0])} corners of a ChArUco board "
+                         f"of {columns}x{rows} squares were found, at least {_CORNERS} are needed")
+    xy, number = found
+    index = np.stack([number % (columns - 1), number // (columns - 1)], axis=1)
+    return PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy)))
+
+
+def find_any_charuco(image):
+    """Columns and rows of the squares of a board whose size is not known.
+
+    The rows are those up to the highest marker that is seen.
+
+    Raises
+    ------
+    InputError
+        If the picture shows no board.
+    """
+    grey = grey_picture(image)
+    family, corners, ids = _markers(grey)
+    best = None
+    for columns in _SIDES if family else ():
+        rows = -(-2 * (int(ids.max()) + 1) // columns)
+        if 3 <= rows <= 200 and columns * rows // 2 <= len(_dictionary(family).bytesList):
+            xy, _ = _corners(grey, family, corners, ids, columns, rows)
+            count = 0 if xy is None else len(xy)
+            if count >= _CORNERS and (best is None or count > best[0]):
+                best = count, columns, rows
+    if best is None:
+        raise InputError("no ChArUco board was found")
+    return best[1:]
+
+
+def _dictionary(family):
+    return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, family))
+
+
+def _markers(grey):
+    """Family, corners and numbers of the markers of that family of which most are seen."""
+    best = None, (), np.empty(0, int)
+    for family in _FAMILIES:
+        corners, ids, _ = cv2.aruco.ArucoDetector(_dictionary(family)).detectMarkers(grey)
+        if ids is not None and len(ids) >= max(_MARKERS, len(best[2]) + 1):
+            best = family, corners, ids.ravel()
+    return best
+
+
+def _corners(grey, family, corners, ids, columns, rows):
+    """Places (n, 2) and numbers (n,) of the inner corners, or (None, None)."""
+    best = None, None
+    for old in (False, True):
+        board = cv2.aruco.CharucoBoard((columns, rows), 1.0, _marker_size(corners, ids),
+                                       _dictionary(family))
+        board.setLegacyPattern(old)
+        known = ids < len(board.getIds())
+        if known.sum() < _MARKERS:
+            continue
+        xy, number, _, _ = cv2.aruco.CharucoDetector(board).detectBoard(
+            grey, markerCorners=[c for c, use in zip(corners, known) if use],
+            markerIds=ids[known].reshape(-1, 1).astype(np.int32))
+        if number is not None and (best[0] is None or len(number) > len(best[0])):
+            best = np.asarray(xy, np.float64).reshape(-1, 2), np.asarray(number, int).ravel()
+    return best
+
+
+def _marker_size(corners, ids):
+    """Side of a marker in squares: markers with following numbers are two squares apart."""
+    place = {int(number): corner.reshape(4, 2) for number, corner in zip(ids, corners)}
+    sizes = []
+    for number, corner in place.items():
+        if number + 1 in place:
+            apart = np.linalg.norm(place[number + 1].mean(axis=0) - corner.mean(axis=0)) / 2
+            side = np.mean(np.linalg.norm(corner - np.roll(corner, 1, axis=0), axis=1))
+            sizes.append(side / apart)
+    return float(np.clip(np.median(sizes), 0.2, 0.95)) if sizes else 0.75
