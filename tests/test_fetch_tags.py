@@ -79,3 +79,37 @@ def test_a_split_that_the_cache_lacks_is_refused():
     boxes = lookups(random_windows(1))
     with pytest.raises(InputError, match="split is 3, the limits are 0 and 2"):
         misses(accesses(boxes), CacheOptions(16), 3)
+
+
+def plain_boxes(group):
+    """Boxes of a group of (x0, y0, used), as lists of its lanes, by the rule of halves."""
+    used = [(x, y) for x, y, on in group if on]
+    if used:
+        xs, ys = zip(*used)
+        box = min(xs), min(ys), max(xs) + 2, max(ys) + 2
+        if box[2] // 8 - box[0] // 8 > 1 or box[3] - box[1] > 3:
+            half = len(group) // 2
+            return plain_boxes(group[:half]) + plain_boxes(group[half:])
+        return [box]
+    return [None]
+
+
+@pytest.mark.parametrize("lanes", [2, 4])
+@pytest.mark.parametrize("strip", [0, 32])
+def test_groups_are_cut_where_a_box_is_too_large(lanes, strip):
+    windows = walking_windows(lanes)
+    pixels = list(zip(*(array.tolist() for array in windows.scanned(strip))))
+    expected = [box for k in range(0, len(pixels), lanes)
+                for box in plain_boxes(pixels[k:k + lanes])]
+    boxes = lookups(windows, strip, lanes)
+    found = [edges if used else None for *edges, used in zip(
+        boxes.x0.tolist(), boxes.y0.tolist(), boxes.x1.tolist(), boxes.y1.tolist(),
+        boxes.used.tolist())]
+    assert [box and tuple(box) for box in found] == expected
+    assert len(pixels) / lanes < len(boxes) < len(pixels)
+    assert boxes.pixels == len(pixels)
+
+
+def test_groups_divide_the_width():
+    with pytest.raises(InputError, match="the corrected width is 62, 4 pixels per clock need a "):
+        lookups(random_windows(1, (62, 8)), lanes=4)

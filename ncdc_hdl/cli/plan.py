@@ -3,7 +3,7 @@
 from ncdc_hdl.avalon.register_table import host_values
 from ncdc_hdl.cli.common import Progress, add_json, write_report
 from ncdc_hdl.corrector import DATA_WIDTHS, OUTPUTS
-from ncdc_hdl.options import FetchOptions
+from ncdc_hdl.options import LANES, FetchOptions
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import CacheOptions
@@ -46,6 +46,8 @@ def add_arguments(parser):
                         help="where corrected pixels go: memory (default) or a video stream, "
                              "which takes raster order only")
     add_choices(parser)
+    parser.add_argument("--pixels-per-clock", type=int, choices=LANES, default=1, metavar="N",
+                        help="1 (default), 2 or 4")
     parser.add_argument("--rate", type=float, metavar="FPS",
                         help="refuse what does not correct so many frames per second")
     add_json(parser)
@@ -58,6 +60,7 @@ def run(args):
     descriptor = Descriptor.load(args.descriptor)
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
     planned = plan(descriptor, memory=args.memory, clock_mhz=args.clock, data_width=width,
+                   lanes=args.pixels_per_clock,
                    stream=args.to == "stream", cache_bytes=args.cache_bytes, split=args.cache_split,
                    strip=args.strip, rate=args.rate, **frame_places(descriptor, width),
                    progress=Progress("planning"))

@@ -91,10 +91,10 @@ def corrector_program(descriptor, data_width, checked=True, split=None, strip=0)
     return program
 
 
-def tiles_fetched(descriptor, fetch):
-    """Tiles that the golden model of the cache reads."""
+def tiles_fetched(descriptor, fetch, lanes=1):
+    """Tiles that the golden model of the cache reads, with ``lanes`` pixels per clock."""
     geometry = descriptor.geometry
-    accessed = accesses(lookups(frame_windows(descriptor), fetch.strip))
+    accessed = accesses(lookups(frame_windows(descriptor), fetch.strip, lanes))
     return len(misses(accessed, fetch.cache_for(geometry), fetch.split_for(geometry)))
 
 
@@ -149,7 +149,8 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
     return Simulation(
         picture=picture, golden=golden.picture, filled=golden.filled,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
-        fetches_expected=tiles_fetched(descriptor, fetch) if cache else golden.fetches,
+        fetches_expected=(tiles_fetched(descriptor, fetch, front_end.lanes) if cache
+                          else golden.fetches),
         bytes_read=sum(result.bytes_read),
         bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
         setup={"simulator": simulator, "memory": memory if isinstance(memory, str) else "custom",

@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.corrector import window_bands
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.cache_options import TILE_HEIGHT
 from ncdc_model.geometry import WINDOW, scan_order
 
-__all__ = ["Lookups", "Windows", "frame_windows", "lookups"]
+__all__ = ["BOX_WORD", "Lookups", "Windows", "frame_windows", "lookups"]
 
+BOX_WORD = 8            # samples of a word of the tile memory, if there are several lanes
 
 @dataclass(frozen=True)
 class Windows:
@@ -43,6 +46,8 @@ class Lookups:
         First and last column and row.
     used : ndarray of bool
         False for a look-up that reads nothing.
+    pixel : ndarray of int64
+        First pixel, in the order of the scan.
     pixels : int
         Corrected pixels of the frame.
     """
@@ -51,6 +56,7 @@ class Lookups:
     x1: np.ndarray
     y1: np.ndarray
     used: np.ndarray
+    pixel: np.ndarray
     pixels: int
 
     def __len__(self):
@@ -68,8 +74,67 @@ def frame_windows(descriptor, progress=lambda done, total: None):
     return Windows(x0, y0, used)
 
 
-def lookups(windows, strip=0):
-    """:class:`Lookups` of a frame: one for each pixel, in raster order or in strips."""
+def lookups(windows, strip=0, lanes=1):
+    """:class:`Lookups` of a frame in raster order, or in strips of ``strip`` columns.
+
+    One for each group of ``lanes`` neighbours of a row, if all samples of its pixels, those that
+    are not blank, fit a box that the tile memory gives in one clock: four rows, and two words of
+    :data:`BOX_WORD` samples across. Else the group is cut in halves, these likewise.
+
+    Raises
+    ------
+    InputError
+        If ``lanes`` does not divide the width.
+    """
     x0, y0, used = windows.scanned(strip)
     far = WINDOW - 1
-    return Lookups(x0, y0, x0 + far, y0 + far, used, x0.size)
+    if lanes == 1:
+        return Lookups(x0, y0, x0 + far, y0 + far, used, np.arange(x0.size), x0.size)
+    width = windows.x0.shape[1]
+    if width % lanes:
+        raise InputError(f"the corrected width is {width}, {lanes} pixels per clock need a multiple "
+                         f"of {lanes}")
+    # A group is cut where it has no box of its own: `begins` marks the first lane of each box.
+    edges = _Edges(x0, y0, x0 + far, y0 + far, used)
+    boxes, begins = edges, np.ones(x0.shape, bool)
+    while lanes > 1:
+        joined = edges.joined()
+        span = x0.size // joined.used.size
+        whole = np.repeat(joined.fits, span)
+        boxes = boxes.where(whole, joined, span)
+        begins &= ~whole | (np.arange(x0.size) % span == 0)
+        edges, lanes = joined, lanes // 2
+    return Lookups(*(array[begins] for array in boxes.arrays()), np.flatnonzero(begins), x0.size)
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """Boxes around runs of pixels of equal length."""
+    x0: np.ndarray
+    y0: np.ndarray
+    x1: np.ndarray
+    y1: np.ndarray
+    used: np.ndarray
+
+    def arrays(self):
+        return self.x0, self.y0, self.x1, self.y1, self.used
+
+    @property
+    def fits(self):
+        """Whether one clock is enough."""
+        across = self.x1 // BOX_WORD - self.x0 // BOX_WORD
+        return ~self.used | ((across <= 1) & (self.y1 - self.y0 < TILE_HEIGHT))
+
+    def joined(self):
+        """Boxes around each two neighbours, of which a blank one takes no part."""
+        a, b = (_Edges(*(array[k::2] for array in self.arrays())) for k in (0, 1))
+        both = a.used & b.used
+        return _Edges(*(np.where(both, least(one, other), np.where(b.used, other, one))
+                        for one, other, least in zip(a.arrays()[:4], b.arrays()[:4],
+                                                     (np.minimum,) * 2 + (np.maximum,) * 2)),
+                      a.used | b.used)
+
+    def where(self, chosen, other, span):
+        """These, or where ``chosen`` those of ``other``, each repeated ``span`` times."""
+        return _Edges(*(np.where(chosen, np.repeat(new, span), old)
+                        for old, new in zip(self.arrays(), other.arrays())))

@@ -23,6 +23,7 @@ CLOCK_MHZ = 100.0
 # Bytes read over distinct bytes that a choice may cost: a strip reads its neighbours' edges too.
 _RASTER_GOAL, _STRIP_GOAL = 1.02, 1.15
 _CLOCKS_GOAL = 1.02                         # clocks per pixel
+_COUNT = {1: "one pixel", 2: "two pixels", 4: "four pixels"}
 _TIMINGS = 4                                # choices whose clocks are predicted, at most
 
 
@@ -169,11 +170,11 @@ def choose(windows, distinct, sizes, strips, split=None, progress=lambda fractio
     return sorted(found, key=order)
 
 
-def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, stream=False,
+def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, lanes=1, stream=False,
          cache_bytes=None, split=None, strip=None, rate=None, base=0, pitch=None, target=None,
          progress=lambda fraction: None):
-    """:class:`Plan` of the first of :func:`choose` that needs at most 1.02 clocks per pixel, or
-    that corrects ``rate`` frames per second if that is given; else of the fastest.
+    """:class:`Plan` of the first of :func:`choose` that needs at most 1.02 clocks per pixel (of
+    each lane), or that corrects ``rate`` frames per second if that is given; else of the fastest.
 
     Parameters
     ----------
@@ -184,6 +185,8 @@ def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, strea
         The corrector's clock.
     data_width : int
         Bits of the memory port: 32, 64 or 128.
+    lanes : int
+        Pixels per clock: 1, 2 or 4.
     stream, cache_bytes, split, strip :
         As of :func:`candidates`.
     rate : float, optional
@@ -208,10 +211,11 @@ def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, strea
     target = base + pitch * geometry.distorted_height if target is None else target
     width, height = geometry.corrected
     pixels = width * height
-    limit = _CLOCKS_GOAL * pixels if rate is None else clock_mhz * 1e6 / rate
-    if limit < pixels:
-        raise InputError(f"{rate:g} frames per second are asked for, one pixel per clock gives "
-                         f"{clock_mhz * 1e6 / pixels:.1f} at {clock_mhz:g} MHz")
+    limit = _CLOCKS_GOAL * pixels / lanes if rate is None else clock_mhz * 1e6 / rate
+    if limit < pixels / lanes:
+        raise InputError(f"{rate:g} frames per second are asked for, {_COUNT[lanes]} per clock "
+                         f"{'give' if lanes > 1 else 'gives'} "
+                         f"{clock_mhz * 1e6 * lanes / pixels:.1f} at {clock_mhz:g} MHz")
     sizes, strips = candidates(width, stream=stream, cache_bytes=cache_bytes, split=split,
                                strip=strip)
     windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
@@ -220,7 +224,7 @@ def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, strea
                      lambda fraction: progress(.5 + .2 * fraction))
     made = None
     for k, choice in enumerate(islice(_worth_timing(choices), _TIMINGS)):
-        boxes = lookups(windows, choice.strip)
+        boxes = lookups(windows, choice.strip, lanes)
         accessed = accesses(boxes)
         missed = misses(accessed, choice.options, choice.split)
         writes = None if stream else frame_writes(

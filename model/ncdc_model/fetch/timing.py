@@ -67,6 +67,8 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
     progress : callable
         Called with (misses done, misses) now and then.
     """
+    if writes is not None and len(boxes) < boxes.pixels:
+        writes = writes.by_lookup(boxes.pixel)
     read = Lags(_PUSH_TO_RETIRE)            # b
     port = memory_port(memory, data_width, writes, read)
     words = 8 * TILE_WIDTH // data_width

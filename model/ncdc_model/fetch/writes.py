@@ -1,6 +1,6 @@
 """What a frame writes to memory: accesses of the corrected picture, in the order of the scan."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,12 @@ class FrameWrites:
     words: list
     first: list
     last: list
+
+    def by_lookup(self, pixel):
+        """The same with the numbers of look-ups, whose first pixels are ``pixel``."""
+        first, last = (np.searchsorted(pixel, numbers, "right") - 1
+                       for numbers in (self.first, self.last))
+        return replace(self, first=first.tolist(), last=last.tolist())
 
 
 def frame_writes(width, height, strip, data_width, block, base):
