@@ -125,11 +125,10 @@ public:
     std::uint64_t windows = 0, wrong = 0, clocks = 0, tiles = 0, frames = 0, reset_count = 0;
 
 private:
-    void choose(std::uint64_t limit) {
+    void place() {
         f.width = random.chance(32) ? random.between(3, 40) : random.between(3, 4096);
         f.height = random.chance(32) ? random.between(3, 20) : random.between(3, 4096);
         f.pitch = (f.width + 15) / 16 * 16 + 16 * random.below(8);
-        f.base = 16 * random.below(1 << 26);
         int splits = 1;
         while (1 << splits < 2 * kSets) splits++;
         f.split = random.below(splits);
@@ -138,6 +137,12 @@ private:
         f.area_h = std::min<std::uint32_t>(f.height - 2, std::max(1, scale >> random.below(6)));
         f.area_x = random.below(f.width - 1 - f.area_w);
         f.area_y = random.below(f.height - 1 - f.area_h);
+    }
+
+    void choose(std::uint64_t limit) {
+        // Half of the frames are where the one before was, at another base.
+        if (f.groups == 0 || random.chance(128)) place();
+        f.base = 16 * random.below(1 << 26);
         f.pattern = random.below(4);
         f.blank = random.chance(64) ? random.below(256) : 20;
         f.gap = random.chance(128) ? 0 : random.below(200);
