@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cameras import barrel_descriptor
 
+from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.descriptor import Descriptor, Formats
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, float_map
@@ -13,6 +14,7 @@ from ncdc_model.fixed import Q
 from ncdc_model.geometry import ValidRows
 from ncdc_model.network import frame_coordinates
 from ncdc_model.training.rounding import fitted_formats, round_network
+from ncdc_sim.corrector import simulate_correction
 
 
 def errors(d):
@@ -81,3 +83,17 @@ def test_weights_at_the_limit_stay_within_it():
     steep = replace(network, hidden_weights=np.clip(network.hidden_weights * 99, -limit, limit))
     raw = round_network(steep, *about, Formats()).hidden_weights
     assert Q(4, 20).holds(raw) and Q(4, 20).hi in raw
+
+
+@pytest.mark.parametrize("hidden", ["multiply", "raster"])
+def test_verilog_takes_formats_of_few_bits(hidden):
+    """No factor above 18 bits, 8 fraction bits of the coordinates, multiplier blocks of 18 bits."""
+    d = barrel_descriptor((40, 32), (44, 36))
+    formats = fitted_formats(d.network, replace(Formats(), coordinate=Q(14, 8)), 18)
+    few = round_network(d.network, d.geometry, d.valid, formats.with_tansig_bits(16))
+    assert max(q.width for name, q in few.formats.items()
+               if name in ("input", "hidden_weight", "tansig", "output_weight")) == 18
+    raw = np.random.default_rng(1).integers(0, 256, (36, 44), np.uint8)
+    result = simulate_correction(few, raw, simulator="icarus",
+                                 front_end=FrontEndOptions(hidden=hidden, products=18))
+    assert result.differing == [] and not result.filled.all()
