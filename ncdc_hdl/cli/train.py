@@ -48,6 +48,8 @@ def add_arguments(parser):
     parser.add_argument("--trainer", choices=list(TRAINERS), default="lm",
                         help="lm: Levenberg-Marquardt from many starts (default); ebp: the "
                              "paper's error back-propagation, for comparison")
+    parser.add_argument("--epochs", type=int, metavar="E",
+                        help="with --trainer ebp: most passes over the points (default: 5000)")
     parser.add_argument("--size", metavar="WxH",
                         help="corrected picture (default: as large as the camera's)")
     parser.add_argument("--zoom", metavar="Z",
@@ -125,6 +127,12 @@ def _train(args, source):
         check_weight_bits(args.weight_bits)
     about = {"skip": args.skip, "gamma": check_gamma(args.gamma), "formats": _formats(args),
              "weight_bits": args.weight_bits, "variant": choose_variant(args.tansig, MAX_NEURONS)}
+    if args.epochs is not None:
+        if args.trainer != "ebp":
+            raise InputError("--epochs is an option of the trainer ebp")
+        if args.epochs < 1:
+            raise InputError(f"{args.epochs} epochs are asked for, the least is 1")
+        about["epochs"] = args.epochs
     how = args.trainer, args.seed, args.held_out, training_progress()
     if args.neurons == "auto":
         return choose_camera(source, args.max_error, *how, _tried, **about)

@@ -6,6 +6,7 @@ import numpy as np
 
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import float_map
+from ncdc_model.formats import Formats
 from ncdc_model.training.pipeline import describe
 from ncdc_model.training.problem import Problem, split
 from ncdc_model.training.train import HELD_OUT, train
@@ -17,7 +18,8 @@ MOST_NEURONS = 16
 
 
 def choose_camera(source, max_error, trainer="lm", seed=0, held_out=HELD_OUT, progress=None,
-                  tried=None, *, skip=False, **about):
+                  tried=None, *, formats=Formats(), variant="mmhbc", gamma=1.0, weight_bits=None,
+                  **options):
     """Train networks of 1, 2, ... 16 hidden neurons up to the first that meets ``max_error``.
 
     The error is the largest distance in distorted pixels of float and of integer network: at
@@ -33,7 +35,7 @@ def choose_camera(source, max_error, trainer="lm", seed=0, held_out=HELD_OUT, pr
         Called with (fraction of the present training done, MSE in px^2).
     tried : callable, optional
         Called with (hidden neurons, largest error in px) of every network.
-    trainer, seed, held_out, skip, about
+    trainer, seed, held_out, formats, variant, gamma, weight_bits, options
         As of ``train_camera``.
 
     Returns
@@ -53,10 +55,11 @@ def choose_camera(source, max_error, trainer="lm", seed=0, held_out=HELD_OUT, pr
     rows = []
     for neurons in range(1, MOST_NEURONS + 1):
         training = train(source.pairs, source.geometry, neurons, trainer, seed, held_out, progress,
-                         source.anchors, skip=skip)
+                         source.anchors, **options)
         worst, trained = _worst(float_map(training.network, source.geometry), judge), None
         if worst <= max_error:
-            trained = describe(source, training, trainer, seed, held_out, **about)
+            trained = describe(source, training, trainer, seed, held_out, formats=formats,
+                               variant=variant, gamma=gamma, weight_bits=weight_bits)
             worst = max(worst, trained.report["map_error_fixed_px"]["max"])
         rows.append({"hidden_neurons": neurons, "max": worst})
         if tried:
