@@ -43,13 +43,13 @@ def misses(x0, y0, blank, options, split):
     return asked
 
 
-@pytest.mark.parametrize("data_width", [32, 64, 128])
-@pytest.mark.parametrize("options,split", [(SMALL, 1), (SMALL, 0), (CacheOptions(tiles=64), 2)])
+@pytest.mark.parametrize("data_width,options,split", [
+    (32, SMALL, 1), (64, SMALL, 0), (128, CacheOptions(tiles=64), 2)])
 @pytest.mark.parametrize("gap,stall,wait,latency,near", [
     (0, 0, 0, (1, 1), .9), (.3, 0, .5, (1, 20), .7), (0, .5, .3, (8, 8), .5),
     (.1, .1, .7, (1, 60), 0)])
 def test_windows_and_misses(data_width, options, split, gap, stall, wait, latency, near):
-    rng, count = np.random.default_rng(data_width + split), 300
+    rng, count = np.random.default_rng(data_width + split), 250
     word = data_width // 8
     pitch = -(-WIDTH // word) * word
     raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)
