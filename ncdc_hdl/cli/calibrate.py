@@ -47,8 +47,8 @@ def run(args):
                              f"another -o")
     measured, frame, warnings = _measured(points)
     points.save(output)
-    for name, overlay, photo in zip(used, overlays, points.photos):
-        write_image(overlay, draw_points(read_image(name), photo, frame))
+    for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
+        write_image(overlay, draw_points(read_image(name), photo, frame, number))
     rejected = {}
     for photo in points.photos:
         for reason, count in photo.rejected.items():

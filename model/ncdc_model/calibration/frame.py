@@ -46,8 +46,8 @@ class IdealFrame:
         :func:`ncdc_model.calibration.relief.find_relief`.
     degrees : tuple of int
         Of the polynomial that the smooth lens lacks, for each photo.
-    names : tuple of str
-        Of the photos.
+    names, numbers : tuple
+        Of the photos: their names, and which of the points' photos they are.
     """
     camera: Camera
     homographies: tuple
@@ -61,6 +61,7 @@ class IdealFrame:
     relief: np.ndarray
     degrees: tuple
     names: tuple
+    numbers: tuple
 
 
 def ideal_frame(points, size=None, zoom="fit"):
@@ -81,16 +82,16 @@ def ideal_frame(points, size=None, zoom="fit"):
         their neighbours, or ``zoom`` does not suit the lens.
     """
     size = tuple(size or points.size)
-    rejected, names = {}, []
+    rejected, numbers = {}, []
     photos = []
-    for photo in points.photos:
+    for number, photo in enumerate(points.photos):
         _count(rejected, "cut by the border", int(photo.cut.sum()))
         photo = photo.whole
         if len(photo.index) < MIN_POINTS:
             _count(rejected, "in a photo with too few points", len(photo.index))
         else:
             photos.append(photo)
-            names.append(photo.name)
+            numbers.append(number)
     if not photos:
         raise InputError(f"no photo has {MIN_POINTS} points")
     index = [photo.index * (1.0, points.aspect) for photo in photos]
@@ -138,7 +139,7 @@ def ideal_frame(points, size=None, zoom="fit"):
                       distorted=distorted, index=used, photo=photo,
                       rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected, along=along,
                       relief=shift, degrees=tuple(part.degree for part in relief),
-                      names=tuple(photo.name for photo in photos))
+                      names=tuple(photo.name for photo in photos), numbers=tuple(numbers))
 
 
 def _against_neighbours(index, residual):

@@ -10,14 +10,14 @@ _ARROW = 0.4           # of the middle step between points: length of an arrow o
 _MAGNIFY = 1, 2, 5, 10, 20, 50, 100, 200, 500
 
 
-def draw_points(image, photo, frame=None):
+def draw_points(image, photo, frame=None, number=0):
     """RGB uint8 picture of ``image`` with ``photo``'s points and the lines of their lattice.
 
     Neighbours in a row are joined by a line whose colour tells the row, neighbours in a column
     likewise; a line that crosses others shows a wrong number. Every point has a dot, hollow where
     the border cuts it, point (0, 0) a ring, and its number is written at every fifth where there is
-    room. With ``frame`` (the :class:`IdealFrame` of the photos) an arrow leads from each point to
-    where the smooth lens has it, magnified as the text at the bottom tells, and points that were
+    room. With ``frame`` (the :class:`IdealFrame` of the photos, of which this is ``number``) an arrow
+    leads from each point to where the smooth lens has it, magnified as the text at the bottom tells, and points that were
     dropped are crossed out.
     """
     # The photo recedes behind the drawing.
@@ -34,10 +34,10 @@ def draw_points(image, photo, frame=None):
     step = 1 if len({sum(key) % 2 for key in place}) > 1 or len(place) < 2 else 2
     lengths = []
     for (i, j), point in place.items():
-        for key, number in (((i + step, j), j), ((i, j + step), i)):
+        for key, line in (((i + step, j), j), ((i, j + step), i)):
             if key in place:
                 lengths.append(np.linalg.norm(place[key] - point))
-                cv2.line(picture, fixed(point), fixed(place[key]), _colour(number), thick,
+                cv2.line(picture, fixed(point), fixed(place[key]), _colour(line), thick,
                          cv2.LINE_AA, _SHIFT)
     for (i, j), point in place.items():
         cv2.circle(picture, fixed(point), fixed([(2.5 if (i, j) in cut else 1.5) * scale])[0],
@@ -49,15 +49,15 @@ def draw_points(image, photo, frame=None):
     if (0, 0) in place:
         cv2.circle(picture, fixed(place[0, 0]), fixed([5 * scale])[0], (200, 0, 0), thick,
                    cv2.LINE_AA, _SHIFT)
-    if frame is not None and photo.name in frame.names:
-        _residuals(picture, photo, frame, place, float(np.median(lengths)) if lengths else 20.0,
-                   scale, fixed)
+    if frame is not None and number in frame.numbers:
+        on = frame.photo == frame.numbers.index(number)
+        step = float(np.median(lengths)) if lengths else 20.0
+        _residuals(picture, photo, frame, on, place, step, scale, fixed)
     return picture
 
 
-def _residuals(picture, photo, frame, place, step, scale, fixed):
+def _residuals(picture, photo, frame, on, place, step, scale, fixed):
     """Arrows from the used points to the smooth lens's places; crosses over dropped ones."""
-    on = frame.photo == frame.names.index(photo.name)
     residual = np.stack(frame.camera.back_map(*frame.corrected[on].T), axis=1) - frame.distorted[on]
     usual = float(np.sqrt(np.mean(residual**2) * 2)) if on.any() else 0.0
     wanted = _ARROW * step / max(usual, 1e-6)
@@ -75,10 +75,12 @@ def _residuals(picture, photo, frame, place, step, scale, fixed):
                 cv2.line(picture, fixed(point - arm), fixed(point + arm), (230, 0, 0), 2 * thick,
                          cv2.LINE_AA, _SHIFT)
     text = f"arrows: {magnify} x the way to the smooth lens, {usual:.2f} px rms"
-    where = int(8 * scale), picture.shape[0] - int(8 * scale)
-    for colour, width in (((255, 255, 255), 4 * thick), ((0, 0, 0), thick)):
-        cv2.putText(picture, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.5 * scale, colour, width,
-                    cv2.LINE_AA)
+    height, font = picture.shape[0], cv2.FONT_HERSHEY_SIMPLEX
+    (wide, high), below = cv2.getTextSize(text, font, 0.5 * scale, thick)
+    cv2.rectangle(picture, (0, height - high - 3 * below), (wide + 2 * below, height),
+                  (255, 255, 255), -1)
+    cv2.putText(picture, text, (below, height - 2 * below), font, 0.5 * scale, (0, 0, 0), thick,
+                cv2.LINE_AA)
 
 
 def _colour(number):
