@@ -7,7 +7,8 @@ from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
 from ncdc_model.geometry import MAX_SIZE
 
 __all__ = ["PAIR_X_BITS", "PAIR_Y_BITS", "TILE_X_BITS", "TILE_Y_BITS", "lookup_layout",
-           "set_bits", "slot_bits", "stalls_layout", "tile_layout", "window_place_layout", "word_bytes"]
+           "set_bits", "slot_bits", "stalls_layout", "tile_layout", "window_place_layout",
+           "word_bytes"]
 
 TILE_X_BITS = ceil_log2(MAX_SIZE // TILE_WIDTH)
 TILE_Y_BITS = ceil_log2(MAX_SIZE // TILE_HEIGHT)

@@ -78,7 +78,8 @@ class Locate(wiring.Component):
                 m.d.comb += [pair_x.eq((tile_x + (1 - odd)) >> 1),
                              pair_y.eq((tile_y + (1 - odd)) >> 1)]
                 m.d.sync += [o.pair_x[odd].eq(pair_x), o.pair_y[odd].eq(pair_y),
-                             o.set_x[odd].eq(pair_x & mask_x), o.set_y[odd].eq(pair_y << self.split)]
+                             o.set_x[odd].eq(pair_x & mask_x),
+                             o.set_y[odd].eq(pair_y << self.split)]
             first_set_x = (tile_x >> 1) & mask_x
             m.d.sync += place.set.eq(first_set_x | ((tile_y >> 1) << self.split))
             for bank in range(TAG_BANKS):

@@ -82,7 +82,8 @@ class Retire(wiring.Component):
         m.d.sync += tokens.eq(tokens + self.filled - Mux(pop, misses, 0))
 
         # B: the box's address. M: the memory's output. S: samples. W: words. O: window.
-        stages = [(Signal(name=f"{name}_valid"), Signal(self.place_shape, name=name)) for name in "bmsw"]
+        stages = [(Signal(name=f"{name}_valid"),
+                   Signal(self.place_shape, name=name, reset_less=True)) for name in "bmsw"]
         before = (pop, oldest)
         for stage in stages:
             with m.If(shift):

@@ -73,8 +73,7 @@ class Tags(wiring.Component):
         number = Signal(sequence)                       # of the look-up in the act stage
         retired = Signal(sequence)                      # of the oldest that still has to read
         level = Signal(range(options.pending + 1))      # number - retired
-        room = Signal(init=1)
-        advance = Signal()
+        room, advance = Signal(), Signal()
         m.d.sync += [number.eq(number + self.push), retired.eq(retired + self.retire),
                      level.eq(level + self.push - self.retire)]
 
@@ -82,13 +81,13 @@ class Tags(wiring.Component):
         stage = data.StructLayout({"lookup": lookup, "touched": TAG_BANKS, "present": TAG_BANKS,
                                    "toucher": data.ArrayLayout(sequence, TAG_BANKS)})
         r_valid, c_valid, a_valid = Signal(), Signal(), Signal()
-        r, c = Signal(stage), Signal(stage)
-        c_entry = Signal(data.ArrayLayout(entry, TAG_BANKS))
-        a = Signal(lookup)
+        r, c = Signal(stage, reset_less=True), Signal(stage, reset_less=True)
+        c_entry = Signal(data.ArrayLayout(entry, TAG_BANKS), reset_less=True)
+        a = Signal(lookup, reset_less=True)
         a_missing, a_busy, a_misses = Signal(TAG_BANKS), Signal(TAG_BANKS), Signal.like(self.misses)
-        a_last_use = Signal(data.ArrayLayout(sequence, TAG_BANKS))
+        a_last_use = Signal(data.ArrayLayout(sequence, TAG_BANKS), reset_less=True)
 
-        closed, clearing, clear_set = self._clear(m, advance)
+        closed, clearing, clear_set = self._clear(m)
         m.d.comb += self.i.ready.eq(advance & ~closed)
         with m.If(advance):
             m.d.sync += [r_valid.eq(self.i.valid & self.i.ready), c_valid.eq(r_valid),
@@ -190,7 +189,7 @@ class Tags(wiring.Component):
         ]
         return m
 
-    def _clear(self, m, advance):
+    def _clear(self, m):
         """Whether nothing is accepted, whether entries are made invalid, and of which set."""
         closed, clearing = Signal(init=1), Signal(init=1)
         clear_set = Signal(set_bits(self.options))

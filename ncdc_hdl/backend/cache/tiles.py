@@ -90,11 +90,10 @@ class Tiles(wiring.Component):
             below.eq(Mux(box.odd_tile.y, ((box.set | mask_x) + 1) & ~mask_x, set_y)),
         ]
         for column in range(COLUMNS):
-            word, in_next_tile = Signal.like(box.word, name=f"word{column}"), Signal(name=f"next{column}")
-            m.d.comb += [
-                # This bank's word is the box's first, or the one behind it.
-                Cat(word, in_next_tile).eq(box.word + (box.word[0] != column)),
-            ]
+            word = Signal.like(box.word, name=f"word{column}")
+            in_next_tile = Signal(name=f"next{column}")
+            # This bank's word is the box's first, or the one behind it.
+            m.d.comb += Cat(word, in_next_tile).eq(box.word + (box.word[0] != column))
             odd_x = box.odd_tile.x ^ in_next_tile
             column_set = Mux(in_next_tile, right, set_x)
             for row in range(TILE_HEIGHT):

@@ -239,7 +239,8 @@ private:
     // One clock of everything but the source.
     void clock() {
         // Memory.
-        const bool answer = !due.empty() && due.front().ready <= clocks && !random.chance(f.wait / 4);
+        const bool answer = !due.empty() && due.front().ready <= clocks
+                            && !random.chance(f.wait / 4);
         dut->PORT(bus0, readdatavalid) = answer;
         for (int k = 0; k < kWord; k++)
             put(dut->PORT(bus0, readdata), 8 * k, 8,
@@ -249,7 +250,8 @@ private:
         dut->eval();
 
         if (dut->PORT(bus0, read)) {
-            if (command_held && dut->PORT(bus0, address) != command) fail("command changed", clocks);
+            if (command_held && dut->PORT(bus0, address) != command)
+                fail("command changed", clocks);
             command = dut->PORT(bus0, address);
             command_held = dut->PORT(bus0, waitrequest);
             if (!command_held) accept();
@@ -272,7 +274,8 @@ private:
             left_over = -1;
         } else {
             left_over = -1;
-            if (expected.empty() || expected.front() != command) fail("read of a wrong tile", clocks);
+            if (expected.empty() || expected.front() != command)
+                fail("read of a wrong tile", clocks);
             expected.pop_front();
         }
         const std::uint64_t ready = clocks + random.between(1, f.latency);
@@ -294,7 +297,8 @@ private:
         if (!valid || refused) return;
         if (flying.empty()) fail("window that nobody asked for", clocks);
         const Group& group = flying.front();
-        bool right = bits(window, O_FIRST, 1) == group.first && bits(window, O_LAST, 1) == group.last;
+        bool right = bits(window, O_FIRST, 1) == group.first
+                     && bits(window, O_LAST, 1) == group.last;
         for (int k = 0; k < kLanes; k++) {
             const Pixel& p = group.lane[k];
             const int at = k * O_LANE;
