@@ -22,7 +22,8 @@ class FrontEnd(Elaboratable):
     """Front end and table of valid rows, as the corrector joins them."""
 
     def __init__(self, d, lanes=1, **options):
-        self.backmap = BackMap(d.hidden_neurons, d.formats, options=FrontEndOptions(lanes=lanes, **options))
+        self.backmap = BackMap(d.hidden_neurons, d.formats,
+                               options=FrontEndOptions(lanes=lanes, **options))
         self.table = ValidTable(d.valid, d.geometry.corrected_height)
 
     def elaborate(self, platform):

@@ -46,7 +46,8 @@ def stored(content, base, pixels, strip, upto=None):
     height, width, _ = pixels.shape
     place = scan_order(np.arange(height * width).reshape(height, width), strip)[:upto]
     frame = content[base:base + 4 * height * width].reshape(-1, 4)
-    frame[place] = np.column_stack([pixels.reshape(-1, 3)[:, ::-1], np.zeros(height * width)])[place]
+    bytes_of = np.column_stack([pixels.reshape(-1, 3)[:, ::-1], np.zeros(height * width)])
+    frame[place] = bytes_of[place]
 
 
 def bursts(base, size, strip, word):

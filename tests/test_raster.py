@@ -24,7 +24,7 @@ LAYERS = {"multiply": MultiplyLayer, "raster": RasterLayer}
 
 
 class ScannedLayer(Elaboratable):
-    """A scan and a hidden layer behind it for each lane; ``forced`` fields of the pixel are stuck at zero."""
+    """A scan and a hidden layer for each lane; ``forced`` fields of the pixel are stuck at zero."""
 
     def __init__(self, kind, neurons, share, forced=(), lanes=1):
         self.scan = Scan(FORMATS, lanes)
@@ -165,7 +165,7 @@ def test_neurons_and_turns(kind, neurons, share):
 @pytest.mark.parametrize("share,lanes,strip,gap", [
     (1, 1, 32, .2), (2, 1, 64, 0), (1, 2, 32, .3), (2, 4, 0, 0)])
 def test_strips_and_lanes(kind, share, lanes, strip, gap):
-    """Behind a strip, and in each lane; the first picture's groups of 4 are half the range apart."""
+    """Behind a strip, in each lane; the first picture's groups of 4 are half the range apart."""
     rng = np.random.default_rng(5)
     frames = [frame_of(scan_of(*size), anything(rng, 3) + extremes(rng, 2))
               for size in ((8, 8), (72, 8))]

@@ -164,7 +164,7 @@ def test_abort_and_start_together_and_frames_without_a_pixel(fetcher, data_width
 @EACH_BUILD
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
 def test_reset_at_any_moment(fetcher, data_width, hidden, seed):
-    """The memory is not reset: it gets whole bursts, and no word of before is taken for a new one."""
+    """The memory is not reset: it gets whole bursts, and no old word is taken for a new one."""
     d, rng = camera(), np.random.default_rng(seed)
     frames, kinds = Frames(d, data_width), []
     for moment in rng.integers(2, 4000, 12):
@@ -196,6 +196,7 @@ def test_groups_equal_golden(lanes, data_width, output, hidden, share, strip, me
                                  fetch=FetchOptions(strip=strip),
                                  front_end=FrontEndOptions(hidden, share, lanes=lanes))
     assert result.differing == []
+    assert result.counters["FETCHES"] == result.fetches_expected
     assert result.counters["PIXELS"] == 76 * 29
     assert result.bytes_written == 76 * 29 * (3 if output == "stream" else 4)
     assert result.report()["pixels_per_clock"] == lanes

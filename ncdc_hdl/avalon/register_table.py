@@ -134,7 +134,8 @@ _FIXED = (
     Register("CACHE_SPLIT", 0x16, "shadow", unsigned(4),
              "Cache fetcher: log2 of the tile pairs along a row that have sets of their own."),
     Register("STRIP_WIDTH", 0x17, "shadow", _SIZE,
-             f"Columns of a strip, a multiple of {STRIP_UNIT}; 0: raster. A stream is always a raster."),
+             f"Columns of a strip, a multiple of {STRIP_UNIT}; 0: raster. "
+             "A stream is always a raster."),
     Register("CLOCKS", 0x18, "ro", unsigned(32), "Clocks of the last frame, start to last pixel."),
     Register("PIXELS", 0x19, "ro", unsigned(32), "Pixels of the last frame."),
     Register("FETCHES", 0x1A, "ro", unsigned(32), "Windows (multiport), or tiles of 16x4 (cache), "

@@ -20,11 +20,11 @@ class BackMap(wiring.Component):
     """Scan, HN hidden neurons with their tan-sigmoids, two output neurons, queue (Figs. 8, 29).
 
     Equal bit for bit to ``ncdc_model.network.coordinates`` in the order of :class:`Strips`,
-    whatever the options. Each of ``options.lanes`` neighbouring pixels has a network of its own; all have
-    the same weights. Timing: the networks run free, one group of pixels every ``options.share``
-    clocks; ``latency`` clocks from a scanned group to the queue. Instead of gating the front end's clock
-    while the back end is full, the scan issues a group only if the queue has room for all that is
-    under way (see :class:`CreditQueue`).
+    whatever the options. Each of ``options.lanes`` neighbouring pixels has a network of its own;
+    all have the same weights. Timing: the networks run free, one group of pixels every
+    ``options.share`` clocks; ``latency`` clocks from a scanned group to the queue. Instead of
+    gating the front end's clock while the back end is full, the scan issues a group only if the
+    queue has room for all that is under way (see :class:`CreditQueue`).
 
     Parameters
     ----------
@@ -102,10 +102,12 @@ class BackMap(wiring.Component):
         m.submodules.scan = scan = Scan(self.formats, self.lanes)
         # Restarting this early keeps the queue from running dry while the network refills.
         m.submodules.queue = queue = CreditQueue(
-            coordinate_layout(self.formats, self.lanes), depth=self.queue, restart=self.queue - self.under_way)
+            coordinate_layout(self.formats, self.lanes), depth=self.queue,
+            restart=self.queue - self.under_way)
         m.d.comb += [
             scan.start.eq(self.start), scan.abort.eq(self.abort), scan.parameters.eq(self.scan),
-            self.cut.eq(scan.cut), self.row.eq(scan.row), scan.spans.eq(self.spans), scan.fresh.eq(self.fresh),
+            self.cut.eq(scan.cut), self.row.eq(scan.row), scan.spans.eq(self.spans),
+            scan.fresh.eq(self.fresh),
         ]
 
         # All lanes are ready in the same clock.
