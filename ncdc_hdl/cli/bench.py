@@ -3,13 +3,16 @@
 import sys
 
 from ncdc_hdl.bench.synthesis import SynthesisError
-from ncdc_hdl.cli import bench_accuracy, bench_lines, bench_tansig
+from ncdc_hdl.cli import bench_accuracy, bench_lines, bench_tansig, bench_throughput
 
 __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
-BENCHES = {"accuracy": bench_accuracy, "lines": bench_lines, "tansig": bench_tansig}
+BENCHES = {"accuracy": bench_accuracy,
+           "lines": bench_lines,
+           "tansig": bench_tansig,
+           "throughput": bench_throughput}
 
 
 def add_arguments(parser):
