@@ -196,7 +196,8 @@ def test_real_boards(pattern, target, count):
 
 @pytest.mark.parametrize("pattern,target,columns,rows", [
     ("circles/circle_regular/*1.jpg", "circles", 10, 8),
-    ("circles/circle_hexagonal/*4.jpg", "acircles", 24, 28), ("fisheye/1.jpg", "chessboard", 6, 4)])
+    ("circles/circle_hexagonal/*4.jpg", "acircles", 24, 28), ("fisheye/1.jpg", "chessboard", 6, 4),
+    ("dots/dot_pattern_05.jpg", "dots", 85, 54)])
 def test_real_targets_are_recognised(pattern, target, columns, rows):
     file = real_photos(pattern)[0]
     points = detect_points([(file.name, read_image(file))], "auto")

@@ -104,15 +104,14 @@ def _recognise(image):
     grid = find_grid(image)
     whole = grid is not None and grid.filled > _WHOLE_GRID
     columns, rows = np.ptp(grid.photo.index, axis=0) + 1 if whole else (0, 0)
-    if whole and not grid.staggered and min(columns, rows) >= 3 and not _near_border(image, grid):
-        return "circles", int(columns), int(rows)
     if grid is not None and not grid.staggered:
-        try:
-            # The dark squares of a chessboard form a lattice too, but a small one.
-            if len(find_dots(image).index) >= MIN_DOTS:
-                return "dots", None, None
-        except InputError:
-            pass
+        page = _page(image)
+        # A grid that goes on beyond the border is a page, however whole its rectangle is.
+        if whole and min(columns, rows) >= 3 and (page is None or not page.cut.any()):
+            return "circles", int(columns), int(rows)
+        # The dark squares of a chessboard form a lattice too, but a small one.
+        if page is not None and len(page.index) >= MIN_DOTS:
+            return "dots", None, None
     round_ones = whole and grid.staggered and not corners_touch(image, grid)
     for kind, find in (("charuco", find_any_charuco), ("chessboard", find_any_chessboard)):
         try:
@@ -129,12 +128,12 @@ def _recognise(image):
                      f"chessboard nor a ChArUco board was found")
 
 
-def _near_border(image, grid):
-    """Whether the next line of circles would lie outside the picture: then it may be a page."""
-    low, high = grid.photo.xy.min(axis=0), grid.photo.xy.max(axis=0)
-    step = (high - low) / np.maximum(np.ptp(grid.photo.index, axis=0), 1)
-    # All four: a grid that ends inside on any side is a grid.
-    return bool((low - step < 0).all() and (high + step > image.shape[1::-1]).all())
+def _page(image):
+    """The dots that the picture shows, or None."""
+    try:
+        return find_dots(image)
+    except InputError:
+        return None
 
 
 def _same(first, second):
