@@ -1,31 +1,31 @@
 """The memory model in Verilog, under both simulators."""
 
-from dataclasses import replace
-
 import pytest
+from memory_model import memory_model
 
-from ncdc_model.memory_timing import LatencyMemory, ddr3, memory_timing, sdram
-from ncdc_sim.cocotb_run import Design, run_cocotb
+from ncdc_model.memory_timing import memory_timing
+from ncdc_sim.cocotb_run import run_cocotb
 from ncdc_sim.memories import memory_settings
-from ncdc_sim.runner import HDL
-from ncdc_sim.tools import SIMULATORS, SimulationError
-
-
-def design(ports=2, width=32, planted=None):
-    """The model with 4 KB; ``planted``: a text and what to put in its place, in dram_timing.v."""
-    timing = (HDL / "dram_timing.v").read_text()
-    if planted:
-        assert planted[0] in timing
-        timing = timing.replace(*planted)
-    return Design("avalon_memory", timing + (HDL / "avalon_memory.v").read_text()
-                  .replace("parameter PORTS = 1", f"parameter PORTS = {ports}")
-                  .replace("parameter DATA_WIDTH = 32", f"parameter DATA_WIDTH = {width}")
-                  .replace("parameter BYTES = 65536", "parameter BYTES = 131072"))
+from ncdc_sim.tools import SIMULATORS
 
 
 @pytest.mark.parametrize("simulator", SIMULATORS)
-@pytest.mark.parametrize("memory", ["ideal", "sdram", "ddr3", "ddr3@150", "hostile", "fixed:9:4"])
-def test_content_and_order(memory, simulator):
-    memory = memory_timing(memory)
-    run_cocotb(design(), "avalon_memory", simulator, seed=3,
-               memory=memory_settings(memory, data_width=32, ports=2))
+@pytest.mark.parametrize("memory", ["ideal", "sdram", "ddr3@150", "hostile", "fixed:9:4"])
+def test_content_order_and_bandwidth(memory, simulator):
+    run_cocotb(memory_model(), "avalon_memory", simulator, seed=3, bandwidth=memory == "ideal",
+               memory=memory_settings(memory_timing(memory), data_width=32, ports=2))
+
+
+def test_settings():
+    def settings(name, width, ports):
+        return memory_settings(memory_timing(name), width, ports)
+    assert settings("ideal", 32, 3)["rate"] == 4 * 256
+    assert settings("fixed:100:4", 32, 1)["rate"] == 256
+    assert settings("fixed:100:4", 128, 1)["rate"] == 64
+    assert settings("hostile", 32, 1) == {
+        "dram": 0, "latency_min": 1, "latency_max": 60, "rate": 384, "granule": 1,
+        "wait_chance": 128, "max_pending": 4}
+    ddr3 = settings("ddr3@150", 128, 1)
+    assert (ddr3["ratio_mul"], ddr3["ratio_div"], ddr3["controller_clocks"]) == (8, 3, 16)
+    assert (ddr3["bank_bits"], ddr3["column_bits"], ddr3["access_bits"], ddr3["word_bits"]) == (
+        3, 11, 4, 4)

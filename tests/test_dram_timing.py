@@ -5,32 +5,22 @@ import re
 from dataclasses import replace
 
 import pytest
+from memory_model import memory_model
 
 from ncdc_model.memory_timing import ddr3, sdram
-from ncdc_sim.cocotb_run import Design, run_cocotb
+from ncdc_sim.cocotb_run import run_cocotb
 from ncdc_sim.memories import memory_settings
-from ncdc_sim.runner import HDL
 from ncdc_sim.tools import SIMULATORS, SimulationError
 
 SDRAM_ROW = 4096 * 4        # bytes from a row to the next one of its bank
 DDR3_ROW = 2048 * 8
 
 
-def design(width, planted=("", "")):
-    """The model with two read ports; ``planted``: a text of dram_timing.v and its replacement."""
-    timing = (HDL / "dram_timing.v").read_text()
-    assert planted[0] in timing
-    model = ((HDL / "avalon_memory.v").read_text()
-             .replace("parameter PORTS = 1", "parameter PORTS = 2")
-             .replace("parameter DATA_WIDTH = 32", f"parameter DATA_WIDTH = {width}")
-             .replace("parameter BYTES = 65536", "parameter BYTES = 131072"))
-    return Design("avalon_memory", timing.replace(*planted, 1) + model)
-
-
 def beats(memory, reads, writes=(), *, width=32, clocks=150, simulator="icarus", **options):
     """Clocks of the beats of both ports; reads and writes: (port, clock, address, words)."""
-    log = run_cocotb(design(width, **options), "dram_timing", simulator, seed=1, reads=list(reads),
-                     memory=memory_settings(memory, width, 2), writes=list(writes), clocks=clocks)
+    log = run_cocotb(memory_model(width, **options), "dram_timing", simulator, seed=1,
+                     memory=memory_settings(memory, width, 2), reads=list(reads),
+                     writes=list(writes), clocks=clocks)
     return json.loads(re.search(r"BEATS (.*)", log)[1])["beats"]
 
 

@@ -141,7 +141,7 @@ async def content_order_and_latency(dut):
     assert int(dut.errors.value) == 0
 
 
-@cocotb.test()
+@cocotb.test(skip=not settings().get("bandwidth"))
 async def bandwidth_is_shared(dut):
     """Ports that ask without end get the whole rate together, and fair parts of it."""
     rng, clocks = random.Random(1), 2000
