@@ -98,7 +98,8 @@ def ideal_frame(points, size=None, zoom="fit"):
     xy = [photo.xy for photo in photos]
     fit = fit_smooth(points.size, list(zip(index, xy)))
     if points.target in _ROUND:
-        xy = [photo.xy - _eccentricity(fit, number, index[number], photo) for number, photo in enumerate(photos)]
+        xy = [photo.xy - _eccentricity(fit, number, index[number], photo)
+              for number, photo in enumerate(photos)]
         fit = fit_smooth(points.size, list(zip(index, xy)))
     relief = [find_relief(photos[k].index, xy[k] - fit.pixels(k, index[k]), fit.normal(k, index[k]))
               for k in range(len(photos))]

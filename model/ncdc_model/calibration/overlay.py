@@ -16,9 +16,9 @@ def draw_points(image, photo, frame=None, number=0):
     Neighbours in a row are joined by a line whose colour tells the row, neighbours in a column
     likewise; a line that crosses others shows a wrong number. Every point has a dot, hollow where
     the border cuts it, point (0, 0) a ring, and its number is written at every fifth where there is
-    room. With ``frame`` (the :class:`IdealFrame` of the photos, of which this is ``number``) an arrow
-    leads from each point to where the smooth lens has it, magnified as the text at the bottom tells, and points that were
-    dropped are crossed out.
+    room. With ``frame`` (the :class:`IdealFrame` of the photos, of which this is ``number``) an
+    arrow leads from each point to where the smooth lens has it, magnified as the text at the
+    bottom tells, and points that were dropped are crossed out.
     """
     # The photo recedes behind the drawing.
     picture = np.array(image if image.ndim == 3 else np.dstack([image] * 3))
