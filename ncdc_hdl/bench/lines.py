@@ -20,7 +20,7 @@ __all__ = ["Line", "board_photo", "board_pitch", "corrected", "crossings", "find
 SQUARES = 20           # of the board across the corrected frame
 DARK, LIGHT = 30, 215
 EDGES = 60, 140        # lower and upper threshold of the edge detector (Canny)
-TURN, WIDE = np.pi / 720, 2     # resolution of the Hough transform: angle, pixels
+TURN, WIDE = np.pi / 3600, 2    # resolution of the Hough transform: angle, pixels
 STRAY = np.radians(3)  # most that a line found may be turned
 SHARE = 0.75           # of its visible length that a line found must collect in edge pixels
 
