@@ -18,6 +18,7 @@ from ncdc_sim.tools import SimulationError
 
 F = 10
 SMALL = CacheOptions(tiles=16, pending=8, outstanding=3, sequence_bits=5)
+TINY = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4)
 MIDDLE = CacheOptions(tiles=64, pending=32, outstanding=8, sequence_bits=8)
 
 
@@ -29,7 +30,7 @@ def check(groups, data_width, options, lanes=1, **settings):
 
 
 @pytest.mark.parametrize("data_width,options,lanes", [
-    (32, SMALL, 1), (64, MIDDLE, 1), (128, SMALL, 1), (128, MIDDLE, 2), (32, SMALL, 4)])
+    (32, TINY, 1), (64, MIDDLE, 1), (128, SMALL, 1), (128, MIDDLE, 2), (32, SMALL, 4)])
 def test_random_windows(data_width, options, lanes):
     check(50000 // lanes, data_width, options, lanes)
     assert check(10000, data_width, options, lanes, resets=100, seed=2)["resets"] > 2

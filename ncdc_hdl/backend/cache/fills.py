@@ -62,9 +62,11 @@ class Fills(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         most = self.options.outstanding
+        # A queue of two would refuse the second of two writes in a row.
+        depth = max(most, 3)
         m.submodules.claimed = claimed = SyncFIFOBuffered(width=tile_layout(self.options).size,
-                                                          depth=most)
-        m.submodules.slots = slots = SyncFIFOBuffered(width=slot_bits(self.options), depth=most)
+                                                          depth=depth)
+        m.submodules.slots = slots = SyncFIFOBuffered(width=slot_bits(self.options), depth=depth)
         m.submodules.requests = requests = TileRequests(self.options)
         m.submodules.commands = commands = ReadCommands(
             self.data_width, self.burst, limit=most * TILE_HEIGHT * self.burst)
