@@ -70,6 +70,13 @@ def test_memory_takes_the_smaller_cache_of_strips(barrel):
     assert planned.amplification <= 1.15
 
 
+def test_a_larger_cache_must_gain_something(barrel):
+    """Where the memory is too slow for the pixels written alone, the smallest cache will do."""
+    planned = plan(barrel, memory="sdram")
+    assert planned.clocks_per_pixel > 1.02
+    assert planned.options.bytes == 8192
+
+
 def test_a_turned_picture_takes_another_split(barrel, upright):
     assert plan(barrel, stream=True).split >= 4
     assert plan(upright, stream=True).split <= 1

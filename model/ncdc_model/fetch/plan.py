@@ -24,6 +24,7 @@ CLOCK_MHZ = 100.0
 _RASTER_GOAL, _STRIP_GOAL = 1.02, 1.15
 _CLOCKS_GOAL = 1.02                         # clocks per pixel
 _COUNT = {1: "one pixel", 2: "two pixels", 4: "four pixels"}
+_GAIN = .99                                 # of the clocks, by a choice further back
 _TIMINGS = 4                                # choices whose clocks are predicted, at most
 
 
@@ -233,11 +234,12 @@ def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, lanes
                                 pitch=pitch, writes=writes,
                                 progress=lambda done, total: progress(
                                     .7 + .3 * (k + done / total) / _TIMINGS))
-        if made is None or clocks.clocks < made.clocks:
+        fast = clocks.clocks <= limit
+        if made is None or fast or clocks.clocks < _GAIN * made.clocks:
             made = Plan(choice.options, choice.split, choice.strip, memory, clock_mhz, data_width,
                         pixels, len(missed), clocks.clocks, clocks.interlock, clocks.credit,
                         distinct, worst_span(missed, len(boxes)), live_tiles(accessed) * TILE_BYTES)
-        if made.clocks <= limit:
+        if fast:
             break
     progress(1)
     if rate is not None and made.frames_per_second < rate:
