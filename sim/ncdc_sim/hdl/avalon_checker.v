@@ -10,8 +10,9 @@
 //   unrequested      readdatavalid only while a beat is due
 //   unknown          no X or Z on control out of reset, nor on what it qualifies (four states)
 // `host_rst` high: the host is being reset and may let go of what it holds; what it has been
-// promised and what it has begun stay due. Unused halves are tied to 0. Counters: commands, beats, enabled bytes written, clocks a command
-// waited. The address matters on the first beat of a burst alone.
+// promised and what it has begun stay due. Unused halves are tied to 0. Counters: commands, beats,
+// enabled bytes written, clocks a command waited. The address matters on the first beat of a burst
+// alone.
 
 `timescale 1ns/1ps
 

@@ -269,7 +269,8 @@ module frame_bench (
                     // A stream's sink may still be taking pixels that the module has let go.
                     closing = closing + 1;
 `ifdef NCDC_STREAM
-                    if (closing == 16 + 64 * 256 || (closing > 16 && SP * stream_beats >= output_pixels))
+                    if (closing == 16 + 64 * 256
+                            || (closing > 16 && SP * stream_beats >= output_pixels))
 `else
                     if (closing == 1024)    // a controller may still have words to write
 `endif
