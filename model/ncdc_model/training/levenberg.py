@@ -14,7 +14,7 @@ RIDGE = 2e-10                      # keeps output weights near 1000 pixels, cost
 SEARCH_POINTS = 700                # the search uses a subset, the polish every point
 
 
-def train_levenberg(problem, neurons, seed=0, starts=64, rounds=4, skip=False, progress=None):
+def train_levenberg(problem, neurons, seed=0, starts=64, rounds=6, skip=False, progress=None):
     """Network of least summed squared error on the pairs of ``problem``, and its learning curve.
 
     Equations (15)-(18) of the paper, gamma = 1, trained by Levenberg-Marquardt instead of error
@@ -74,9 +74,10 @@ class _Search:
         for size in range(first, neurons + 1):
             last = size == neurons
             starts, rounds = (self.starts, self.rounds) if last else (self.starts // 3,
-                                                                      self.rounds // 2)
+                                                                      (self.rounds + 1) // 3)
             share = (.8 if last else .2 / (neurons - first)) / (1 + rounds)
-            theta = self._random(starts, size)
+            # The larger the network, the less random starts find and the more growing does.
+            theta = self._random(starts if size <= 8 else starts // 2, size)
             if smaller is not None:
                 theta = np.concatenate([theta, self._grown(smaller, self.starts // 3)])
             best = self._descend(theta, share)
