@@ -6,10 +6,10 @@ import pytest
 
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.fetch.lookups import lookups
-from ncdc_model.fetch.ports import memory_port
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.fetch.timing import FRAME_LATENCY, predict_clocks
-from ncdc_model.memory_timing import LatencyMemory, memory_timing
+from ncdc_model.fetch.writes import frame_writes
+from ncdc_model.memory_timing import LatencyMemory
 from test_fetch_tags import random_windows, walking_windows
 
 PITCH = 512
@@ -94,3 +94,37 @@ def test_clocks_are_those_of_the_loop(make, tiles, pending, outstanding, latency
     predicted = predict_clocks(missed, boxes, options, memory, 128 // words, pitch=PITCH)
     assert predicted.clocks - FRAME_LATENCY == pytest.approx(
         clocked(boxes, missed, options, latency, words), rel=.005)
+
+
+def words_of(width, height, strip, word, block):
+    """(address, words, last pixel of the burst) of each access, pixel by pixel."""
+    order = [(u, v) for left in range(0, width, strip or width) for v in range(height)
+             for u in range(left, min(width, left + (strip or width)))]
+    # A word ends with its last byte, or with the row of a strip.
+    words = []
+    for number, (u, v) in enumerate(order):
+        address = 4 * (v * width + u)
+        fresh = not words or words[-1][0] != address // word or strip and u % strip == 0
+        if fresh:
+            words.append([address // word, u == 0 or strip and u % strip == 0, number, number])
+        words[-1][3] = number
+    bursts = []
+    for place, row_start, _, last in words:
+        if not bursts or len(bursts[-1]) == 16 or strip and row_start:
+            bursts.append([])
+        bursts[-1].append((place, last))
+    found = []
+    for burst in bursts:
+        blocks = {}
+        for place, _ in burst:
+            blocks.setdefault(place * word // max(block, word), []).append(place)
+        found += [(places[0] * word, len(places), burst[-1][1]) for places in blocks.values()]
+    return found
+
+
+@pytest.mark.parametrize("data_width,block", [(32, 16), (32, 1), (128, 16), (64, 16)])
+@pytest.mark.parametrize("strip", [0, 32])
+def test_writes_are_those_of_a_loop(data_width, block, strip):
+    made = frame_writes(80, 6, strip, data_width, block, 0)
+    expected = words_of(80, 6, strip, data_width // 8, block)
+    assert list(zip(made.address, made.words, made.last)) == expected

@@ -6,14 +6,11 @@ port. Edges ascend from call to call.
 
 from collections import deque
 
-from ncdc_model.fetch.writes import BURST
 from ncdc_model.memory_timing import DramMemory
 
 __all__ = ["memory_port"]
 
 _READ_TO_WRITE_BUS = 24     # from a window read to its pixel in a word on the bus
-_QUEUED_WORDS = 2 * BURST   # that the burst writer holds
-_QUEUED_PIXELS = 32         # that the interpolator holds
 _NEVER = 1 << 62
 
 
@@ -41,8 +38,6 @@ class _Port:
         self.total = len(writes.words) if writes else 0
         self.arrived = []           # edge at which each write access is complete on the bus
         self.done = 0               # write accesses placed
-        # Pixels that are held behind one whose word has not left the writer.
-        self.slack = _QUEUED_WORDS * word // 4 + _QUEUED_PIXELS
         self.done_at = deque([], self.queue)
 
     def read(self, clock, address, words):
@@ -67,7 +62,7 @@ class _Port:
                 before = j - self.queue - self.done + len(self.done_at)
                 edge = max(edge, self.done_at[before] + words)
             self.arrived.append(edge)
-            self.lags.hold(writes.first[j] + self.slack, edge - words)
+            self.lags.hold(writes.held[j], edge - words)
         return self.done < len(self.arrived)
 
     def finish(self):

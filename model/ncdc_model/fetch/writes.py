@@ -4,10 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-__all__ = ["BURST", "FrameWrites", "PIXEL_BYTES", "frame_writes"]
+__all__ = ["FrameWrites", "PIXEL_BYTES", "frame_writes"]
 
-BURST = 16              # words of a burst
+_BURST = 16                  # words of a burst
 PIXEL_BYTES = 4
+_QUEUED_WORDS = 2 * _BURST   # that the burst writer holds
+_QUEUED_PIXELS = 32          # that the interpolator holds
 
 
 @dataclass(frozen=True)
@@ -20,20 +22,21 @@ class FrameWrites:
         First byte.
     words : list of int
         Words of the port that the access is put together from.
-    first, last : list of int
-        Number, in the order of the scan, of the first pixel of the access and of the last one of
-        its burst: then the burst begins.
+    last : list of int
+        Number, in the order of the scan, of the last pixel of its burst: then the burst begins.
+    held : list of int
+        Number of the first pixel that the full writer holds up until the access is on the bus.
     """
     address: list
     words: list
-    first: list
     last: list
+    held: list
 
     def by_lookup(self, pixel):
         """The same with the numbers of look-ups, whose first pixels are ``pixel``."""
-        first, last = (np.searchsorted(pixel, numbers, "right") - 1
-                       for numbers in (self.first, self.last))
-        return replace(self, first=first.tolist(), last=last.tolist())
+        last, held = (np.searchsorted(pixel, numbers, "right") - 1
+                      for numbers in (self.last, self.held))
+        return replace(self, last=last.tolist(), held=held.tolist())
 
 
 def frame_writes(width, height, strip, data_width, block, base):
@@ -69,8 +72,9 @@ def frame_writes(width, height, strip, data_width, block, base):
     stop = np.minimum((start // block + 1) * block, end[which])
     words = (stop - 1) // word - start // word + 1
     begin_word = begin[which] // word
-    burst_end = (((start // word - begin_word) // BURST + 1) * BURST + begin_word) * word
+    burst_end = (((start // word - begin_word) // _BURST + 1) * _BURST + begin_word) * word
     last = (np.minimum(burst_end, end[which]) - 1 - begin[which]) // PIXEL_BYTES
     first = (start - begin[which]) // PIXEL_BYTES
-    return FrameWrites(start.tolist(), words.tolist(), (scanned[which] + first).tolist(),
-                       (scanned[which] + last).tolist())
+    slack = _QUEUED_WORDS * word // PIXEL_BYTES + _QUEUED_PIXELS
+    return FrameWrites(start.tolist(), words.tolist(), (scanned[which] + last).tolist(),
+                       (scanned[which] + first + slack).tolist())
