@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from pipelines import run_bench, run_stream
+from pipelines import get, put, run_bench
 
 from ncdc_hdl.backend.cache.align import Align
 from ncdc_hdl.backend.cache.boxes import Boxes
@@ -43,10 +43,17 @@ def test_groups_become_boxes(lanes, gap, stall):
         found = parts(x0, y0, no, list(range(lanes)))
         expected += [(k, sum(1 << n for n in chosen), box, place is found[-1])
                      for place in found for chosen, box in [place]]
-    dut = Boxes(F, lanes)
-    got = run_stream(dut, items, len(expected), lambda: rng.random() < gap,
-                     lambda: rng.random() < stall)
-    sizes = set()
+    dut, got, sizes = Boxes(F, lanes), [], set()
+
+    async def source(ctx):
+        await put(ctx, dut.i, items, lambda: rng.random() < gap)
+
+    async def sink(ctx):
+        while not (got and got[-1].group.last and got[-1].end):
+            got.extend(await get(ctx, dut.o, 1, lambda: rng.random() < stall))
+
+    run_bench(dut, source, sink)
+    assert len(got) == len(expected)
     for out, (k, mask, box, end) in zip(got, expected):
         assert (out.group.lane[0].fy, out.mask, out.end) == (k, mask, end)
         assert out.used == (box is not None)
