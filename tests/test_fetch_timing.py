@@ -78,7 +78,7 @@ def clocked(boxes, missed, options, latency, words):
             if not due and pushed - retired + (last_retire == clock) < options.pending:
                 todo.popleft()
                 pushed += 1
-                pending.append((i, clock + 3))
+                pending.append((i, clock + 4))
         clock += 1
     return clock
 

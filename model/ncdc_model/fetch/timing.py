@@ -13,7 +13,7 @@ __all__ = ["Clocks", "FRAME_LATENCY", "predict_clocks"]
 _CLAIM_TO_COMMAND = 5       # a tile is claimed, its first read command is on the bus
 _FILL_TO_CLAIM = 1          # its last word is on the port, another tile may be claimed
 _FILL_TO_RETIRE = 3         # its last word is on the port, the window that waits is read
-_PUSH_TO_RETIRE = 3         # a look-up leaves the tag stage, its window is read
+_PUSH_TO_RETIRE = 4         # a look-up leaves the tag stage, its window is read
 _RETIRE_TO_PUSH = 1         # a window is read, there is room for another look-up
 _RETIRE_TO_CLAIM = 2        # a window is read, its tiles may be replaced
 
@@ -50,7 +50,7 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
     (retire). Both are kept as lags behind its number, which never fall::
 
         push(i)   = i + a(i)        push(i)   >= push(i-1) + 1, retire(i - pending) + 1
-        retire(i) = i + b(i)        retire(i) >= retire(i-1) + 1, push(i) + 3, last word + 3
+        retire(i) = i + b(i)        retire(i) >= retire(i-1) + 1, push(i) + 4, last word + 3
 
     Parameters
     ----------

@@ -66,19 +66,22 @@ class Retire(wiring.Component):
         m = Module()
         m.submodules.queue = queue = SyncFIFOBuffered(
             width=self.place_shape.size + len(self.misses), depth=self.options.pending)
-        oldest, misses = Signal(self.place_shape), Signal.like(self.misses)
+        # The oldest in registers of its own: a memory's output comes late in its clock.
+        oldest_valid, oldest = Signal(), Signal(self.place_shape, reset_less=True)
+        misses = Signal.like(self.misses, reset_less=True)
         # Arrived tiles that belong to nobody yet: at most those of all pending look-ups and of
         # the one in the act stage.
         tokens = Signal(range(TAG_BANKS * (self.options.pending + 1) + 1))
-        shift, pop, enough = Signal(), Signal(), Signal()
+        shift, pop, load, enough = Signal(), Signal(), Signal(), Signal()
         m.d.comb += [
             queue.w_data.eq(Cat(self.place, self.misses)), queue.w_en.eq(self.push),
-            Cat(oldest, misses).eq(queue.r_data),
+            load.eq(~oldest_valid | pop), queue.r_en.eq(load),
             shift.eq(~self.o.valid | self.o.ready), self.shift.eq(shift),
             enough.eq(self._enough(tokens, misses)),
-            pop.eq(queue.r_rdy & enough & shift), queue.r_en.eq(pop),
-            self.waiting.eq(queue.r_rdy & ~enough),
+            pop.eq(oldest_valid & enough & shift), self.waiting.eq(oldest_valid & ~enough),
         ]
+        with m.If(load):
+            m.d.sync += [oldest_valid.eq(queue.r_rdy), Cat(oldest, misses).eq(queue.r_data)]
         m.d.sync += tokens.eq(tokens + self.filled - Mux(pop, misses, 0))
 
         # B: the box's address. M: the memory's output. S: samples. W: words. O: window.
