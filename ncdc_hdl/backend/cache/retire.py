@@ -119,8 +119,9 @@ class Retire(wiring.Component):
 
     @staticmethod
     def _enough(tokens, misses):
-        """Whether all tiles of the oldest look-up have arrived."""
-        return tokens >= misses
+        """Whether all tiles of the oldest look-up have arrived; without a carry through all bits."""
+        low = len(misses)
+        return tokens[low:].any() | (tokens[:low] >= misses)
 
     def _corner(self, place):
         """Word and row of a look-up's first tile in which its box begins; whether it has any."""
