@@ -1,6 +1,7 @@
 """Plot of the throughput bench: clocks and bytes per pixel of every row."""
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from ncdc_model.files import replace_file
 
@@ -30,13 +31,15 @@ def plot_throughput(folder, rows):
     for axes, (key, title) in zip(figure.subplots(1, 2, sharey=True), _PANELS):
         values = [row[key] for row in rows]
         bars = axes.barh(place, values, color=[_COLOURS[row["fetch"]] for row in rows])
-        axes.bar_label(bars, fmt="%.3g", fontsize="x-small", padding=2)
+        axes.bar_label(bars, fmt="%.4g", fontsize="x-small", padding=2)
         if key == "clocks_per_pixel":
             known = [k for k in place if rows[k]["predicted_clocks_per_pixel"]]
             axes.plot([rows[k]["predicted_clocks_per_pixel"] for k in known], known, "k|",
                       label="predicted")
             axes.legend(fontsize="x-small")
-        axes.set(xscale="log", xlabel=title, yticks=list(place), xlim=(.5, 2 * max(values)))
+        axes.set(xscale="log", xlabel=title, yticks=list(place), xlim=(.2, 3 * max(values)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_yticklabels([_label(row) for row in rows], fontsize="x-small")
         axes.grid(axis="x", alpha=.3)
     axes.invert_yaxis()
@@ -46,5 +49,6 @@ def plot_throughput(folder, rows):
 
 def _label(row):
     scan = f"strips {row['strip']}" if row["strip"] else "raster"
-    return (f"{row['fetch']}, {row['memory']} to {row['output']}, {row['width']}x{row['height']}, "
+    lanes = f", {row['pixels_per_clock']} per clock" if row["pixels_per_clock"] > 1 else ""
+    return (f"{row['fetch']}{lanes}, {row['memory']} to {row['output']}, {row['width']}x{row['height']}, "
             f"lens {row['lens']:g}, {row['rotation']:g}°, {scan}")
