@@ -119,7 +119,8 @@ def test_the_command_prints_and_reports(barrel, tmp_path, monkeypatch, capsys):
     assert main(["plan", "net.toml", "--to", "stream", "--json", "plan.json"]) == 0
     report = json.loads((tmp_path / "plan.json").read_text())
     out = capsys.readouterr().out
-    assert f"cache of {report['cache_bytes']} bytes, split {report['cache_split']}, raster scan" in out
+    size, split = report["cache_bytes"], report["cache_split"]
+    assert f"cache of {size} bytes, split {split}, raster scan" in out
     assert f"{report['predicted_clocks_per_pixel']:.4f} clocks per pixel" in out
     assert report["data_width"] == 128
     assert main(["plan", "net.toml", "--rate", "5000"]) == 2

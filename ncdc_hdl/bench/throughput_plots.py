@@ -50,5 +50,6 @@ def plot_throughput(folder, rows):
 def _label(row):
     scan = f"strips {row['strip']}" if row["strip"] else "raster"
     lanes = f", {row['pixels_per_clock']} per clock" if row["pixels_per_clock"] > 1 else ""
-    return (f"{row['fetch']}{lanes}, {row['memory']} to {row['output']}, {row['width']}x{row['height']}, "
+    size = f"{row['width']}x{row['height']}"
+    return (f"{row['fetch']}{lanes}, {row['memory']} to {row['output']}, {size}, "
             f"lens {row['lens']:g}, {row['rotation']:g}°, {scan}")

@@ -113,7 +113,8 @@ def run(args):
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
               "fetch": args.fetch, "data_width": args.data_width, "output": args.to,
               "hidden": args.hidden, "share": args.share, "products": args.products,
-              **_fetch_report(chosen["fetch"], descriptor), "pixels_per_clock": args.pixels_per_clock,
+              **_fetch_report(chosen["fetch"], descriptor),
+              "pixels_per_clock": args.pixels_per_clock,
               "board": args.board, "left_to_user": board.left_to_user if board else {},
               "files": [str(folder / name) for name in files]}
     if not write_report(report, args.json):

@@ -1,4 +1,4 @@
-"""The look-ups that the cache makes for a frame: a box of samples each, in the order of the scan."""
+"""The look-ups that the cache makes for a frame: boxes of samples in the order of the scan."""
 
 from dataclasses import dataclass
 
@@ -92,8 +92,8 @@ def lookups(windows, strip=0, lanes=1):
         return Lookups(x0, y0, x0 + far, y0 + far, used, np.arange(x0.size), x0.size)
     width = windows.x0.shape[1]
     if width % lanes:
-        raise InputError(f"the corrected width is {width}, {lanes} pixels per clock need a multiple "
-                         f"of {lanes}")
+        raise InputError(f"the corrected width is {width}, {lanes} pixels per clock need a "
+                         f"multiple of {lanes}")
     # A group is cut where it has no box of its own: `begins` marks the first lane of each box.
     edges = _Edges(x0, y0, x0 + far, y0 + far, used)
     boxes, begins = edges, np.ones(x0.shape, bool)
