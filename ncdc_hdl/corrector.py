@@ -12,9 +12,10 @@ from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
 from ncdc_hdl.backend.packer import Packer
+from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.frontend.backmap import BackMap
-from ncdc_hdl.frontend.layouts import lanes_of
+from ncdc_hdl.frontend.layouts import SIZE, lanes_of
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.options import FetchOptions, FrontEndOptions
 from ncdc_model.errors import InputError
@@ -59,6 +60,8 @@ class Corrector(wiring.Component):
         (``output`` "stream")
     irq : ``Out(1)``
         Frame complete.
+    camera_rows : ``In(SIZE)``
+        Rows of the raw frame that are in memory; counts if the register FOLLOW is 1.
     front_end_idle : ``Out(1)``
         The network rests. A board that gives the neurons a clock of their own may gate it with
         this; scan, queue and registers must keep theirs.
@@ -94,6 +97,7 @@ class Corrector(wiring.Component):
         self.table = ValidTable(descriptor.valid, descriptor.geometry.corrected_height)
         self.window = WindowAddress(formats, lanes)
         f_bits = formats.coordinate.f_bits
+        self.row_gate = RowGate(f_bits, lanes)
         self.fetch_options, split = fetch, fetch.split_for(descriptor.geometry)
         self.fetch = Multiport(f_bits, data_width) if fetch.fetcher == "multiport" else Cache(
             f_bits, data_width, fetch.cache_for(descriptor.geometry), lanes)
@@ -111,11 +115,12 @@ class Corrector(wiring.Component):
         else:
             ports |= {"stream_valid": Out(1), "stream_ready": In(1), "stream_data": Out(24 * lanes),
                       "stream_startofpacket": Out(1), "stream_endofpacket": Out(1)}
-        super().__init__(ports | {"irq": Out(1), "front_end_idle": Out(1)})
+        super().__init__(ports | {"irq": Out(1), "camera_rows": In(SIZE), "front_end_idle": Out(1)})
 
     def elaborate(self, platform):
         m = Module()
-        for name in ("backmap", "table", "window", "fetch", "interpolator", "registers"):
+        for name in ("backmap", "table", "window", "row_gate", "fetch", "interpolator",
+                     "registers"):
             m.submodules[name] = getattr(self, name)
         registers, active = self.registers, self.registers.active
         begun = Signal()
@@ -130,7 +135,10 @@ class Corrector(wiring.Component):
         m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort),
                      registers.cut.eq(self.backmap.cut)]
         wiring.connect(m, self.backmap.o, self.window.i)
-        wiring.connect(m, self.window.o, self.fetch.i)
+        wiring.connect(m, self.window.o, self.row_gate.i)
+        wiring.connect(m, self.row_gate.o, self.fetch.i)
+        m.d.comb += [self.row_gate.start.eq(begun), self.row_gate.abort.eq(registers.abort),
+                     self.row_gate.camera_rows.eq(self.camera_rows)]
         wiring.connect(m, self.fetch.o, self.interpolator.i)
         pixels = self.interpolator.o
         if self.output == "memory":
@@ -187,6 +195,7 @@ class Corrector(wiring.Component):
             scan.origin_y.eq(active.SCAN_ORIGIN_Y), scan.step_y.eq(active.SCAN_STEP_Y),
             self.window.width.eq(active.DISTORTED_WIDTH),
             self.window.height.eq(active.DISTORTED_HEIGHT),
+            self.row_gate.height.eq(active.DISTORTED_HEIGHT), self.row_gate.follow.eq(active.FOLLOW),
             self.fetch.base.eq(active.SOURCE_BASE), self.fetch.pitch.eq(active.SOURCE_PITCH),
             self.interpolator.phase.eq(active.BAYER_PHASE), self.interpolator.fill.eq(active.FILL),
         ]

@@ -22,7 +22,7 @@ WITH_PINS = ("de2-115", "de1-soc")
 KINDS = {"_hw.tcl": "hw", "_system.tcl": "qsys", ".qsf": "qsf", ".sdc": "sdc"}
 # Ports that Platform Designer gives to what the system exports.
 EXPORTED = {"clk": {"clk_clk"}, "reset": {"reset_reset_n"}, "irq": {"irq_irq"},
-            "front_end_idle": {"front_end_idle_export"},
+            "front_end_idle": {"front_end_idle_export"}, "camera_rows": {"camera_rows_export"},
             "video": {f"video_{name}" for name in ("valid", "ready", "data", "startofpacket",
                                                    "endofpacket")},
             "sdram": {f"sdram_{name}" for name in ("addr", "ba", "cas_n", "cke", "cs_n", "dq", "dqm",
@@ -180,8 +180,9 @@ def test_top_elaborates_with_its_instances(projects, name, tmp_path):
     folder, project = projects[name], f"ncdc_{name.replace('-', '_')}"
     width = board(name).sdram.data_width
     widths = {"sdram_addr": 13, "sdram_ba": 2, "sdram_dq": width, "sdram_dqm": width // 8,
-              "video_data": 24}
-    flows = dict.fromkeys(("clk_clk", "reset_reset_n", "video_ready"), "input") | {
+              "video_data": 24, "camera_rows_export": 13}
+    flows = dict.fromkeys(("clk_clk", "reset_reset_n", "video_ready", "camera_rows_export"),
+                          "input") | {
         "sdram_dq": "inout"}
     system = ", ".join(f"{flows.get(port, 'output')} [{widths.get(port, 1) - 1}:0] {port}"
                        for port in sorted(system_ports()))

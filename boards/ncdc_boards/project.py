@@ -107,5 +107,5 @@ def _plain(port):
 
 def _open(board, corrector):
     """Exported interfaces of a system without a top around it."""
-    names = ["clk", "reset", "irq", "front_end_idle", "memory"]
+    names = ["clk", "reset", "irq", "front_end_idle", "camera_rows", "memory"]
     return [*names, "video"] if "stream" in interfaces(corrector) else names

@@ -11,8 +11,8 @@ CSR_BASE = 0x1000_0000          # of the registers, as the JTAG host sees them; 
 def system_tcl(board, corrector):
     """Text of ``ncdc_system.tcl``: clock, JTAG host, memory controller, corrector.
 
-    Exported are ``clk``, ``reset``, ``irq``, ``front_end_idle``, of a streaming corrector
-    ``video``, and ``sdram``, the controller's pins; where the board's memory controller is the
+    Exported are ``clk``, ``reset``, ``irq``, ``front_end_idle``, ``camera_rows``, of a
+    streaming corrector ``video``, and ``sdram``, the controller's pins; where the board's memory controller is the
     user's, ``memory`` in its place: an Avalon host, of a bridge through which all memory traffic
     passes.
     """
@@ -57,7 +57,8 @@ def system_tcl(board, corrector):
 def _exports(board, ports):
     found = [("clk", "clock sink", "clk_0.clk_in"), ("reset", "reset sink", "clk_0.clk_in_reset"),
              ("irq", "interrupt sender", "ncdc_0.irq"),
-             ("front_end_idle", "conduit end", "ncdc_0.front_end_idle")]
+             ("front_end_idle", "conduit end", "ncdc_0.front_end_idle"),
+             ("camera_rows", "conduit end", "ncdc_0.camera_rows")]
     if "stream" in ports:
         found.append(("video", "avalon_streaming source", "ncdc_0.stream"))
     if board.sdram:

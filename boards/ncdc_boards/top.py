@@ -18,7 +18,7 @@ _STREAM = ("valid", "data", "startofpacket", "endofpacket")
 def system_ports():
     """Names of the ports of the Platform Designer system that :class:`BoardTop` connects."""
     return {"clk_clk", "reset_reset_n", "sdram_dq", "video_ready", "irq_irq",
-            "front_end_idle_export", *(f"sdram_{name}" for name in _SDRAM),
+            "front_end_idle_export", "camera_rows_export", *(f"sdram_{name}" for name in _SDRAM),
             *(f"video_{name}" for name in _STREAM)}
 
 
@@ -50,7 +50,7 @@ class BoardTop(Elaboratable):
         m.d.comb += reset_n.eq(~ResetSignal())
         m.submodules.system = Instance(
             SYSTEM, i_clk_clk=ClockSignal(), i_reset_reset_n=reset_n,
-            io_sdram_dq=sdram.dq.io, i_video_ready=video.ready,
+            i_camera_rows_export=Const(0, 13), io_sdram_dq=sdram.dq.io, i_video_ready=video.ready,
             o_irq_irq=Signal(name="irq"), o_front_end_idle_export=Signal(name="front_end_idle"),
             **{f"o_sdram_{name}": getattr(sdram, pin).io for name, pin in _SDRAM.items()},
             **{f"o_video_{name}": signal for name, signal in stream.items()})

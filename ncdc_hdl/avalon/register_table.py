@@ -119,6 +119,9 @@ _FIXED = (
     Register("CORRECTED_HEIGHT", 0x0C, "shadow", _SIZE, f"Corrected image, rows, {MIN_SIZE}..{MAX_SIZE}."),
     Register("DISTORTED_WIDTH", 0x0D, "shadow", _SIZE, f"Raw frame, samples per row, {MIN_SIZE}..{MAX_SIZE}."),
     Register("DISTORTED_HEIGHT", 0x0E, "shadow", _SIZE, f"Raw frame, rows, {MIN_SIZE}..{MAX_SIZE}."),
+    Register("FOLLOW", 0x0F, "shadow", unsigned(1),
+             "1: a pixel waits until `camera_rows` says that its raw rows are in memory; 0: the raw "
+             "frame is complete when a frame begins."),
     Register("SCAN_ORIGIN_X", 0x10, "shadow", signed(SCAN.width),
              f"Normalised x of the first column, {SCAN}."),
     Register("SCAN_STEP_X", 0x11, "shadow", signed(SCAN.width),
@@ -209,12 +212,12 @@ def network_values(descriptor):
     return values
 
 
-def host_values(descriptor, data_width, split=None, strip=0):
+def host_values(descriptor, data_width, split=None, strip=0, follow=False):
     """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera:
     network, geometry, and a raw frame at address 0 with the corrected frame behind it.
 
     ``split``: of the cache; that of :meth:`CacheOptions.for_width` if absent. ``strip``: columns
-    of a strip, 0 for a raster."""
+    of a strip, 0 for a raster. ``follow``: begin before the raw frame is complete."""
     g = descriptor.geometry
     if split is None:
         split = CacheOptions.for_width(g.distorted_width).split_for(g.distorted_width)
@@ -233,7 +236,7 @@ def host_values(descriptor, data_width, split=None, strip=0):
         "SCAN_ORIGIN_Y": origin_y, "SCAN_STEP_Y": step_y,
         "BAYER_PHASE": g.phase[0] | g.phase[1] << 1,
         "FILL": red << 16 | green << 8 | blue,
-        "CACHE_SPLIT": split, "STRIP_WIDTH": strip,
+        "CACHE_SPLIT": split, "STRIP_WIDTH": strip, "FOLLOW": int(follow),
     }
 
 

@@ -9,8 +9,8 @@ from ncdc_model.errors import InputError
 
 __all__ = ["Lens", "check_lens", "lens_name", "lenses_of"]
 
-# What the host sets for itself: places of frames, and the bank of valid rows.
-_HOST = ("SOURCE_BASE", "TARGET_BASE", "VALID_BANK")
+# What the host sets for itself: places of frames, the bank of valid rows, whether to wait for rows.
+_HOST = ("SOURCE_BASE", "TARGET_BASE", "VALID_BANK", "FOLLOW")
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Lens:
     digest : str
     neurons : int
     values : dict
-        Value of every shadow register but frame addresses and bank, by name.
+        Value of every shadow register that concerns the lens, by name.
     valid_rows : tuple of int
         Words of the table of valid rows, from row 0 on.
     """

@@ -10,9 +10,10 @@ from ncdc_hdl.avalon.registers import COUNTERS
 from ncdc_hdl.export.verilog import corrector_verilog
 from ncdc_hdl.options import FetchOptions, FrontEndOptions
 from ncdc_model.corrector import check_raw, correct
+from ncdc_model.fetch.follow import camera_line
 from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
-from ncdc_sim.frame import Program, simulate_frame
+from ncdc_sim.frame import Camera, Program, simulate_frame
 
 __all__ = ["Simulation", "corrector_program", "raw_image", "simulate_correction",
            "tiles_fetched"]
@@ -35,6 +36,10 @@ class Simulation:
         On the memory's ports.
     clocks_outside : int
         From the start's register write to the interrupt, counted by the bench.
+    follow : dict
+        Of a frame that begins with the camera's: ``follow_latency_clocks``, from the camera's last
+        byte in memory to the interrupt, and ``follow_early_reads``, read commands for rows that
+        were not in memory yet; empty otherwise.
     setup : dict
         ``simulator``, ``memory``, ``fetch``, ``cache_bytes``, ``cache_split``, ``data_width``,
         ``output``, ``hidden``, ``share``, ``products``, ``strip``, ``pixels_per_clock``.
@@ -47,6 +52,7 @@ class Simulation:
     bytes_read: int
     bytes_written: int
     clocks_outside: int
+    follow: dict
     setup: dict
 
     @property
@@ -67,17 +73,19 @@ class Simulation:
             "windows_fetched": self.counters["FETCHES"],
             "windows_fetched_expected": self.fetches_expected,
             **{name.lower(): self.counters[name] for name in COUNTERS if name.endswith("_STALLS")},
-            **self.setup,
+            **self.follow, **self.setup,
         }
 
 
-def corrector_program(descriptor, data_width, checked=True, split=None, strip=0):
+def corrector_program(descriptor, data_width, checked=True, split=None, strip=0, follow=False):
     """Register accesses that a host makes to correct one frame: every parameter is written
     (and, if ``checked``, read back), a frame started and awaited, the counters read. ``split``,
-    ``strip``: as of :func:`ncdc_hdl.avalon.register_table.host_values`."""
+    ``strip``, ``follow``: as of :func:`ncdc_hdl.avalon.register_table.host_values`; with
+    ``follow`` the camera begins its frame just before the start."""
+    host = host_values(descriptor, data_width, split, strip, follow)
     rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
     writes = [(rows[name].address, value)
-              for name, value in host_values(descriptor, data_width, split, strip).items()]
+              for name, value in host.items()]
     writes += table_words(descriptor.valid)
     program = Program()
     for address, value in [*writes, (rows["IRQ_ENABLE"].address, 1)]:
@@ -85,6 +93,8 @@ def corrector_program(descriptor, data_width, checked=True, split=None, strip=0)
     if checked:
         for address, value in writes:
             program.compare(address, value)
+    if follow:
+        program.camera(host["SOURCE_BASE"])
     program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START).wait_irq()
     for name in COUNTERS:
         program.read(rows[name].address)
@@ -105,7 +115,7 @@ def raw_image(raw, pitch):
 
 def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output="memory",
                         front_end=FrontEndOptions(), fetch=FetchOptions(), memory="sdram",
-                        simulator="verilator", seed=1, progress=None):
+                        simulator="verilator", seed=1, follow=False, line=None, progress=None):
     """Correct the ``raw`` frame with the generated Verilog and with the golden model.
 
     Parameters
@@ -116,6 +126,10 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
         The corrector's text; generated if absent.
     data_width, output, front_end, fetch :
         As of :class:`ncdc_hdl.corrector.Corrector`.
+    follow : bool
+        Begin with the camera's frame, which comes as the frame is corrected, a byte per clock.
+    line : int, optional
+        Clocks of a row of that camera; default one per sample.
     memory, simulator, seed, progress :
         As of :func:`ncdc_sim.frame.simulate_frame`.
 
@@ -134,12 +148,16 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
     values = host_values(descriptor, data_width, split, fetch.strip)
     width, height = descriptor.geometry.corrected
     stream = output == "stream"
+    pitch, camera = values["SOURCE_PITCH"], None
+    if follow:
+        distorted = descriptor.geometry.distorted
+        camera = Camera(*distorted, pitch, camera_line(line, descriptor.geometry))
     result = simulate_frame(
-        verilog, raw_image(raw, values["SOURCE_PITCH"]),
-        corrector_program(descriptor, data_width, split=split, strip=fetch.strip),
+        verilog, raw_image(raw, pitch), corrector_program(
+            descriptor, data_width, split=split, strip=fetch.strip, follow=follow),
         source_base=values["SOURCE_BASE"], output_base=values["TARGET_BASE"],
         output_bytes=3 * width * height if stream else frame_bytes(descriptor.geometry),
-        memory=memory, simulator=simulator, seed=seed, progress=progress)
+        memory=memory, simulator=simulator, seed=seed, camera=camera, progress=progress)
     picture = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
     if not stream:
         picture = picture[..., 2::-1]  # stored blue first, a zero byte last
@@ -153,6 +171,9 @@ def simulate_correction(descriptor, raw, *, verilog=None, data_width=32, output=
                           else golden.fetches),
         bytes_read=sum(result.bytes_read),
         bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
+        follow={} if not follow else {
+            "follow_latency_clocks": result.ends[0] - result.counters["camera_end"],
+            "follow_early_reads": result.counters["early_reads"]},
         setup={"simulator": simulator, "memory": memory if isinstance(memory, str) else "custom",
                "fetch": fetch.fetcher, "cache_bytes": cache.bytes if cache else 0,
                "cache_split": split if cache else 0, "data_width": data_width, "output": output,

@@ -11,13 +11,30 @@ from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_sim.tools import SimulationError
 
-__all__ = ["FrameResult", "Program", "simulate_frame"]
+__all__ = ["Camera", "FrameResult", "Program", "simulate_frame"]
 
 TOP = "ncdc"
 BENCH = ("frame_bench.v", "avalon_checker.v", "stream_checker.v")
 MODEL = ("avalon_memory.v", "dram_timing.v")
 LEAST_MEMORY = 1 << 24          # bytes; more frame sizes share one build
 PROGRAM_LIMIT = 65536           # operations that the bench holds
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera that writes raw frames while the run goes on, a byte per clock, past the ports.
+
+    Parameters
+    ----------
+    width, height, pitch : int
+        Bytes of a row, rows, bytes from row to row in memory and in the source.
+    line : int
+        Clocks from row to row, ``width`` or more.
+    """
+    width: int
+    height: int
+    pitch: int
+    line: int
 
 
 @dataclass
@@ -57,6 +74,10 @@ class Program:
         """Read until ``value`` is read."""
         return self._add(8, address, value & 0xFFFFFFFF)
 
+    def camera(self, address):
+        """Let the camera begin its next frame, the next of the source, at the byte address."""
+        return self._add(9, 0, address)
+
     def text(self):
         """The program as the bench reads it."""
         return "".join(f"{op:02x}{address:06x}{value:08x}\n"
@@ -91,7 +112,9 @@ class FrameResult:
     reads : tuple of (int, int)
         Word address and value of every read, in order.
     counters : dict
-        Commands, beats and wait clocks of each port: ``read0_commands``, ``output_waits`` ...
+        Commands, beats and wait clocks of each port: ``read0_commands``, ``output_waits`` ...;
+        with a camera ``camera_end``, the clock in which its last byte was in memory, and
+        ``early_reads``, read commands for rows of its frame that were not.
     errors : tuple of str
         Protocol errors and failures, as printed.
     """
@@ -110,7 +133,7 @@ class FrameResult:
 
 def simulate_frame(verilog, source, program, *, source_base, output_base, output_bytes,
                    memory="ideal", simulator="verilator", clock_limit=None, seed=1,
-                   sink_chance=256, progress=None):
+                   sink_chance=256, camera=None, progress=None):
     """Run the module ``ncdc`` of ``verilog`` on one raw frame.
 
     The data width, the number of read ports and the kind of output follow from its ports.
@@ -119,7 +142,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     ----------
     verilog : str
     source : bytes
-        Content of the memory from byte address ``source_base`` on.
+        Content of the memory from byte address ``source_base`` on; with a camera, what it sends.
     program : Program
         Sets the registers up, starts, waits for the interrupt.
     source_base, output_base : int
@@ -136,6 +159,8 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         Of all random behaviour.
     sink_chance : int
         How often, of 256 clocks, the sink of a stream is ready.
+    camera : Camera, optional
+        Sends the source when the program says so; until then the memory holds 0xA5 in its place.
     progress : callable
         Called with the fraction of the output done, 0..1, now and then.
 
@@ -199,6 +224,8 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         "output_bytes": output_bytes, "program_words": len(program.operations) + 1,
         "clock_limit": clock_limit or 1000000 + 100 * output_bytes, "seed": seed,
         "sink_chance": sink_chance, "progress_step": max(1, output_bytes // 100)}
+    if camera:
+        settings |= {f"camera_{name}": value for name, value in vars(camera).items()}
     listener = _Listener(output_bytes, width // 8, readers, progress)
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)

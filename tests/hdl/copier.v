@@ -5,7 +5,7 @@
 // waitrequest, 2 never ends, 3 misaligned reads, 4 changes stream data while it is stalled.
 
 module ncdc(clk, rst, csr_address, csr_read, csr_write, csr_writedata, csr_readdata,
-        csr_readdatavalid, csr_waitrequest, irq, front_end_idle,
+        csr_readdatavalid, csr_waitrequest, irq, camera_rows, front_end_idle,
         read0_address, read0_read, read0_burstcount, read0_waitrequest, read0_readdata,
         read0_readdatavalid,
 `ifdef COPIER_STREAM
@@ -24,6 +24,7 @@ module ncdc(clk, rst, csr_address, csr_read, csr_write, csr_writedata, csr_readd
     output reg csr_readdatavalid;
     output csr_waitrequest;
     output reg irq;
+    input [12:0] camera_rows;
     output front_end_idle;
     output [31:0] read0_address;
     output read0_read;

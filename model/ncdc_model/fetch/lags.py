@@ -3,6 +3,8 @@
 from bisect import bisect_right
 from collections import deque
 
+import numpy as np
+
 __all__ = ["Lags"]
 
 
@@ -39,3 +41,7 @@ class Lags:
     def clock(self, i):
         """When look-up i is read, as far as the steps tell."""
         return i + self.lag[bisect_right(self.at, i) - 1]
+
+    def clocks(self, numbers):
+        """:meth:`clock` of each of an array of look-ups."""
+        return numbers + np.array(self.lag)[np.searchsorted(self.at, numbers, "right") - 1]

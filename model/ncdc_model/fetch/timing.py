@@ -7,7 +7,7 @@ from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
 from ncdc_model.fetch.lags import Lags
 from ncdc_model.fetch.ports import memory_port
 
-__all__ = ["Clocks", "FRAME_LATENCY", "predict_clocks"]
+__all__ = ["Clocks", "FRAME_LATENCY", "START_LATENCY", "predict_clocks"]
 
 # Clocks of ``ncdc_hdl.backend.cache``, from one event to the earliest next one.
 _CLAIM_TO_COMMAND = 5       # a tile is claimed, its first read command is on the bus
@@ -18,10 +18,10 @@ _RETIRE_TO_PUSH = 1         # a window is read, there is room for another look-u
 _RETIRE_TO_CLAIM = 2        # a window is read, its tiles may be replaced
 
 # From the start of a frame to its first look-up, and from its last window read to its last pixel:
-# most of it the network, whose latency differs by some clocks from one to the next. To memory: to
-# the first look-up.
+# most of it the network, whose latency differs by some clocks from one to the next; to the first
+# look-up alone.
 FRAME_LATENCY = 64
-_START_LATENCY = 50
+START_LATENCY = 50
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,13 @@ class Clocks:
     interlock, credit : int
         Clocks that claims waited for a place still in use, for a tile to arrive before more may
         be asked for.
+    read : Lags
+        When each look-up is read, from the first look-up on.
     """
     clocks: int
     interlock: int
     credit: int
+    read: Lags
 
 
 def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch, writes=None,
@@ -146,7 +149,7 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
     if current >= 0:
         close(current)
     if writes is not None:
-        clocks = port.finish() + _START_LATENCY
+        clocks = port.finish() + START_LATENCY
     else:
         clocks = read.clock(len(boxes) - 1) + FRAME_LATENCY
-    return Clocks(clocks, interlock, credit)
+    return Clocks(clocks, interlock, credit, read)

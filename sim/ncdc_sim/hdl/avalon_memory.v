@@ -153,6 +153,10 @@ module avalon_memory #(
         end
     endtask
 
+    task put(input [31:0] address, input [7:0] value);
+        store[address / LANES][8 * (address % LANES) +: 8] = value;
+    endtask
+
     task save(input integer file, input [31:0] base, input [31:0] bytes);
         integer i, j;
         reg [DATA_WIDTH-1:0] value;

@@ -7,8 +7,13 @@
 //
 // Operations: 00 end, 01 write, 02 read and compare, 03 wait for irq, 04 read and report, 05 wait
 // for some clocks, 06 wait until so many bytes are out, 07 reset the module for some clocks,
-// 08 read until the value comes. The clocks of a frame run from the last register write before a
+// 08 read until the value comes, 09 the camera begins a frame at the byte address. The clocks of a frame run from the last register write before a
 // wait to the irq. A reset leaves memory and sink as they are: words under way still come.
+//
+// With a camera (camera_line > 0) the source is not there from the start: the camera writes it into
+// the memory, past the ports, a byte per clock and a row every `camera_line` clocks; `camera_rows`
+// counts a row once it is in memory. Read commands that begin in a row of the camera's frame which
+// is not, are counted.
 //
 // Settings are decimal plusargs, read below and by the memory. Lines printed: PROGRESS bytes; FRAME
 // clocks end; READ address data; RESET output-bytes; RESULT name value;
@@ -28,10 +33,10 @@ module frame_bench (
     localparam BW = `NCDC_READ_BURST_WIDTH;
     localparam WBW = `NCDC_WRITE_BURST_WIDTH;
     localparam PROGRAM = 65536;
-    localparam POISON = 8'hA5;          // output bytes that nobody wrote
+    localparam POISON = 8'hA5;          // bytes that nobody wrote
 
     localparam END = 0, WRITE = 1, COMPARE = 2, WAIT_IRQ = 3, REPORT = 4, WAIT = 5, WAIT_OUTPUT = 6,
-        RESET = 7, POLL = 8;
+        RESET = 7, POLL = 8, CAMERA = 9;
 
     reg rst = 1;
     reg module_rst = 1;                 // of the module under test alone
@@ -40,9 +45,11 @@ module frame_bench (
     reg [31:0] source_base, source_bytes, output_base, output_bytes, output_pixels;
     reg [31:0] program_words, clock_limit, progress_step;
     reg [31:0] sink_chance;             // of 256: how often the sink of the stream is ready
+    reg [31:0] camera_line;             // clocks of a row of the camera, 0: no camera
+    reg [31:0] camera_width, camera_height, camera_pitch;   // bytes, rows, bytes from row to row
 
     reg [63:0] instructions [0:PROGRAM-1];
-    integer file;
+    integer file, source;
 
     initial begin
         if (!$value$plusargs("source_base=%d", source_base)) source_base = 0;
@@ -53,11 +60,17 @@ module frame_bench (
         if (!$value$plusargs("clock_limit=%d", clock_limit)) clock_limit = 1000000;
         if (!$value$plusargs("progress_step=%d", progress_step)) progress_step = 1000000;
         if (!$value$plusargs("sink_chance=%d", sink_chance)) sink_chance = 256;
+        if (!$value$plusargs("camera_line=%d", camera_line)) camera_line = 0;
+        if (!$value$plusargs("camera_width=%d", camera_width)) camera_width = 0;
+        if (!$value$plusargs("camera_height=%d", camera_height)) camera_height = 0;
+        if (!$value$plusargs("camera_pitch=%d", camera_pitch)) camera_pitch = 1;
         output_pixels = output_bytes / 3;
         $readmemh("program.hex", instructions, 0, program_words - 1);
-        file = $fopen("source.bin", "rb");
-        memory.load(file, source_base, source_bytes);
-        $fclose(file);
+        source = $fopen("source.bin", "rb");
+        if (camera_line == 0)
+            memory.load(source, source_base, source_bytes);
+        else
+            memory.fill(source_base, source_bytes, POISON);
 `ifndef NCDC_STREAM
         memory.fill(output_base, output_bytes, POISON);
 `endif
@@ -69,6 +82,7 @@ module frame_bench (
     wire [31:0] csr_writedata, csr_readdata;
     wire        csr_readdatavalid, csr_waitrequest, irq, front_end_idle;
 
+    reg  [12:0]         camera_rows = 0;
     wire [PORTS*32-1:0] read_address;
     wire [PORTS-1:0]    read_read, read_waitrequest, read_readdatavalid;
     wire [PORTS*BW-1:0] read_burstcount;
@@ -92,7 +106,7 @@ module frame_bench (
         .csr_address(csr_address), .csr_read(csr_read), .csr_write(csr_write),
         .csr_writedata(csr_writedata), .csr_readdata(csr_readdata),
         .csr_readdatavalid(csr_readdatavalid), .csr_waitrequest(csr_waitrequest),
-        .irq(irq), .front_end_idle(front_end_idle),
+        .irq(irq), .camera_rows(camera_rows), .front_end_idle(front_end_idle),
         `NCDC_READ_PORT(0),
 `ifdef NCDC_THREE_READ_PORTS
         `NCDC_READ_PORT(1),
@@ -201,8 +215,45 @@ module frame_bench (
     );
 `endif
 
-    // The register program.
     reg [31:0] clocks = 0, started = 0, position = 0, progress = 0, closing = 0;
+
+    // The camera.
+    reg [31:0] camera_base, camera_x, camera_y, camera_end = 0, early_reads = 0;
+    reg        camera_sends = 0;
+    reg [31:0] row_read;                // of the camera's frame
+    integer    k;
+
+    // One clock of the camera.
+    task send;
+        begin
+            if (camera_x < camera_width)
+                memory.put(camera_base + camera_y * camera_pitch + camera_x, $fgetc(source));
+            camera_x = camera_x + 1;
+            if (camera_x == camera_width) begin
+                // In the file rows are as far from each other as in memory.
+                for (k = camera_width; k < camera_pitch; k = k + 1)
+                    memory.put(camera_base + camera_y * camera_pitch + k, $fgetc(source));
+                camera_y = camera_y + 1;
+                camera_rows <= camera_y;
+                camera_end = clocks;
+            end
+            if (camera_x == camera_line) begin
+                camera_x = 0;
+                camera_sends = camera_y != camera_height;
+            end
+        end
+    endtask
+
+    // A read command is accepted: is its row there?
+    task watch(input [31:0] address);
+        begin
+            row_read = (address - camera_base) / camera_pitch;
+            if (address >= camera_base && row_read < camera_height && row_read >= camera_rows)
+                early_reads = early_reads + 1;
+        end
+    endtask
+
+    // The register program.
     reg        reading = 0;
     reg [31:0] waited = 0;              // clocks of the present operation
     reg [63:0] now;
@@ -243,6 +294,10 @@ module frame_bench (
 `endif
             $display("RESULT output_bytes %0d", output_done);
             $display("RESULT memory_errors %0d", memory_errors);
+            if (camera_line != 0) begin
+                $display("RESULT camera_end %0d", camera_end);
+                $display("RESULT early_reads %0d", early_reads);
+            end
 `ifndef NCDC_LITEDRAM_NATIVE
             $display("RESULT memory_activates %0d", memory.dram_timing.activates);
             $display("RESULT memory_refreshes %0d", memory.dram_timing.refreshes);
@@ -258,6 +313,13 @@ module frame_bench (
         module_rst <= clocks < 8;
         if (clocks == 8)
             now <= instructions[0];
+        if (camera_line != 0) begin
+            for (k = 0; k < PORTS; k = k + 1)
+                if (read_read[k] && !read_waitrequest[k])
+                    watch(read_address[32*k +: 32]);
+            if (camera_sends)
+                send;
+        end
         if (clocks > 16) begin
             if (output_done - progress >= progress_step) begin
                 progress = output_done;
@@ -308,6 +370,14 @@ module frame_bench (
                     waited = waited + 1;
                     if (waited >= csr_writedata)
                         next;
+                end
+                CAMERA: begin
+                    camera_base = csr_writedata;
+                    camera_x = 0;
+                    camera_y = 0;
+                    camera_rows <= 0;
+                    camera_sends = 1;
+                    next;
                 end
                 WAIT_OUTPUT:
                     if (output_done >= csr_writedata)

@@ -163,6 +163,15 @@ module avalon_memory #(
         end
     endtask
 
+    task put(input [31:0] address, input [7:0] value);
+        reg [NATIVE-1:0] word;
+        begin
+            word = core.peek(address / LANES);
+            word[8 * (address % LANES) +: 8] = value;
+            core.poke(address / LANES, word);
+        end
+    endtask
+
     task save(input integer file, input [31:0] base, input [31:0] bytes);
         integer i, j;
         reg [NATIVE-1:0] value;

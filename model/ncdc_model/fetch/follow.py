@@ -1,0 +1,125 @@
+"""How long after the camera's last byte the corrected frame is out, if it begins before that."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.cache_options import TILE_HEIGHT
+from ncdc_model.fetch.lookups import frame_windows, lookups
+from ncdc_model.fetch.tags import accesses, misses
+from ncdc_model.fetch.timing import START_LATENCY, predict_clocks
+from ncdc_model.fetch.writes import frame_writes
+from ncdc_model.geometry import WINDOW
+
+__all__ = ["FollowBound", "camera_line", "follow_bound", "rows_needed"]
+
+_ROW_LATENCY = 8        # from a row in memory to the look-up that waited for it in the tag stage
+_END_LATENCY = 8        # from the last pixel to the interrupt
+_ERROR = .01            # of the predicted clocks, see ``predict_clocks``
+
+
+@dataclass(frozen=True)
+class FollowBound:
+    """Bound for a map, a camera and a memory.
+
+    Parameters
+    ----------
+    clocks : int
+        From the camera's last byte in memory to the frame's end, at most; negative if the
+        corrected frame does not need the last rows.
+    camera_clocks : int
+        From the camera's first byte to its last one.
+    pixel : int
+        Pixel, in the order of the scan, whose rows come last in comparison with what is left to
+        do behind it.
+    rows : int
+        Rows of the raw frame that must be in memory for it.
+    """
+    clocks: int
+    camera_clocks: int
+    pixel: int
+    rows: int
+
+    @property
+    def share(self):
+        """The clocks as a share of the camera's frame."""
+        return self.clocks / self.camera_clocks
+
+
+def camera_line(line, geometry):
+    """Clocks of a camera's row: ``line``, by default one per sample.
+
+    Raises
+    ------
+    InputError
+        If a row does not fit.
+    """
+    if line is None:
+        return geometry.distorted_width
+    if not geometry.distorted_width <= line < 1 << 16:
+        raise InputError(f"a row of the camera takes {line} clocks, the limits are "
+                         f"{geometry.distorted_width} and 65535")
+    return line
+
+
+def rows_needed(y0, used, height):
+    """Rows of a raw frame of ``height`` rows that must be in memory for windows from row y0 on:
+    to the end of the tiles of their last rows; none where not ``used``."""
+    last = (np.asarray(y0) + WINDOW - 1) | (TILE_HEIGHT - 1)
+    return np.where(used, np.minimum(last + 1, height), 0)
+
+
+def follow_bound(descriptor, options, split, timing, data_width, *, strip=0, lanes=1, stream=False,
+                 line=None, base=0, pitch, target, progress=lambda fraction: None):
+    """:class:`FollowBound` of a frame that begins with the camera's.
+
+    Look-up i enters when its rows are there; from then on it takes at most as long to the end of
+    the frame as without a camera, where it entered at e(i) or later::
+
+        e(i) = max(i, read(i - pending) + 1)
+        end <= max over i of  rows in memory(i) + latency + 1.01 (end without camera - e(i))
+
+    for what delays a look-up is only what was before it. The hundredth is the error of the
+    predicted clocks.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    options, split, strip, lanes, stream : as of ``ncdc_model.fetch.plan``
+    timing : LatencyMemory or DramMemory
+        The camera's writes are not in it.
+    data_width : int
+        Bits of the memory port.
+    line : int, optional
+        Clocks of a row of the camera; default one per sample.
+    base, pitch, target : int
+        Places of the frames in bytes, and from raw row to raw row.
+    progress : callable
+        Called with the fraction done.
+    """
+    geometry = descriptor.geometry
+    line = camera_line(line, geometry)
+    windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
+    boxes = lookups(windows, strip, lanes)
+    writes = None if stream else frame_writes(
+        *geometry.corrected, strip, data_width, getattr(timing, "access_bytes", 1), target)
+    free = predict_clocks(misses(accesses(boxes), options, split), boxes, options, timing,
+                          data_width, base=base, pitch=pitch, writes=writes,
+                          progress=lambda done, total: progress(.5 + .5 * done / total))
+    free.read.settle(len(boxes))
+    _, y0, used = windows.scanned(strip)
+    needed = rows_needed(y0, used, geometry.distorted_height)
+    # All pixels of a group wait together.
+    needed = needed.reshape(-1, lanes).max(axis=1)[boxes.pixel // lanes]
+    number = np.arange(len(boxes))
+    entered = number.copy()
+    behind = number[options.pending:]
+    entered[behind] = np.maximum(behind, free.read.clocks(behind - options.pending) + 1)
+    written = np.where(needed, (needed - 1) * line + geometry.distorted_width, 0)
+    begin = np.maximum(written + _ROW_LATENCY, START_LATENCY)
+    end = begin + (1 + _ERROR) * (free.clocks - START_LATENCY - entered)
+    worst = int(end.argmax())
+    camera_clocks = (geometry.distorted_height - 1) * line + geometry.distorted_width
+    return FollowBound(int(np.ceil(end[worst])) + _END_LATENCY - camera_clocks, camera_clocks,
+                       int(boxes.pixel[worst]), int(needed[worst]))

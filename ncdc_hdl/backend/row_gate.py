@@ -1,0 +1,82 @@
+"""Holds windows back until the camera has written their rows."""
+
+from amaranth import *
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.backend.layouts import request_layout
+from ncdc_hdl.frontend.layouts import SIZE, lanes_of
+from ncdc_model.fetch.cache_options import TILE_HEIGHT
+from ncdc_model.geometry import MAX_SIZE, WINDOW
+
+__all__ = ["RowGate"]
+
+
+class RowGate(wiring.Component):
+    """Lets a group of windows pass once every row that the fetcher may read for it is written.
+
+    A window ends in row y0 + 2; a cache reads that row's whole tile, so that a pixel passes if::
+
+        blank  or  not follow  or  rows >= min(((y0 + 2) | 3) + 1, height)
+
+    with ``rows`` the largest ``camera_rows`` of this frame, the first one that of ``start``. Once
+    the frame is complete the camera's counter may thus begin again. The same rule is kept for a
+    fetcher without tiles. All pixels of a group pass together.
+
+    Timing: a stream stage, latency 1, one group per clock; ``camera_rows`` counts two clocks later.
+
+    Parameters
+    ----------
+    f_bits : int
+        Fraction bits of the place in the window.
+    lanes : int
+        Pixels of a group.
+
+    Members
+    -------
+    start : ``In(1)``
+        First clock of a frame; its first group comes 3 clocks later or more.
+    follow : ``In(1)``
+        Whether anything is held back; constant during a frame.
+    height : ``In(SIZE)``
+        Rows of the distorted image, constant during a frame.
+    abort : ``In(1)``
+        Pixels that would have to wait pass as blank ones instead: the camera may have stopped.
+    camera_rows : ``In(SIZE)``
+        Rows of the frame, from the top, that are in memory.
+    i, o : streams of ``request_layout(f_bits, lanes)``
+    """
+
+    def __init__(self, f_bits, lanes=1):
+        super().__init__({
+            "start": In(1), "follow": In(1), "height": In(SIZE), "abort": In(1),
+            "camera_rows": In(SIZE),
+            "i": In(stream.Signature(request_layout(f_bits, lanes))),
+            "o": Out(stream.Signature(request_layout(f_bits, lanes))),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        # Windows pass that start above `limit`: one comparison per pixel, against a register.
+        rows, limit = Signal(SIZE), Signal(SIZE)
+        with m.If(self.start | (self.camera_rows > rows)):
+            m.d.sync += rows.eq(self.camera_rows)
+        tiles = rows >> (TILE_HEIGHT - 1).bit_length()
+        with m.If(self.start):
+            m.d.sync += limit.eq(0)
+        with m.Elif(~self.follow | (rows >= self.height)):
+            m.d.sync += limit.eq(MAX_SIZE)
+        with m.Else():
+            m.d.sync += limit.eq(Mux(tiles == 0, 0, tiles * TILE_HEIGHT - (WINDOW - 1)))
+
+        payload = Signal.like(self.i.payload)
+        m.d.comb += payload.eq(self.i.payload)
+        early = []
+        for i, o in zip(lanes_of(self.i.p), lanes_of(payload)):
+            early.append(~i.blank & (i.y0 >= limit))
+            m.d.comb += o.blank.eq(i.blank | early[-1])
+        passes = ~Cat(early).any() | self.abort
+        with m.If(~self.o.valid | self.o.ready):
+            m.d.comb += self.i.ready.eq(passes)
+            m.d.sync += [self.o.valid.eq(self.i.valid & passes), self.o.payload.eq(payload)]
+        return m
