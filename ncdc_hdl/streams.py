@@ -55,7 +55,8 @@ class CreditQueue(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         width = Shape.cast(self.shape).width
-        m.submodules.fifo = fifo = SyncFIFOBuffered(width=width, depth=self.depth)
+        # A queue of two would refuse the second of two writes in a row.
+        m.submodules.fifo = fifo = SyncFIFOBuffered(width=width, depth=max(self.depth, 3))
         m.d.comb += [
             fifo.w_data.eq(Value.cast(self.i)),
             fifo.w_en.eq(self.arrive),

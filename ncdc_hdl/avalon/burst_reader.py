@@ -55,7 +55,9 @@ class BurstReader(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.fifo = fifo = SyncFIFOBuffered(width=self.data_width, depth=self.depth)
+        # A queue of two would refuse the second of two writes in a row.
+        m.submodules.fifo = fifo = SyncFIFOBuffered(width=self.data_width,
+                                                    depth=max(self.depth, 3))
         m.submodules.commands = commands = ReadCommands(self.data_width, self.max_burst,
                                                         limit=self.depth)
         wiring.connect(m, commands.bus, wiring.flipped(self.bus))

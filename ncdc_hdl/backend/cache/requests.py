@@ -42,8 +42,10 @@ class TileRequests(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         # M: multiply. O: the four rows.
-        m_valid, m_offset, m_start = Signal(), Signal(ADDRESS_BITS), Signal(ADDRESS_BITS)
-        row, done = Signal(range(TILE_HEIGHT)), Signal()
+        m_valid = Signal()
+        m_offset, m_start = Signal(ADDRESS_BITS), Signal(ADDRESS_BITS)
+        row = Signal(range(TILE_HEIGHT))
+        done = Signal()
         m.d.comb += done.eq(~self.o.valid | (self.o.ready & (row == TILE_HEIGHT - 1)))
         with m.If(~m_valid | done):
             m.d.comb += self.i.ready.eq(1)

@@ -67,7 +67,8 @@ class Retire(wiring.Component):
         m.submodules.queue = queue = SyncFIFOBuffered(
             width=self.place_shape.size + len(self.misses), depth=self.options.pending)
         # The oldest in registers of its own: a memory's output comes late in its clock.
-        oldest_valid, oldest = Signal(), Signal(self.place_shape, reset_less=True)
+        oldest_valid = Signal()
+        oldest = Signal(self.place_shape, reset_less=True)
         misses = Signal.like(self.misses, reset_less=True)
         # Arrived tiles that belong to nobody yet: at most those of all pending look-ups and of
         # the one in the act stage.
