@@ -1,13 +1,18 @@
 """Bilinear interpolation between the colours of four quads."""
 
+from functools import partial
+
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl import pipeline
 from ncdc_hdl.backend.bayer import QUADS
 from ncdc_hdl.pipeline import delay
 
 __all__ = ["Bilinear"]
+
+_BLOCK = 18     # bits of a multiplier block
 
 
 class Bilinear(wiring.Component):
@@ -18,7 +23,8 @@ class Bilinear(wiring.Component):
 
     for each colour; the last bit dropped is the quads' unit of a half. Equal bit for bit to
     ``ncdc_model.picture.bilinear``. Timing: free-running, ``latency`` clocks; two registers
-    stand after each product. Nine multipliers.
+    stand after each product. Nine multipliers of 18 bits: the second step's differences have two
+    bits more, whose products with fy are of a few bits and added one clock later.
 
     Parameters
     ----------
@@ -33,7 +39,7 @@ class Bilinear(wiring.Component):
         Red, green, blue.
     """
 
-    latency = 9
+    latency = 10
 
     def __init__(self, f_bits):
         self.f_bits = f_bits
@@ -45,17 +51,23 @@ class Bilinear(wiring.Component):
         fx = delay(m, self.fx, 1, "fx")
         fy = delay(m, self.fy, 5, "fy")
 
-        def lerp(name, a, b, fraction):
-            """a 2**f + fraction (b - a), 4 clocks later; ``fraction`` comes 1 clock after a, b."""
-            difference = Signal(signed(len(a) + 1), name=f"{name}_d", reset_less=True)
-            m.d.sync += difference.eq(b - a)
-            product = Signal(signed(len(difference) + self.f_bits), name=f"{name}_p",
-                             reset_less=True)
-            m.d.sync += product.eq(difference * fraction)
-            total = Signal(len(a) + self.f_bits, name=f"{name}_s", reset_less=True)
-            m.d.sync += total.eq((delay(m, a, 3, f"{name}_a") << self.f_bits)
-                                 + delay(m, product, 1, f"{name}_p"))
-            return total
+        register = partial(pipeline.register, m)
+
+        def lerp(name, a, b, fraction, cut=False):
+            """a 2**f + fraction (b - a), 4 clocks later; ``fraction`` comes 1 clock after a, b.
+
+            ``cut``: 5 clocks later; what of the difference is above the block is multiplied apart.
+            """
+            difference = register(f"{name}_d", b - a)
+            place = min(_BLOCK, len(difference)) - 1
+            low = difference[:place] if cut else difference
+            product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
+            if cut:
+                high = difference[place:].as_signed() * fraction
+                above = register(f"{name}_h1", register(f"{name}_h0", high))
+                product = register(f"{name}_p2", product + (above << place))
+            first = delay(m, a, 4 if cut else 3, f"{name}_a") << self.f_bits
+            return register(f"{name}_s", first + product, unsigned(len(a) + self.f_bits))
 
         for colour in range(3):
             q00, q01, q10, q11 = (self.i[6 * j + 3 * i + colour]
@@ -63,7 +75,7 @@ class Bilinear(wiring.Component):
             upper = lerp(f"u{colour}", q00, q01, fx)
             lower = lerp(f"l{colour}", q10, q11, fx)
             shift = 2 * self.f_bits + 1
-            total = lerp(f"v{colour}", upper, lower, fy)
+            total = lerp(f"v{colour}", upper, lower, fy, cut=True)
             # Adding a half carries exactly if the highest bit dropped is set.
             m.d.sync += self.o[colour].eq(total[shift:] + total[shift - 1])
         return m
