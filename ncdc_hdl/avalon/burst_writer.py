@@ -68,7 +68,9 @@ class BurstWriter(wiring.Component):
 
     def _gather(self, m, word_queue, burst_queue, layout):
         """Queue words, and a burst whenever one is complete."""
-        i, count, address = self.i.p, Signal(range(self.burst)), Signal(ADDRESS_BITS)
+        i = self.i.p
+        count = Signal(range(self.burst))
+        address = Signal(ADDRESS_BITS)
         complete, burst = Signal(), Signal(layout)
         m.d.comb += [
             self.i.ready.eq(word_queue.w_rdy & burst_queue.w_rdy),

@@ -84,7 +84,9 @@ class Tags(wiring.Component):
         r, c = Signal(stage, reset_less=True), Signal(stage, reset_less=True)
         c_entry = Signal(data.ArrayLayout(entry, TAG_BANKS), reset_less=True)
         a = Signal(lookup, reset_less=True)
-        a_missing, a_busy, a_misses = Signal(TAG_BANKS), Signal(TAG_BANKS), Signal.like(self.misses)
+        a_missing = Signal(TAG_BANKS)
+        a_busy = Signal(TAG_BANKS)
+        a_misses = Signal.like(self.misses)
         a_last_use = Signal(data.ArrayLayout(sequence, TAG_BANKS), reset_less=True)
 
         closed, clearing, clear_set = self._clear(m)

@@ -1,0 +1,1 @@
+"""Formal proofs: properties around the gateware, and the run of the tools."""

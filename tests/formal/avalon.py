@@ -1,0 +1,174 @@
+"""Avalon-MM read and write hosts: what they may do, with any memory behind them."""
+
+from amaranth import *
+from amaranth.lib import data
+from amaranth.lib.wiring import In
+
+from formal.properties import Wrapper, always, given, inner, reached
+from ncdc_hdl.avalon.burst_reader import BurstReader
+from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
+from ncdc_hdl.avalon.read_commands import ReadCommands, command_layout
+
+__all__ = ["Commands", "Reader", "Writer", "check_read_host"]
+
+
+def check_read_host(m, bus, *, waitrequest, readdatavalid, limit):
+    """Connect a memory that waits and answers when it likes, and check what it is asked.
+
+    Resets take nothing back. Returns the number of words that the memory owes.
+    """
+    owed = Signal(range(2 * limit + 1), reset_less=True)
+    accepted = bus.read & ~waitrequest
+    given(m, ~readdatavalid | (owed != 0))
+    m.d.comb += [bus.waitrequest.eq(waitrequest), bus.readdatavalid.eq(readdatavalid)]
+    m.d.sync += owed.eq(owed + Mux(accepted, bus.burstcount, 0) - readdatavalid)
+
+    held = Signal(reset_less=True)
+    command = Signal(len(bus.address) + len(bus.burstcount), reset_less=True)
+    m.d.sync += [held.eq(bus.read & waitrequest), command.eq(Cat(bus.address, bus.burstcount))]
+    always(m, ~held | (bus.read & (command == Cat(bus.address, bus.burstcount))),
+                   "command_held")
+    always(m, ~bus.read | (bus.burstcount != 0), "burst_not_empty")
+    always(m, owed <= limit, "words_owed")
+    return owed
+
+
+class Commands(Wrapper):
+    """``ReadCommands`` given commands as its limit allows, and reset at any time.
+
+    Asserts the protocol; that exactly the words asked for since the reset are handed on; that
+    none asked for before is. ``forget`` leaves ``waitrequest`` unseen by the design.
+    """
+
+    BURST, LIMIT = 3, 6
+
+    def __init__(self, forget=False):
+        self.forget = forget
+        self.dut = ReadCommands(8, self.BURST, limit=self.LIMIT)
+        super().__init__({
+            "valid": In(1), "command": In(command_layout(self.BURST)),
+            "waitrequest": In(1), "readdatavalid": In(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        dut = self.dut
+        fragment = self.design(m, dut)
+        owed = check_read_host(m, dut.bus, waitrequest=self.waitrequest,
+                               readdatavalid=self.readdatavalid, limit=self.LIMIT)
+        if self.forget:
+            m.d.comb += dut.bus.waitrequest.eq(0)
+        # Words asked for since the reset and not yet come; of a standing command as well.
+        fresh = Signal(range(2 * self.LIMIT + 1))
+        taken = dut.i.valid & dut.i.ready
+        m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(self.command)]
+        m.d.sync += fresh.eq(fresh + Mux(taken, self.command.words, 0) - dut.valid)
+        given(m, ~self.valid | ((self.command.words != 0)
+                                     & (fresh + self.command.words <= self.LIMIT)))
+        read, words = dut.bus.read, dut.bus.burstcount
+        due, stale = inner(fragment, "due"), inner(fragment, "stale")
+        always(m, due == owed, "owed_is_known")
+        always(m, owed + Mux(read, words, 0) <= self.LIMIT, "room_for_command")
+        always(m, ~read | (words != 0), "words")
+        always(m, Mux(stale, fresh == 0, fresh == owed + Mux(read, words, 0)), "fresh")
+        always(m, ~dut.valid | (fresh != 0), "asked_for")
+        always(m, stale | (dut.valid == self.readdatavalid), "all_handed_on")
+        reached(m, dut.valid & (owed == self.LIMIT), "full")
+        reached(m, stale & self.readdatavalid & (owed > 1), "dropped")
+        return m
+
+
+class Reader(Wrapper):
+    """``BurstReader`` with any commands and any reader of its words, reset at any time.
+
+    Asserts, besides the protocol, that its queue never overflows and that exactly the words asked
+    for leave it. ``credit_error`` words too many are asked for.
+    """
+
+    DEPTH, BURST = 5, 3
+
+    def __init__(self, depth=DEPTH, burst=BURST, credit_error=0):
+        self.depth, self.burst, self.credit_error = depth, burst, credit_error
+        self.dut = BurstReader(8, depth=depth, max_burst=burst)
+        super().__init__({
+            "valid": In(1), "command": In(command_layout(burst)), "ready": In(1),
+            "waitrequest": In(1), "readdatavalid": In(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        dut, limit = self.dut, self.depth + self.credit_error
+        fragment = self.design(m, dut)
+        [queue] = self.queues
+        owed = check_read_host(m, dut.bus, waitrequest=self.waitrequest,
+                               readdatavalid=self.readdatavalid, limit=limit)
+        given(m, ~self.valid | ((self.command.words != 0) & (self.command.words <= self.burst)))
+        m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(self.command),
+                     dut.o.ready.eq(self.ready)]
+        read, words = dut.bus.read, dut.bus.burstcount
+        due, stale = inner(fragment, "commands", "due"), inner(fragment, "commands", "stale")
+        claimed = inner(fragment, "claimed")
+        promised = Signal(range(4 * limit))
+        taken, left = dut.i.valid & dut.i.ready, dut.o.valid & dut.o.ready
+        m.d.sync += promised.eq(promised + Mux(taken, self.command.words, 0) - left)
+        always(m, due == owed, "owed_is_known")
+        always(m, owed + Mux(read, words, 0) <= limit, "room_for_command")
+        always(m, ~read | (words != 0), "words")
+        always(m, promised == queue.level + Mux(stale, 0, owed + Mux(read, words, 0)), "promised")
+        always(m, (promised == claimed) & (claimed <= limit), "claimed")
+        reached(m, queue.level == self.depth, "full")
+        reached(m, stale & self.readdatavalid & self.valid, "dropped")
+        return m
+
+
+class Writer(Wrapper):
+    """``BurstWriter`` with any words and any memory, reset at any time.
+
+    Asserts the protocol: a word and its command are held while the memory waits; a burst has as
+    many words as its first one said, one address and one count, also across a reset. Asserts that
+    a word to be written is always there.
+    ``forget`` leaves ``waitrequest`` unseen by the design.
+    """
+
+    def __init__(self, burst=2, forget=False):
+        self.burst, self.forget = burst, forget
+        self.dut = BurstWriter(8, burst=burst)
+        super().__init__({"valid": In(1), "word": In(word_layout(8)), "waitrequest": In(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        dut, bus = self.dut, self.dut.bus
+        fragment = self.design(m, dut)
+        words, bursts = self.queues
+        m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(self.word),
+                     bus.waitrequest.eq(0 if self.forget else self.waitrequest)]
+
+        accepted = bus.write & ~self.waitrequest
+        owed = Signal(range(self.burst + 1), reset_less=True)   # words of the burst to be accepted
+        command = Cat(bus.address, bus.burstcount)
+        begun = Signal(len(command), reset_less=True)
+        with m.If(accepted):
+            m.d.sync += [owed.eq(Mux(owed == 0, bus.burstcount, owed) - 1), begun.eq(command)]
+        beat = Cat(command, bus.writedata, bus.byteenable)
+        held, before = Signal(reset_less=True), Signal(len(beat), reset_less=True)
+        m.d.sync += [held.eq(bus.write & self.waitrequest), before.eq(beat)]
+        always(m, ~held | (bus.write & (before == beat)), "word_held")
+        always(m, (owed == 0) | (begun == command), "one_command")
+        always(m, (owed == 0) | bus.write, "burst_goes_on")
+        always(m, ~bus.write | ((bus.burstcount != 0) & (bus.burstcount <= self.burst)), "count")
+
+        # The queues: words of bursts that have not begun, then those without a burst as yet.
+        left, known = inner(fragment, "left"), inner(fragment, "known")
+        count = inner(fragment, "count")
+        always(m, left == Mux(bus.write, Mux(owed == 0, bus.burstcount, owed) - 1, 0), "left")
+        layout = data.StructLayout({"address": len(bus.address),
+                                    "count": range(self.burst + 1), "last": 1})
+        queued = 0
+        for number, (there, item) in enumerate(self.items(m, bursts)):
+            size = data.View(layout, item).count
+            queued = queued + Mux(there, size, 0)
+            always(m, ~there | ((size != 0) & (size <= self.burst)), f"size{number}")
+        always(m, words.level == queued + count + Mux(known, left, 0), "words_for_bursts")
+        always(m, count < self.burst, "gathered")
+        always(m, ~(words.r_en & ~words.r_rdy), "word_there")
+        reached(m, accepted & (owed == 1) & ~known, "across_reset")
+        reached(m, words.level == words.depth, "full")
+        return m

@@ -1,0 +1,144 @@
+"""Fills of the tile cache: credits, the order of tiles, and when a place is written."""
+
+from amaranth import *
+from amaranth.lib.wiring import In
+
+from formal.avalon import check_read_host
+from formal.properties import Wrapper, always, constant, given, inner, reached
+from ncdc_hdl.backend.cache.fills import Fills
+from ncdc_hdl.backend.cache.layouts import tile_layout
+from ncdc_model.fetch.cache_options import TILE_HEIGHT, CacheOptions
+
+__all__ = ["FillOrder", "FillRoom"]
+
+
+class _Fills(Wrapper):
+    """``Fills`` with any claims that the credit allows."""
+
+    def __init__(self, dut):
+        self.dut = dut
+        self.beats = TILE_HEIGHT * dut.burst
+        self.limit = dut.options.outstanding * self.beats
+        super().__init__({
+            "claim": In(1), "tile": In(tile_layout(dut.options)), "data": In(dut.data_width),
+            "waitrequest": In(1), "readdatavalid": In(1)} | self.more())
+
+    def more(self):
+        """Further inputs."""
+        return {}
+
+    def start(self, m):
+        """The design with its claims and any memory; the design's parts, words owed."""
+        dut = self.dut
+        fragment = self.design(m, dut)
+        owed = check_read_host(m, dut.bus, waitrequest=self.waitrequest,
+                               readdatavalid=self.readdatavalid, limit=self.limit)
+        given(m, ~self.claim | dut.credit)
+        m.d.comb += [dut.claim.eq(self.claim), dut.tile.eq(self.tile)]
+        return fragment, owed
+
+
+class FillRoom(_Fills):
+    """Reset at any time: no more tiles outstanding than allowed, and room for all of them.
+
+    Asserts that no queue overflows, that each word comes for a tile that was claimed, and that
+    the memory never owes more than ``outstanding`` tiles.
+    """
+
+    def __init__(self, data_width=128, outstanding=2, kind=Fills):
+        options = CacheOptions(tiles=16, pending=4, outstanding=outstanding, sequence_bits=4)
+        super().__init__(kind(options, data_width, 8 if data_width == 128 else 4))
+
+    def elaborate(self, platform):
+        m = Module()
+        dut, most, beats = self.dut, self.dut.options.outstanding, self.beats
+        fragment, owed = self.start(m)
+        claimed, slots = self.queues
+        read, words = dut.bus.read, dut.bus.burstcount
+        due, stale = inner(fragment, "commands", "due"), inner(fragment, "commands", "stale")
+        beat, outstanding = inner(fragment, "beat"), inner(fragment, "outstanding")
+        m_valid, row = inner(fragment, "requests", "m_valid"), inner(fragment, "requests", "row")
+        o_valid = inner(fragment, "requests", "o__valid")
+        # Words that will come: of tiles in the queue, in the stages of the requests, of the
+        # command on the bus, owed by the memory.
+        asked = Signal(range(4 * self.limit))
+        m.d.comb += asked.eq(
+            (claimed.level + m_valid) * beats + Mux(o_valid, (TILE_HEIGHT - row) * dut.burst, 0)
+            + Mux(stale, 0, Mux(read, words, 0) + owed))
+        always(m, due == owed, "owed_is_known")
+        always(m, owed + Mux(read, words, 0) <= self.limit, "room_for_command")
+        always(m, words <= dut.burst, "burst")
+        always(m, ~read | (words == dut.burst), "burst_constant")
+        always(m, o_valid | (row == 0), "row")
+        always(m, asked + beat == slots.level * beats, "a_word_for_each_beat")
+        always(m, (outstanding == slots.level) & (outstanding <= most), "outstanding")
+        always(m, beat < beats, "beat")
+        came = inner(fragment, "commands", "valid")
+        always(m, ~came | (slots.level != 0), "claimed_before")
+        always(m, ~came | slots.r_rdy, "slot_known")
+        reached(m, (outstanding == most) & (owed == self.limit), "all_owed")
+        reached(m, dut.filled & self.claim & ~stale, "claim_while_filled")
+        return m
+
+
+class FillOrder(_Fills):
+    """Without resets: the words of each tile come from its rows and go to its place, in order.
+
+    One claim, any, is watched. Its words are asked for at its addresses only, one command per
+    row; they are written to its slot, row by row, between the claim and ``filled``; its slot is
+    not written between by words of another claim. Claims are filled in order.
+    """
+
+    PITCH = 64
+
+    def __init__(self, data_width=128, kind=Fills):
+        options = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4)
+        super().__init__(kind(options, data_width, 8 if data_width == 128 else 4))
+
+    def more(self):
+        return {"watch": In(1)}
+
+    def elaborate(self, platform):
+        m = Module()
+        dut, most, beats = self.dut, self.dut.options.outstanding, self.beats
+        given(m, ~ResetSignal())
+        # The address tells tile and row: row pitch 64, two bits of x and of y.
+        given(m, (self.tile.x < 4) & (self.tile.y < 4))
+        m.d.comb += dut.pitch.eq(self.PITCH)
+        fragment, owed = self.start(m)
+        # The watched claim and how many claims, commands and words are in front of it.
+        watching = Signal()
+        tile = Signal(self.tile.shape())
+        total = Signal(range(8))
+        ahead = Signal(range(most + 1))           # tiles to be filled until it is, itself included
+        commands, arrivals = Signal(range(64)), Signal(range(256))   # since the start
+        first = Signal(range(8))                  # claims in front of it
+        accepted = dut.bus.read & ~self.waitrequest
+        outstanding = Signal(range(most + 2))
+        mark = self.watch & self.claim & ~watching
+        m.d.sync += [outstanding.eq(outstanding + self.claim - dut.filled),
+                     commands.eq(commands + accepted), arrivals.eq(arrivals + self.readdatavalid),
+                     total.eq(total + self.claim)]
+        with m.If(mark):
+            m.d.sync += [watching.eq(1), tile.eq(self.tile), first.eq(total),
+                         ahead.eq(outstanding + 1 - dut.filled)]
+        with m.Elif(dut.filled & (ahead != 0)):
+            m.d.sync += ahead.eq(ahead - 1)
+        # The command for its row k is number 4 first + k, those in front and behind are not.
+        row = (commands - TILE_HEIGHT * first)[:6]
+        mine = watching & accepted & (row < TILE_HEIGHT)
+        always(m, ~mine | (dut.bus.address == ((tile.y << 2) + row) * self.PITCH + (tile.x << 4)),
+               "address")
+        # Writes follow the words by a clock.
+        written, came = Signal.like(arrivals), Signal()
+        m.d.sync += [written.eq(arrivals), came.eq(self.readdatavalid)]
+        beat = (written - beats * first)[:8]
+        writes = came & watching & (beat < beats)
+        always(m, ~writes | ((dut.fill.slot == tile.slot) & (dut.fill.row == beat // dut.burst)),
+               "place")
+        always(m, ~writes | (ahead == 1), "only_while_claimed")
+        always(m, ~(dut.fill.enable.any()) | came, "nothing_else_written")
+        always(m, ~(watching & dut.filled & (ahead == 1)) | (came & (beat == beats - 1)),
+               "filled_with_the_last_word")
+        reached(m, writes & (beat == beats - 1) & (first == 1), "second_tile")
+        return m

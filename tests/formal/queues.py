@@ -1,0 +1,46 @@
+"""The queue with credits behind a free-running pipeline."""
+
+from amaranth import *
+from amaranth.lib.wiring import In
+
+from formal.properties import Wrapper, always, given, inner, reached
+from ncdc_hdl.streams import CreditQueue
+
+__all__ = ["Credits"]
+
+
+class Credits(Wrapper):
+    """``CreditQueue`` behind a pipeline of any latency, even a varying one, in front of any reader.
+
+    Asserts that the queue never overflows, that credits are what is on the way, and that all of
+    it comes out. ``credit_error`` items too many are issued.
+    """
+
+    def __init__(self, depth=5, restart=1, credit_error=0):
+        self.credit_error = credit_error
+        self.dut = CreditQueue(4, depth=depth, restart=restart)
+        super().__init__({"issue": In(1), "arrive": In(1), "ready": In(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        dut = self.dut
+        fragment = self.design(m, dut)
+        [queue] = self.queues
+        under_way = Signal(range(2 * dut.depth + 1))
+        late = Signal(range(self.credit_error + 1))   # issued without leave
+        room = dut.room | (late != self.credit_error)
+        m.d.sync += late.eq(late + (self.issue & ~dut.room))
+        m.d.comb += [dut.issue.eq(self.issue), dut.arrive.eq(self.arrive),
+                     dut.o.ready.eq(self.ready)]
+        given(m, ~self.issue | room)
+        given(m, ~self.arrive | (under_way != 0))
+        m.d.sync += under_way.eq(under_way + self.issue - self.arrive)
+        claimed, in_flight = inner(fragment, "claimed"), inner(fragment, "in_flight")
+        always(m, in_flight == under_way, "in_flight")
+        always(m, (claimed == under_way + queue.level) & (claimed <= dut.depth), "claimed")
+        always(m, dut.drained == (under_way == 0), "drained")
+        stopped = inner(fragment, "stopped")
+        always(m, dut.room | (claimed == dut.depth) | stopped, "room")
+        reached(m, queue.level == dut.depth, "full")
+        reached(m, stopped & (claimed == dut.restart), "restart")
+        return m

@@ -1,0 +1,47 @@
+"""Runs SymbiYosys with z3 on a wrapper around the design."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from amaranth.back import rtlil
+
+__all__ = ["FAIL", "PASS", "run"]
+
+PASS, FAIL = "PASS", "FAIL"
+
+_TOOLS = Path(sys.executable).parent     # of the virtual environment
+
+
+def run(top, folder, *, mode, depth, engine="smtbmc --nomem z3"):
+    """Result of one task: (status, names of the properties that failed or were reached).
+
+    Parameters
+    ----------
+    top : wiring.Component
+        Its inputs are free in each clock, the reset as well. They must be made in ``__init__``:
+        an input made in ``elaborate`` may be left unconnected, and all holds in vain.
+    folder : Path
+        New files go there.
+    mode : str
+        ``prove`` (k-induction of ``depth``, which proves for all time), ``bmc`` (the first
+        ``depth`` clocks) or ``cover`` (all covers reached in ``depth`` clocks).
+    depth : int
+    """
+    (folder / "top.il").write_text(rtlil.convert(top, name="top"))
+    (folder / "task.sby").write_text(
+        f"[options]\nmode {mode}\ndepth {depth}\n\n[engines]\n{engine}\n\n"
+        f"[script]\nread_rtlil top.il\nprep -flatten -top top\n\n[files]\n{folder / 'top.il'}\n")
+    result = subprocess.run(
+        [_TOOLS / "yowasp-sby", *(f"--{name}={_TOOLS / f'yowasp-{tool}'}" for name, tool in
+         (("yosys", "yosys"), ("smtbmc", "yosys-smtbmc"), ("witness", "yosys-witness"))),
+         "-f", "-d", folder / "task", folder / "task.sby"],
+        capture_output=True, text=True,
+        env=os.environ | {"PATH": f"{_TOOLS}{os.pathsep}{os.environ.get('PATH', os.defpath)}"})
+    found = re.search(r"DONE \((\w+), rc=\d+\)", result.stdout)
+    if not found:
+        raise RuntimeError(f"sby gave no result: {result.stdout}{result.stderr}")
+    names = re.findall(r"summary: .*check_flatten_(\w+?)__\d+ at", result.stdout)
+    return found[1], {name.replace("__", ".") for name in names}
