@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-__all__ = ["absorb_output_registers"]
+__all__ = ["absorb_output_registers", "plain_flip_flop"]
 
 
 def absorb_output_registers(netlist, top):
@@ -41,7 +41,8 @@ def absorb_output_registers(netlist, top):
                        if output.startswith(data) and bits and users[bits[0]]}
             behind = {output: readers.get(bit) for output, bit in outputs.items()}
             if not outputs or not all(
-                    reader and users[outputs[output]] == 1 and _plain(cells[reader[0]], reader[1])
+                    reader and users[outputs[output]] == 1 and reader[1] == "DI"
+                    and plain_flip_flop(cells[reader[0]])
                     and cells[reader[0]]["connections"]["CLK"] == ram["connections"][f"CLK{port}"]
                     for output, reader in behind.items()):
                 continue
@@ -64,9 +65,9 @@ def _reads(ram):
             if ram["connections"][f"CE{port}"] == ram["connections"][f"OCE{port}"] == ["1"]]
 
 
-def _plain(cell, port):
-    """Whether ``cell`` is a flip-flop that only delays what its ``port`` reads."""
+def plain_flip_flop(cell):
+    """Whether ``cell`` is a flip-flop that only delays what its port DI reads."""
     parameters, wires = cell["parameters"], cell["connections"]
-    return (cell["type"] == "TRELLIS_FF" and port in ("DI", "M")
+    return (cell["type"] == "TRELLIS_FF" and "DI" in wires
             and parameters["CEMUX"].strip() == "1" and wires.get("LSR", ["0"]) == ["0"]
             and parameters["REGSET"] == "RESET" and parameters["CLKMUX"] == "CLK")

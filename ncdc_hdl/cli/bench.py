@@ -3,7 +3,8 @@
 import sys
 
 from ncdc_hdl.bench.synthesis import SynthesisError
-from ncdc_hdl.cli import bench_accuracy, bench_lines, bench_tansig, bench_throughput
+from ncdc_hdl.cli import (bench_accuracy, bench_lines, bench_synth, bench_tansig,
+                          bench_throughput)
 
 __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 
@@ -11,6 +12,7 @@ HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
 BENCHES = {"accuracy": bench_accuracy,
            "lines": bench_lines,
+           "synth": bench_synth,
            "tansig": bench_tansig,
            "throughput": bench_throughput}
 

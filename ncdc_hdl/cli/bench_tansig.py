@@ -36,7 +36,7 @@ def add_arguments(parser):
 def run(args):
     """Measure and report; 1 if a result is wrong."""
     if args.synth:
-        check_tools()
+        check_tools(", or leave synthesis out with --no-synth")
     rows = []
     for variant in args.variant:
         for bits in args.bits:
