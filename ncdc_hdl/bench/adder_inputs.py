@@ -55,10 +55,10 @@ def _absorb(adder, half, gates, users):
     if int(adder["parameters"][f"INIT{half}"], 2) != _ADD or c not in ("0", "1") or d != "1":
         return False
     gated, other = (b, a) if b in gates else (a, b)
-    if gated not in gates or users[gated] != 1:
+    if gated not in gates:
         return False
     _, inputs, inverted = gates[gated]
-    for pin, wire in zip(_PINS, (other, *inputs)):
+    for pin, wire in zip("ABC", (other, *inputs, "0")):
         wires[f"{pin}{half}"] = [wire]
         users[wire] += 1
     for wire in (a, b):
@@ -69,14 +69,14 @@ def _absorb(adder, half, gates, users):
 
 
 def _exclusive_or(cell):
-    """Inputs and inversion of a LUT that is an exclusive-or of two wires; else None."""
+    """Inputs and inversion of a LUT that is an exclusive-or of two wires, or the inverse of one;
+    else None."""
     table = int(cell["parameters"]["INIT"], 2)
     wires = [cell["connections"][pin][0] for pin in _PINS]
     used = [k for k, wire in enumerate(wires) if isinstance(wire, int)]
-    if len(used) != 2 or wires[used[0]] == wires[used[1]]:
-        return None
     fixed = sum(1 << k for k, wire in enumerate(wires) if wire == "1")
-    values = [table >> (fixed | (j & 1) << used[0] | (j >> 1) << used[1]) & 1 for j in range(4)]
-    if values not in ([0, 1, 1, 0], [1, 0, 0, 1]):
+    values = [table >> (fixed | sum((j >> i & 1) << k for i, k in enumerate(used))) & 1
+              for j in range(1 << len(used))]
+    if values not in ([1, 0], [0, 1, 1, 0], [1, 0, 0, 1]) or len({*wires} - {"0", "1"}) < len(used):
         return None
     return [wires[k] for k in used], values[0] == 1
