@@ -179,8 +179,8 @@ def flows(monkeypatch, tmp_path):
             return figures | ({"fmax_mhz": 200.0 + 10 * seeds[0]} if seeds else {})
         return run
     monkeypatch.setenv("NCDC_CACHE", str(tmp_path))
-    monkeypatch.setattr(synthesis_rows, "ecp5", flow("ecp5", lut=5, ff=6, multipliers_18x18=1,
-                                                     block_rams=2))
+    monkeypatch.setitem(synthesis_rows._FLOWS, "ecp5",
+                        flow("ecp5", lut=5, ff=6, multipliers_18x18=1, block_rams=2))
     monkeypatch.setitem(synthesis_rows._FLOWS, "cyclonev",
                         flow("cyclonev", alm=3, alut=5, alm_ff=6, dsp=1, m10k=2))
     monkeypatch.setitem(synthesis_rows._FLOWS, "cycloneiv",

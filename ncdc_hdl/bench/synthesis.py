@@ -115,7 +115,9 @@ def cyclone_v(verilog, top, *, progress=lambda step: None):
     """
     progress("Cyclone V: Yosys")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-        cells = _yosys(Path(name), verilog, f"synth_intel_alm -family cyclonev -top {top}")
+        # ABC dies on some designs without a word if there are buffers at the ports.
+        cells = _yosys(Path(name), verilog,
+                       f"synth_intel_alm -family cyclonev -noiopad -noclkbuf -top {top}")
     alut, ff = _sum(cells, "MISTRAL_ALUT"), cells.get("MISTRAL_FF", 0)
     return {"alm": max(-(-alut // 2), -(-ff // 4)), "alut": alut, "alm_ff": ff,
             "dsp": sum(-(-_sum(cells, f"MISTRAL_MUL{bits}X") // products)

@@ -4,7 +4,7 @@ import inspect
 import json
 from statistics import median
 
-from ncdc_hdl.bench import adder_inputs, multiplier_registers, output_registers, synthesis
+from ncdc_hdl.bench import adder_inputs, multiplier_registers, output_registers
 from ncdc_hdl.bench.blocks import component
 from ncdc_hdl.bench.synthesis import Registered, cyclone_iv, cyclone_v, ecp5, tool_versions
 from ncdc_hdl.export.verilog import module_verilog
@@ -16,7 +16,8 @@ TARGETS = ("ecp5", "cyclonev", "cycloneiv")
 WORSE = 0.05            # by which a figure may be worse than the table of the documentation
 
 _PRODUCTS = {"ecp5": 18, "cyclonev": 27, "cycloneiv": 18}
-_FLOWS = {"cyclonev": cyclone_v, "cycloneiv": cyclone_iv}
+_FLOWS = {"ecp5": ecp5, "cyclonev": cyclone_v, "cycloneiv": cyclone_iv}
+_ECP5_PARTS = (output_registers, multiplier_registers, adder_inputs)
 # Names in rows of what the flows call otherwise.
 _NAMES = {"ecp5": {"dsp": "multipliers_18x18", "ram_blocks": "block_rams"},
           "cyclonev": {"lut": "alut", "ff": "alm_ff", "ram_blocks": "m10k"},
@@ -79,14 +80,14 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
 
 def _kept(target, verilog, progress, **options):
     """What the flow of ``target`` finds for module ``block`` of ``verilog``, run only once."""
-    flow = ecp5 if target == "ecp5" else _FLOWS[target]
-    sources = [inspect.getsource(module) for module in
-               (synthesis, output_registers, multiplier_registers, adder_inputs)]
+    flow = _FLOWS[target]
+    parts = [inspect.getsource(part) for part in
+             (flow, *(_ECP5_PARTS if target == "ecp5" else ()))]
 
     def build(folder):
         figures = flow(verilog, "block", progress=progress, **options)
         (folder / "figures.json").write_text(json.dumps(figures))
-    key = key_of(f"synth-{target}", verilog, repr(options), repr(tool_versions()), *sources)
+    key = key_of(f"synth-{target}", verilog, repr(options), repr(tool_versions()), *parts)
     return json.loads((cached(key, build) / "figures.json").read_text())
 
 
