@@ -42,9 +42,9 @@ class Commands(Wrapper):
 
     BURST, LIMIT = 3, 6
 
-    def __init__(self, forget=False):
+    def __init__(self, kind=ReadCommands, forget=False):
         self.forget = forget
-        self.dut = ReadCommands(8, self.BURST, limit=self.LIMIT)
+        self.dut = kind(8, self.BURST, limit=self.LIMIT)
         super().__init__({
             "valid": In(1), "command": In(command_layout(self.BURST)),
             "waitrequest": In(1), "readdatavalid": In(1)})
@@ -81,13 +81,13 @@ class Reader(Wrapper):
     """``BurstReader`` with any commands and any reader of its words, reset at any time.
 
     Asserts, besides the protocol, that its queue never overflows and that exactly the words asked
-    for leave it. ``credit_error`` words too many are asked for.
+    for leave it.
     """
 
     DEPTH, BURST = 5, 3
 
-    def __init__(self, depth=DEPTH, burst=BURST, credit_error=0):
-        self.depth, self.burst, self.credit_error = depth, burst, credit_error
+    def __init__(self, depth=DEPTH, burst=BURST):
+        self.depth, self.burst = depth, burst
         self.dut = BurstReader(8, depth=depth, max_burst=burst)
         super().__init__({
             "valid": In(1), "command": In(command_layout(burst)), "ready": In(1),
@@ -95,7 +95,7 @@ class Reader(Wrapper):
 
     def elaborate(self, platform):
         m = Module()
-        dut, limit = self.dut, self.depth + self.credit_error
+        dut, limit = self.dut, self.depth
         fragment = self.design(m, dut)
         [queue] = self.queues
         owed = check_read_host(m, dut.bus, waitrequest=self.waitrequest,

@@ -61,7 +61,7 @@ class FillRoom(_Fills):
         o_valid = inner(fragment, "requests", "o__valid")
         # Words that will come: of tiles in the queue, in the stages of the requests, of the
         # command on the bus, owed by the memory.
-        asked = Signal(range(4 * self.limit))
+        asked = Signal(range(16 * self.limit))
         m.d.comb += asked.eq(
             (claimed.level + m_valid) * beats + Mux(o_valid, (TILE_HEIGHT - row) * dut.burst, 0)
             + Mux(stale, 0, Mux(read, words, 0) + owed))

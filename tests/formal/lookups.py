@@ -1,4 +1,4 @@
-"""Tag stage and retirement of the tile cache: no window reads a place that is not its tile's."""
+"""Tag stage and retirement of the tile cache: right tiles, tokens, and an end of each wait."""
 
 from amaranth import *
 from amaranth.lib import data
@@ -10,7 +10,7 @@ from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_model.fetch.cache_options import TAG_BANKS, CacheOptions
 
-__all__ = ["Lookups"]
+__all__ = ["Places", "Progress", "Tokens"]
 
 _BITS = 2                               # of a tile's column and row
 
@@ -29,88 +29,32 @@ class _Parts(Elaboratable):
         return m
 
 
-class Lookups(Wrapper):
+class _Lookups(Wrapper):
     """``Tags`` and ``Retire`` with any look-ups, any consumer, and fills in order of any latency.
 
-    A claimed tile may be written in each clock after its claim up to and including that of
-    ``filled``; that is what ``FillOrder`` proves of the fills. One place, any, is watched: which
-    tile it holds, and whether it is being written. Look-ups carry their tile in ``fx`` and ``fy``.
-
-    Asserts that a window whose samples lie in the watched place reads it while it holds its tile
-    and is not being written; that a place is not claimed while it is being filled; that tokens
-    are tiles filled and not consumed; that the queue does not overflow.
+    Look-ups carry their tile in ``fx`` and ``fy``.
     """
 
-    def __init__(self, split=0, tags=Tags, retire=Retire, only=None):
+    def __init__(self, split=0, tags=Tags, retire=Retire):
         options = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4)
-        self.options, self.split, self.only = options, split, only
+        self.options, self.split = options, split
         self.tags, self.retire = tags(_BITS, options), retire(_BITS, options, 8)
         super().__init__({
-            "valid": In(1), "tile_x": In(_BITS), "tile_y": In(_BITS), "across": In(1), "down": In(1),
-            "blank": In(1), "last": In(1), "filled": In(1), "ready": In(1), "watch": In(4)})
+            "valid": In(1), "tile_x": In(_BITS), "tile_y": In(_BITS), "across": In(1),
+            "down": In(1), "blank": In(1), "last": In(1), "filled": In(1), "ready": In(1),
+            "watch": In(4)})
 
-    def elaborate(self, platform):
-        m = Module()
-        tags, retire, options = self.tags, self.retire, self.options
-        given(m, ~ResetSignal())
+    def start(self, m):
+        """The design with its look-ups and fills; its parts, and the tiles outstanding."""
+        tags, retire, most = self.tags, self.retire, self.options.outstanding
         fragment = self.design(m, _Parts(tags, retire))
-        [queue] = self.queues
         m.d.comb += [tags.i.valid.eq(self.valid), tags.i.payload.eq(self._lookup(m)),
                      retire.o.ready.eq(self.ready)]
-
-        outstanding = Signal(range(options.outstanding + 1))
+        outstanding = Signal(range(most + 1))
         given(m, ~self.filled | (outstanding != 0))
         m.d.sync += outstanding.eq(outstanding + tags.claim - self.filled)
-        m.d.comb += [tags.credit.eq(outstanding != options.outstanding),
-                     retire.filled.eq(self.filled)]
-
-        # The watched place.
-        constant(m, self.watch)
-        holds, held = Signal(), Signal(data.StructLayout({"x": _BITS + 1, "y": _BITS + 1}))
-        ahead = Signal(range(options.outstanding + 1))    # fills until its own, included
-        claimed = Signal()
-        m.d.comb += claimed.eq(tags.claim & (tags.tile.slot == self.watch))
-        with m.If(claimed):
-            m.d.sync += [holds.eq(0), held.x.eq(tags.tile.x), held.y.eq(tags.tile.y),
-                         ahead.eq(outstanding + 1 - self.filled)]
-        with m.Elif(self.filled & (ahead != 0)):
-            m.d.sync += ahead.eq(ahead - 1)
-            with m.If(ahead == 1):
-                m.d.sync += holds.eq(1)
-        self._always(m, ~claimed | (ahead == 0), "filled_once")
-
-        # The window that reads now.
-        lane = data.View(retire.place_shape, inner(fragment, "retire", "b")).lane[0]
-        reads, wrong, read = Signal(), Signal(), Signal()
-        m.d.comb += reads.eq(retire.retire & ~lane.blank)
-        for bank in range(TAG_BANKS):
-            tile_x, tile_y = Signal(_BITS + 1), Signal(_BITS + 1)
-            m.d.comb += [tile_x.eq(lane.fx + (lane.fx[0] != bank & 1)),
-                         tile_y.eq(lane.fy + (lane.fy[0] != bank >> 1))]
-            needed = (((lane.fx[0] == bank & 1) | (lane.x > 13))
-                      & ((lane.fy[0] == bank >> 1) | (lane.y > 1)))
-            slot = Cat(self._set(tile_x >> 1, tile_y >> 1), Const(bank, 2))
-            with m.If(reads & needed & (slot == self.watch)):
-                m.d.comb += wrong.eq(~holds | (held.x != tile_x) | (held.y != tile_y))
-                m.d.comb += read.eq(1)
-        self._always(m, ~wrong, "own_tile")
-
-        # Tokens and the queue.
-        tokens, level = inner(fragment, "retire", "tokens"), inner(fragment, "tags", "level")
-        behind = [inner(fragment, "retire", name) for name in ("oldest_valid", "b_valid")]
-        self._always(m, level == queue.level + sum(behind), "pushed_not_read")
-        self._always(m, level <= options.pending, "most_pending")
-        self._always(m, tokens <= TAG_BANKS * (options.pending + 1), "tokens_fit")
-        replaced = Signal()
-        with m.If(claimed & holds):
-            m.d.sync += replaced.eq(1)
-        reached(m, read & replaced, "replaced")
-        reached(m, tags.stalls.interlock & (queue.level != 0), "interlock")
-        return m
-
-    def _always(self, m, condition, name):
-        if self.only in (None, name):
-            always(m, condition, name)
+        m.d.comb += [tags.credit.eq(outstanding != most), retire.filled.eq(self.filled)]
+        return fragment, outstanding
 
     def _set(self, pair_x, pair_y):
         """Set of a tile, by the index rule."""
@@ -136,3 +80,118 @@ class Lookups(Wrapper):
             place.lane[0].fx.eq(self.tile_x), place.lane[0].fy.eq(self.tile_y),
             place.lane[0].blank.eq(self.blank), place.last.eq(self.last)]
         return lookup
+
+
+class Places(_Lookups):
+    """Without resets: no window reads a place that is not its tile's, or that is being written.
+
+    A claimed tile may be written in each clock after its claim up to and including that of
+    ``filled``; that is what ``FillOrder`` proves of the fills. One place, any, is watched: which
+    tile it holds, and whether it is being written. Asserts that a window whose samples lie in the
+    watched place reads it while it holds its tile and is not being written (``own_tile``), and
+    that a place is not claimed while it is being filled (``filled_once``).
+    """
+
+    def elaborate(self, platform):
+        m = Module()
+        tags, retire = self.tags, self.retire
+        given(m, ~ResetSignal())
+        fragment, outstanding = self.start(m)
+
+        # The watched place.
+        constant(m, self.watch)
+        holds, held = Signal(), Signal(data.StructLayout({"x": _BITS + 1, "y": _BITS + 1}))
+        ahead = Signal.like(outstanding)              # fills until its own, included
+        claimed, replaced = Signal(), Signal()
+        m.d.comb += claimed.eq(tags.claim & (tags.tile.slot == self.watch))
+        with m.If(claimed):
+            m.d.sync += [holds.eq(0), held.x.eq(tags.tile.x), held.y.eq(tags.tile.y),
+                         ahead.eq(outstanding + 1 - self.filled), replaced.eq(replaced | holds)]
+        with m.Elif(self.filled & (ahead != 0)):
+            m.d.sync += ahead.eq(ahead - 1)
+            with m.If(ahead == 1):
+                m.d.sync += holds.eq(1)
+
+        # The window that reads now.
+        lane = data.View(retire.place_shape, inner(fragment, "retire", "b")).lane[0]
+        reads, wrong = Signal(), Signal()
+        for bank in range(TAG_BANKS):
+            tile_x, tile_y = Signal(_BITS + 1), Signal(_BITS + 1)
+            m.d.comb += [tile_x.eq(lane.fx + (lane.fx[0] != bank & 1)),
+                         tile_y.eq(lane.fy + (lane.fy[0] != bank >> 1))]
+            needed = (((lane.fx[0] == bank & 1) | (lane.x > 13))
+                      & ((lane.fy[0] == bank >> 1) | (lane.y > 1)))
+            slot = Cat(self._set(tile_x >> 1, tile_y >> 1), Const(bank, 2))
+            with m.If(retire.retire & ~lane.blank & needed & (slot == self.watch)):
+                m.d.comb += [reads.eq(1),
+                             wrong.eq(~holds | (held.x != tile_x) | (held.y != tile_y))]
+        always(m, ~wrong, "own_tile")
+        always(m, ~claimed | (ahead == 0), "filled_once")
+        reached(m, reads & replaced, "replaced")
+        reached(m, tags.stalls.interlock & retire.retire, "interlock")
+        return m
+
+
+class Tokens(_Lookups):
+    """Reset at any time: tokens and pending look-ups are counted right.
+
+    Asserts that tokens and tiles outstanding together are the tiles claimed by look-ups that have
+    not been read, so that no token is spent that is not there, and that the queue does not
+    overflow.
+    """
+
+    def elaborate(self, platform):
+        m = Module()
+        retire, most = self.retire, self.options.pending
+        fragment, outstanding = self.start(m)
+        [queue] = self.queues
+        tokens, misses, oldest_valid, b_valid = (
+            inner(fragment, "retire", name) for name in
+            ("tokens", "misses", "oldest_valid", "b_valid"))
+        level, a_valid, a_missing, a_misses = (
+            inner(fragment, "tags", name) for name in
+            ("level", "a_valid", "a_missing", "a_misses"))
+
+        always(m, level == queue.level + oldest_valid + b_valid, "pushed_not_read")
+        always(m, level <= most, "most_pending")
+        claimed = a_misses + Mux(oldest_valid, misses, 0)
+        always(m, ~oldest_valid | (misses <= TAG_BANKS), "misses")
+        for number, (there, item) in enumerate(self.items(m, queue)):
+            own = item[-len(misses):]
+            claimed = claimed + Mux(there, own, 0)
+            always(m, ~there | (own <= TAG_BANKS), f"misses{number}")
+        always(m, a_misses + sum(a_missing) <= TAG_BANKS, "misses_at_most_four")
+        always(m, a_valid | (a_misses == 0), "misses_of_a_lookup")
+        always(m, tokens + outstanding == claimed, "tokens_and_fills")
+        always(m, outstanding <= self.options.outstanding, "outstanding")
+        reached(m, (level == most) & (outstanding != 0), "full")
+        reached(m, (tokens > 1) & retire.retire, "tokens_to_come")
+        self.waits(m, outstanding, a_valid | (level != 0))
+        return m
+
+    def waits(self, m, outstanding, busy):
+        """Say nothing of how long anything takes."""
+
+
+class Progress(Tokens):
+    """The same with a memory and a consumer that answer within ``_ANSWER`` clocks: each wait ends.
+
+    Asserts that something happens every ``_WAIT`` clocks as long as there is a look-up: a claim,
+    a fill, a push, a read or a window taken. Each look-up has at most four claims and fills and
+    one of the others, so each look-up ends.
+    """
+
+    _ANSWER, _WAIT = 2, 6
+
+    def waits(self, m, outstanding, busy):
+        tags, retire = self.tags, self.retire
+        for awaited, answer in ((outstanding != 0, self.filled), (retire.o.valid, self.ready)):
+            late = Signal(range(self._ANSWER + 1))
+            m.d.sync += late.eq(Mux(awaited & ~answer, late + 1, 0))
+            given(m, late < self._ANSWER)
+        idle = Signal(range(self._WAIT + 2))
+        happens = (tags.claim | self.filled | tags.push | retire.retire
+                   | (retire.o.valid & self.ready))
+        m.d.sync += idle.eq(Mux(busy & ~happens, idle + 1, 0))
+        always(m, idle <= self._WAIT, "something_happens")
+        reached(m, idle == 3, "waits")

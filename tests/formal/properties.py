@@ -7,7 +7,7 @@ from amaranth.hdl import Assert, Assume, Cover, Fragment
 from amaranth.lib import wiring
 from amaranth.lib.fifo import SyncFIFOBuffered
 
-__all__ = ["Wrapper", "always", "constant", "given", "inner", "reached"]
+__all__ = ["Property", "Wrapper", "always", "constant", "given", "inner", "reached"]
 
 
 def inner(fragment, *path):
@@ -25,15 +25,19 @@ def inner(fragment, *path):
     return found.popitem()[1]
 
 
-class _Property(Elaboratable):
+class Property(Elaboratable):
     """One assertion or cover, a part of the design so that the tools know its name."""
 
-    def __init__(self, kind, condition):
-        self.kind, self.condition, self.holds = kind, condition, Signal()
+    only = None     # the name of the one assertion that is made, or None for all
+
+    def __init__(self, kind, condition, name):
+        self.kind, self.condition, self.name, self.holds = kind, condition, name, Signal()
 
     def elaborate(self, platform):
         m = Module()
-        m.d.comb += [self.holds.eq(self.condition), self.kind(self.holds)]
+        m.d.comb += self.holds.eq(self.condition)
+        if self.kind is Cover or self.only in (None, self.name):
+            m.d.comb += self.kind(self.holds)
         return m
 
 
@@ -46,7 +50,14 @@ class Wrapper(wiring.Component):
     ----------
     queues : list of SyncFIFOBuffered
         The queues of the design, in the order in which it has them.
+    places_missing : int
+        Planted error: each queue has fewer places by so many.
+    forgotten : sequence of tuple of str
+        Planted error: registers (paths as of :func:`inner`) that a reset clears.
     """
+
+    places_missing = 0
+    forgotten = ()
 
     def design(self, m, component):
         """Add ``component`` and return its elaborated form, for :func:`inner`.
@@ -54,7 +65,10 @@ class Wrapper(wiring.Component):
         Each queue in it asserts that nothing is written into it while it is full.
         """
         self.queues = []
-        elaborate = SyncFIFOBuffered.elaborate
+        create, elaborate = SyncFIFOBuffered.__init__, SyncFIFOBuffered.elaborate
+
+        def smaller(queue, *, width, depth):
+            create(queue, width=width, depth=depth - self.places_missing)
 
         def checked(queue, platform):
             within = elaborate(queue, platform)
@@ -73,8 +87,11 @@ class Wrapper(wiring.Component):
             queue.pointers = inner(within, "consume"), inner(within, "produce")
             return within
 
-        with mock.patch.object(SyncFIFOBuffered, "elaborate", checked):
+        with (mock.patch.object(SyncFIFOBuffered, "elaborate", checked),
+              mock.patch.object(SyncFIFOBuffered, "__init__", smaller)):
             fragment = Fragment.get(component, None)
+        for path in self.forgotten:
+            inner(fragment, *path)._reset_less = False
         m.submodules.dut = fragment
         return fragment
 
@@ -95,7 +112,7 @@ class Wrapper(wiring.Component):
 
 def always(m, condition, name):
     """Assert ``condition`` in every clock."""
-    m.submodules[name] = _Property(Assert, condition)
+    m.submodules[name] = Property(Assert, condition, name)
 
 
 def given(m, condition):
@@ -106,7 +123,7 @@ def given(m, condition):
 
 def reached(m, condition, name):
     """Cover ``condition``."""
-    m.submodules[name] = _Property(Cover, condition)
+    m.submodules[name] = Property(Cover, condition, name)
 
 
 def constant(m, signal):

@@ -5,8 +5,11 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from unittest import mock
 
 from amaranth.back import rtlil
+
+from formal.properties import Property
 
 __all__ = ["FAIL", "PASS", "run"]
 
@@ -15,8 +18,8 @@ PASS, FAIL = "PASS", "FAIL"
 _TOOLS = Path(sys.executable).parent     # of the virtual environment
 
 
-def run(top, folder, *, mode, depth, engine="smtbmc --nomem z3"):
-    """Result of one task: (status, names of the properties that failed or were reached).
+def run(top, folder, *, mode, depth, only=None):
+    """Result of one task: (status, names of the properties that failed, or were reached).
 
     Parameters
     ----------
@@ -29,10 +32,13 @@ def run(top, folder, *, mode, depth, engine="smtbmc --nomem z3"):
         ``prove`` (k-induction of ``depth``, which proves for all time), ``bmc`` (the first
         ``depth`` clocks) or ``cover`` (all covers reached in ``depth`` clocks).
     depth : int
+    only : str or None
+        The name of the one assertion to make.
     """
-    (folder / "top.il").write_text(rtlil.convert(top, name="top"))
+    with mock.patch.object(Property, "only", only):
+        (folder / "top.il").write_text(rtlil.convert(top, name="top"))
     (folder / "task.sby").write_text(
-        f"[options]\nmode {mode}\ndepth {depth}\n\n[engines]\n{engine}\n\n"
+        f"[options]\nmode {mode}\ndepth {depth}\n\n[engines]\nsmtbmc --syn --nomem z3\n\n"
         f"[script]\nread_rtlil top.il\nprep -flatten -top top\n\n[files]\n{folder / 'top.il'}\n")
     result = subprocess.run(
         [_TOOLS / "yowasp-sby", *(f"--{name}={_TOOLS / f'yowasp-{tool}'}" for name, tool in
@@ -44,4 +50,5 @@ def run(top, folder, *, mode, depth, engine="smtbmc --nomem z3"):
     if not found:
         raise RuntimeError(f"sby gave no result: {result.stdout}{result.stderr}")
     names = re.findall(r"summary: .*check_flatten_(\w+?)__\d+ at", result.stdout)
-    return found[1], {name.replace("__", ".") for name in names}
+    # A part that is called like a signal has a number behind its name.
+    return found[1], {re.sub(r"_\d+$", "", name.replace("__", ".")) for name in names}
