@@ -58,7 +58,8 @@ class RowGate(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         # Windows pass that start above `limit`: one comparison per pixel, against a register.
-        rows, limit = Signal(SIZE), Signal(SIZE)
+        rows = Signal(SIZE)
+        limit = Signal(SIZE)
         with m.If(self.start | (self.camera_rows > rows)):
             m.d.sync += rows.eq(self.camera_rows)
         tiles = rows >> (TILE_HEIGHT - 1).bit_length()

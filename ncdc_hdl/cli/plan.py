@@ -7,12 +7,14 @@ from ncdc_hdl.options import LANES, FetchOptions
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.fetch.follow import camera_line, follow_bound
 from ncdc_model.fetch.lookups import frame_windows
 from ncdc_model.fetch.plan import CLOCK_MHZ, candidates, choose, plan
 from ncdc_model.fetch.traffic import TILE_BYTES, distinct_bytes
+from ncdc_model.memory_timing import memory_timing
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "add_choices", "frame_places", "planned_fetch",
-           "run"]
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "add_choices", "add_follow", "check_follow",
+           "frame_places", "planned_fetch", "run"]
 
 HELP = "choose cache, split and strips for a trained map, and predict its speed on a memory"
 EXAMPLE = "ncdc plan net.toml --memory ddr3 --clock 150 --to stream"
@@ -29,6 +31,32 @@ def add_choices(parser):
     parser.add_argument("--strip", type=int, metavar="COLUMNS",
                         help="make pixels in strips of so many columns, a multiple of 32, or row "
                              "by row, 0; a stream takes 0 only (default: planned); same results")
+
+
+def add_follow(parser):
+    """Declare the options of a frame that begins before the camera's is complete."""
+    parser.add_argument("--follow", action="store_true",
+                        help="begin with the camera's frame, and wait for its rows; raster order "
+                             "unless --strip is given")
+    parser.add_argument("--camera-line", type=int, metavar="CLOCKS",
+                        help="clocks of a row of the camera with --follow, of which it sends a "
+                             "sample in each of the first ones (default: its samples)")
+
+
+def check_follow(args, geometry):
+    """Settle what --follow means for the other options.
+
+    Raises
+    ------
+    InputError
+        If a row of the camera does not fit, or is given without --follow.
+    """
+    if args.camera_line is not None and not args.follow:
+        raise InputError(f"the camera's line is {args.camera_line} clocks, which needs --follow")
+    if args.follow:
+        camera_line(args.camera_line, geometry)
+        # A strip needs nearly all rows of the raw frame at once.
+        args.strip = args.strip or 0
 
 
 def add_arguments(parser):
@@ -50,6 +78,7 @@ def add_arguments(parser):
                         help="1 (default), 2 or 4")
     parser.add_argument("--rate", type=float, metavar="FPS",
                         help="refuse what does not correct so many frames per second")
+    add_follow(parser)
     add_json(parser)
 
 
@@ -58,13 +87,21 @@ def run(args):
     if not 1 <= args.clock <= 1000:
         raise InputError(f"the clock is {args.clock:g} MHz, the limits are 1 and 1000")
     descriptor = Descriptor.load(args.descriptor)
+    check_follow(args, descriptor.geometry)
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
     planned = plan(descriptor, memory=args.memory, clock_mhz=args.clock, data_width=width,
                    lanes=args.pixels_per_clock,
                    stream=args.to == "stream", cache_bytes=args.cache_bytes, split=args.cache_split,
                    strip=args.strip, rate=args.rate, **frame_places(descriptor, width),
                    progress=Progress("planning"))
-    report = {"digest": descriptor.digest, "output": args.to, **planned.report()}
+    bound = follow_bound(
+        descriptor, planned.options, planned.split, memory_timing(
+            f"{args.memory}@{args.clock:g}" if args.memory in ("sdram", "ddr3") else args.memory),
+        width, strip=planned.strip, lanes=args.pixels_per_clock, stream=args.to == "stream",
+        line=args.camera_line, **frame_places(descriptor, width),
+        progress=Progress("following")) if args.follow else None
+    report = {"digest": descriptor.digest, "output": args.to, **planned.report(),
+              **(bound.report() if bound else {})}
     if write_report(report, args.json):
         return
     report = planned.report()
@@ -74,6 +111,9 @@ def run(args):
           f"frames per second predicted ({args.memory}, {width} bits, {args.clock:g} MHz)")
     print(f"{planned.worst:.2f} bytes per pixel in the worst 8192 pixels; "
           f"{planned.live} bytes of tiles in use at once")
+    if bound:
+        print(f"with the camera's frame: out at most {bound.clocks} clocks after its last byte, "
+              f"{100 * bound.share:.1f} % of its {bound.camera_clocks}")
 
 
 def frame_places(descriptor, data_width):

@@ -4,9 +4,12 @@ import sys
 
 from ncdc_hdl.cli.common import Progress, add_json, raw_frame, write_report
 from ncdc_hdl.cli.generate import add_hardware, hardware
+from ncdc_hdl.cli.plan import add_follow, check_follow, frame_places
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
+from ncdc_model.fetch.follow import follow_bound
 from ncdc_model.images import check_suffix, write_image
+from ncdc_model.memory_timing import DramMemory, LatencyMemory
 from ncdc_sim.corrector import simulate_correction
 from ncdc_sim.memories import simulated_memory
 from ncdc_sim.tools import SIMULATORS
@@ -33,6 +36,7 @@ def add_arguments(parser):
                         help="verilator (default) or icarus, which takes some 100 times as long")
     parser.add_argument("--seed", type=int, default=1, metavar="S",
                         help="of the memory's random behaviour (default: 1)")
+    add_follow(parser)
     add_json(parser)
 
 
@@ -43,24 +47,53 @@ def run(args):
     check_suffix(args.output)
     simulated_memory(args.memory)
     descriptor = Descriptor.load(args.descriptor)
+    check_follow(args, descriptor.geometry)
     raw, note = raw_frame(args.image, descriptor.geometry)
     chosen, _ = hardware(args, descriptor)
     simulation = simulate_correction(
         descriptor, raw, **chosen, memory=args.memory, simulator=args.simulator,
-        seed=args.seed, progress=Progress("simulating"))
+        seed=args.seed, follow=args.follow, line=args.camera_line, progress=Progress("simulating"))
     write_image(args.output, simulation.picture)
     if note:
         print(note, file=sys.stderr)
+    bound = _bound(args, descriptor, chosen["fetch"]) if args.follow else None
     report = simulation.report() | {"hidden_neurons": descriptor.hidden_neurons}
+    report |= bound.report() if bound else {}
     if not write_report(report, args.json):
         print(f"{report['pixels_compared']} pixels compared, {report['pixels_different']} differ; "
               f"{report['clocks_per_pixel']:.3f} clocks and {report['bytes_read_per_pixel']:.2f} "
               f"bytes read per pixel ({args.memory}, {args.simulator})")
-    message = difference(simulation)
+        if args.follow:
+            print(f"out {report['follow_latency_clocks']} clocks after the camera's last byte"
+                  + (f", at most {bound.clocks} planned" if bound else "")
+                  + f"; {report['follow_early_reads']} rows read before they were written")
+    message = difference(simulation) or _early(simulation)
     if message:
         print(f"ncdc simulate: {message}", file=sys.stderr)
         return 1
     return 0
+
+
+def _bound(args, descriptor, fetch):
+    """What the planner promises; None where it knows no clocks: of the multiport fetcher, of shared
+    units, of a memory with random latency or of another's controller."""
+    memory = simulated_memory(args.memory)
+    exact = isinstance(memory, DramMemory) or (isinstance(memory, LatencyMemory)
+                                               and memory.latency[0] == memory.latency[1]
+                                               and memory.wait_chance == 0)
+    if fetch.fetcher != "cache" or args.share > 1 or not exact:
+        return None
+    return follow_bound(
+        descriptor, fetch.cache_for(descriptor.geometry), fetch.split_for(descriptor.geometry),
+        memory, args.data_width, strip=fetch.strip, lanes=args.pixels_per_clock,
+        stream=args.to == "stream", line=args.camera_line,
+        **frame_places(descriptor, args.data_width), progress=Progress("planning"))
+
+
+def _early(simulation):
+    """A sentence on rows that were read too early; None if none was."""
+    early = simulation.follow.get("follow_early_reads")
+    return f"{early} read commands came before the camera had written their row" if early else None
 
 
 def difference(simulation):

@@ -46,6 +46,11 @@ class FollowBound:
         """The clocks as a share of the camera's frame."""
         return self.clocks / self.camera_clocks
 
+    def report(self):
+        """The figures under their names in every report."""
+        return {"follow_bound_clocks": self.clocks, "follow_bound_share": self.share,
+                "camera_clocks": self.camera_clocks}
+
 
 def camera_line(line, geometry):
     """Clocks of a camera's row: ``line``, by default one per sample.
@@ -120,6 +125,7 @@ def follow_bound(descriptor, options, split, timing, data_width, *, strip=0, lan
     begin = np.maximum(written + _ROW_LATENCY, START_LATENCY)
     end = begin + (1 + _ERROR) * (free.clocks - START_LATENCY - entered)
     worst = int(end.argmax())
+    progress(1)
     camera_clocks = (geometry.distorted_height - 1) * line + geometry.distorted_width
     return FollowBound(int(np.ceil(end[worst])) + _END_LATENCY - camera_clocks, camera_clocks,
                        int(boxes.pixel[worst]), int(needed[worst]))
