@@ -15,8 +15,9 @@ __all__ = ["ValidTable"]
 class ValidTable(wiring.Component):
     """Two banks of valid spans, one entry per corrected row, for the scan and for the host.
 
-    Memory layout: entry ``bank * rows + row`` holds start0, stop0, start1, stop1 (13 bits each).
-    One read port serves both sides, the host first, so that the table is a simple dual-port RAM.
+    Memory layout: entry ``bank * rows + row`` of memory k holds start and stop of span k (13 bits
+    each). One read port serves both sides, the host first, so that each is a simple dual-port RAM
+    of one write enable, which the narrow and deep shapes of block RAMs need.
     The scan holds ``row`` until ``fresh``; the host may read every other clock at most.
 
     Timing: ``spans`` follow ``row`` after one clock if the host does not read; ``host_spans``
@@ -55,30 +56,28 @@ class ValidTable(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         rows = 1 << self.row_bits
-        entries = [self._entry(row) for row in self.valid.spans.tolist()]
-        entries += [0] * (rows - len(entries))
-        width = SPANS.size
-        m.submodules.memory = memory = Memory(shape=width, depth=2 * rows, init=entries * 2)
-        write = memory.write_port(granularity=width // SPANS_PER_ROW)
-        read = memory.read_port()
-
+        bits = SPANS["start0"].width
         asked, host_span = Signal(1 + self.row_bits), Signal()
         wanted, host_address = Cat(self.row, self.bank), Cat(self.host_row, self.host_bank)
         by_scan = Signal()
+        reads = []
+        for k in range(SPANS_PER_ROW):
+            entries = [start | stop << bits
+                       for start, stop in self.valid.spans[:, 2 * k:2 * k + 2].tolist()]
+            entries += [0] * (rows - len(entries))
+            memory = Memory(shape=2 * bits, depth=2 * rows, init=entries * 2)
+            m.submodules[f"memory{k}"] = memory
+            write, read = memory.write_port(), memory.read_port()
+            m.d.comb += [
+                read.addr.eq(Mux(self.host_read, host_address, wanted)),
+                write.addr.eq(host_address),
+                write.data.eq(Cat(self.host_start, self.host_stop)),
+                write.en.eq(self.host_write & (self.host_span == k)),
+            ]
+            reads.append(read.data)
         m.d.comb += [
-            read.addr.eq(Mux(self.host_read, host_address, wanted)),
-            self.spans.eq(read.data),
-            self.fresh.eq(by_scan & (asked == wanted)),
-            write.addr.eq(host_address),
-            write.data.eq(Cat(self.host_start, self.host_stop).replicate(SPANS_PER_ROW)),
-            write.en.eq(self.host_write << self.host_span),
-            Cat(self.host_span_start, self.host_span_stop).eq(
-                Mux(host_span, read.data[width // SPANS_PER_ROW:], read.data)),
+            self.spans.eq(Cat(reads)), self.fresh.eq(by_scan & (asked == wanted)),
+            Cat(self.host_span_start, self.host_span_stop).eq(Mux(host_span, *reads[::-1])),
         ]
         m.d.sync += [asked.eq(wanted), by_scan.eq(~self.host_read), host_span.eq(self.host_span)]
         return m
-
-    @staticmethod
-    def _entry(row):
-        bits = SPANS["start0"].width
-        return sum(value << (bits * k) for k, value in enumerate(row))
