@@ -44,6 +44,14 @@ class NoInterlock(Tags):
         return Const(0)
 
 
+class FramesMixed(Tags):
+    """Keeps the entries of the frame before."""
+
+    @staticmethod
+    def _last(place):
+        return Const(0)
+
+
 class CreditTooMany(Fills):
     """Lets one tile more be claimed than allowed."""
 
@@ -108,7 +116,7 @@ COVERS = {
     "tokens": (Tokens, 20, {"full", "tokens_to_come"}),
     "progress": (Progress, 16, {"full", "tokens_to_come", "waits"}),
 }
-LONG_COVERS = {"places": (Places, 20, {"replaced", "interlock"})}
+LONG_COVERS = {"places": (Places, 20, {"replaced", "interlock", "next_frame"})}
 # (design, depth, the rule that it breaks)
 PLANTED = {
     "command dropped under waitrequest": (lambda: Commands(forget=True), 8, "command_held"),
@@ -128,6 +136,7 @@ PLANTED = {
     "token kept": (lambda: Progress(retire=TokenKept), 20, "something_happens"),
     "token early, seen": (lambda: Places(retire=TokenEarly), 16, "own_tile"),
     "no interlock, seen": (lambda: Places(tags=NoInterlock), 16, "own_tile"),
+    "frames mixed": (lambda: Places(tags=FramesMixed), 16, "own_tile"),
     "no interlock, claimed twice": (lambda: Places(tags=NoInterlock), 16, "filled_once"),
 }
 

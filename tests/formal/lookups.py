@@ -32,13 +32,14 @@ class _Parts(Elaboratable):
 class _Lookups(Wrapper):
     """``Tags`` and ``Retire`` with any look-ups, any consumer, and fills in order of any latency.
 
-    Look-ups carry their tile in ``fx`` and ``fy``.
+    Look-ups carry their tile in ``fx`` and ``fy``, whether their frame is odd in ``first``.
     """
 
     def __init__(self, split=0, tags=Tags, retire=Retire):
         options = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4)
         self.options, self.split = options, split
         self.tags, self.retire = tags(_BITS, options), retire(_BITS, options, 8)
+        self.odd_frame = Signal()
         super().__init__({
             "valid": In(1), "tile_x": In(_BITS), "tile_y": In(_BITS), "across": In(1),
             "down": In(1), "blank": In(1), "last": In(1), "filled": In(1), "ready": In(1),
@@ -50,6 +51,8 @@ class _Lookups(Wrapper):
         fragment = self.design(m, _Parts(tags, retire))
         m.d.comb += [tags.i.valid.eq(self.valid), tags.i.payload.eq(self._lookup(m)),
                      retire.o.ready.eq(self.ready)]
+        with m.If(tags.i.valid & tags.i.ready & self.last):
+            m.d.sync += self.odd_frame.eq(~self.odd_frame)
         outstanding = Signal(range(most + 1))
         given(m, ~self.filled | (outstanding != 0))
         m.d.sync += outstanding.eq(outstanding + tags.claim - self.filled)
@@ -78,7 +81,8 @@ class _Lookups(Wrapper):
             place.lane[0].x.eq(Mux(self.across, 14, 0)),
             place.lane[0].y.eq(Mux(self.down, 2, 0)),
             place.lane[0].fx.eq(self.tile_x), place.lane[0].fy.eq(self.tile_y),
-            place.lane[0].blank.eq(self.blank), place.last.eq(self.last)]
+            place.lane[0].blank.eq(self.blank), place.last.eq(self.last),
+            place.first.eq(self.odd_frame)]
         return lookup
 
 
@@ -88,8 +92,8 @@ class Places(_Lookups):
     A claimed tile may be written in each clock after its claim up to and including that of
     ``filled``; that is what ``FillOrder`` proves of the fills. One place, any, is watched: which
     tile it holds, and whether it is being written. Asserts that a window whose samples lie in the
-    watched place reads it while it holds its tile and is not being written (``own_tile``), and
-    that a place is not claimed while it is being filled (``filled_once``).
+    watched place reads it while it holds its tile, of its frame, and is not being written
+    (``own_tile``), and that a place is not claimed while it is being filled (``filled_once``).
     """
 
     def elaborate(self, platform):
@@ -100,12 +104,14 @@ class Places(_Lookups):
 
         # The watched place.
         constant(m, self.watch)
-        holds, held = Signal(), Signal(data.StructLayout({"x": _BITS + 1, "y": _BITS + 1}))
+        holds, held = Signal(), Signal(data.StructLayout(
+            {"x": _BITS + 1, "y": _BITS + 1, "odd_frame": 1}))
         ahead = Signal.like(outstanding)              # fills until its own, included
         claimed, replaced = Signal(), Signal()
         m.d.comb += claimed.eq(tags.claim & (tags.tile.slot == self.watch))
         with m.If(claimed):
             m.d.sync += [holds.eq(0), held.x.eq(tags.tile.x), held.y.eq(tags.tile.y),
+                         held.odd_frame.eq(tags.place.first),
                          ahead.eq(outstanding + 1 - self.filled), replaced.eq(replaced | holds)]
         with m.Elif(self.filled & (ahead != 0)):
             m.d.sync += ahead.eq(ahead - 1)
@@ -113,7 +119,8 @@ class Places(_Lookups):
                 m.d.sync += holds.eq(1)
 
         # The window that reads now.
-        lane = data.View(retire.place_shape, inner(fragment, "retire", "b")).lane[0]
+        place = data.View(retire.place_shape, inner(fragment, "retire", "b"))
+        lane = place.lane[0]
         reads, wrong = Signal(), Signal()
         for bank in range(TAG_BANKS):
             tile_x, tile_y = Signal(_BITS + 1), Signal(_BITS + 1)
@@ -124,10 +131,12 @@ class Places(_Lookups):
             slot = Cat(self._set(tile_x >> 1, tile_y >> 1), Const(bank, 2))
             with m.If(retire.retire & ~lane.blank & needed & (slot == self.watch)):
                 m.d.comb += [reads.eq(1),
-                             wrong.eq(~holds | (held.x != tile_x) | (held.y != tile_y))]
+                             wrong.eq(~holds | (held.x != tile_x) | (held.y != tile_y)
+                                      | (held.odd_frame != place.first))]
         always(m, ~wrong, "own_tile")
         always(m, ~claimed | (ahead == 0), "filled_once")
         reached(m, reads & replaced, "replaced")
+        reached(m, reads & place.first, "next_frame")
         reached(m, tags.stalls.interlock & retire.retire, "interlock")
         return m
 
