@@ -98,12 +98,12 @@ PROOFS = {
     "tokens": (Tokens, "prove", 2),
     "progress": (Progress, "prove", 9),
     "fill order": (FillOrder, "bmc", 13),
-    "places": (Places, "bmc", 13),
+    "places": (Places, "bmc", 11),
 }
 LONG = {
     "fill order": (FillOrder, "bmc", 18),
     "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 18),
-    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 17)
+    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 17 if split == 0 else 14)
        for split in range(3)},
 }
 COVERS = {
@@ -116,7 +116,7 @@ COVERS = {
     "tokens": (Tokens, 20, {"full", "tokens_to_come"}),
     "progress": (Progress, 16, {"full", "tokens_to_come", "waits"}),
 }
-LONG_COVERS = {"places": (Places, 20, {"replaced", "interlock", "next_frame"})}
+LONG_COVERS = {"places": (Places, 18, {"replaced", "interlock", "next_frame"})}
 # (design, depth, the rule that it breaks)
 PLANTED = {
     "command dropped under waitrequest": (lambda: Commands(forget=True), 8, "command_held"),

@@ -89,12 +89,17 @@ class _Lookups(Wrapper):
 class Places(_Lookups):
     """Without resets: no window reads a place that is not its tile's, or that is being written.
 
+    Begins when the reset's clearing of all entries ends, which saves as many clocks as sets: the
+    entries' memory begins with what clearing writes.
+
     A claimed tile may be written in each clock after its claim up to and including that of
     ``filled``; that is what ``FillOrder`` proves of the fills. One place, any, is watched: which
     tile it holds, and whether it is being written. Asserts that a window whose samples lie in the
     watched place reads it while it holds its tile, of its frame, and is not being written
     (``own_tile``), and that a place is not claimed while it is being filled (``filled_once``).
     """
+
+    initial = {("tags", "closed"): 0, ("tags", "clearing"): 0}
 
     def elaborate(self, platform):
         m = Module()

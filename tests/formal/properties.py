@@ -50,12 +50,15 @@ class Wrapper(wiring.Component):
     ----------
     queues : list of SyncFIFOBuffered
         The queues of the design, in the order in which it has them.
+    initial : dict
+        Values with which registers (paths as of :func:`inner`) begin, if not with their own.
     places_missing : int
         Planted error: each queue has fewer places by so many.
     forgotten : sequence of tuple of str
-        Planted error: registers (paths as of :func:`inner`) that a reset clears.
+        Planted error: registers that a reset clears.
     """
 
+    initial = {}
     places_missing = 0
     forgotten = ()
 
@@ -90,6 +93,8 @@ class Wrapper(wiring.Component):
         with (mock.patch.object(SyncFIFOBuffered, "elaborate", checked),
               mock.patch.object(SyncFIFOBuffered, "__init__", smaller)):
             fragment = Fragment.get(component, None)
+        for path, value in self.initial.items():
+            inner(fragment, *path)._init = value
         for path in self.forgotten:
             inner(fragment, *path)._reset_less = False
         m.submodules.dut = fragment

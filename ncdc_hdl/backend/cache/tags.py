@@ -193,7 +193,8 @@ class Tags(wiring.Component):
 
     def _clear(self, m):
         """Whether nothing is accepted, whether entries are made invalid, and of which set."""
-        closed, clearing = Signal(init=1), Signal(init=1)
+        closed = Signal(init=1)
+        clearing = Signal(init=1)
         clear_set = Signal(set_bits(self.options))
         with m.If(self.i.valid & self.i.ready & self._last(self.i.p.place)):
             m.d.sync += closed.eq(1)
