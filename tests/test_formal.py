@@ -103,8 +103,9 @@ PROOFS = {
 LONG = {
     "fill order": (FillOrder, "bmc", 18),
     "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 18),
-    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 17 if split == 0 else 14)
+    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 12)
        for split in range(3)},
+    "places of one bank": (lambda: Places(one_bank=True), "bmc", 14),
 }
 COVERS = {
     "commands": (Commands, 12, {"full", "dropped"}),

@@ -97,14 +97,22 @@ class Places(_Lookups):
     tile it holds, and whether it is being written. Asserts that a window whose samples lie in the
     watched place reads it while it holds its tile, of its frame, and is not being written
     (``own_tile``), and that a place is not claimed while it is being filled (``filled_once``).
+    ``one_bank`` has windows within one tile only, of one bank, which allows of longer runs.
     """
 
     initial = {("tags", "closed"): 0, ("tags", "clearing"): 0}
+
+    def __init__(self, split=0, one_bank=False, **parts):
+        self.one_bank = one_bank
+        super().__init__(split, **parts)
 
     def elaborate(self, platform):
         m = Module()
         tags, retire = self.tags, self.retire
         given(m, ~ResetSignal())
+        if self.one_bank:
+            given(m, ~(self.across | self.down | self.tile_x[0] | self.tile_y[0] | self.blank)
+                  & (self.watch[2:] == 0))
         fragment, outstanding = self.start(m)
 
         # The watched place.
