@@ -280,8 +280,8 @@ def test_simulate(folder, simulator, capsys):
 
 def test_simulate_names_the_first_difference(folder, capsys, monkeypatch):
     """A golden model off by one in one pixel must be found, named, and give status 1."""
-    def wrong(descriptor, raw):
-        result = correct(descriptor, raw)
+    def wrong(descriptor, raw, **options):
+        result = correct(descriptor, raw, **options)
         result.picture[7, 30, 1] ^= 1
         return result
 

@@ -84,11 +84,12 @@ def run(args):
 
 
 def _photos(names):
-    """The photos, one after the other, with progress."""
-    progress = Progress("photos")
+    """The photos, one after the other; with progress, if there are several."""
+    progress = Progress("photos") if len(names) > 1 else lambda *args: None
     for done, name in enumerate(names):
+        image = read_image(name)
         progress(done / len(names), f" {Path(name).name}")
-        yield name, read_image(name)
+        yield name, image
     progress(1)
 
 
