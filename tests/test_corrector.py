@@ -123,7 +123,9 @@ def test_verilog_equals_golden(simulator, data_width, output, memory, fetcher, f
     assert result.counters["PIXELS"] == 37 * 29
     # The corrector's own count of clocks is the bench's, less the way of the register write.
     assert 0 < result.clocks_outside - result.counters["CLOCKS"] <= 6
-    assert 0 < result.counters["FRONT_END_STALLS"] < result.counters["CLOCKS"]
+    # The cache may keep up with so small a frame; the paper's fetcher never does.
+    stalls = result.counters["FRONT_END_STALLS"]
+    assert 0 <= stalls < result.counters["CLOCKS"] and (stalls or fetcher == "cache")
     assert result.filled.any() and not result.filled.all()
     assert result.bytes_written == 37 * 29 * (3 if output == "stream" else 4)
 
