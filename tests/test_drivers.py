@@ -145,7 +145,7 @@ int main(void) {{
         first, *pairs = text.splitlines()
         assert first == f"{d.digest} {d.hidden_neurons}"
         values = host_values(d, 32, corrector.fetch_options.split_for(WIDE.geometry))
-        for name in ("SOURCE_BASE", "TARGET_BASE", "VALID_BANK"):
+        for name in ("SOURCE_BASE", "TARGET_BASE", "VALID_BANK", "FOLLOW"):
             del values[name]
         address = {r.name: 4 * r.address for r in ROWS}
         expected = [(address[name], value % 2**32) for name, value in values.items()]

@@ -14,8 +14,9 @@ __all__ = ["SIMULATORS", "SimulationError", "WAIVERS", "call", "environment", "t
 SIMULATORS = ("verilator", "icarus")
 
 # Verilator's options for what Yosys's Verilog always provokes: expressions wider or narrower than
-# their target, and cases that rely on the value assigned before them.
-WAIVERS = ("-Wno-WIDTHEXPAND", "-Wno-WIDTHTRUNC", "-Wno-CASEINCOMPLETE")
+# their target, and cases that rely on the value assigned before them; and a port called abort, as a
+# function of C is, which Verilator renames.
+WAIVERS = ("-Wno-WIDTHEXPAND", "-Wno-WIDTHTRUNC", "-Wno-CASEINCOMPLETE", "-Wno-SYMRSVDWORD")
 
 _COMMAND = {"verilator": "verilator", "icarus": "iverilog"}
 

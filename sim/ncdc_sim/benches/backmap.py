@@ -49,7 +49,7 @@ async def two_frames_equal_model(dut):
     s = settings()
     d = Descriptor.load(s["descriptor"])
     f = d.formats
-    await start(dut, start=0, o__ready=0, fresh=0, spans=0,
+    await start(dut, start=0, abort=0, o__ready=0, fresh=0, spans=0,
                 scan=pack(scan_layout(), scan_of(d)),
                 network=pack(network_layout(d.hidden_neurons, f), network_of(d)))
     cocotb.start_soon(table(dut, d.valid.spans, s["busy"]))
