@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from amaranth.sim import Simulator
-from memory import read_agent
-from pipelines import get, put
+from fetchers import BASE, check_windows
 
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_model.fetch.cache_options import CacheOptions
 
 F = 10
-WIDTH, HEIGHT, BASE = 93, 70, 64
+WIDTH, HEIGHT = 93, 70
 SMALL = CacheOptions(tiles=16, pending=8, outstanding=3, sequence_bits=5)
 
 
@@ -53,42 +51,11 @@ def test_windows_and_misses(data_width, options, split, gap, stall, wait, latenc
     word = data_width // 8
     pitch = -(-WIDTH // word) * word
     raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)
-    content = np.concatenate([np.zeros(BASE, np.uint8), raw.ravel(), np.zeros(4 * pitch, np.uint8)])
-    x0, y0, blank = places(rng, count, near)
-    items = [{"x0": int(x0[k]), "y0": int(y0[k]), "fx": k, "fy": 1023 - k, "blank": int(blank[k]),
-              "first": k == 0, "last": k == count - 1} for k in range(count)]
-    dut, got, fetched, log = Cache(F, data_width, options), [], [], []
-
-    async def source(ctx):
-        ctx.set(dut.base, BASE)
-        ctx.set(dut.pitch, pitch)
-        ctx.set(dut.split, split)
-        await put(ctx, dut.i, items, lambda: rng.random() < gap)
-
-    async def sink(ctx):
-        got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
-
-    async def count_fetches(ctx):
-        while True:
-            fetched.append((await ctx.tick().sample(dut.fetched))[2])
-
-    simulator = Simulator(dut)
-    simulator.add_clock(1e-8)
-    simulator.add_testbench(source)
-    simulator.add_testbench(sink)
-    simulator.add_testbench(count_fetches, background=True)
-    simulator.add_testbench(read_agent(dut.bus0, content, word, rng, wait=wait, latency=latency,
-                                       log=log), background=True)
-    simulator.run()
-
-    for k, window in enumerate(got):
-        assert (window.fx, window.fy, window.blank) == (k, 1023 - k, blank[k])
-        assert (window.first, window.last) == (k == 0, k == count - 1)
-        if not blank[k]:
-            expected = raw[y0[k]:y0[k] + 3, x0[k]:x0[k] + 3]
-            assert list(window.samples) == expected.ravel().tolist(), f"window {k}"
-            assert (window.odd_column, window.odd_row) == (x0[k] & 1, y0[k] & 1)
-    expected = misses(x0, y0, blank, options, split)
-    assert sum(fetched) == len(expected)
+    found = places(rng, count, near)
+    fetched, (log,) = check_windows(Cache(F, data_width, options), raw, found, rng, gap=gap,
+                                    stall=stall, wait=wait, latency=latency, margin=4 * pitch,
+                                    split=split)
+    expected = misses(*found, options, split)
+    assert fetched == len(expected)
     assert log == [(BASE + (4 * ty + row) * pitch + 16 * tx, 16 // word)
                    for tx, ty in expected for row in range(4)]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from amaranth import ResetInserter, Signal
 from amaranth.sim import Simulator
+from fetchers import check_windows
 from memory import read_agent
 from pipelines import get, put
 
@@ -30,46 +31,14 @@ def requests(rng, count):
     (0, 0, 0, (1, 1)), (.3, 0, .5, (1, 20)), (0, .5, .3, (8, 8)), (.5, .5, .7, (1, 60))])
 def test_windows_equal_model(data_width, gap, stall, wait, latency):
     rng, count = np.random.default_rng(data_width), 150
-    word, base = data_width // 8, 64
+    word = data_width // 8
     pitch = -(-WIDTH // word) * word
     raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)
-    content = np.concatenate([np.zeros(base, np.uint8), raw.ravel(), np.zeros(64, np.uint8)])
     x0, y0, blank = requests(rng, count)
-    items = [{"x0": int(x0[k]), "y0": int(y0[k]), "fx": k, "fy": 1023 - k, "blank": int(blank[k]),
-              "first": k == 0, "last": k == count - 1} for k in range(count)]
-    dut, got, fetched, logs = Multiport(F, data_width), [], [], [[], [], []]
-
-    async def source(ctx):
-        ctx.set(dut.base, base)
-        ctx.set(dut.pitch, pitch)
-        await put(ctx, dut.i, items, lambda: rng.random() < gap)
-
-    async def sink(ctx):
-        got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
-
-    async def count_fetches(ctx):
-        while True:
-            fetched.append((await ctx.tick().sample(dut.fetched))[2])
-
-    simulator = Simulator(dut)
-    simulator.add_clock(1e-8)
-    simulator.add_testbench(source)
-    simulator.add_testbench(sink)
-    simulator.add_testbench(count_fetches, background=True)
-    for r in range(3):
-        simulator.add_testbench(read_agent(getattr(dut, f"bus{r}"), content, word, rng, wait=wait,
-                                           latency=latency, log=logs[r]), background=True)
-    simulator.run()
-
-    for k, window in enumerate(got):
-        assert (window.fx, window.fy, window.blank) == (k, 1023 - k, blank[k])
-        assert (window.first, window.last) == (k == 0, k == count - 1)
-        if not blank[k]:
-            expected = raw[y0[k]:y0[k] + 3, x0[k]:x0[k] + 3]
-            assert list(window.samples) == expected.ravel().tolist(), f"window {k}"
-            assert (window.odd_column, window.odd_row) == (x0[k] & 1, y0[k] & 1)
+    fetched, logs = check_windows(Multiport(F, data_width), raw, (x0, y0, blank), rng, gap=gap,
+                                  stall=stall, wait=wait, latency=latency)
     expected = fetches(x0, y0, ~blank)
-    assert sum(fetched) == expected < count
+    assert fetched == expected < count
     assert [len(log) for log in logs] == [expected] * 3
 
 
