@@ -4,6 +4,7 @@ from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl.pipeline import register
 from ncdc_model.geometry import WINDOW
 
 __all__ = ["BayerQuads", "QUADS"]
@@ -17,7 +18,7 @@ class BayerQuads(wiring.Component):
 
     All in units of a half (red and blue doubled), so that nothing is rounded here. Equal bit for
     bit to ``ncdc_model.picture.bayer_quads``; section III.A and Fig. 12 of the paper.
-    Timing: free-running, latency 1.
+    Timing: free-running, latency 2: samples are chosen, then greens added.
 
     Members
     -------
@@ -28,7 +29,7 @@ class BayerQuads(wiring.Component):
     o : ``Out(QUADS)``
     """
 
-    latency = 1
+    latency = 2
 
     def __init__(self):
         super().__init__({"samples": In(data.ArrayLayout(8, WINDOW * WINDOW)),
@@ -43,10 +44,16 @@ class BayerQuads(wiring.Component):
                 c, d = self.samples[k + WINDOW], self.samples[k + WINDOW + 1]
                 # A quad one further on starts in a column, a row, of the other kind.
                 red_column, red_row = self.red_column ^ i, self.red_row ^ j
-                red = Mux(red_row, Mux(red_column, a, b), Mux(red_column, c, d))
-                blue = Mux(red_row, Mux(red_column, d, c), Mux(red_column, b, a))
-                green = Mux(red_row == red_column, b, a) + Mux(red_row == red_column, c, d)
+                chosen = {
+                    "red": Mux(red_row, Mux(red_column, a, b), Mux(red_column, c, d)),
+                    "blue": Mux(red_row, Mux(red_column, d, c), Mux(red_column, b, a)),
+                    "green0": Mux(red_row == red_column, b, a),
+                    "green1": Mux(red_row == red_column, c, d),
+                }
+                s0 = {name: register(m, f"s0_{name}_{j}{i}", value)
+                      for name, value in chosen.items()}
                 n = 6 * j + 3 * i
-                m.d.sync += [self.o[n].eq(red << 1), self.o[n + 1].eq(green),
-                             self.o[n + 2].eq(blue << 1)]
+                m.d.sync += [self.o[n].eq(s0["red"] << 1),
+                             self.o[n + 1].eq(s0["green0"] + s0["green1"]),
+                             self.o[n + 2].eq(s0["blue"] << 1)]
         return m

@@ -22,9 +22,10 @@ class Bilinear(wiring.Component):
         o     = (2**f upper + fy (lower - upper) + half) >> (2 f + 1)
 
     for each colour; the last bit dropped is the quads' unit of a half. Equal bit for bit to
-    ``ncdc_model.picture.bilinear``. Timing: free-running, ``latency`` clocks; two registers
-    stand after each product. Nine multipliers of 18 bits: the second step's differences have two
-    bits more, whose products with fy are of a few bits and added one clock later.
+    ``ncdc_model.picture.bilinear``. Timing: free-running, ``latency`` clocks; a register stands
+    before each product, beside that of the difference, and two after it. Nine multipliers of 18
+    bits: the second step's differences have two bits more, whose products with fy are of a few
+    bits and added one clock later.
 
     Parameters
     ----------
@@ -39,7 +40,7 @@ class Bilinear(wiring.Component):
         Red, green, blue.
     """
 
-    latency = 10
+    latency = 12
 
     def __init__(self, f_bits):
         self.f_bits = f_bits
@@ -48,17 +49,17 @@ class Bilinear(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        fx = delay(m, self.fx, 1, "fx")
-        fy = delay(m, self.fy, 5, "fy")
+        fx = delay(m, self.fx, 2, "fx")
+        fy = delay(m, self.fy, 7, "fy")
 
         register = partial(pipeline.register, m)
 
         def lerp(name, a, b, fraction, cut=False):
-            """a 2**f + fraction (b - a), 4 clocks later; ``fraction`` comes 1 clock after a, b.
+            """a 2**f + fraction (b - a), 5 clocks later; ``fraction`` comes 2 clocks after a, b.
 
-            ``cut``: 5 clocks later; what of the difference is above the block is multiplied apart.
+            ``cut``: 6 clocks later; what of the difference is above the block is multiplied apart.
             """
-            difference = register(f"{name}_d", b - a)
+            difference = delay(m, register(f"{name}_d", b - a), 1, f"{name}_d")
             place = min(_BLOCK, len(difference)) - 1
             low = difference[:place] if cut else difference
             product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
@@ -66,7 +67,7 @@ class Bilinear(wiring.Component):
                 high = difference[place:].as_signed() * fraction
                 above = register(f"{name}_h1", register(f"{name}_h0", high))
                 product = register(f"{name}_p2", product + (above << place))
-            first = delay(m, a, 4 if cut else 3, f"{name}_a") << self.f_bits
+            first = delay(m, a, 5 if cut else 4, f"{name}_a") << self.f_bits
             return register(f"{name}_s", first + product, unsigned(len(a) + self.f_bits))
 
         for colour in range(3):
