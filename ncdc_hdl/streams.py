@@ -2,8 +2,9 @@
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
-from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.memory import Fifo
 
 __all__ = ["CreditQueue"]
 
@@ -14,10 +15,11 @@ class CreditQueue(wiring.Component):
     A producer may put one item into the pipeline in each clock in which ``room`` is high, and
     says so with ``issue``; the item arrives some clocks later with ``arrive``. ``room`` counts
     what is in the pipeline and in the queue together, so that no stall has to reach into the
-    pipeline. Once the queue has filled, ``room`` stays low until no more than ``restart`` items
-    are left: the paper's clock-gating controller as a rule on credits.
+    pipeline. Once all places but one are claimed, ``room`` goes low, a clock later as it is a
+    register, until no more than ``restart`` items are left: the paper's clock-gating controller as
+    a rule on credits.
 
-    Timing: an item leaves 2 clocks after its arrival at the earliest; one item per clock.
+    Timing: an item leaves 3 clocks after its arrival at the earliest; one item per clock.
 
     Parameters
     ----------
@@ -40,12 +42,12 @@ class CreditQueue(wiring.Component):
     Raises
     ------
     ValueError
-        If ``restart`` is not below ``depth``.
+        If ``restart`` is not below ``depth - 1``.
     """
 
     def __init__(self, shape, *, depth, restart):
-        if not 0 <= restart < depth:
-            raise ValueError(f"restart is {restart}, the limits are 0 and {depth - 1}")
+        if not 0 <= restart < depth - 1:
+            raise ValueError(f"restart is {restart}, the limits are 0 and {depth - 2}")
         self.shape, self.depth, self.restart = shape, depth, restart
         super().__init__({
             "room": Out(1), "issue": In(1), "arrive": In(1), "i": In(shape),
@@ -55,8 +57,7 @@ class CreditQueue(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         width = Shape.cast(self.shape).width
-        # A queue of two would refuse the second of two writes in a row.
-        m.submodules.fifo = fifo = SyncFIFOBuffered(width=width, depth=max(self.depth, 3))
+        m.submodules.fifo = fifo = Fifo(width=width, depth=self.depth)
         m.d.comb += [
             fifo.w_data.eq(Value.cast(self.i)),
             fifo.w_en.eq(self.arrive),
@@ -65,21 +66,17 @@ class CreditQueue(wiring.Component):
             fifo.r_en.eq(self.o.ready),
         ]
 
-        taken = Signal()
         claimed = Signal(range(self.depth + 1))      # in the pipeline or in the queue
         in_flight = Signal(range(self.depth + 1))    # in the pipeline
-        stopped = Signal()
-        m.d.comb += [
-            taken.eq(self.o.valid & self.o.ready),
-            self.room.eq(~stopped & (claimed != self.depth)),
-            self.drained.eq(in_flight == 0),
-        ]
+        room = Signal(init=1)
+        m.d.comb += [self.room.eq(room), self.drained.eq(in_flight == 0)]
         m.d.sync += [
-            claimed.eq(claimed + self.issue - taken),
+            claimed.eq(claimed + self.issue - (self.o.valid & self.o.ready)),
             in_flight.eq(in_flight + self.issue - self.arrive),
         ]
-        with m.If(claimed == self.depth):
-            m.d.sync += stopped.eq(1)
+        # One more may be issued in the clock that this takes.
+        with m.If(claimed >= self.depth - 1):
+            m.d.sync += room.eq(0)
         with m.Elif(claimed <= self.restart):
-            m.d.sync += stopped.eq(0)
+            m.d.sync += room.eq(1)
         return m

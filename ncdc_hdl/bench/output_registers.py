@@ -9,8 +9,9 @@ def absorb_output_registers(netlist, top):
     """Move registers right behind a block RAM into it, in a JSON netlist of ``synth_ecp5``.
 
     A RAM's output comes 4.3 ns after the clock, that of its output register much earlier. Yosys
-    does not use that register; vendors' tools do. A RAM whose every used output feeds one plain
-    flip-flop of the RAM's own clock, and nothing else, is changed; the function stays the same.
+    does not use that register; vendors' tools do. A RAM whose every used output feeds one
+    flip-flop of the RAM's own clock, without reset and of one common enable, and nothing else, is
+    changed; the function stays the same: OCE alone enables the register, CE what is before it.
 
     Parameters
     ----------
@@ -42,32 +43,44 @@ def absorb_output_registers(netlist, top):
             behind = {output: readers.get(bit) for output, bit in outputs.items()}
             if not outputs or not all(
                     reader and users[outputs[output]] == 1 and reader[1] == "DI"
-                    and plain_flip_flop(cells[reader[0]])
+                    and flip_flop_without_reset(cells[reader[0]])
                     and cells[reader[0]]["connections"]["CLK"] == ram["connections"][f"CLK{port}"]
                     for output, reader in behind.items()):
+                continue
+            enables = {_enable(cells[name]) for name, _ in behind.values()}
+            if len(enables) > 1:
                 continue
             for output, (name, _) in behind.items():
                 ram["connections"][output] = cells.pop(name)["connections"]["Q"]
             for side in "AB" if data == "DO" else port:
                 ram["parameters"][f"REGMODE_{side}"] = "OUTREG"
+                ram["connections"][f"OCE{side}"] = list(enables)
             absorbed += len(behind)
     return absorbed
 
 
 def _reads(ram):
-    """Prefix of the outputs and letter of the port of each read that is always enabled.
+    """Prefix of the outputs and letter of the port of each read.
 
     At 36 bits port B reads to all outputs.
     """
     wide = int(ram["parameters"]["DATA_WIDTH_B"], 2) == 36
-    reads = [("DO", "B")] if wide else [("DOA", "A"), ("DOB", "B")]
-    return [(data, port) for data, port in reads
-            if ram["connections"][f"CE{port}"] == ram["connections"][f"OCE{port}"] == ["1"]]
+    return [("DO", "B")] if wide else [("DOA", "A"), ("DOB", "B")]
+
+
+def _enable(cell):
+    """The wire that enables a flip-flop, or "1"."""
+    return "1" if cell["parameters"]["CEMUX"].strip() == "1" else cell["connections"]["CE"][0]
+
+
+def flip_flop_without_reset(cell):
+    """Whether ``cell`` is a flip-flop that takes what its port DI reads, when it is enabled."""
+    parameters, wires = cell["parameters"], cell["connections"]
+    return (cell["type"] == "TRELLIS_FF" and "DI" in wires
+            and parameters["CEMUX"].strip() in ("1", "CE") and wires.get("LSR", ["0"]) == ["0"]
+            and parameters["REGSET"] == "RESET" and parameters["CLKMUX"] == "CLK")
 
 
 def plain_flip_flop(cell):
     """Whether ``cell`` is a flip-flop that only delays what its port DI reads."""
-    parameters, wires = cell["parameters"], cell["connections"]
-    return (cell["type"] == "TRELLIS_FF" and "DI" in wires
-            and parameters["CEMUX"].strip() == "1" and wires.get("LSR", ["0"]) == ["0"]
-            and parameters["REGSET"] == "RESET" and parameters["CLKMUX"] == "CLK")
+    return flip_flop_without_reset(cell) and _enable(cell) == "1"

@@ -4,7 +4,9 @@ from amaranth import *
 from amaranth.lib import data
 from amaranth.lib.wiring import In
 
-from formal.properties import Wrapper, always, given, inner, reached
+from formal.properties import always, given, inner, reached
+from formal.queue_state import places
+from formal.wrapper import Wrapper
 from ncdc_hdl.avalon.burst_reader import BurstReader
 from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.read_commands import ReadCommands, command_layout
@@ -162,7 +164,7 @@ class Writer(Wrapper):
         layout = data.StructLayout({"address": len(bus.address),
                                     "count": range(self.burst + 1), "last": 1})
         queued = 0
-        for number, (there, item) in enumerate(self.items(m, bursts)):
+        for number, (there, item) in enumerate(places(m, bursts)):
             size = data.View(layout, item).count
             queued = queued + Mux(there, size, 0)
             always(m, ~there | ((size != 0) & (size <= self.burst)), f"size{number}")

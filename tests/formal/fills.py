@@ -4,7 +4,8 @@ from amaranth import *
 from amaranth.lib.wiring import In
 
 from formal.avalon import check_read_host
-from formal.properties import Wrapper, always, constant, given, inner, reached
+from formal.properties import always, constant, given, inner, reached
+from formal.wrapper import Wrapper
 from ncdc_hdl.backend.cache.fills import Fills
 from ncdc_hdl.backend.cache.layouts import tile_layout
 from ncdc_model.fetch.cache_options import TILE_HEIGHT, CacheOptions

@@ -4,7 +4,9 @@ from amaranth import *
 from amaranth.lib import data
 from amaranth.lib.wiring import In
 
-from formal.properties import Wrapper, always, constant, given, inner, reached
+from formal.properties import always, constant, given, inner, reached
+from formal.queue_state import places
+from formal.wrapper import Wrapper
 from ncdc_hdl.backend.cache.layouts import lookup_layout
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
@@ -178,7 +180,7 @@ class Tokens(_Lookups):
         always(m, level <= most, "most_pending")
         claimed = a_misses + Mux(oldest_valid, misses, 0)
         always(m, ~oldest_valid | (misses <= TAG_BANKS), "misses")
-        for number, (there, item) in enumerate(self.items(m, queue)):
+        for number, (there, item) in enumerate(places(m, queue)):
             own = item[-len(misses):]
             claimed = claimed + Mux(there, own, 0)
             always(m, ~there | (own <= TAG_BANKS), f"misses{number}")

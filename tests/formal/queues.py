@@ -3,7 +3,8 @@
 from amaranth import *
 from amaranth.lib.wiring import In
 
-from formal.properties import Wrapper, always, given, inner, reached
+from formal.properties import always, given, inner, reached
+from formal.wrapper import Wrapper
 from ncdc_hdl.streams import CreditQueue
 
 __all__ = ["Credits"]
@@ -39,8 +40,7 @@ class Credits(Wrapper):
         always(m, in_flight == under_way, "in_flight")
         always(m, (claimed == under_way + queue.level) & (claimed <= dut.depth), "claimed")
         always(m, dut.drained == (under_way == 0), "drained")
-        stopped = inner(fragment, "stopped")
-        always(m, dut.room | (claimed == dut.depth) | stopped, "room")
+        always(m, ~dut.room | (claimed < dut.depth), "room")
         reached(m, queue.level == dut.depth, "full")
-        reached(m, stopped & (claimed == dut.restart), "restart")
+        reached(m, ~dut.room & (claimed == dut.restart), "restart")
         return m

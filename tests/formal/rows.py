@@ -3,7 +3,8 @@
 from amaranth import *
 from amaranth.lib.wiring import In
 
-from formal.properties import Wrapper, always, constant, given, inner, reached
+from formal.properties import always, constant, given, inner, reached
+from formal.wrapper import Wrapper
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.frontend.layouts import SIZE, lanes_of
