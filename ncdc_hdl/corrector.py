@@ -94,7 +94,7 @@ class Corrector(wiring.Component):
         formats = descriptor.formats
         self.backmap = BackMap(descriptor.hidden_neurons, formats, variant=descriptor.variant,
                                options=front_end)
-        self.table = ValidTable(descriptor.valid, descriptor.geometry.corrected_height)
+        self.table = ValidTable(descriptor.valid, *descriptor.geometry.corrected)
         self.window = WindowAddress(formats, lanes)
         f_bits = formats.coordinate.f_bits
         self.row_gate = RowGate(f_bits, lanes)

@@ -24,7 +24,7 @@ class FrontEnd(Elaboratable):
     def __init__(self, d, lanes=1, **options):
         self.backmap = BackMap(d.hidden_neurons, d.formats,
                                options=FrontEndOptions(lanes=lanes, **options))
-        self.table = ValidTable(d.valid, d.geometry.corrected_height)
+        self.table = ValidTable(d.valid, *d.geometry.corrected)
 
     def elaborate(self, platform):
         m = Module()
@@ -236,9 +236,9 @@ def test_host_may_read_the_table_while_scanning():
                 ctx.set(dut.table.host_read, 1)
                 await ctx.tick()
                 ctx.set(dut.table.host_read, 0)
+                await ctx.tick().repeat(ValidTable.latency - 1)
                 got = [ctx.get(dut.table.host_span_start), ctx.get(dut.table.host_span_stop)]
                 assert got == d.valid.spans[row, 2 * span:2 * span + 2].tolist()
-                await ctx.tick()
 
     async def bench(ctx):
         load(ctx, dut.backmap, d)

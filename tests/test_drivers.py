@@ -298,7 +298,9 @@ def test_registers_in_one_place_are_not_accepted(folder, tmp_path):
     (barrel_descriptor((20, 16), (24, 18), hidden_neurons=4),
      "hidden neurons 4 does not fit a corrector made for 3"),
     (barrel_descriptor((20, 17), (24, 18), hidden_neurons=3),
-     "the corrected image has 17 rows, the corrector's table of valid rows holds 16")])
+     "the corrected image has 17 rows, the corrector's table of valid rows holds 16"),
+    (barrel_descriptor((32, 16), (40, 18), hidden_neurons=3),
+     "the corrected image has 32 columns, the corrector's table of valid rows counts to 31")])
 def test_a_lens_that_does_not_fit(corrector, other, message):
     with pytest.raises(InputError, match=f"tele.toml: {message}"):
         driver_files(corrector, [("wide.toml", WIDE), ("tele.toml", other)])

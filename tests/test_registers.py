@@ -22,7 +22,7 @@ class Dut(Elaboratable):
     def __init__(self):
         self.registers = Registers(ROWS, host_values(D, 32), digest=int(D.digest[:8], 16),
                                    hidden_neurons=3)
-        self.table = ValidTable(D.valid, D.geometry.corrected_height)
+        self.table = ValidTable(D.valid, *D.geometry.corrected)
 
     def elaborate(self, platform):
         m = Module()

@@ -9,13 +9,13 @@ from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_model.descriptor import Formats
 from ncdc_model.errors import InputError
-from ncdc_model.geometry import Geometry, ValidRows, scan_order
+from ncdc_model.geometry import MAX_SIZE, Geometry, ValidRows, scan_order
 from ncdc_model.network import normalised_scan
 
 
 class Dut(Elaboratable):
     def __init__(self, valid, rows, lanes=1):
-        self.scan, self.table = Scan(Formats(), lanes), ValidTable(valid, rows)
+        self.scan, self.table = Scan(Formats(), lanes), ValidTable(valid, MAX_SIZE, rows)
 
     def elaborate(self, platform):
         m = Module()

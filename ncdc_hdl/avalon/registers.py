@@ -24,7 +24,7 @@ class Registers(wiring.Component):
     A start while a frame runs is kept, one deep; without a commit it uses the set in use. An
     abort concerns the frame that runs, not the one that waits.
 
-    Timing: a write is taken at once; a read answers after 3 clocks, one at a time. The clock after
+    Timing: a write is taken at once; a read answers after 4 clocks, one at a time. The clock after
     ``ended`` is that of the next ``begin``, with or without a commit.
 
     Parameters
@@ -86,8 +86,8 @@ class Registers(wiring.Component):
         status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
         busy, pending, committed = (status[name] for name in ("BUSY", "PENDING", "COMMITTED"))
 
-        # Reads take three clocks, during which the agent waits.
-        r0, r1, r2 = Signal(), Signal(), Signal()
+        # Reads take four clocks, during which the agent waits: two for the table of valid rows.
+        r0, r1, r2, r3 = (Signal(name=f"r{k}") for k in range(4))
         address = Signal(ADDRESS_WORDS_BITS)
         accept = Signal()
         in_table = bus.address >= TABLE
@@ -95,9 +95,9 @@ class Registers(wiring.Component):
         m.d.comb += table_held.eq((busy | pending) & (window == self.active.VALID_BANK)
                                   | committed & (window == kept["VALID_BANK"]))
         m.d.comb += [
-            bus.waitrequest.eq(r0 | r1 | r2),
+            bus.waitrequest.eq(r0 | r1 | r2 | r3),
             accept.eq(bus.write & ~bus.waitrequest),
-            bus.readdatavalid.eq(r2),
+            bus.readdatavalid.eq(r3),
             self.window_bank.eq(kept["VALID_WINDOW"]),
             self.table_row.eq(Mux(r0, address, bus.address)[1:]),
             self.table_span.eq(Mux(r0, address, bus.address)[0]),
@@ -107,7 +107,8 @@ class Registers(wiring.Component):
         ]
         with m.If(bus.read & ~bus.waitrequest):
             m.d.sync += address.eq(bus.address)
-        m.d.sync += [r0.eq(bus.read & ~bus.waitrequest), r1.eq(r0), r2.eq(r1)]
+        m.d.sync += [r0.eq(bus.read & ~bus.waitrequest), r1.eq(r0), r2.eq(r1),
+                     r3.eq(r2)]
 
         readable = {**self.constants, **kept, **counted, "CTRL": 0,
                     "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags)}

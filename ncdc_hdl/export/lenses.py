@@ -56,7 +56,7 @@ def check_lens(corrector, path, descriptor):
     Raises
     ------
     InputError
-        If neurons, formats or tan-sigmoid differ, the table of valid rows is too short, or the
+        If neurons, formats or tan-sigmoid differ, the table of valid rows is too small, or the
         width is no multiple of the pixels per clock.
     """
     made_for = corrector.descriptor
@@ -72,6 +72,9 @@ def check_lens(corrector, path, descriptor):
         raise InputError(f"{path}: the corrected image has {descriptor.geometry.corrected_height} "
                          f"rows, the corrector's table of valid rows holds {rows}")
     width, lanes = descriptor.geometry.corrected_width, corrector.front_end.lanes
+    if width > corrector.table.max_column:
+        raise InputError(f"{path}: the corrected image has {width} columns, the corrector's table "
+                         f"of valid rows counts to {corrector.table.max_column}")
     if width % lanes:
         raise InputError(f"{path}: the corrected width is {width}, {lanes} pixels per clock need a "
                          f"multiple of {lanes}")

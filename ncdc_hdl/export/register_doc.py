@@ -16,7 +16,7 @@ a test compares this page with that table.
 
 The corrector's `csr` port is an Avalon-MM agent with {words} words of 32 bits. Offsets are in
 bytes from the agent's base; the port itself counts words. A write is taken at once, a read
-answers after three clocks. A signed value is sign-extended on reading. An unused offset reads
+answers after four clocks. A signed value is sign-extended on reading. An unused offset reads
 zero and ignores writes. After configuration every shadow register has the value of the descriptor
 that the Verilog was generated from, with the raw frame at address 0 and the corrected frame on the
 next multiple of 4096 bytes behind it.
@@ -45,8 +45,9 @@ The table of valid rows has two banks. `VALID_WINDOW` chooses the bank that the 
 two words, one per span of pixels with a source: start in bits {bits}:0, stop in bits {high}:16. A
 pixel u has a source if start <= u < stop of either span; an empty span is 0. A bank has as many
 rows as the corrected image of the descriptor, rounded up to a power of two; a host that sets a
-taller image than that gets the spans of other rows; writes beyond the bank are ignored. Sizes outside
-their limits are not checked; a frame whose width or height is 0 has one blank pixel, and `ABORTED`.
+taller image than that gets the spans of other rows; writes beyond the bank are ignored. Of start and
+stop as many bits are kept as the corrected width of the descriptor takes; a wider image needs a
+descriptor as wide. Sizes outside their limits are not checked; a frame whose width or height is 0 has one blank pixel, and `ABORTED`.
 
 `ABORT` ends the frame that runs early: the pixel after the one that enters the network is blank and
 the last. What is under way drains in order, the writer completes its burst, and the frame ends as any
