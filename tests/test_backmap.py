@@ -11,6 +11,7 @@ from pipelines import get, run_bench
 
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.layouts import lanes_of
+from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.errors import InputError
@@ -192,9 +193,9 @@ def test_one_coordinate_every_share_clocks(hidden, share):
             valid.append((await ctx.tick().sample(dut.backmap.o.valid))[2])
 
     run_bench(dut, bench)
-    # After the start: table, first sums of the frame, network, queue.
+    # After the start: scan, first sums of the frame, network, queue.
     preset = dut.backmap.hidden[0].control.preset if hidden == "raster" else 0
-    first = 1 + preset + dut.backmap.latency + 2
+    first = Scan.latency - 1 + preset + dut.backmap.latency + 3
     expected_clocks = range(first, first + 320 * share, share)
     np.testing.assert_array_equal(np.flatnonzero(valid), expected_clocks)
 
@@ -218,9 +219,10 @@ def test_stops_and_restarts_without_losing_a_clock():
 
     run_bench(dut, bench)
     latency = dut.backmap.latency
-    full = idle.index(1, 3)
+    begun = idle.index(0)
+    full = idle.index(1, begun)
     # Before the frame, at rest; while pixels enter and are under way, not; when stalled, again.
-    assert idle[0] and not any(idle[2:full]) and all(idle[full:]) and full > 64 + latency
+    assert begun and all(idle[full:]) and full > 64 + latency
     assert gaps == 0
 
 

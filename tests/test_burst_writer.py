@@ -10,6 +10,7 @@ from pipelines import put
 
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.backend.packer import Packer
+from ncdc_hdl.frontend.strips import Strips
 from ncdc_model.geometry import scan_order
 
 BURST = 8
@@ -78,6 +79,8 @@ async def begin(ctx, dut, base, size, strip):
     ctx.set(dut.packer.start, 1)
     await ctx.tick()
     ctx.set(dut.packer.start, 0)
+    for _ in range(Strips.latency - 1):
+        await ctx.tick()
 
 
 def counter(dut, done):

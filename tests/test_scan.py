@@ -43,7 +43,7 @@ async def frame(ctx, dut, rng, pause=0.0, host=0.0, abort_at=None):
     ``host``: how often the host takes the table's port, also just when a row ends.
     ``abort_at``: the number of the group before which the frame is aborted.
     """
-    scan, got, clocks = dut.scan, [], 0
+    scan, got, shown, clocks = dut.scan, [], [], 0
     ctx.set(scan.start, 1)
     await ctx.tick()
     ctx.set(scan.start, 0)
@@ -56,17 +56,29 @@ async def frame(ctx, dut, rng, pause=0.0, host=0.0, abort_at=None):
         ctx.set(scan.advance, int(advance))
         if advance:
             got.append([[(ctx.get(p.x), ctx.get(p.y)) for p in scan.pixels],
-                        ctx.get(scan.blank), ctx.get(scan.first), ctx.get(scan.last)])
-        await ctx.tick()
+                        None, ctx.get(scan.first), ctx.get(scan.last)])
+        shown.append(got[-1] if advance else None)
+        ended = advance and got[-1][-1]
+        await tick(ctx, scan, shown)
         clocks += 1
         assert clocks < 10000, "the frame does not end"
-        if advance and got[-1][-1]:
+        if ended:
             break
     ctx.set(scan.abort, 0)
     ctx.set(scan.advance, 0)
     await ctx.delay(1e-10)
     assert not ctx.get(scan.active)
+    for _ in range(scan.blank_latency):
+        shown.append(None)
+        await tick(ctx, scan, shown)
     return got
+
+
+async def tick(ctx, scan, shown):
+    """A clock; then ``blank`` is that of the group taken so many clocks ago, if one was."""
+    await ctx.tick()
+    if len(shown) >= scan.blank_latency and shown[-scan.blank_latency]:
+        shown[-scan.blank_latency][1] = ctx.get(scan.blank)
 
 
 def expected(g, valid, strip, lanes):

@@ -24,7 +24,8 @@ class Packer(wiring.Component):
     word of its own, and begins with one: bytes of pixels of other strips are not enabled. The
     frame's last word is sent as soon as the last pixel has come.
 
-    Timing: latency 1; one group per clock, or as many clocks as it has words.
+    Timing: latency 1; one group per clock, or as many clocks as it has words; the first one
+    ``Strips.latency`` clocks after ``start`` at the earliest.
 
     Parameters
     ----------

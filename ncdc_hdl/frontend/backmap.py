@@ -115,7 +115,7 @@ class BackMap(wiring.Component):
         latency = self.output[0].latency
         activated = delay(m, issue, self.latency - latency, "issue", reset_less=False)
         arrived = delay(m, activated, latency, "output", reset_less=False)
-        blank = delay(m, scan.blank, self.latency, "blank")
+        blank = delay(m, scan.blank, self.latency - scan.blank_latency, "blank")
         coordinates = []
         for k, (hidden, output) in enumerate(zip(self.hidden, self.output)):
             m.submodules[f"hidden{k}"], m.submodules[f"output{k}"] = hidden, output

@@ -5,6 +5,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.frontend.layouts import SIZE, SPANS, scan_layout
+from ncdc_hdl.frontend.ramp import Ramp
 from ncdc_hdl.frontend.strips import Strips
 from ncdc_hdl.neural.layouts import pixel_layout
 from ncdc_model.geometry import SCAN
@@ -22,10 +23,12 @@ class Scan(wiring.Component):
         blank = u is in neither valid span of row v
 
     Equal bit for bit to ``ncdc_model.network.normalised_scan`` and ``ValidRows.mask``: the sums
-    are exact, only the shift rounds. Timing: the outputs show one group while ``active``; the
-    next one follows ``advance`` at once, also from row to row and from strip to strip, unless a
-    row is shorter than 2 clocks. ``start`` to ``active`` takes 2 clocks, more while the host reads
-    the table.
+    are exact, only the shift rounds.
+
+    Timing: the outputs show one group while ``active``; the next one follows ``advance`` at once,
+    also from row to row and from strip to strip, unless a row has fewer than 4 groups. ``blank``
+    is that of the group shown ``blank_latency`` clocks ago. ``start`` to ``active`` takes
+    ``latency`` clocks, more while the host reads the table.
 
     ``abort`` ends the frame early: the group behind the one that is shown is blank and the last.
     So does a picture without a pixel, whose only group that is.
@@ -44,7 +47,7 @@ class Scan(wiring.Component):
     abort : ``In(1)``
         To be held until the frame has ended.
     parameters : ``In(scan_layout())``
-        Constant while ``active``.
+        Constant from ``start`` to the end of the frame.
     row, spans, fresh : ``Out``, ``In(SPANS)``, ``In(1)``
         To the table of valid rows.
     advance : ``In(1)``
@@ -56,6 +59,9 @@ class Scan(wiring.Component):
     cut : ``Out(1)``
         The frame was ended early; until the next ``start``.
     """
+
+    blank_latency = 2
+    latency = Strips.latency + 1
 
     def __init__(self, formats, lanes=1):
         self.q, self.lanes = formats.input, lanes
@@ -71,78 +77,110 @@ class Scan(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         p = self.parameters
-        shift = SCAN.f_bits - self.q.f_bits
-        half = 1 << (shift - 1)
         m.submodules.strips = strips = Strips(self.lanes)
-        m.d.comb += [strips.order.width.eq(p.width), strips.order.height.eq(p.height),
-                     strips.order.strip.eq(p.strip), strips.start.eq(self.start),
-                     strips.advance.eq(self.advance)]
-        # The largest sum is 0.9999 + half a step of the input format: below one, it cannot wrap.
-        # Beyond the last column it may, and is not used.
-        sum_y, next_y = Signal(signed(SCAN.width)), Signal(signed(SCAN.width))
-        x_stride, y_stride = Signal(signed(SCAN.width + 2)), p.step_y
-        spans, ending = Signal(SPANS), Signal()
+        # The group that follows the one shown: there is one; it does not wait for the spans of its
+        # row, if it is the row's first; it is that; it is the frame's first.
+        running, follows, row_begins, frame_begins = Signal(), Signal(), Signal(), Signal()
+        take = Signal()                              # it becomes the group shown
+        ending = Signal()                            # the group shown is blank and ends the frame
+        end, empty = Signal(), Signal()
         new_row, new_strip, complete = Signal(), Signal(), Signal()
+        shown_row, shown_strip = Signal(), Signal()
+        spans, fetched = self._fetch_spans(m, take & row_begins)
         m.d.comb += [
-            x_stride.eq(p.step_x * self.lanes), next_y.eq(sum_y + y_stride),
+            strips.order.width.eq(p.width), strips.order.height.eq(p.height),
+            strips.order.strip.eq(p.strip), strips.start.eq(self.start),
+            strips.advance.eq(take),
+            take.eq(running & follows & (~self.active | self.advance)),
             complete.eq(strips.last_column & strips.last_row & strips.last_strip),
             new_row.eq(strips.last_column & ~strips.last_row),
             new_strip.eq(strips.last_column & strips.last_row & ~strips.last_strip),
-            self.last.eq(ending | complete),
+            end.eq(self.abort | empty),
         ]
-        columns = []
-        for k in range(self.lanes):
-            pixel, u = self.pixels[k], strips.u | k
-            sum_x, next_x, left_x = (Signal(signed(SCAN.width), name=f"{name}{k}")
-                                     for name in ("sum_x", "next_x", "left_x"))
-            columns.append((sum_x, next_x, left_x))
+        m.d.sync += empty.eq((p.width == 0) | (p.height == 0))
+        m.d.sync += follows.eq(~row_begins | fetched)
+        with m.If(take):
+            m.d.sync += [
+                follows.eq(~strips.last_column | fetched & ~row_begins),
+                row_begins.eq(strips.last_column), frame_begins.eq(0),
+                self.first.eq(frame_begins), self.last.eq(end | complete), ending.eq(end),
+                running.eq(~(end | complete)),
+            ]
+        with m.If(take | self.advance):
+            m.d.sync += self.active.eq(take)
+        with m.If(self.advance & self.last):
+            m.d.sync += self.cut.eq(ending)
+        with m.If(self.start):
+            m.d.sync += self.cut.eq(0)
+        with m.If(strips.begin):
+            m.d.sync += [running.eq(1), follows.eq(fetched), row_begins.eq(1),
+                         frame_begins.eq(1)]
+
+        self._coordinates(m, strips.begin, take, new_row, new_strip)
+        with m.If(take):
+            m.d.sync += [shown_row.eq(new_row), shown_strip.eq(new_strip & ~end)]
+        for pixel in self.pixels:
+            m.d.comb += [pixel.new_row.eq(shown_row), pixel.new_strip.eq(shown_strip)]
+        column = Signal(SIZE)
+        with m.If(take):
+            m.d.sync += column.eq(strips.u)
+        self._blank(m, column, spans, ending)
+        return m
+
+    def _fetch_spans(self, m, take):
+        """The spans of the row shown, and whether those of the next one can be taken.
+
+        They have had a row's time to arrive; only the host reading the table without a pause, or
+        a very short row, could hold them back.
+        """
+        spans, following, fetched = Signal(SPANS), Signal(SPANS), Signal()
+        bottom, at_bottom = Signal(SIZE), Signal()
+        m.d.sync += [bottom.eq(self.parameters.height - 1), at_bottom.eq(self.row == bottom)]
+        with m.If(~fetched):
+            m.d.sync += [following.eq(self.spans), fetched.eq(self.fresh)]
+        with m.If(take):
+            m.d.sync += [spans.eq(following), fetched.eq(0),
+                         self.row.eq(Mux(at_bottom, 0, self.row + 1))]
+        with m.If(self.start):
+            m.d.sync += [fetched.eq(0), self.row.eq(0)]
+        return spans, fetched
+
+    def _coordinates(self, m, begin, take, new_row, new_strip):
+        p, shift = self.parameters, SCAN.f_bits - self.q.f_bits
+        half = 1 << (shift - 1)
+        # The largest sum is 0.9999 + half a step of the input format: below one, it cannot wrap.
+        # Beyond the last column it may, and is not used.
+        stride = Signal(signed(SCAN.width + 2))
+        left, top, step_x3 = (Signal(signed(SCAN.width), name=name)
+                              for name in ("left", "top", "step_x3"))
+        m.d.comb += stride.eq(p.step_x * self.lanes)
+        m.d.sync += [left.eq(p.origin_x + half), top.eq(p.origin_y + half),
+                     step_x3.eq(p.step_x + (p.step_x << 1))]
+        m.submodules.y = y = Ramp(shift)
+        m.d.comb += [y.first.eq(top), y.stride.eq(p.step_y), y.begin.eq(begin), y.take.eq(take),
+                     y.step.eq(new_row), y.restart.eq(new_strip)]
+        for k, pixel in enumerate(self.pixels):
+            m.submodules[f"x{k}"] = x = Ramp(shift)
+            m.d.comb += [x.stride.eq(stride), x.begin.eq(begin), x.take.eq(take), x.step.eq(1),
+                         x.restart.eq(new_row), x.rebase.eq(new_strip)]
+            if k == 0:
+                m.d.comb += x.first.eq(left)
+            else:
+                m.d.sync += x.first.eq(left + (step_x3 if k == 3 else p.step_x * k))
             m.d.comb += [
-                next_x.eq(sum_x + x_stride),
-                pixel.x.eq(sum_x >> shift), pixel.x_step.eq(x_stride >> shift),
-                pixel.y.eq(sum_y >> shift), pixel.y_step.eq(y_stride >> shift),
-                # What the adder carried from the dropped bits into those that are kept.
-                pixel.x_carry.eq((next_x ^ sum_x ^ x_stride)[shift]),
-                pixel.y_carry.eq((next_y ^ sum_y ^ y_stride)[shift]),
-                pixel.new_row.eq(new_row), pixel.new_strip.eq(new_strip & ~ending),
-                self.blank[k].eq(ending | ~((u >= spans.start0) & (u < spans.stop0)
-                                            | (u >= spans.start1) & (u < spans.stop1))),
+                pixel.x.eq(x.sum >> shift), pixel.x_step.eq(stride >> shift),
+                pixel.y.eq(y.sum >> shift), pixel.y_step.eq(p.step_y >> shift),
+                pixel.x_carry.eq(x.carry), pixel.y_carry.eq(y.carry),
             ]
 
-        def begin_row():
-            """Take the spans, and ask for those of the row that will follow."""
-            return [spans.eq(self.spans),
-                    self.row.eq(Mux(self.row == p.height - 1, 0, self.row + 1))]
-
-        with m.FSM():
-            with m.State("IDLE"):
-                with m.If(self.start):
-                    m.d.sync += [self.row.eq(0), self.cut.eq(0)]
-                    m.next = "FETCH"
-            with m.State("FETCH"):
-                with m.If(self.fresh):
-                    m.d.sync += begin_row()
-                    m.d.sync += [self.first.eq(1), sum_y.eq(p.origin_y + half),
-                                 ending.eq(self.abort | (p.width == 0) | (p.height == 0))]
-                    for k, (sum_x, _, left_x) in enumerate(columns):
-                        left = p.origin_x + half + p.step_x * k
-                        m.d.sync += [sum_x.eq(left), left_x.eq(left)]
-                    m.next = "RUN"
-            with m.State("RUN"):
-                # The next row's spans have had a whole row's time to arrive; only the host
-                # reading the table without a pause, or a very short row, could hold them back.
-                m.d.comb += self.active.eq(~strips.last_column | self.last | self.fresh)
-                with m.If(self.advance):
-                    m.d.sync += [self.first.eq(0), ending.eq(self.abort)]
-                    m.d.sync += [sum_x.eq(next_x) for sum_x, next_x, _ in columns]
-                    with m.If(strips.last_column):
-                        m.d.sync += begin_row()
-                    with m.If(new_row):
-                        m.d.sync += sum_y.eq(next_y)
-                        m.d.sync += [sum_x.eq(left_x) for sum_x, _, left_x in columns]
-                    with m.If(new_strip):
-                        m.d.sync += sum_y.eq(p.origin_y + half)
-                        m.d.sync += [left_x.eq(next_x) for _, next_x, left_x in columns]
-                    with m.If(self.last):
-                        m.d.sync += self.cut.eq(ending)
-                        m.next = "IDLE"
-        return m
+    def _blank(self, m, column, spans, ending):
+        """Two stages: comparisons, and what they tell."""
+        late = Signal()
+        m.d.sync += late.eq(ending)
+        for k in range(self.lanes):
+            u, inside = column | k, Signal(4, name=f"inside{k}")
+            m.d.sync += [
+                inside.eq(Cat(u >= spans.start0, u < spans.stop0,
+                              u >= spans.start1, u < spans.stop1)),
+                self.blank[k].eq(late | ~(inside[:2].all() | inside[2:].all())),
+            ]

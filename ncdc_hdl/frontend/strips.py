@@ -6,7 +6,8 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
 from ncdc_hdl.frontend.layouts import SIZE
-from ncdc_model.geometry import STRIP_UNIT
+from ncdc_hdl.pipeline import delay
+from ncdc_model.geometry import MAX_SIZE, STRIP_UNIT
 
 __all__ = ["ORDER", "Strips"]
 
@@ -19,14 +20,15 @@ class Strips(wiring.Component):
     A strip has ``order.strip`` columns, the last one what is left. A width of 0 makes the whole
     picture one strip: a raster. Equal to ``ncdc_model.geometry.scan_order``.
 
-    Timing: ``start`` shows the first group in the next clock, ``advance`` the next one. The width
-    of a picture is not to be 0.
+    Groups and rows are counted down to -1, so that the sign tells the last one without a
+    comparison. Timing: the first group shows ``latency`` clocks after ``start``, the next one in
+    the clock after ``advance``. The width of a picture is not to be 0.
 
     Parameters
     ----------
     lanes : int
-        Pixels of a group, counted together; a power of two, at most ``STRIP_UNIT``. The width of
-        the picture is to be a multiple of it.
+        Pixels of a group, counted together; a power of two, at most ``STRIP_UNIT / 8``. The width
+        of the picture is to be a multiple of it.
 
     Members
     -------
@@ -34,8 +36,10 @@ class Strips(wiring.Component):
         Sizes in pixels, constant from ``start`` on. Bits below ``STRIP_UNIT`` of the strip's width
         are ignored.
     start, advance : ``In(1)``
-    u, v : ``Out``
-        Column of the group's leftmost pixel, and its row.
+    begin : ``Out(1)``
+        The first group shows in the next clock.
+    u : ``Out``
+        Column of the group's leftmost pixel.
     last_column, last_row, last_strip : ``Out(1)``
         Whether the group is the last of its row within the strip; its row the last of the
         picture; its strip the last.
@@ -43,44 +47,55 @@ class Strips(wiring.Component):
         Columns of a strip but the last; the whole picture is one.
     """
 
+    latency = 5
+
     def __init__(self, lanes=1):
         self.lanes = lanes
         super().__init__({
-            "order": In(ORDER), "start": In(1), "advance": In(1), "u": Out(SIZE), "v": Out(SIZE),
+            "order": In(ORDER), "start": In(1), "advance": In(1), "begin": Out(1), "u": Out(SIZE),
             "last_column": Out(1), "last_row": Out(1), "last_strip": Out(1),
             "strip": Out(SIZE), "raster": Out(1),
         })
 
     def elaborate(self, platform):
         m = Module()
-        order, unit = self.order, exact_log2(STRIP_UNIT)
+        order, unit, group = self.order, exact_log2(STRIP_UNIT), exact_log2(self.lanes)
+        count = range(-MAX_SIZE - 1, MAX_SIZE)
         left = Signal(SIZE)                          # first column of the strip
-        edge = Signal(SIZE)                          # last column of the strip
-        # The next strip's edge, a clock late: no strip but the last has so few columns.
-        next_edge, next_last = Signal(SIZE), Signal()
-
-        def limited(column):
-            beyond = self.raster | (column >= order.width - 1)
-            return Mux(beyond, order.width - 1, column), beyond
-
-        group = exact_log2(self.lanes)
+        # Groups of this strip's row, and rows of the picture, less two: what to count down from.
+        groups, rows = Signal(count), Signal(count)
+        column, row = Signal(count), Signal(count)   # -1: the last
         m.d.comb += [
             self.strip.eq(Cat(Const(0, unit), order.strip[unit:])),
             self.raster.eq(self.strip == 0),
-            self.last_column.eq(self.u[group:] == edge[group:]),
-            self.last_row.eq(self.v == order.height - 1),
+            self.begin.eq(delay(m, self.start, self.latency - 1, "start", reset_less=False)),
+            self.last_column.eq(column < 0), self.last_row.eq(row < 0),
         ]
-        further_edge, further_last = limited(edge + self.strip)
-        m.d.sync += [next_edge.eq(further_edge), next_last.eq(further_last)]
+        # The strip to come, worked out in three clocks from the columns right of its first one:
+        # no strip but the last has a row of so few groups.
+        columns, beyond = Signal(count), Signal(count)
+        less_one, last, less_two = Signal(count), Signal(1), Signal(count)
+        m.d.sync += [
+            beyond.eq(columns - self.strip),
+            last.eq(self.raster | (beyond < 0)),
+            less_one.eq(Mux(self.raster | (beyond < 0), columns, self.strip - 1) >> group),
+            less_two.eq(less_one - 1), rows.eq(order.height - 2),
+        ]
+        u_next = Signal(SIZE)
+        m.d.comb += u_next.eq(self.u + self.lanes)
         with m.If(self.advance):
-            m.d.sync += self.u.eq(self.u + self.lanes)
-            with m.If(self.last_column & self.last_row):
-                m.d.sync += [self.v.eq(0), left.eq(self.u + self.lanes),
-                             edge.eq(next_edge), self.last_strip.eq(next_last)]
-            with m.Elif(self.last_column):
-                m.d.sync += [self.v.eq(self.v + 1), self.u.eq(left)]
+            m.d.sync += [column.eq(column - 1), self.u.eq(u_next)]
+            with m.If(self.last_column):
+                m.d.sync += [column.eq(groups), row.eq(row - 1)]
+                with m.If(~self.last_row):
+                    m.d.sync += self.u.eq(left)
         with m.If(self.start):
-            first_edge, only = limited(self.strip - 1)
-            m.d.sync += [self.u.eq(0), self.v.eq(0), left.eq(0),
-                         edge.eq(first_edge), self.last_strip.eq(only)]
+            m.d.sync += columns.eq(order.width - 1)
+        with m.If(self.begin):
+            m.d.sync += [self.u.eq(0), left.eq(0)]
+        with m.Elif(self.advance & self.last_column & self.last_row):
+            m.d.sync += left.eq(u_next)
+        with m.If(self.begin | self.advance & self.last_column & self.last_row):
+            m.d.sync += [groups.eq(less_two), column.eq(less_two), row.eq(rows),
+                         self.last_strip.eq(last), columns.eq(beyond)]
         return m

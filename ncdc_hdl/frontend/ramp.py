@@ -1,0 +1,92 @@
+"""A coordinate of the scan, by addition of a constant."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_model.geometry import SCAN
+
+__all__ = ["Ramp"]
+
+_LOW = SCAN.width // 2
+
+
+class Ramp(wiring.Component):
+    """``sum`` = ``first`` + n ``stride``, from group to group of a scan, modulo 2**n.
+
+    The sum is kept in two halves, the low one a group ahead, so that no carry runs through all
+    bits in one clock.
+
+    Timing: ``sum`` is that of the group which the last ``take`` has made the one shown. ``step``,
+    ``restart`` and ``rebase`` tell with ``take`` how the sum of the group after it is made.
+
+    Parameters
+    ----------
+    shift : int
+        Number of the bit that ``carry`` belongs to.
+
+    Members
+    -------
+    first, stride : ``In(signed(32))``
+        Constant from ``begin`` on.
+    begin : ``In(1)``
+        The next group taken is a frame's first and has the sum ``first``.
+    take : ``In(1)``
+        Another group is shown in the next clock.
+    step : ``In(1)``
+        The sum grows by ``stride``.
+    restart : ``In(1)``
+        It is the base instead, at first ``first``.
+    rebase : ``In(1)``
+        It becomes the base; with ``step`` only.
+    sum : ``Out(signed(32))``
+    carry : ``Out(1)``
+        What the addition carries into bit ``shift``, if the next sum is that of a ``step``.
+    """
+
+    def __init__(self, shift):
+        self.shift = shift
+        super().__init__({
+            "first": In(signed(SCAN.width)), "stride": In(signed(SCAN.width)),
+            "begin": In(1), "take": In(1), "step": In(1), "restart": In(1), "rebase": In(1),
+            "sum": Out(signed(SCAN.width)), "carry": Out(1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        low_bits = max(_LOW, self.shift + 1)
+        low, base_low, low_shown = (Signal(low_bits, name=name)
+                                    for name in ("low", "base_low", "low_shown"))
+        high, base_high = (Signal(SCAN.width - low_bits, name=name)
+                           for name in ("high", "base_high"))
+        low_sum, high_sum = Signal(low_bits + 1), Signal(SCAN.width - low_bits)
+        # How the sum of the group after the one shown was made, for its high half.
+        carried, stepped, restarted, rebased = (
+            Signal(name=name) for name in ("carried", "stepped", "restarted", "rebased"))
+        m.d.comb += [
+            low_sum.eq(low + self.stride[:low_bits]),
+            high_sum.eq(high + self.stride[low_bits:] + carried),
+            self.sum.eq(Cat(low_shown, high)),
+            self.carry.eq((low ^ low_shown ^ self.stride[:low_bits])[self.shift]),
+        ]
+        with m.If(self.take):
+            m.d.sync += [low_shown.eq(low), carried.eq(low_sum[-1]), stepped.eq(self.step),
+                         restarted.eq(self.restart), rebased.eq(self.rebase)]
+            with m.If(self.restart):
+                m.d.sync += low.eq(base_low)
+            with m.Elif(self.step):
+                m.d.sync += low.eq(low_sum)
+            with m.If(self.rebase):
+                m.d.sync += base_low.eq(low_sum)
+            with m.If(restarted):
+                m.d.sync += high.eq(base_high)
+            with m.Elif(stepped):
+                m.d.sync += high.eq(high_sum)
+            with m.If(rebased):
+                m.d.sync += base_high.eq(high_sum)
+        with m.If(self.begin):
+            m.d.sync += [
+                Cat(base_low, base_high).eq(self.first), low.eq(self.first),
+                restarted.eq(1), rebased.eq(0),
+            ]
+        return m
