@@ -255,11 +255,11 @@ def test_host_may_read_the_table_while_scanning():
 
 @pytest.mark.parametrize("hidden,share", [("multiply", 1), ("multiply", 3), ("raster", 2)])
 def test_products_in_parts(hidden, share):
-    """The same coordinates, 2 clocks later for each layer that has products."""
+    """The same coordinates, 3 clocks later for each layer that has products."""
     d = barrel_descriptor((20, 16), (24, 18))
     dut = FrontEnd(d, hidden=hidden, share=share, products=18)
     whole = FrontEnd(d, hidden=hidden, share=share)
-    assert dut.backmap.latency - whole.backmap.latency == (2 if hidden == "raster" else 4)
+    assert dut.backmap.latency - whole.backmap.latency == (3 if hidden == "raster" else 6)
     cases = [extreme(d, 1), d]
     for frame, case in zip(frames(dut, cases, .5), cases):
         np.testing.assert_array_equal(frame, expected(case))

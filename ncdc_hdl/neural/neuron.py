@@ -107,9 +107,10 @@ def output_sum(hidden_neurons, formats):
 class _Accumulator(wiring.Component):
     """Shared pipeline: products of inputs and weights, adder tree, bias, rounding, saturation.
 
-    A register more stands before each :class:`Product`, whose blocks have ``products`` bits. Of
-    several turns, each brings ``inputs`` more terms of the same sum; ``first`` marks the one that
-    begins it. The two products of a skip path are added to the bias.
+    A register more stands before each :class:`Product`, whose blocks have ``products`` bits, and
+    behind each adder of the tree, for the way to the next one. Of several turns, each brings
+    ``inputs`` more terms of the same sum; ``first`` marks the one that begins it. The two products
+    of a skip path are added to the bias.
     """
 
     weights_clock = 1
@@ -133,8 +134,8 @@ class _Accumulator(wiring.Component):
 
     @property
     def _summed(self):
-        """Clocks from ``i`` to the sum of its products: 1 in, products, adder tree."""
-        return 1 + self.products[0].latency + ceil_log2(self.terms)
+        """Clocks from ``i`` to the sum of its products: 1 in, products, 2 per level of adders."""
+        return 1 + self.products[0].latency + 2 * ceil_log2(self.terms)
 
     @property
     def bias_clock(self):
@@ -164,7 +165,7 @@ class _Accumulator(wiring.Component):
         level, terms = 0, [product.o for product in self.products]
         while len(terms) > 1:
             pairs = [terms[k:k + 2] for k in range(0, len(terms), 2)]
-            terms = [register(f"s{level}_{k}", sum(pair[1:], start=pair[0]))
+            terms = [delay(m, sum(pair[1:], start=pair[0]), 2, f"s{level}_{k}")
                      for k, pair in enumerate(pairs)]
             level += 1
         # The bias carries the half that rounds: a static sum, off the data path.

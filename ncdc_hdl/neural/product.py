@@ -23,8 +23,8 @@ class Product(wiring.Component):
         a b = ah bh 2**34 + (ah bl + al bh) 2**17 + al bl
 
     The first and the last product do not overlap: they lie side by side in one word, and two
-    adders in two stages make the sum. Timing: free-running, one product per clock,
-    ``latency`` clocks.
+    adders in two stages make the sum, a register behind those of the blocks. Timing: free-running,
+    one product per clock, ``latency`` clocks.
 
     Parameters
     ----------
@@ -54,9 +54,9 @@ class Product(wiring.Component):
 
     @property
     def latency(self):
-        """Clocks from the factors to ``o``: 1 in, 2 products, further ones to add the parts."""
+        """Clocks from the factors to ``o``: 1 in, 2 products; of parts 1 more, 1 for each sum."""
         cut = sum(len(_parts(factor, self.block)) - 1 for factor in (self.a, self.b))
-        return 1 + 2 + cut
+        return 1 + 2 + (1 + cut if cut else 0)
 
     def elaborate(self, platform):
         m = Module()
@@ -68,6 +68,8 @@ class Product(wiring.Component):
         # Keyed by the weight of the parts, 0 or 1 each.
         p = {(j, k): register(f"p1_{j}{k}", register(f"p0_{j}{k}", x * y))
              for j, x in enumerate(a) for k, y in enumerate(b)}
+        if len(p) > 1:
+            p = {place: register("p2_{}{}".format(*place), part) for place, part in p.items()}
         if len(a) == len(b) == 2:
             cross = register("s0_cross", p[0, 1] + p[1, 0])
             outer = register("s0_outer", Cat(p[0, 0], p[1, 1]).as_signed())
