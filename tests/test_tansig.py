@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from pipelines import run_pipeline
 
+from ncdc_hdl.neural.lookup import Lookup
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.fixed import Q
 from ncdc_model.tansig import FRACTION_BITS, VARIANTS, TansigDesign, design_for, tansig
@@ -102,7 +103,20 @@ def test_gateware_equals_model(design):
     np.testing.assert_array_equal(gateware(design, n), tansig(n, design))
 
 
-def test_gateware_of_a_narrower_input_equals_the_model():
-    design = TansigDesign(Q(5, 17), 18, 23)
+@pytest.mark.parametrize("input", [Q(5, 17), Q(4, 18)], ids=str)
+def test_gateware_of_another_input_equals_the_model(input):
+    """The most negative n of the shorter range is no largest result."""
+    design = TansigDesign(input, 18, 23)
+    assert (design.largest == design.output.hi) == (input.i_bits == 5)
     n = stimuli(design, 300)
+    assert input.lo in n
     np.testing.assert_array_equal(gateware(design, n), tansig(n, design))
+
+
+@pytest.mark.parametrize("entries", [64, 128, 256, 512, 2048])
+def test_a_table_in_logic(entries):
+    rng = np.random.default_rng(entries)
+    values = rng.integers(0, 1 << 9, entries).tolist()
+    dut, i = Lookup(values, 9), rng.permutation(entries).tolist()
+    got = run_pipeline(dut, i, lambda ctx, x: ctx.set(dut.i, x), lambda: [dut.o])
+    assert np.ravel(got).tolist() == [values[k] for k in i]

@@ -2,10 +2,10 @@
 
 from amaranth import *
 from amaranth.lib import wiring
-from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.fixed import add_signed
+from ncdc_hdl.neural.lookup import Lookup
 from ncdc_hdl.neural.lvc import Quotient
 from ncdc_hdl.pipeline import delay
 
@@ -33,25 +33,25 @@ class Mmhbc(wiring.Component):
 
     def __init__(self, design):
         self.design = design
+        self.table = Lookup(design.table, design.width)
         self.quotient = Quotient(design.width, design.digits)
         super().__init__({"i": In(design.input.width - 1), "o": Out(design.fraction_bits)})
 
     @property
     def latency(self):
-        """Clocks: table, its register, rotations, quotient."""
-        return 2 + len(self.design.shifts) + self.quotient.latency
+        """Clocks: table, rotations, quotient."""
+        return self.table.latency + len(self.design.shifts) + self.quotient.latency
 
     def elaborate(self, platform):
         m = Module()
         design = self.design
         width, fine = design.width, design.fine_bits
 
-        # T: region table, with a second register that block RAMs can absorb.
-        m.submodules.table = table = Memory(shape=width, depth=len(design.table), init=design.table)
-        read = table.read_port()
-        m.d.comb += read.addr.eq(self.i[fine:])
-        u = delay(m, read.data, 1, "t_u")
-        rest = delay(m, self.i[:fine], 2, "t_rest")
+        # T: region table. In logic: of a block RAM of 512 x 20 bits it would fill one and a quarter.
+        m.submodules.table = table = self.table
+        m.d.comb += table.i.eq(self.i[fine:])
+        u = table.o
+        rest = delay(m, self.i[:fine], table.latency, "t_rest")
 
         # R: one rotation per fine bit, the highest first; 1.0 itself may appear, hence a bit more.
         for k, shift in enumerate(design.shifts):

@@ -49,23 +49,20 @@ class Tansig(wiring.Component):
         design = self.design
         m.submodules.variant = variant = self.variant
 
-        # A: sign and magnitude; the most negative n has none and takes the largest.
+        # A: sign and magnitude. The most negative n has none: a zero beside its sign stands for it.
         bits = design.input.width - 1
         magnitude = Signal(bits, name="a_magnitude", reset_less=True)
         sign = Signal(name="a_sign", reset_less=True)
-        negated = Signal(bits + 1)
-        m.d.comb += negated.eq(-self.i)
-        with m.If(self.i < 0):
-            m.d.sync += magnitude.eq(Mux(negated[bits], design.input.hi, negated))
-        with m.Else():
-            m.d.sync += magnitude.eq(self.i)
-        m.d.sync += sign.eq(self.i < 0)
+        negative = self.i[-1]
+        m.d.sync += [magnitude.eq((self.i[:bits] ^ negative.replicate(bits)) + negative),
+                     sign.eq(negative)]
         m.d.comb += variant.i.eq(magnitude)
         negative, zero = delay(m, Cat(sign, magnitude == 0), variant.latency, "sign_zero")
 
         # S: -q is ~q below the constant last bit, so that restoring the sign needs no carry.
         q = Cat(variant.o, 0)
         o = Signal.like(self.o, name="s_o", reset_less=True)
-        m.d.sync += o.eq(Mux(zero, 0, Cat(1, q ^ negative.replicate(len(q)))))
+        m.d.sync += o.eq(Mux(zero, Mux(negative, -design.largest, 0),
+                             Cat(1, q ^ negative.replicate(len(q)))))
         m.d.comb += self.o.eq(o)
         return m

@@ -80,6 +80,11 @@ class Design(ABC):
         return Q(1, self.fraction_bits + 1)
 
     @cached_property
+    def largest(self):
+        """Raw result of the largest magnitude, which the most negative n takes."""
+        return int(self.magnitude(np.array([self.input.hi]))[0])
+
+    @cached_property
     def bound_ulp(self):
         """See the class."""
         return self._bound()
