@@ -8,7 +8,7 @@ from pipelines import run_pipeline
 from ncdc_hdl.neural.lookup import Lookup
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.fixed import Q
-from ncdc_model.tansig import FRACTION_BITS, VARIANTS, TansigDesign, design_for, tansig
+from ncdc_model.tansig import FRACTION_BITS, VARIANTS, TableDesign, TansigDesign, design_for, tansig
 
 DESIGNS = [design_for(variant, bits) for variant in VARIANTS for bits in FRACTION_BITS]
 NAMES = [f"{design.variant}{design.fraction_bits}" for design in DESIGNS]
@@ -113,7 +113,16 @@ def test_gateware_of_another_input_equals_the_model(input):
     np.testing.assert_array_equal(gateware(design, n), tansig(n, design))
 
 
-@pytest.mark.parametrize("entries", [64, 128, 256, 512, 2048])
+@pytest.mark.parametrize("design", [
+    TableDesign(Q(5, 20), 20, (4, 3, 1), 31, 26), TableDesign(Q(5, 17), 16, (3, 2, 1), 23, 22)],
+    ids=lambda design: str(design.input))
+def test_gateware_of_tables_of_another_input_equals_the_model(design):
+    """Positions of 19 and of 16 bits: above and below the cut of the products."""
+    n = stimuli(design, 300)
+    np.testing.assert_array_equal(gateware(design, n), tansig(n, design))
+
+
+@pytest.mark.parametrize("entries", [5, 64, 112, 256, 512, 2048])
 def test_a_table_in_logic(entries):
     rng = np.random.default_rng(entries)
     values = rng.integers(0, 1 << 9, entries).tolist()

@@ -23,19 +23,20 @@ class Lookup(wiring.Component):
     Parameters
     ----------
     table : sequence of int
-        As many as a power of two, at least 64.
+        Filled up with zeros to a power of two, 64 at least.
     width : int
         Bits of an entry.
 
     Members
     -------
-    i : ``In(range(len(table)))``
+    i : ``In(ceil_log2(len(table)))``
     o : ``Out(width)``
     """
 
     def __init__(self, table, width):
-        self.table, self.width = table, width
-        super().__init__({"i": In(ceil_log2(len(table))), "o": Out(width)})
+        bits = max(_ENTRIES, ceil_log2(len(table)))
+        self.table, self.width = [*table, *[0] * ((1 << bits) - len(table))], width
+        super().__init__({"i": In(bits), "o": Out(width)})
 
     @property
     def latency(self):
