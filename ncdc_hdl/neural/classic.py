@@ -10,6 +10,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl import pipeline
 from ncdc_hdl.fixed import add_signed
 from ncdc_hdl.neural.lvc import Quotient
+from ncdc_hdl.neural.product import Product
 from ncdc_hdl.pipeline import delay
 
 __all__ = ["Classic"]
@@ -37,13 +38,15 @@ class Classic(wiring.Component):
 
     def __init__(self, design):
         self.design = design
+        # Signed factors of blocks of 18 bits, which every FPGA has.
+        self.product = Product(design.width + 2, design.width + 2, 18)
         self.quotient = Quotient(design.width, design.digits)
         super().__init__({"i": In(design.input.width - 1), "o": Out(design.fraction_bits)})
 
     @property
     def latency(self):
-        """Clocks: iterations, x + y, 2 before and 1 after the product, rounding, quotient."""
-        return len(self.design.shifts) + 1 + 1 + 1 + 1 + self.quotient.latency
+        """Clocks: iterations, x + y, product, rounding, quotient."""
+        return len(self.design.shifts) + 1 + self.product.latency + 1 + self.quotient.latency
 
     def elaborate(self, platform):
         m = Module()
@@ -69,9 +72,9 @@ class Classic(wiring.Component):
                                             init=design.table)
         read = table.read_port()
         m.d.comb += read.addr.eq(delay(m, self.i[fraction:], len(design.shifts), "integer"))
-        factors = register("p_u", u), register("p_power", read.data)
-        product = register("p_product", factors[0] * factors[1])
-        e = register("p_e", (product + (1 << (width - 1)))[width:2 * width + 1])
+        m.submodules.product = product = self.product
+        m.d.comb += [product.a.eq(u), product.b.eq(read.data)]
+        e = register("p_e", (product.o[width:2 * width + 1] + product.o[width - 1])[:width + 1])
 
         m.submodules.quotient = self.quotient
         m.d.comb += [self.quotient.i.eq(e), self.o.eq(self.quotient.o)]
