@@ -34,6 +34,8 @@ class Fifo(wiring.Component):
         Bits of an item.
     depth : int
         Items, at least 2.
+    checked : bool
+        Whether ``w_en`` is ignored while the queue is full; if not, it must be low then.
 
     Members
     -------
@@ -50,10 +52,10 @@ class Fifo(wiring.Component):
         If ``depth`` is below 2.
     """
 
-    def __init__(self, *, width, depth):
+    def __init__(self, *, width, depth, checked=True):
         if depth < 2:
             raise ValueError(f"depth is {depth}, the limit is 2")
-        self.width, self.depth = width, depth
+        self.width, self.depth, self.checked = width, depth, checked
         super().__init__({
             "w_data": In(width), "w_en": In(1), "w_rdy": Out(1),
             "r_data": Out(width), "r_rdy": Out(1), "r_en": In(1),
@@ -76,16 +78,17 @@ class Fifo(wiring.Component):
         oldest = Signal(self.width, reset_less=True)    # a RAM's register has no reset to share
         m.d.comb += [
             self.r_data.eq(oldest),
-            self.w_rdy.eq(~full), put.eq(self.w_en & ~full), take.eq(self.r_rdy & self.r_en),
+            self.w_rdy.eq(~full), put.eq(self.w_en & ~full if self.checked else self.w_en),
+            take.eq(self.r_rdy & self.r_en),
             write.addr.eq(produce), write.data.eq(self.w_data), write.en.eq(put),
             move.eq(~self.r_rdy | self.r_en), load.eq(~read_valid | move),
             read.addr.eq(consume), read.en.eq(load), pop.eq(load & some),
         ]
-        m.d.sync += [kept.eq(kept + put - pop), self.level.eq(self.level + put - take)]
         with m.If(put != pop):
-            m.d.sync += some.eq(put | (kept != 1))
+            m.d.sync += [kept.eq(kept + Mux(put, 1, -1)), some.eq(put | (kept != 1))]
         with m.If(put != take):
-            m.d.sync += full.eq(put & (self.level == self.depth - 1))
+            m.d.sync += [self.level.eq(self.level + Mux(put, 1, -1)),
+                         full.eq(put & (self.level == self.depth - 1))]
         for pointer, step in ((produce, put), (consume, pop)):
             with m.If(step):
                 m.d.sync += pointer.eq(Mux(pointer == self.depth - 1, 0, pointer + 1))

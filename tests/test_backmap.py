@@ -195,7 +195,7 @@ def test_one_coordinate_every_share_clocks(hidden, share):
     run_bench(dut, bench)
     # After the start: scan, first sums of the frame, network, queue.
     preset = dut.backmap.hidden[0].control.preset if hidden == "raster" else 0
-    first = Scan.latency - 1 + preset + dut.backmap.latency + 3
+    first = Scan.latency + preset + dut.backmap.latency + 4 - 1
     expected_clocks = range(first, first + 320 * share, share)
     np.testing.assert_array_equal(np.flatnonzero(valid), expected_clocks)
 
@@ -211,7 +211,7 @@ def test_stops_and_restarts_without_losing_a_clock():
         ctx.set(dut.backmap.start, 1)
         await ctx.tick()
         ctx.set(dut.backmap.start, 0)
-        for _ in range(300):
+        for _ in range(500):
             idle.append((await ctx.tick().sample(dut.backmap.idle))[2])
         ctx.set(dut.backmap.o.ready, 1)
         for _ in range(64 * 16):
@@ -266,8 +266,12 @@ def test_products_in_parts(hidden, share):
 
 
 def test_refuses_a_short_queue():
-    with pytest.raises(ValueError, match="queue is 100, it must exceed twice the 54 coordinates under way"):
-        BackMap(4, barrel_descriptor().formats, queue=100)
+    formats = barrel_descriptor().formats
+    limit = 2 * BackMap(4, formats).under_way
+    BackMap(4, formats, queue=limit + 1)
+    with pytest.raises(ValueError, match=f"queue is {limit}, it must exceed twice the "
+                                         f"{limit // 2} groups under way"):
+        BackMap(4, formats, queue=limit)
 
 
 def test_refuses_to_share_among_more_neurons_than_there_are():

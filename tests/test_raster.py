@@ -10,6 +10,7 @@ from amaranth import *
 from pipelines import run_bench
 
 from ncdc_hdl.fixed import saturate
+from ncdc_hdl.frontend.backmap import pace
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.neural.layers import MultiplyLayer
 from ncdc_hdl.neural.neuron import WeightedSum
@@ -24,21 +25,27 @@ LAYERS = {"multiply": MultiplyLayer, "raster": RasterLayer}
 
 
 class ScannedLayer(Elaboratable):
-    """A scan and a hidden layer for each lane; ``forced`` fields of the pixel are stuck at zero."""
+    """A scan and a hidden layer for each lane; ``forced`` fields of the pixel are stuck at zero.
+
+    ``issue`` tells a pixel's turn 0, one clock after ``pause`` has been low at the earliest.
+    """
 
     def __init__(self, kind, neurons, share, forced=(), lanes=1):
         self.scan = Scan(FORMATS, lanes)
         self.layers = [LAYERS[kind](neurons, FORMATS, share, lanes=lanes) for _ in range(lanes)]
-        self.forced = forced
+        self.forced, self.share = forced, share
+        self.pause, self.issue = Signal(), Signal()
 
     def elaborate(self, platform):
         m = Module()
         m.submodules.scan = scan = self.scan
-        m.d.comb += scan.fresh.eq(1)
+        issue, turn = pace(m, scan, self.share, ~self.pause & self.layers[0].ready)
+        m.d.comb += [scan.fresh.eq(1), self.issue.eq(issue)]
         for k, layer in enumerate(self.layers):
             m.submodules[f"layer{k}"] = layer
             m.d.comb += [layer.active.eq(scan.active), layer.pixel.eq(scan.pixels[k]),
-                         layer.start.eq(scan.start), layer.advance.eq(scan.advance)]
+                         layer.start.eq(scan.start), layer.advance.eq(scan.advance),
+                         layer.turn.eq(turn)]
             m.d.comb += [layer.pixel[name].eq(0) for name in self.forced]
         return m
 
@@ -68,6 +75,7 @@ def run(dut, frames, gap=0.0, seed=1, strip=0):
     samples, taken = [], []
 
     async def clock(ctx):
+        ctx.set(dut.pause, int(rng.random() < gap))
         await ctx.tick()
         samples.append([[ctx.get(o) for o in layer.o] for layer in dut.layers])
 
@@ -82,15 +90,10 @@ def run(dut, frames, gap=0.0, seed=1, strip=0):
             await clock(ctx)
             ctx.set(scan.start, 0)
             for _ in range(parameters[0] * parameters[1] // len(dut.layers)):
-                while rng.random() < gap or not (ctx.get(scan.active) and ctx.get(layer.ready)):
+                while not ctx.get(dut.issue):
                     await clock(ctx)
                 taken.append((frame, len(samples)))
-                for turn in range(share):
-                    for layer in dut.layers:
-                        ctx.set(layer.turn, turn)
-                    ctx.set(scan.advance, turn == share - 1)
-                    await clock(ctx)
-                ctx.set(scan.advance, 0)
+                await clock(ctx)
             for _ in range(latency + share):
                 await clock(ctx)
 

@@ -13,7 +13,7 @@ from ncdc_hdl.options import FrontEndOptions
 from ncdc_hdl.pipeline import DelayMemory, delay
 from ncdc_hdl.streams import CreditQueue
 
-__all__ = ["BackMap"]
+__all__ = ["BackMap", "pace"]
 
 
 class BackMap(wiring.Component):
@@ -35,8 +35,8 @@ class BackMap(wiring.Component):
         Of the tan-sigmoid.
     options : ncdc_hdl.options.FrontEndOptions
     queue : int, optional
-        Groups under way and queued together, more than twice those that the pipeline holds; by
-        default the least power of two that is, and 128 at least.
+        Groups under way and queued together, more than twice those of ``under_way``; by default
+        the least power of two that is, and 128 at least.
 
     Members
     -------
@@ -78,12 +78,12 @@ class BackMap(wiring.Component):
                        for _ in range(lanes)]
         self.output = [OutputLayer(hidden_neurons, formats, self.share, options.products)
                        for _ in range(lanes)]
-        # Coordinates that the pipeline holds at once.
-        self.under_way = -(-self.latency // self.share)
+        # Groups of the clocks from one taken out of the queue to the next one that this lets in.
+        self.under_way = -(-(self.latency + CreditQueue.loop) // self.share)
         self.queue = queue or max(128, 1 << (2 * self.under_way).bit_length())
         if self.queue <= 2 * self.under_way:
             raise ValueError(f"queue is {queue}, it must exceed twice the {self.under_way} "
-                             f"coordinates under way")
+                             f"groups under way")
         super().__init__({
             "start": In(1), "abort": In(1), "scan": In(scan_layout()),
             "network": In(network_layout(hidden_neurons, formats)),
@@ -100,10 +100,10 @@ class BackMap(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.submodules.scan = scan = Scan(self.formats, self.lanes)
-        # Restarting this early keeps the queue from running dry while the network refills.
+        # What is left keeps the queue from running dry while the network refills.
         m.submodules.queue = queue = CreditQueue(
             coordinate_layout(self.formats, self.lanes), depth=self.queue,
-            restart=self.queue - self.under_way)
+            restart=self.queue // 2)
         m.d.comb += [
             scan.start.eq(self.start), scan.abort.eq(self.abort), scan.parameters.eq(self.scan),
             self.cut.eq(scan.cut), self.row.eq(scan.row), scan.spans.eq(self.spans),
@@ -111,7 +111,7 @@ class BackMap(wiring.Component):
         ]
 
         # All lanes are ready in the same clock.
-        issue, turn = self._pace(m, scan, queue.room & self.hidden[0].ready)
+        issue, turn = pace(m, scan, self.share, queue.room & self.hidden[0].ready)
         latency = self.output[0].latency
         activated = delay(m, issue, self.latency - latency, "issue", reset_less=False)
         arrived = delay(m, activated, latency, "output", reset_less=False)
@@ -138,23 +138,25 @@ class BackMap(wiring.Component):
         m.d.comb += [
             queue.issue.eq(issue), queue.arrive.eq(arrived),
             Value.cast(queue.i).eq(Cat(*coordinates, flags)),
-            self.idle.eq(queue.drained & ~(scan.active & queue.room)),
+            self.idle.eq(queue.drained & ~issue),
             self.stalled.eq(scan.active & ~queue.room),
         ]
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m
 
-    def _pace(self, m, scan, may_issue):
-        """Take a pixel if ``may_issue``, and let it stay for ``share`` turns; (issue, turn)."""
-        issue = Signal()
-        if self.share == 1:
-            m.d.comb += [issue.eq(scan.active & may_issue), scan.advance.eq(issue)]
-            return issue, Const(0, 1)
-        turn = Signal(range(self.share))
-        m.d.comb += [issue.eq(scan.active & may_issue & (turn == 0)),
-                     scan.advance.eq(scan.active & (turn == self.share - 1))]
-        with m.If(scan.advance):
-            m.d.sync += turn.eq(0)
-        with m.Elif(issue | (turn != 0) & (turn != self.share - 1)):
-            m.d.sync += turn.eq(turn + 1)
-        return issue, turn
+
+def pace(m, scan, share, may_issue):
+    """Take a pixel in the clock after ``may_issue``, and let it stay for ``share`` turns.
+
+    Returns (a pixel enters the network in its turn 0, the turn).
+    """
+    if share == 1:
+        m.d.comb += scan.go.eq(may_issue)
+        return scan.advance, Const(0, 1)
+    issue, may, turn = Signal(), Signal(), Signal(range(share))
+    m.d.sync += may.eq(may_issue)
+    m.d.comb += [issue.eq(scan.active & may & (turn == 0)),
+                 scan.go.eq(issue if share == 2 else turn == share - 2)]
+    with m.If(issue | (turn != 0)):
+        m.d.sync += turn.eq(Mux(turn == share - 1, 0, turn + 1))
+    return issue, turn

@@ -50,8 +50,10 @@ class Scan(wiring.Component):
         Constant from ``start`` to the end of the frame.
     row, spans, fresh : ``Out``, ``In(SPANS)``, ``In(1)``
         To the table of valid rows.
-    advance : ``In(1)``
-        The group shown is taken.
+    go : ``In(1)``
+        If a group is shown in the next clock, it may be left then.
+    advance : ``Out(1)``
+        The group shown is left: another one may be shown in the next clock.
     active, first, last : ``Out(1)``
     blank : ``Out(lanes)``
     pixels : ``Out(ArrayLayout(pixel_layout(formats, lanes), lanes))``
@@ -68,7 +70,7 @@ class Scan(wiring.Component):
         super().__init__({
             "start": In(1), "abort": In(1), "parameters": In(scan_layout()),
             "row": Out(SIZE), "spans": In(SPANS), "fresh": In(1),
-            "advance": In(1),
+            "go": In(1), "advance": Out(1),
             "active": Out(1), "first": Out(1), "last": Out(1), "blank": Out(lanes),
             "pixels": Out(data.ArrayLayout(pixel_layout(formats, lanes), lanes)),
             "cut": Out(1),
@@ -78,10 +80,12 @@ class Scan(wiring.Component):
         m = Module()
         p = self.parameters
         m.submodules.strips = strips = Strips(self.lanes)
-        # The group that follows the one shown: there is one; it does not wait for the spans of its
-        # row, if it is the row's first; it is that; it is the frame's first.
-        running, follows, row_begins, frame_begins = Signal(), Signal(), Signal(), Signal()
+        # The group that follows the one shown: there is one; it is the first of a row, whose spans
+        # are to be taken with it; it is the frame's first.
+        running, row_begins, frame_begins = Signal(), Signal(), Signal()
         take = Signal()                              # it becomes the group shown
+        further = Signal()                           # if so, yet another one can follow at once
+        shown = Signal()                             # ``active`` in the next clock
         ending = Signal()                            # the group shown is blank and ends the frame
         end, empty = Signal(), Signal()
         new_row, new_strip, complete = Signal(), Signal(), Signal()
@@ -91,30 +95,31 @@ class Scan(wiring.Component):
             strips.order.width.eq(p.width), strips.order.height.eq(p.height),
             strips.order.strip.eq(p.strip), strips.start.eq(self.start),
             strips.advance.eq(take),
-            take.eq(running & follows & (~self.active | self.advance)),
+            shown.eq(take | self.active & ~self.advance),
             complete.eq(strips.last_column & strips.last_row & strips.last_strip),
             new_row.eq(strips.last_column & ~strips.last_row),
             new_strip.eq(strips.last_column & strips.last_row & ~strips.last_strip),
             end.eq(self.abort | empty),
+            further.eq(~(end | complete) & (~strips.last_column | fetched & ~row_begins)),
         ]
-        m.d.sync += empty.eq((p.width == 0) | (p.height == 0))
-        m.d.sync += follows.eq(~row_begins | fetched)
+        # Decided a clock ahead: both reach registers all over the scan.
+        m.d.sync += [
+            empty.eq((p.width == 0) | (p.height == 0)), self.active.eq(shown),
+            self.advance.eq(shown & self.go),
+            take.eq(Mux(take, further, running & (~row_begins | fetched)) & (~shown | self.go)),
+        ]
         with m.If(take):
             m.d.sync += [
-                follows.eq(~strips.last_column | fetched & ~row_begins),
                 row_begins.eq(strips.last_column), frame_begins.eq(0),
                 self.first.eq(frame_begins), self.last.eq(end | complete), ending.eq(end),
                 running.eq(~(end | complete)),
             ]
-        with m.If(take | self.advance):
-            m.d.sync += self.active.eq(take)
         with m.If(self.advance & self.last):
             m.d.sync += self.cut.eq(ending)
         with m.If(self.start):
             m.d.sync += self.cut.eq(0)
         with m.If(strips.begin):
-            m.d.sync += [running.eq(1), follows.eq(fetched), row_begins.eq(1),
-                         frame_begins.eq(1)]
+            m.d.sync += [running.eq(1), take.eq(fetched), row_begins.eq(1), frame_begins.eq(1)]
 
         self._coordinates(m, strips.begin, take, new_row, new_strip)
         with m.If(take):

@@ -27,11 +27,11 @@ def hidden_layer_ports(hidden_neurons, formats, share, lanes=1):
     turn : ``In``
         0 in the first of those clocks, and one more in each after it.
     advance : ``In(1)``
-        The scan will show the next pixel.
+        The pixel is left for the next one.
     neurons : ``In(hidden_layout(...))``
         Constant in a frame.
     ready : ``Out(1)``
-        The pixel may be taken.
+        The pixel of the next clock may be taken then.
     o : ``Out(ArrayLayout(signed(net), units))``
         Nets; in turn t that of neuron ``unit * share + t``. ``latency`` clocks after the pixel.
     """

@@ -190,12 +190,13 @@ class RasterControl(wiring.Component):
                 m.d.comb += [choice.eq(Operand.BIAS), add.step.eq(1)]
                 m.next = "HALF"
             with m.State("HALF"):
-                m.d.comb += [choice.eq(Operand.HALF), add.step.eq(1), add.save.eq(1)]
+                m.d.comb += [choice.eq(Operand.HALF), add.step.eq(1), add.save.eq(1),
+                             self.ready.eq(1)]
                 m.next = "RUN"
             with m.State("RUN"):
                 new_row = pixel.new_row
                 m.d.comb += [
-                    self.ready.eq(1),
+                    self.ready.eq(~(self.start | self.advance & pixel.new_strip)),
                     choice.eq(Cat(Mux(new_row, pixel.y_carry, pixel.x_carry), new_row)),
                     add.step.eq(self.advance),
                     add.row.eq(new_row), add.save.eq(self.advance & new_row),

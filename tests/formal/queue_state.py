@@ -18,8 +18,8 @@ def opened(queues, places_missing):
     """Queues elaborated meanwhile are added to ``queues``, and assert that nothing is written into
     them while they are full. Each has ``places_missing`` places less than it was made with."""
     def smaller(create):
-        def init(queue, *, width, depth):
-            create(queue, width=width, depth=depth - places_missing)
+        def init(queue, *, depth, **options):
+            create(queue, depth=depth - places_missing, **options)
         return init
 
     def checked(elaborate, rows_of, state):
