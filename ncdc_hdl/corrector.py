@@ -18,6 +18,7 @@ from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.layouts import SIZE, lanes_of
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.options import FetchOptions, FrontEndOptions
+from ncdc_hdl.pipeline import register
 from ncdc_model.errors import InputError
 
 __all__ = ["Corrector", "DATA_WIDTHS", "OUTPUTS"]
@@ -220,7 +221,7 @@ class Corrector(wiring.Component):
         counters = self.registers.counters
         running = Signal()
         values = {name: Signal(32, name=name.lower()) for name in COUNTERS}
-        events = dict.fromkeys(COUNTERS, 0) | {
+        events = {
             "CLOCKS": running, "PIXELS": Mux(pixels.valid & pixels.ready, self.front_end.lanes, 0),
             "FETCHES": self.fetch.fetched, "FRONT_END_STALLS": self.backmap.stalled,
             "SINK_STALLS": pixels.valid & ~pixels.ready, "DATA_STALLS": self.fetch.waiting}
@@ -232,7 +233,11 @@ class Corrector(wiring.Component):
             m.d.sync += running.eq(1)
         with m.Elif(self.registers.ended):
             m.d.sync += running.eq(0)
+        # Counted a clock late, so that long sums begin at registers: those of a frame's last clock
+        # stand two clocks after its end, when the registers copy them.
+        anew = register(m, "count_anew", begun, reset_less=False)
         for name, value in values.items():
-            # The count includes the clock in which the frame ends.
-            m.d.comb += counters[name].eq(value + events[name])
-            m.d.sync += value.eq(Mux(begun, 0, counters[name]))
+            m.d.comb += counters[name].eq(value)
+            if name in events:
+                event = register(m, f"{name.lower()}_event", events[name], reset_less=False)
+                m.d.sync += value.eq(Mux(anew, 0, value + event))

@@ -115,7 +115,7 @@ def test_every_writable_register_keeps_every_bit():
 
 async def control(ctx, host, value):
     await host.write(BY_NAME["CTRL"].address, value)
-    await wait(ctx, 3)
+    await wait(ctx, 4)
 
 
 async def status(host):
@@ -153,10 +153,10 @@ def test_shadow_registers_change_at_a_commit_only():
         assert await host.read(BY_NAME["FRAMES"].address) == 1
         assert not ctx.get(dut.irq)
         await host.write(BY_NAME["IRQ_ENABLE"].address, 1)
-        await ctx.tick()
+        await wait(ctx, 2)
         assert ctx.get(dut.irq)
         await host.write(BY_NAME["STATUS"].address, STATUS_DONE)
-        await ctx.tick()
+        await wait(ctx, 2)
         assert not ctx.get(dut.irq) and await status(host) == STATUS_BUSY
 
     run(bench)
@@ -171,6 +171,7 @@ def test_a_commit_without_a_frame_acts_at_once():
         assert await status(host) == STATUS_BANK
         await host.write(BY_NAME["FILL"].address, 6)
         await host.write(BY_NAME["CTRL"].address, CTRL_COMMIT | CTRL_START)
+        await wait(ctx, 3)
         assert ctx.get(dut.begin)
         await ctx.tick()
         assert ctx.get(dut.active.FILL) == 6
@@ -239,9 +240,10 @@ def test_a_commit_at_the_frame_boundary_is_whole(lead):
         bus = dut.bus
         ctx.set(bus.address, BY_NAME["CTRL"].address)
         ctx.set(bus.writedata, CTRL_COMMIT)
-        for k in range(6):
+        # A commit counts two clocks after its write.
+        for k in range(8):
             ctx.set(bus.write, k == lead)
-            ctx.set(dut.ended, k == 2)
+            ctx.set(dut.ended, k == 5)
             await ctx.tick()
         taken = ctx.get(dut.active.FILL) == 77
         assert taken == (ctx.get(dut.active.VALID_BANK) == 1) == (lead <= 2)
@@ -271,9 +273,10 @@ def test_random_host_against_the_contract(seed):
         bus = dut.bus
         kept = {r.name: ctx.get(dut.active[r.name]) for r in shadow_rows} | {"VALID_WINDOW": 0}
         active = {r.name: kept[r.name] for r in shadow_rows}
-        busy = pending = committed = refused = False
-        for _ in range(2000):
-            write, ended = rng.random() < 0.7, busy and rng.random() < 0.02
+        busy = pending = committed = refused = begin = take = False
+        asked = [(False, 0, 0)] * 2          # a write acts two clocks later
+        for clock in range(2000):
+            write, ended = clock < 1998 and rng.random() < 0.7, busy and rng.random() < 0.02
             kind, value = rng.integers(10), int(rng.integers(0, 1 << 32))
             if kind < 2:
                 address, value = BY_NAME["CTRL"].address, int(rng.integers(0, 4))
@@ -286,8 +289,9 @@ def test_random_host_against_the_contract(seed):
             ctx.set(bus.writedata, value)
             ctx.set(bus.write, write)
             ctx.set(dut.ended, ended)
+            asked.append((write, address, value))
+            write, address, value = asked.pop(0)
             # The contract, clock by clock.
-            begin, take = pending and not busy, committed and not busy
             assert ctx.get(dut.begin) == begin
             register = next((r for r in ROWS if r.address == address), None)
             started = write and address == BY_NAME["CTRL"].address and value & CTRL_START
@@ -299,17 +303,22 @@ def test_random_host_against_the_contract(seed):
                         or committed and bank == kept["VALID_BANK"])
                 assert ctx.get(dut.table_write) != held
                 refused |= held
-            elif write and register.name in kept:
-                if register.access == "shadow" and committed:
-                    refused = True
-                else:
-                    taken[register.name] = cut(register, value)
+            else:
+                assert not ctx.get(dut.table_write)
+                if write and register.name in kept:
+                    if register.access == "shadow" and committed:
+                        refused = True
+                    else:
+                        taken[register.name] = cut(register, value)
             if take:
                 active = {name: kept[name] for name in active}
                 seen["commits"] += 1
             seen["waits"] += committed and busy
-            committed = bool(commit) or committed and not take
-            pending, busy = bool(started) or pending and not begin, begin or busy and not ended
+            between = (ended or not busy) and not begin
+            begin, take, pending, committed, busy = (
+                pending and between, committed and between and not take,
+                bool(started) or pending and not begin, bool(commit) or committed and not take,
+                begin or busy and not ended)
             kept = taken
             await ctx.tick()
             assert {name: ctx.get(dut.active[name]) for name in active} == active

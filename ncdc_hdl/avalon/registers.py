@@ -1,11 +1,15 @@
 """The register agent: every weight, bias and geometry value, written and read by a host."""
 
+from functools import reduce
+from operator import or_
+
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.avalon.bus import Agent
 from ncdc_hdl.avalon.register_table import ADDRESS_WORDS_BITS, ID, TABLE
+from ncdc_hdl.pipeline import delay, register
 
 __all__ = ["COUNTERS", "Registers"]
 
@@ -24,8 +28,8 @@ class Registers(wiring.Component):
     A start while a frame runs is kept, one deep; without a commit it uses the set in use. An
     abort concerns the frame that runs, not the one that waits.
 
-    Timing: a write is taken at once; a read answers after 4 clocks, one at a time. The clock after
-    ``ended`` is that of the next ``begin``, with or without a commit.
+    Timing: a write is taken at once and acts three clocks later; a read answers after 7 clocks, one
+    at a time. The clock after ``ended`` is that of the next ``begin``, with or without a commit.
 
     Parameters
     ----------
@@ -44,7 +48,8 @@ class Registers(wiring.Component):
         The "shadow" registers by name, as the present frame sees them; constant while one runs.
     window_bank, table_row, table_span, table_write, table_read, table_start, table_stop,
     table_span_start, table_span_stop :
-        To the host's side of the table of valid rows.
+        To the host's side of the table of valid rows, which answers two clocks after
+        ``table_read``.
     begin : ``Out(1)``
         High for one clock, the one before ``active`` is that of a new frame.
     ended : ``In(1)``
@@ -54,7 +59,7 @@ class Registers(wiring.Component):
     cut : ``In(1)``
         The frame lacks pixels; when it has ``ended``.
     counters : ``In(StructLayout)``
-        Of the frame, by name; copied when it ends.
+        Of the frame, by name, with its last clock two clocks after ``ended``, when they are copied.
     irq : ``Out(1)``
     """
 
@@ -84,74 +89,96 @@ class Registers(wiring.Component):
         counted = {name: Signal(32, name=name.lower()) for name in (*COUNTERS, "FRAMES")}
         action = {r.name: r for r in self.table if r.access == "action"}
         status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
-        busy, pending, committed = (status[name] for name in ("BUSY", "PENDING", "COMMITTED"))
 
-        # Reads take four clocks, during which the agent waits: two for the table of valid rows.
-        r0, r1, r2, r3 = (Signal(name=f"r{k}") for k in range(4))
+        # An access goes into registers first, then to whom it concerns.
         address = Signal(ADDRESS_WORDS_BITS)
-        accept = Signal()
-        in_table = bus.address >= TABLE
-        table_held, window = Signal(), kept["VALID_WINDOW"]
-        m.d.comb += table_held.eq((busy | pending) & (window == self.active.VALID_BANK)
-                                  | committed & (window == kept["VALID_BANK"]))
-        m.d.comb += [
-            bus.waitrequest.eq(r0 | r1 | r2 | r3),
-            accept.eq(bus.write & ~bus.waitrequest),
-            bus.readdatavalid.eq(r3),
-            self.window_bank.eq(kept["VALID_WINDOW"]),
-            self.table_row.eq(Mux(r0, address, bus.address)[1:]),
-            self.table_span.eq(Mux(r0, address, bus.address)[0]),
-            self.table_write.eq(accept & in_table & ~table_held),
-            self.table_read.eq(r0),
-            self.table_start.eq(bus.writedata[:16]), self.table_stop.eq(bus.writedata[16:]),
-        ]
-        with m.If(bus.read & ~bus.waitrequest):
-            m.d.sync += address.eq(bus.address)
-        m.d.sync += [r0.eq(bus.read & ~bus.waitrequest), r1.eq(r0), r2.eq(r1),
-                     r3.eq(r2)]
+        word = Signal(32)
+        write, read, reading = Signal(), Signal(), Signal()
+        m.d.comb += bus.waitrequest.eq(reading)
+        m.d.sync += [write.eq(bus.write & ~reading), read.eq(bus.read & ~reading)]
+        with m.If(~reading):
+            m.d.sync += [address.eq(bus.address), word.eq(bus.writedata), reading.eq(bus.read)]
+        meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
+                 for r in self.table}
+        table_read = self._read(m, address, read, reading, meant, {
+            **self.constants, **kept, **counted, "CTRL": 0,
+            "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags)})
 
-        readable = {**self.constants, **kept, **counted, "CTRL": 0,
-                    "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags)}
-        value = Signal(signed(32))
-        with m.Switch(address):
-            for register in self.table:
-                with m.Case(register.address):
-                    m.d.sync += value.eq(readable[register.name])
-            with m.Default():
-                m.d.sync += value.eq(0)
-        span = Cat(self.table_span_start, Const(0, 3), self.table_span_stop, Const(0, 3))
-        m.d.sync += bus.readdata.eq(Mux(address >= TABLE, span, value))
-
-        refused = Signal()
-        m.d.comb += refused.eq(accept & in_table & table_held)
-        with m.If(accept):
-            with m.Switch(bus.address):
-                for register in self.table:
-                    if register.name in kept:
-                        with m.Case(register.address):
-                            if register.access == "shadow":
-                                m.d.comb += refused.eq(committed)
-                                with m.If(~committed):
-                                    m.d.sync += kept[register.name].eq(bus.writedata)
-                            else:
-                                m.d.sync += kept[register.name].eq(bus.writedata)
-
-        def written(register, flag):
-            return accept & (bus.address == register.address) & ((bus.writedata & flag.mask) != 0)
-
-        control = {flag.name: written(action["CTRL"], flag) for flag in action["CTRL"].flags}
-        boundary = Signal()
-        m.d.comb += [boundary.eq(~busy), self.begin.eq(pending & boundary),
-                     self.irq.eq(status["DONE"] & kept["IRQ_ENABLE"]),
-                     status["BANK"].eq(self.active.VALID_BANK)]
+        written_word = register(m, "written_word", word)
+        writes = register(m, "writes", write, reset_less=False)
+        written = {r.name: writes & meant[r.name] for r in self.table if r.access != "ro"}
+        in_table = register(m, "table_written", write & (address >= TABLE), reset_less=False)
         for flag in action["STATUS"].flags:
             if flag.access == "w1c":
-                with m.If(written(action["STATUS"], flag)):
+                with m.If(written["STATUS"] & written_word[flag.bit]):
                     m.d.sync += status[flag.name].eq(0)
-        with m.If(refused):
+        self._keep(m, written, written_word, kept, status["COMMITTED"])
+        self._table(m, address, table_read, in_table, written_word, kept, status)
+        with m.If(self._refused(m, written, in_table & ~self.table_write, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
-        self._take_over(m, committed & boundary, kept)
-        with m.If(boundary):
+        self._frames(m, {flag.name: written["CTRL"] & written_word[flag.bit]
+                         for flag in action["CTRL"].flags}, kept, status)
+        self._count(m, counted)
+        m.d.comb += [self.irq.eq(status["DONE"] & kept["IRQ_ENABLE"]),
+                     status["BANK"].eq(self.active.VALID_BANK)]
+        return m
+
+    def _read(self, m, address, read, reading, meant, readable):
+        """Answer in seven clocks, in which ``address`` rests; returns when the table is read."""
+        steps = [read]
+        for k in range(1, 7):
+            steps.append(register(m, f"read{k}", steps[-1], reset_less=False))
+        with m.If(steps[-2]):
+            m.d.sync += reading.eq(0)
+        # In the third step all that a write just before changes has changed, REFUSED included; the
+        # words are taken then. All but one are masked.
+        words = [Mux(meant[r.name], readable[r.name], 0) for r in self.table]
+        fours = [register(m, f"word{k}", reduce(or_, words[k:k + 4]), signed(32))
+                 for k in range(0, len(words), 4)]
+        value = register(m, "value", reduce(or_, fours))
+        span = Cat(self.table_span_start, Const(0, 3), self.table_span_stop, Const(0, 3))
+        m.d.sync += self.bus.readdata.eq(Mux(address >= TABLE, span, value))
+        m.d.comb += self.bus.readdatavalid.eq(steps[-1])
+        return steps[3]
+
+    def _keep(self, m, written, word, kept, committed):
+        """Take what is written, unless it is of a committed set."""
+        for r in self.table:
+            if r.name in kept:
+                with m.If(written[r.name] & ~(committed & (r.access == "shadow"))):
+                    m.d.sync += kept[r.name].eq(word)
+
+    def _table(self, m, address, read, written, word, kept, status):
+        """The host's side of the table of valid rows, of which frames hold up to both banks."""
+        window = kept["VALID_WINDOW"]
+        held = ((status["BUSY"] | status["PENDING"]) & (window == self.active.VALID_BANK)
+                | status["COMMITTED"] & (window == kept["VALID_BANK"]))
+        entry = register(m, "entry", address)
+        m.d.comb += [
+            self.window_bank.eq(window), Cat(self.table_span, self.table_row).eq(entry),
+            self.table_write.eq(written & ~held),
+            self.table_read.eq(read),
+            self.table_start.eq(word[:16]), self.table_stop.eq(word[16:]),
+        ]
+
+    def _refused(self, m, written, of_table, committed):
+        """Whether a write was ignored, two clocks later."""
+        shadow = Cat(written[r.name] for r in self.table if r.access == "shadow")
+        of_set = register(m, "shadow_written", shadow.any(), reset_less=False)
+        was_committed = register(m, "was_committed", committed, reset_less=False)
+        return register(m, "ignored", of_set & was_committed, reset_less=False) \
+            | delay(m, of_table, 2, "table_ignored", reset_less=False)
+
+    def _frames(self, m, control, kept, status):
+        """Begin and end frames; a committed set is taken over between two of them."""
+        busy, pending, committed = (status[name] for name in ("BUSY", "PENDING", "COMMITTED"))
+        take, asked = Signal(), Signal()
+        # What is to happen in the next clock; a frame that begins has its set.
+        boundary = (~busy | self.ended) & ~self.begin
+        m.d.sync += [self.begin.eq(pending & boundary), take.eq(committed & boundary & ~take)]
+        self._take_over(m, take, kept)
+        m.d.comb += self.abort.eq(asked & busy)
+        with m.If(take):
             m.d.sync += committed.eq(0)
         with m.If(self.begin):
             m.d.sync += [busy.eq(1), pending.eq(0)]
@@ -160,13 +187,17 @@ class Registers(wiring.Component):
         with m.If(control["COMMIT"]):
             m.d.sync += committed.eq(1)
         with m.If(control["ABORT"]):
-            m.d.sync += self.abort.eq(busy | self.begin)
+            m.d.sync += asked.eq(busy | pending)
         with m.If(self.ended):
-            m.d.sync += [busy.eq(0), status["DONE"].eq(1), self.abort.eq(0),
-                         status["ABORTED"].eq(self.cut),
-                         counted["FRAMES"].eq(counted["FRAMES"] + 1)]
+            m.d.sync += [busy.eq(0), status["DONE"].eq(1), asked.eq(0),
+                         status["ABORTED"].eq(self.cut)]
+
+    def _count(self, m, counted):
+        """Keep the counters of the frame that has ended."""
+        ended = delay(m, self.ended, 2, "ended", reset_less=False)
+        with m.If(ended):
+            m.d.sync += counted["FRAMES"].eq(counted["FRAMES"] + 1)
             m.d.sync += [counted[name].eq(self.counters[name]) for name in COUNTERS]
-        return m
 
     def _take_over(self, m, when, kept):
         """Copy the whole set to ``active`` in the clocks in which ``when`` is high."""

@@ -16,7 +16,7 @@ a test compares this page with that table.
 
 The corrector's `csr` port is an Avalon-MM agent with {words} words of 32 bits. Offsets are in
 bytes from the agent's base; the port itself counts words. A write is taken at once, a read
-answers after four clocks. A signed value is sign-extended on reading. An unused offset reads
+answers after seven clocks. A signed value is sign-extended on reading. An unused offset reads
 zero and ignores writes. After configuration every shadow register has the value of the descriptor
 that the Verilog was generated from, with the raw frame at address 0 and the corrected frame on the
 next multiple of 4096 bytes behind it.

@@ -57,7 +57,7 @@ async def frame_boundary(dut):
 
     async def control(value):
         await host.write(rows["CTRL"].address, value)
-        await clocks(dut, 3)
+        await clocks(dut, 4)
 
     async def status():
         return await host.read(rows["STATUS"].address)
@@ -82,13 +82,13 @@ async def frame_boundary(dut):
     assert await status() == STATUS_DONE
     assert await host.read(rows["FRAMES"].address) == 1
     await host.write(rows["STATUS"].address, STATUS_DONE)
-    await clocks(dut, 1)
+    await clocks(dut, 3)
     assert int(dut.irq.value) == 0
 
 
 async def table(dut, entries):
-    """The table's side of the registers: (row, span) to (start, stop), one clock to read."""
-    rng = random.Random(2)
+    """The table's side of the registers: (row, span) to (start, stop), two clocks to read."""
+    rng, asked = random.Random(2), None
     while True:
         await ReadOnly()
         place = int(dut.table_row.value), int(dut.table_span.value)
@@ -97,7 +97,8 @@ async def table(dut, entries):
             entries[place] = int(dut.table_start.value), int(dut.table_stop.value)
         await FallingEdge(dut.clk)
         # Between reads the scan uses the table's port: something else stands there.
-        answer = entries[place] if read else (rng.getrandbits(13), rng.getrandbits(13))
+        answer = entries[asked] if asked else (rng.getrandbits(13), rng.getrandbits(13))
+        asked = place if read else None
         dut.table_span_start.value, dut.table_span_stop.value = answer
 
 
@@ -111,7 +112,7 @@ async def table_of_valid_rows(dut):
                for row in (0, 1, 5, 1000, 4095) for span in range(2)}
     for (row, span), (first, stop) in written.items():
         await host.write(TABLE + 2 * row + span, first | stop << 16)
-    await clocks(dut, 1)
+    await clocks(dut, 2)
     assert entries == written
     for (row, span), (first, stop) in written.items():
         assert await host.read(TABLE + 2 * row + span) == first | stop << 16
