@@ -154,7 +154,8 @@ def test_a_wrong_netlist_is_seen(netlists):
 
 
 @pytest.mark.parametrize("change", [
-    {"parameters": {"CEMUX": "CE"}}, {"parameters": {"REGSET": "SET"}},
+    {"parameters": {"CEMUX": "CE"}, "connections": {"CE": [2]}, "port_directions": {"CE": "input"}},
+    {"parameters": {"REGSET": "SET"}},
     {"connections": {"LSR": [2]}}, {"connections": {"CLK": [3]}}])
 def test_other_flip_flops_stay(netlists, change):
     _, before, _, _ = netlists
@@ -174,7 +175,7 @@ def flows(monkeypatch, tmp_path):
     calls = []
 
     def flow(name, **figures):
-        def run(verilog, top, *, progress, seeds=()):
+        def run(verilog, top, *, progress, seeds=(), make_netlist=None):
             calls.append((name, *seeds))
             return figures | ({"fmax_mhz": 200.0 + 10 * seeds[0]} if seeds else {})
         return run
@@ -200,6 +201,27 @@ def test_rows_have_the_same_names_for_every_target_and_are_kept(flows):
     assert flows[4:] == [("ecp5", 3)]
     block_rows("neuron", "output HN 8", ["cyclonev"])
     assert flows[5:] == [("cyclonev",)]
+
+
+def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
+    """Yosys, the slow part of small blocks, runs once for any number of placements."""
+    steps = []
+
+    def call(tool, folder, *arguments):
+        steps.append(arguments[arguments.index("--seed") + 1])
+        (folder / "report.json").write_text(json.dumps({
+            "fmax": {"clk": {"achieved": 100.0 + int(steps[-1])}}, "utilization": {
+                kind: {"used": 1} for kind in ("TRELLIS_COMB", "TRELLIS_FF", "DP16KD")}}))
+    monkeypatch.setenv("NCDC_CACHE", str(tmp_path))
+    monkeypatch.setattr(synthesis, "_call", call)
+
+    def netlist(verilog, top, *, progress):
+        steps.append("Yosys")
+        return json.dumps({"modules": {top: {"cells": {"a": {"type": "MULT18X18D"}}}}})
+    monkeypatch.setattr(synthesis_rows, "ecp5_netlist", netlist)
+    row, = block_rows("neuron", "hidden", ["ecp5"], seeds=3)
+    assert steps == ["Yosys", "1", "2", "3"]
+    assert row["fmax_seeds_mhz"] == [101.0, 102.0, 103.0] and row["dsp"] == 1
 
 
 def test_a_figure_that_is_worse_by_more_than_the_limit():

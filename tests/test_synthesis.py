@@ -14,6 +14,7 @@ from ncdc_hdl.bench.output_registers import absorb_output_registers
 from ncdc_hdl.bench.synthesis import Registered, SynthesisError, cyclone_v, ecp5, synthesise
 from ncdc_hdl.cli import main
 from ncdc_hdl.export.verilog import module_verilog
+from ncdc_hdl.pipeline import DelayMemory
 
 
 class Square(wiring.Component):
@@ -148,6 +149,27 @@ def test_figures():
     assert row["ff"] == 10 + 10 + 28
     assert len(row["fmax_seeds_mhz"]) == 2 and min(row["fmax_seeds_mhz"]) > 20
     assert min(row["fmax_seeds_mhz"]) <= row["fmax_mhz"] <= max(row["fmax_seeds_mhz"])
+
+
+class Delays(wiring.Component):
+    """Two memories: one fills two M10Ks to nine tenths, the other two to not quite a third."""
+    i: In(51)
+    o: Out(51)
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.deep, m.submodules.wide = deep, wide = DelayMemory(18, 1000), DelayMemory(
+            51, 128)
+        m.d.comb += [deep.i.eq(self.i), wide.i.eq(self.i), self.o.eq(wide.o ^ deep.o)]
+        return m
+
+
+@pytest.mark.regress
+def test_a_memory_that_would_not_fill_its_block_rams_is_of_mlabs():
+    row = cyclone_v(module_verilog(Delays(), "delays"), "delays")
+    assert row["m10k"] == 2
+    # Four MLABs' words for each bit of the one, and what the 27 bits of addresses need.
+    assert 4 * 51 < row["alut"] < 2 * 4 * 51
 
 
 @pytest.mark.regress

