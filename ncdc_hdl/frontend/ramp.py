@@ -18,7 +18,8 @@ class Ramp(wiring.Component):
     bits in one clock.
 
     Timing: ``sum`` is that of the group which the last ``take`` has made the one shown. ``step``,
-    ``restart`` and ``rebase`` tell with ``take`` how the sum of the group after it is made.
+    ``restart`` and ``rebase`` tell with ``take`` how the sum of the group after it is made. A frame
+    begins with ``load``, and a ``take`` with ``restart`` that shows nothing yet.
 
     Parameters
     ----------
@@ -28,15 +29,15 @@ class Ramp(wiring.Component):
     Members
     -------
     first, stride : ``In(signed(32))``
-        Constant from ``begin`` on.
-    begin : ``In(1)``
-        The next group taken is a frame's first and has the sum ``first``.
+        Constant from ``load`` on.
+    load : ``In(1)``
+        ``first`` becomes the base.
     take : ``In(1)``
         Another group is shown in the next clock.
     step : ``In(1)``
         The sum grows by ``stride``.
     restart : ``In(1)``
-        It is the base instead, at first ``first``.
+        It is the base instead.
     rebase : ``In(1)``
         It becomes the base; with ``step`` only.
     sum : ``Out(signed(32))``
@@ -48,7 +49,7 @@ class Ramp(wiring.Component):
         self.shift = shift
         super().__init__({
             "first": In(signed(SCAN.width)), "stride": In(signed(SCAN.width)),
-            "begin": In(1), "take": In(1), "step": In(1), "restart": In(1), "rebase": In(1),
+            "load": In(1), "take": In(1), "step": In(1), "restart": In(1), "rebase": In(1),
             "sum": Out(signed(SCAN.width)), "carry": Out(1),
         })
 
@@ -84,9 +85,6 @@ class Ramp(wiring.Component):
                 m.d.sync += high.eq(high_sum)
             with m.If(rebased):
                 m.d.sync += base_high.eq(high_sum)
-        with m.If(self.begin):
-            m.d.sync += [
-                Cat(base_low, base_high).eq(self.first), low.eq(self.first),
-                restarted.eq(1), rebased.eq(0),
-            ]
+        with m.If(self.load):
+            m.d.sync += [Cat(base_low, base_high).eq(self.first), rebased.eq(0)]
         return m

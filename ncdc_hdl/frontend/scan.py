@@ -63,7 +63,7 @@ class Scan(wiring.Component):
     """
 
     blank_latency = 2
-    latency = Strips.latency + 1
+    latency = Strips.latency + 2
 
     def __init__(self, formats, lanes=1):
         self.q, self.lanes = formats.input, lanes
@@ -80,27 +80,27 @@ class Scan(wiring.Component):
         m = Module()
         p = self.parameters
         m.submodules.strips = strips = Strips(self.lanes)
-        # The group that follows the one shown: there is one; it is the first of a row, whose spans
-        # are to be taken with it; it is the frame's first.
-        running, row_begins, frame_begins = Signal(), Signal(), Signal()
+        # The group that follows the one shown: there is one, if only the one before a frame's
+        # first, which nobody sees; it is that one, it is the first of a frame, it is the first of a
+        # row, whose spans are to be taken with it.
+        running, void, frame_begins, row_begins = Signal(), Signal(), Signal(), Signal()
+        # It is the last of a row; others follow it in this strip, in another one; it is the last.
+        row_ends, new_row, new_strip, complete = Signal(), Signal(), Signal(), Signal()
+        top, column = Signal(), Signal(SIZE)         # the next row is the first one; its column
         take = Signal()                              # it becomes the group shown
         further = Signal()                           # if so, yet another one can follow at once
         shown = Signal()                             # ``active`` in the next clock
         ending = Signal()                            # the group shown is blank and ends the frame
         end, empty = Signal(), Signal()
-        new_row, new_strip, complete = Signal(), Signal(), Signal()
-        shown_row, shown_strip = Signal(), Signal()
+        shown_row, shown_strip, shown_column = Signal(), Signal(), Signal(SIZE)
         spans, fetched = self._fetch_spans(m, take & row_begins)
         m.d.comb += [
             strips.order.width.eq(p.width), strips.order.height.eq(p.height),
             strips.order.strip.eq(p.strip), strips.start.eq(self.start),
             strips.advance.eq(take),
-            shown.eq(take | self.active & ~self.advance),
-            complete.eq(strips.last_column & strips.last_row & strips.last_strip),
-            new_row.eq(strips.last_column & ~strips.last_row),
-            new_strip.eq(strips.last_column & strips.last_row & ~strips.last_strip),
+            shown.eq(take & ~void | self.active & ~self.advance),
             end.eq(self.abort | empty),
-            further.eq(~(end | complete) & (~strips.last_column | fetched & ~row_begins)),
+            further.eq((void | ~(end | complete)) & (~row_ends | fetched & ~row_begins)),
         ]
         # Decided a clock ahead: both reach registers all over the scan.
         m.d.sync += [
@@ -110,26 +110,28 @@ class Scan(wiring.Component):
         ]
         with m.If(take):
             m.d.sync += [
-                row_begins.eq(strips.last_column), frame_begins.eq(0),
+                row_ends.eq(strips.last_column),
+                new_row.eq(strips.last_column & ~strips.last_row),
+                new_strip.eq(strips.last_column & strips.last_row & ~strips.last_strip),
+                top.eq(strips.last_column & strips.last_row & ~strips.last_strip),
+                complete.eq(strips.last_column & strips.last_row & strips.last_strip),
+                column.eq(strips.u), void.eq(0), frame_begins.eq(void), row_begins.eq(row_ends),
+                running.eq(void | ~(end | complete)),
                 self.first.eq(frame_begins), self.last.eq(end | complete), ending.eq(end),
-                running.eq(~(end | complete)),
+                shown_row.eq(new_row), shown_strip.eq(new_strip & ~end), shown_column.eq(column),
             ]
         with m.If(self.advance & self.last):
             m.d.sync += self.cut.eq(ending)
         with m.If(self.start):
-            m.d.sync += self.cut.eq(0)
+            m.d.sync += [self.cut.eq(0), void.eq(1), frame_begins.eq(0), row_begins.eq(0),
+                         row_ends.eq(1), new_row.eq(1), new_strip.eq(0), top.eq(1), complete.eq(0)]
         with m.If(strips.begin):
-            m.d.sync += [running.eq(1), take.eq(fetched), row_begins.eq(1), frame_begins.eq(1)]
+            m.d.sync += [running.eq(1), take.eq(1)]
 
-        self._coordinates(m, strips.begin, take, new_row, new_strip)
-        with m.If(take):
-            m.d.sync += [shown_row.eq(new_row), shown_strip.eq(new_strip & ~end)]
+        self._coordinates(m, strips.begin, take, new_row, new_strip, top)
         for pixel in self.pixels:
             m.d.comb += [pixel.new_row.eq(shown_row), pixel.new_strip.eq(shown_strip)]
-        column = Signal(SIZE)
-        with m.If(take):
-            m.d.sync += column.eq(strips.u)
-        self._blank(m, column, spans, ending)
+        self._blank(m, shown_column, spans, ending)
         return m
 
     def _fetch_spans(self, m, take):
@@ -150,28 +152,28 @@ class Scan(wiring.Component):
             m.d.sync += [fetched.eq(0), self.row.eq(0)]
         return spans, fetched
 
-    def _coordinates(self, m, begin, take, new_row, new_strip):
+    def _coordinates(self, m, load, take, new_row, new_strip, top):
         p, shift = self.parameters, SCAN.f_bits - self.q.f_bits
         half = 1 << (shift - 1)
         # The largest sum is 0.9999 + half a step of the input format: below one, it cannot wrap.
         # Beyond the last column it may, and is not used.
         stride = Signal(signed(SCAN.width + 2))
-        left, top, step_x3 = (Signal(signed(SCAN.width), name=name)
-                              for name in ("left", "top", "step_x3"))
+        first_x, first_y, step_x3 = (Signal(signed(SCAN.width), name=name)
+                                     for name in ("first_x", "first_y", "step_x3"))
         m.d.comb += stride.eq(p.step_x * self.lanes)
-        m.d.sync += [left.eq(p.origin_x + half), top.eq(p.origin_y + half),
+        m.d.sync += [first_x.eq(p.origin_x + half), first_y.eq(p.origin_y + half),
                      step_x3.eq(p.step_x + (p.step_x << 1))]
         m.submodules.y = y = Ramp(shift)
-        m.d.comb += [y.first.eq(top), y.stride.eq(p.step_y), y.begin.eq(begin), y.take.eq(take),
-                     y.step.eq(new_row), y.restart.eq(new_strip)]
+        m.d.comb += [y.first.eq(first_y), y.stride.eq(p.step_y), y.load.eq(load), y.take.eq(take),
+                     y.step.eq(new_row), y.restart.eq(top)]
         for k, pixel in enumerate(self.pixels):
             m.submodules[f"x{k}"] = x = Ramp(shift)
-            m.d.comb += [x.stride.eq(stride), x.begin.eq(begin), x.take.eq(take), x.step.eq(1),
+            m.d.comb += [x.stride.eq(stride), x.load.eq(load), x.take.eq(take), x.step.eq(1),
                          x.restart.eq(new_row), x.rebase.eq(new_strip)]
             if k == 0:
-                m.d.comb += x.first.eq(left)
+                m.d.comb += x.first.eq(first_x)
             else:
-                m.d.sync += x.first.eq(left + (step_x3 if k == 3 else p.step_x * k))
+                m.d.sync += x.first.eq(first_x + (step_x3 if k == 3 else p.step_x * k))
             m.d.comb += [
                 pixel.x.eq(x.sum >> shift), pixel.x_step.eq(stride >> shift),
                 pixel.y.eq(y.sum >> shift), pixel.y_step.eq(p.step_y >> shift),

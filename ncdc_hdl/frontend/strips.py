@@ -47,7 +47,7 @@ class Strips(wiring.Component):
         Columns of a strip but the last; the whole picture is one.
     """
 
-    latency = 5
+    latency = 6
 
     def __init__(self, lanes=1):
         self.lanes = lanes
@@ -62,40 +62,43 @@ class Strips(wiring.Component):
         order, unit, group = self.order, exact_log2(STRIP_UNIT), exact_log2(self.lanes)
         count = range(-MAX_SIZE - 1, MAX_SIZE)
         left = Signal(SIZE)                          # first column of the strip
-        # Groups of this strip's row, and rows of the picture, less two: what to count down from.
-        groups, rows = Signal(count), Signal(count)
-        column, row = Signal(count), Signal(count)   # -1: the last
+        step, next_strip = Signal(), Signal()
+        column, row = Signal(count), Signal(count)   # to be counted down to -1: the last one
+        groups, rows = Signal(count), Signal(count)  # of this strip's row, of the picture; less two
         m.d.comb += [
             self.strip.eq(Cat(Const(0, unit), order.strip[unit:])),
             self.raster.eq(self.strip == 0),
             self.begin.eq(delay(m, self.start, self.latency - 1, "start", reset_less=False)),
             self.last_column.eq(column < 0), self.last_row.eq(row < 0),
+            step.eq(self.begin | self.advance),
+            next_strip.eq(step & self.last_column & self.last_row),
         ]
-        # The strip to come, worked out in three clocks from the columns right of its first one:
-        # no strip but the last has a row of so few groups.
+        # The strip to come, worked out in three clocks from the columns right of its first one;
+        # in a fourth what the row to come has: no strip but the last has a row of so few groups.
         columns, beyond = Signal(count), Signal(count)
         less_one, last, less_two = Signal(count), Signal(1), Signal(count)
+        row_groups = Signal(count)
         m.d.sync += [
             beyond.eq(columns - self.strip),
             last.eq(self.raster | (beyond < 0)),
             less_one.eq(Mux(self.raster | (beyond < 0), columns, self.strip - 1) >> group),
             less_two.eq(less_one - 1), rows.eq(order.height - 2),
+            row_groups.eq(Mux(self.last_row, less_two, groups)),
         ]
-        u_next = Signal(SIZE)
-        m.d.comb += u_next.eq(self.u + self.lanes)
-        with m.If(self.advance):
-            m.d.sync += [column.eq(column - 1), self.u.eq(u_next)]
-            with m.If(self.last_column):
-                m.d.sync += [column.eq(groups), row.eq(row - 1)]
-                with m.If(~self.last_row):
-                    m.d.sync += self.u.eq(left)
+        further = Signal(SIZE)
+        m.d.comb += further.eq(self.u + self.lanes)
+        with m.If(step):
+            m.d.sync += [
+                column.eq(Mux(self.last_column, row_groups, column - 1)),
+                self.u.eq(Mux(self.last_column & ~self.last_row, left, further)),
+            ]
+        with m.If(step & self.last_column):
+            m.d.sync += row.eq(Mux(self.last_row, rows, row - 1))
+        with m.If(next_strip):
+            m.d.sync += [left.eq(further), groups.eq(less_two), columns.eq(beyond),
+                         self.last_strip.eq(last)]
         with m.If(self.start):
-            m.d.sync += columns.eq(order.width - 1)
-        with m.If(self.begin):
-            m.d.sync += [self.u.eq(0), left.eq(0)]
-        with m.Elif(self.advance & self.last_column & self.last_row):
-            m.d.sync += left.eq(u_next)
-        with m.If(self.begin | self.advance & self.last_column & self.last_row):
-            m.d.sync += [groups.eq(less_two), column.eq(less_two), row.eq(rows),
-                         self.last_strip.eq(last), columns.eq(beyond)]
+            # As at the end of a strip on the left of the picture.
+            m.d.sync += [column.eq(-1), row.eq(-1), self.u.eq(-self.lanes),
+                         columns.eq(order.width - 1)]
         return m

@@ -7,7 +7,7 @@ from amaranth.utils import bits_for
 
 from ncdc_hdl.neural.layouts import hidden_layout, output_layout, pixel_layout
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
-from ncdc_hdl.pipeline import delay
+from ncdc_hdl.pipeline import delay, register
 
 __all__ = ["MultiplyLayer", "OutputLayer", "hidden_layer_ports", "served"]
 
@@ -69,14 +69,15 @@ class MultiplyLayer(wiring.Component):
 
     @property
     def latency(self):
-        """Clocks from a pixel's first turn to that turn's nets."""
-        return self.units[0].latency
+        """Clocks from a pixel's first turn to that turn's nets: 1 on the way to all units."""
+        return 1 + self.units[0].latency
 
     def elaborate(self, platform):
         m = Module()
         m.d.comb += self.ready.eq(1)
         unit = self.units[0]
-        turn_w = delay(m, self.turn, unit.weights_clock, "turn_w")
+        inputs = register(m, "inputs", Cat(self.pixel.x, self.pixel.y))
+        turn_w = delay(m, self.turn, 1 + unit.weights_clock, "turn_w")
         turn_b = delay(m, turn_w, unit.bias_clock - unit.weights_clock, "turn_b")
         for k, unit in enumerate(self.units):
             m.submodules[f"unit{k}"] = unit
@@ -84,7 +85,7 @@ class MultiplyLayer(wiring.Component):
             weights = Array(Value.cast(n.weights) for n in neurons)
             biases = Array(n.bias for n in neurons)
             m.d.comb += [
-                unit.i.eq(Cat(self.pixel.x, self.pixel.y)),
+                unit.i.eq(inputs),
                 unit.weights.eq(weights[turn_w] if self.share > 1 else weights[0]),
                 unit.bias.eq(biases[turn_b] if self.share > 1 else biases[0]),
                 self.o[k].eq(unit.o),
