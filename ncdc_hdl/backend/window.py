@@ -19,7 +19,7 @@ class WindowAddress(wiring.Component):
 
     An origin of -1 or width - 2 is moved to the window's nearest place inside, see
     ``ncdc_model.picture.window_address``, to which this is equal bit for bit.
-    Timing: a stream stage, latency 1, one group per clock.
+    Timing: three stream stages (subtract, compare, choose), latency 3, one group per clock.
 
     Parameters
     ----------
@@ -46,31 +46,57 @@ class WindowAddress(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        o = Signal(self.o.payload.shape())
-        m.d.comb += [o.first.eq(self.i.p.first), o.last.eq(self.i.p.last)]
-        for i, window in zip(lanes_of(self.i.p), lanes_of(o)):
-            self._address(m, i, window)
-        with m.If(~self.o.valid | self.o.ready):
-            m.d.comb += self.i.ready.eq(1)
-            m.d.sync += [self.o.valid.eq(self.i.valid), self.o.payload.eq(o)]
+        # The last origin inside the image and the next one, per axis.
+        last_inside, beyond = ([Signal(signed(self.q.i_bits + 1), name=f"{name}_{axis}")
+                                for axis in "xy"] for name in ("inside", "beyond"))
+        for limits, away in ((last_inside, WINDOW), (beyond, WINDOW - 1)):
+            m.d.sync += [limit.eq(size - away)
+                         for limit, size in zip(limits, (self.width, self.height))]
+        limits = list(zip(last_inside, beyond))
+        # Each stage takes what the one before it has, unless it must hold its own.
+        stages = [(Signal(name=f"{name}_valid"), Signal(2, name=f"{name}_flags"),
+                   Signal(name=f"{name}_take")) for name in ("shifted", "compared")]
+        stages.append((self.o.valid, Cat(self.o.p.first, self.o.p.last), Signal(name="take")))
+        ready, valid, flags = self.o.ready, self.i.valid, Cat(self.i.p.first, self.i.p.last)
+        for own_valid, _, take in reversed(stages):
+            m.d.comb += take.eq(~own_valid | ready)
+            ready = take
+        m.d.comb += self.i.ready.eq(ready)
+        for own_valid, own_flags, take in stages:
+            with m.If(take):
+                m.d.sync += [own_valid.eq(valid), own_flags.eq(flags)]
+            valid, flags = own_valid, own_flags
+        takes = [take for _, _, take in stages]
+        for k, (i, o) in enumerate(zip(lanes_of(self.i.p), lanes_of(self.o.p))):
+            self._address(m, k, i, o, limits, takes)
         return m
 
-    def _address(self, m, i, o):
-        """The window ``o`` of the coordinate ``i``."""
+    def _address(self, m, k, i, o, limits, takes):
+        """The window ``o`` of the coordinate ``i`` in lane ``k``."""
         half = 1 << (self.q.f_bits - 1)
-        inside = []
-        for coordinate, size, origin, fraction in ((i.x, self.width, o.x0, o.fx),
-                                                   (i.y, self.height, o.y0, o.fy)):
-            shifted = Signal(signed(self.q.width + 1))
-            whole, after = Signal(signed(self.q.i_bits + 1)), Signal(signed(self.q.i_bits + 1))
-            m.d.comb += [
-                shifted.eq(coordinate - half), whole.eq(shifted >> self.q.f_bits),
-                after.eq(size - (WINDOW - 1)),
-                origin.eq(whole), fraction.eq(shifted),
-            ]
-            with m.If(whole == -1):
-                m.d.comb += [origin.eq(0), fraction.eq(0)]
-            with m.Elif(whole == after):
-                m.d.comb += [origin.eq(after - 1), fraction.eq(-1)]
-            inside.append((whole >= -1) & (whole <= after))
-        m.d.comb += o.blank.eq(i.blank | ~Cat(inside).all())
+        shift, compare, choose = takes
+        blank, inside = Signal(name=f"blank{k}"), []
+        with m.If(shift):
+            m.d.sync += blank.eq(i.blank)
+        for axis, coordinate, (last, beyond), origin, fraction in (
+                ("x", i.x, limits[0], o.x0, o.fx), ("y", i.y, limits[1], o.y0, o.fy)):
+            shifted, held = (Signal(signed(self.q.width + 1), name=f"{name}_{axis}{k}")
+                             for name in ("shifted", "held"))
+            before, at_end = Signal(name=f"before_{axis}{k}"), Signal(name=f"at_end_{axis}{k}")
+            whole = shifted >> self.q.f_bits
+            with m.If(shift):
+                m.d.sync += shifted.eq(coordinate - half)
+            with m.If(compare):
+                m.d.sync += [held.eq(shifted), before.eq(whole == -1), at_end.eq(whole == beyond)]
+            with m.If(choose):
+                m.d.sync += [origin.eq(held >> self.q.f_bits), fraction.eq(held)]
+                with m.If(before):
+                    m.d.sync += [origin.eq(0), fraction.eq(0)]
+                with m.Elif(at_end):
+                    m.d.sync += [origin.eq(last), fraction.eq(-1)]
+            inside += [whole >= -1, whole <= beyond]
+        passed, within = Signal(name=f"passed{k}"), Signal(len(inside), name=f"within{k}")
+        with m.If(compare):
+            m.d.sync += [passed.eq(blank), within.eq(Cat(inside))]
+        with m.If(choose):
+            m.d.sync += o.blank.eq(passed | ~within.all())
