@@ -52,7 +52,7 @@ def simulate_lens_change(corrector, verilog, cameras, frames, *, intruder=False,
     Parameters
     ----------
     corrector, verilog : Corrector, str
-        With the neurons, formats and rows that all the cameras need; and its text.
+        With the neurons, formats and largest size that the cameras need; and its text.
     cameras : sequence of (Descriptor, ndarray of uint8)
         Each with its raw frame.
     frames : int
