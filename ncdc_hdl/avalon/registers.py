@@ -28,8 +28,9 @@ class Registers(wiring.Component):
     A start while a frame runs is kept, one deep; without a commit it uses the set in use. An
     abort concerns the frame that runs, not the one that waits.
 
-    Timing: a write is taken at once and acts three clocks later; a read answers after 7 clocks, one
-    at a time. The clock after ``ended`` is that of the next ``begin``, with or without a commit.
+    Timing: one access at a time; it is accepted after 5 clocks of waiting, when all that it changes
+    has changed, and data follow a clock later. The clock after ``ended`` is that of the next
+    ``begin``, with or without a commit.
 
     Parameters
     ----------
@@ -90,56 +91,60 @@ class Registers(wiring.Component):
         action = {r.name: r for r in self.table if r.access == "action"}
         status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
 
-        # An access goes into registers first, then to whom it concerns.
-        address = Signal(ADDRESS_WORDS_BITS)
-        word = Signal(32)
-        write, read, reading = Signal(), Signal(), Signal()
-        m.d.comb += bus.waitrequest.eq(reading)
-        m.d.sync += [write.eq(bus.write & ~reading), read.eq(bus.read & ~reading)]
-        with m.If(~reading):
-            m.d.sync += [address.eq(bus.address), word.eq(bus.writedata), reading.eq(bus.read)]
+        # An access goes into registers first, then to whom it concerns: address and word rest until
+        # it is over.
+        address, word = Signal(ADDRESS_WORDS_BITS, name="address"), Signal(32, name="word")
+        under_way = Signal()
+        with m.If(~under_way):
+            m.d.sync += [address.eq(bus.address), word.eq(bus.writedata),
+                         under_way.eq(bus.write | bus.read)]
+        write = self._steps(m, "write", bus.write & ~under_way)
+        read = self._steps(m, "read", bus.read & ~under_way)
+        accept = Signal()
+        m.d.sync += accept.eq(write[3] | read[3])
+        m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[5])]
+        with m.If(accept):
+            m.d.sync += under_way.eq(0)
+
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
                  for r in self.table}
-        table_read = self._read(m, address, read, reading, meant, {
+        self._read(m, address, meant, {
             **self.constants, **kept, **counted, "CTRL": 0,
             "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags)})
 
-        written_word = register(m, "written_word", word)
-        writes = register(m, "writes", write, reset_less=False)
-        written = {r.name: writes & meant[r.name] for r in self.table if r.access != "ro"}
-        in_table = register(m, "table_written", write & (address >= TABLE), reset_less=False)
+        written = {r.name: write[1] & meant[r.name] for r in self.table if r.access != "ro"}
+        in_table = register(m, "table_written", write[0] & (address >= TABLE), reset_less=False)
         for flag in action["STATUS"].flags:
             if flag.access == "w1c":
-                with m.If(written["STATUS"] & written_word[flag.bit]):
+                with m.If(written["STATUS"] & word[flag.bit]):
                     m.d.sync += status[flag.name].eq(0)
-        self._keep(m, written, written_word, kept, status["COMMITTED"])
-        self._table(m, address, table_read, in_table, written_word, kept, status)
+        self._keep(m, written, word, kept, status["COMMITTED"])
+        self._table(m, address, read[2], in_table, word, kept, status)
         with m.If(self._refused(m, written, in_table & ~self.table_write, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
-        self._frames(m, {flag.name: written["CTRL"] & written_word[flag.bit]
+        self._frames(m, {flag.name: written["CTRL"] & word[flag.bit]
                          for flag in action["CTRL"].flags}, kept, status)
         self._count(m, counted)
         m.d.comb += [self.irq.eq(status["DONE"] & kept["IRQ_ENABLE"]),
                      status["BANK"].eq(self.active.VALID_BANK)]
         return m
 
-    def _read(self, m, address, read, reading, meant, readable):
-        """Answer in seven clocks, in which ``address`` rests; returns when the table is read."""
-        steps = [read]
-        for k in range(1, 7):
-            steps.append(register(m, f"read{k}", steps[-1], reset_less=False))
-        with m.If(steps[-2]):
-            m.d.sync += reading.eq(0)
-        # In the third step all that a write just before changes has changed, REFUSED included; the
-        # words are taken then. All but one are masked.
+    @staticmethod
+    def _steps(m, name, begun):
+        """The clocks of an access, as flags: that behind ``begun`` and five more."""
+        steps = [begun]
+        for k in range(6):
+            steps.append(register(m, f"{name}{k}", steps[-1], reset_less=False))
+        return steps[1:]
+
+    def _read(self, m, address, meant, readable):
+        """Gather the word that is meant: all but one are masked."""
         words = [Mux(meant[r.name], readable[r.name], 0) for r in self.table]
         fours = [register(m, f"word{k}", reduce(or_, words[k:k + 4]), signed(32))
                  for k in range(0, len(words), 4)]
         value = register(m, "value", reduce(or_, fours))
         span = Cat(self.table_span_start, Const(0, 3), self.table_span_stop, Const(0, 3))
         m.d.sync += self.bus.readdata.eq(Mux(address >= TABLE, span, value))
-        m.d.comb += self.bus.readdatavalid.eq(steps[-1])
-        return steps[3]
 
     def _keep(self, m, written, word, kept, committed):
         """Take what is written, unless it is of a committed set."""
@@ -153,9 +158,8 @@ class Registers(wiring.Component):
         window = kept["VALID_WINDOW"]
         held = ((status["BUSY"] | status["PENDING"]) & (window == self.active.VALID_BANK)
                 | status["COMMITTED"] & (window == kept["VALID_BANK"]))
-        entry = register(m, "entry", address)
         m.d.comb += [
-            self.window_bank.eq(window), Cat(self.table_span, self.table_row).eq(entry),
+            self.window_bank.eq(window), Cat(self.table_span, self.table_row).eq(address),
             self.table_write.eq(written & ~held),
             self.table_read.eq(read),
             self.table_start.eq(word[:16]), self.table_stop.eq(word[16:]),

@@ -15,9 +15,9 @@ Generated from `ncdc_hdl/avalon/register_table.py` by `python -m ncdc_hdl.export
 a test compares this page with that table.
 
 The corrector's `csr` port is an Avalon-MM agent with {words} words of 32 bits. Offsets are in
-bytes from the agent's base; the port itself counts words. A write is taken at once, a read
-answers after seven clocks. A signed value is sign-extended on reading. An unused offset reads
-zero and ignores writes. After configuration every shadow register has the value of the descriptor
+bytes from the agent's base; the port itself counts words. An access is accepted after
+five clocks of waiting, when all that it changes has changed; the data of a read follow a clock later. A
+signed value is sign-extended on reading. An unused offset reads zero and ignores writes. After configuration every shadow register has the value of the descriptor
 that the Verilog was generated from, with the raw frame at address 0 and the corrected frame on the
 next multiple of 4096 bytes behind it.
 

@@ -57,7 +57,7 @@ async def frame_boundary(dut):
 
     async def control(value):
         await host.write(rows["CTRL"].address, value)
-        await clocks(dut, 4)
+        await clocks(dut, 3)
 
     async def status():
         return await host.read(rows["STATUS"].address)
