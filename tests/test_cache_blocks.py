@@ -73,7 +73,7 @@ def test_any_window_in_one_clock(word_bytes, split):
     tiles, align = Tiles(OPTIONS, word_bytes), Align(word_bytes)
 
     def place(tx, ty):
-        return (ty >> 1) << split | tx >> 1
+        return (ty >> 1) % (OPTIONS.sets >> split) << split | (tx >> 1) % (1 << split)
 
     async def bench(ctx):
         ctx.set(tiles.split, split)
@@ -90,10 +90,10 @@ def test_any_window_in_one_clock(word_bytes, split):
                                              "data": pair})
                         await ctx.tick()
         ctx.set(tiles.fill.enable, 0)
-        ctx.set(tiles.enable, 1)
         for _ in range(300):
             x, y = int(rng.integers(0, 16 * across - 2)), int(rng.integers(0, 4 * down - 2))
             ctx.set(tiles.box, {"set": place(x >> 4, y >> 2),
+                                "next_set": place((x >> 4) + 1, (y >> 2) + 1),
                                 "odd_tile": {"x": x >> 4 & 1, "y": y >> 2 & 1},
                                 "row": y & 3, "word": (x & 15) // word_bytes})
             await ctx.tick().repeat(tiles.latency)

@@ -46,8 +46,8 @@ def test_ten_million_random_windows(data_width, options, lanes, groups):
 
 
 GUARDS = {
-    "interlock": (Tags, "_in_flight", lambda last_use, retired, level: Const(0)),
-    "tokens": (Retire, "_enough", lambda tokens, misses: tokens + 1 >= misses),
+    "interlock": (Tags, "_in_flight", lambda since, before, wrapped: Const(0)),
+    "tokens": (Retire, "_enough", lambda balance: balance >= -1),
     "credit": (Fills, "_credit", lambda outstanding, most: outstanding != most + 1),
     "clear": (Tags, "_last", lambda place: Const(0)),
     "stale": (ReadCommands, "_nothing_due", lambda read, due: ~read),

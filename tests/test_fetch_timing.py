@@ -54,14 +54,14 @@ def clocked(boxes, missed, options, latency, words):
             words_due.popleft()
             beats += 1
             if beats % (4 * words) == 0:
-                at(clock + 1, "credit")
-                at(clock + 3, "token")
+                at(clock + 2, "credit")
+                at(clock + 4, "token")
         # Oldest pending look-up.
         if pending and pending[0][1] <= clock and tokens >= counts.get(pending[0][0], 0):
             tokens -= counts.get(pending.popleft()[0], 0)
             retired += 1
             last_retire = clock
-            at(clock + 2, "retired")
+            at(clock + 3, "retired")
             if not todo and retired == len(boxes):
                 break
         # Tag stage.
@@ -74,11 +74,11 @@ def clocked(boxes, missed, options, latency, words):
                 if not (victim - retired_seen) % wrap < window:
                     due.popleft()
                     outstanding += 1
-                    commands.extend(clock + 5 + row for row in range(4))
+                    commands.extend(clock + 10 + row for row in range(4))
             if not due and pushed - retired + (last_retire == clock) < options.pending:
                 todo.popleft()
                 pushed += 1
-                pending.append((i, clock + 4))
+                pending.append((i, clock + 6))
         clock += 1
     return clock
 

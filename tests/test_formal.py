@@ -24,23 +24,23 @@ class TokenEarly(Retire):
     """Leaves the queue a token too early."""
 
     @staticmethod
-    def _enough(tokens, misses):
-        return tokens + 1 >= misses
+    def _enough(balance):
+        return balance >= -1
 
 
 class TokenKept(Retire):
     """Waits for a token too many."""
 
     @staticmethod
-    def _enough(tokens, misses):
-        return tokens > misses
+    def _enough(balance):
+        return balance > 0
 
 
 class NoInterlock(Tags):
     """Replaces tiles that pending look-ups need."""
 
     @staticmethod
-    def _in_flight(last_use, retired, level):
+    def _in_flight(since, before, wrapped):
         return Const(0)
 
 
@@ -96,28 +96,28 @@ PROOFS = {
     "fill room, 32 bits": (lambda: FillRoom(32, 3), "prove", 2),
     "fill room, one tile": (lambda: FillRoom(64, 1), "prove", 2),
     "tokens": (Tokens, "prove", 2),
-    "progress": (Progress, "prove", 9),
-    "fill order": (FillOrder, "bmc", 13),
-    "places": (Places, "bmc", 11),
+    "progress": (Progress, "prove", 11),
+    "fill order": (FillOrder, "bmc", 19),
+    "places": (Places, "bmc", 14),
 }
 LONG = {
-    "fill order": (FillOrder, "bmc", 18),
-    "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 18),
-    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 12)
+    "fill order": (FillOrder, "bmc", 24),
+    "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 24),
+    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 15)
        for split in range(3)},
-    "places of one bank": (lambda: Places(one_bank=True), "bmc", 14),
+    "places of one bank": (lambda: Places(one_bank=True), "bmc", 17),
 }
 COVERS = {
     "commands": (Commands, 12, {"full", "dropped"}),
     "reader": (Reader, 16, {"full", "dropped"}),
     "writer": (Writer, 16, {"across_reset", "full"}),
     "credits": (Credits, 20, {"full", "restart", "at_rest"}),
-    "fill room": (FillRoom, 26, {"all_owed", "claim_while_filled"}),
-    "fill order": (FillOrder, 24, {"second_tile"}),
-    "tokens": (Tokens, 20, {"full", "tokens_to_come"}),
-    "progress": (Progress, 16, {"full", "tokens_to_come", "waits"}),
+    "fill room": (FillRoom, 34, {"all_owed", "claim_while_filled"}),
+    "fill order": (FillOrder, 32, {"second_tile"}),
+    "tokens": (Tokens, 26, {"full", "tokens_to_come"}),
+    "progress": (Progress, 22, {"full", "tokens_to_come", "waits"}),
 }
-LONG_COVERS = {"places": (Places, 18, {"replaced", "interlock", "next_frame"})}
+LONG_COVERS = {"places": (Places, 24, {"replaced", "interlock", "next_frame"})}
 # (design, depth, the rule that it breaks)
 PLANTED = {
     "command dropped under waitrequest": (lambda: Commands(forget=True), 8, "command_held"),
@@ -130,15 +130,16 @@ PLANTED = {
                                 "burst_goes_on"),
     "credit too many": (lambda: Credits(credit_error=1), 16, "no_overflow"),
     "credits' queue too small": (lambda: planted(Credits(), places_missing=1), 16, "no_overflow"),
-    "tile too many": (lambda: FillRoom(kind=CreditTooMany), 22, "words_owed"),
-    "queue of two": (lambda: planted(FillRoom(), places_missing=1), 16, "no_overflow"),
-    "place too early": (lambda: FillOrder(kind=SlotEarly), 16, "place"),
-    "token early, counted": (lambda: Tokens(retire=TokenEarly), 16, "tokens_and_fills"),
-    "token kept": (lambda: Progress(retire=TokenKept), 20, "something_happens"),
-    "token early, seen": (lambda: Places(retire=TokenEarly), 16, "own_tile"),
-    "no interlock, seen": (lambda: Places(tags=NoInterlock), 16, "own_tile"),
-    "frames mixed": (lambda: Places(tags=FramesMixed), 16, "own_tile"),
-    "no interlock, claimed twice": (lambda: Places(tags=NoInterlock), 16, "filled_once"),
+    "tile too many": (lambda: FillRoom(kind=CreditTooMany), 30, "words_owed"),
+    "fills' queues too small": (lambda: planted(FillRoom(128, 3), places_missing=1), 20,
+                                "no_overflow"),
+    "place too early": (lambda: FillOrder(kind=SlotEarly), 24, "place"),
+    "token early, counted": (lambda: Tokens(retire=TokenEarly), 20, "most_awaited"),
+    "token kept": (lambda: Progress(retire=TokenKept), 26, "something_happens"),
+    "token early, seen": (lambda: Places(retire=TokenEarly), 20, "own_tile"),
+    "no interlock, seen": (lambda: Places(tags=NoInterlock), 20, "own_tile"),
+    "frames mixed": (lambda: Places(tags=FramesMixed), 20, "own_tile"),
+    "no interlock, claimed twice": (lambda: Places(tags=NoInterlock), 20, "filled_once"),
 }
 
 

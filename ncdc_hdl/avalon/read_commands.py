@@ -53,16 +53,22 @@ class ReadCommands(wiring.Component):
         read, address = Signal(reset_less=True), Signal(ADDRESS_BITS, reset_less=True)
         words = Signal(range(self.max_burst + 1), reset_less=True)
         due = Signal(range(self.limit + 1), reset_less=True)
+        some = Signal(reset_less=True)  # due != 0
         stale = Signal(init=1)          # what comes was asked for before the reset
         accepted = read & ~bus.waitrequest
         # Before the first reset of all the memory may say anything.
-        came = bus.readdatavalid & (due != 0)
+        came = bus.readdatavalid & some
         m.d.comb += [
             bus.read.eq(read), bus.address.eq(address), bus.burstcount.eq(words),
             self.valid.eq(came & ~stale), self.word.eq(bus.readdata),
             self.i.ready.eq(~stale & (~read | accepted)),
         ]
-        m.d.sync += due.eq(due + Mux(accepted, words, 0) - came)
+        # One addition: words less one are had early.
+        m.d.sync += due.eq(due + Mux(accepted, words - came, 0 - came))
+        with m.If(accepted):
+            m.d.sync += some.eq(1)
+        with m.Elif(came):
+            m.d.sync += some.eq(due != 1)
         with m.If(self._nothing_due(read, due)):
             m.d.sync += stale.eq(0)
         with m.If(~read | accepted):

@@ -67,8 +67,8 @@ class Commands(Wrapper):
         given(m, ~self.valid | ((self.command.words != 0)
                                      & (fresh + self.command.words <= self.LIMIT)))
         read, words = dut.bus.read, dut.bus.burstcount
-        due, stale = inner(fragment, "due"), inner(fragment, "stale")
-        always(m, due == owed, "owed_is_known")
+        due, some, stale = (inner(fragment, name) for name in ("due", "some", "stale"))
+        always(m, (due == owed) & (some == (due != 0)), "owed_is_known")
         always(m, owed + Mux(read, words, 0) <= self.LIMIT, "room_for_command")
         always(m, ~read | (words != 0), "words")
         always(m, Mux(stale, fresh == 0, fresh == owed + Mux(read, words, 0)), "fresh")
@@ -106,12 +106,12 @@ class Reader(Wrapper):
         m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(self.command),
                      dut.o.ready.eq(self.ready)]
         read, words = dut.bus.read, dut.bus.burstcount
-        due, stale = inner(fragment, "commands", "due"), inner(fragment, "commands", "stale")
+        due, some, stale = (inner(fragment, "commands", name) for name in ("due", "some", "stale"))
         claimed = inner(fragment, "claimed")
         promised = Signal(range(4 * limit))
         taken, left = dut.i.valid & dut.i.ready, dut.o.valid & dut.o.ready
         m.d.sync += promised.eq(promised + Mux(taken, self.command.words, 0) - left)
-        always(m, due == owed, "owed_is_known")
+        always(m, (due == owed) & (some == (due != 0)), "owed_is_known")
         always(m, owed + Mux(read, words, 0) <= limit, "room_for_command")
         always(m, ~read | (words != 0), "words")
         always(m, promised == queue.level + Mux(stale, 0, owed + Mux(read, words, 0)), "promised")

@@ -56,25 +56,34 @@ class FillRoom(_Fills):
         fragment, owed = self.start(m)
         claimed, slots = self.queues
         read, words = dut.bus.read, dut.bus.burstcount
-        due, stale = inner(fragment, "commands", "due"), inner(fragment, "commands", "stale")
+        due, some, stale = (inner(fragment, "commands", name) for name in ("due", "some", "stale"))
         beat, outstanding = inner(fragment, "beat"), inner(fragment, "outstanding")
-        m_valid, row = inner(fragment, "requests", "m_valid"), inner(fragment, "requests", "row")
-        o_valid = inner(fragment, "requests", "o__valid")
-        # Words that will come: of tiles in the queue, in the stages of the requests, of the
-        # command on the bus, owed by the memory.
+        claim, came = inner(fragment, "claim"), inner(fragment, "came")
+        a_valid, row, o_valid, known = (inner(fragment, "requests", name)
+                                        for name in ("a_valid", "row", "o__valid", "known"))
+        # Words that will come: of tiles claimed and in the queue, in the stages of the requests,
+        # of the command on the bus, owed by the memory.
         asked = Signal(range(16 * self.limit))
         m.d.comb += asked.eq(
-            (claimed.level + m_valid) * beats + Mux(o_valid, (TILE_HEIGHT - row) * dut.burst, 0)
-            + Mux(stale, 0, Mux(read, words, 0) + owed))
-        always(m, due == owed, "owed_is_known")
+            (claim + claimed.level + a_valid) * beats
+            + Mux(o_valid, (TILE_HEIGHT - row) * dut.burst, 0) + Mux(stale, 0, Mux(read, words, 0) + owed))
+        always(m, (due == owed) & (some == (due != 0)), "owed_is_known")
         always(m, owed + Mux(read, words, 0) <= self.limit, "room_for_command")
         always(m, words <= dut.burst, "burst")
         always(m, ~read | (words == dut.burst), "burst_constant")
         always(m, o_valid | (row == 0), "row")
-        always(m, asked + beat == slots.level * beats, "a_word_for_each_beat")
-        always(m, (outstanding == slots.level) & (outstanding <= most), "outstanding")
+        always(m, asked + came + beat == (claim + slots.level) * beats, "a_word_for_each_beat")
+        always(m, (outstanding == claim + slots.level) & (outstanding <= most), "outstanding")
+        always(m, dut.credit == (outstanding != most), "credit_flag")
+        always(m, ~known.any() | claimed.r_rdy, "known_is_there")
         always(m, beat < beats, "beat")
-        came = inner(fragment, "commands", "valid")
+        # Slots are as far as tiles, or as far as they can be.
+        (claimed_ready, _), (claimed_read, _) = claimed.output
+        (slot_ready, _), (slot_read, _) = slots.output
+        always(m, (slot_ready & slot_read) | (slots.level - slot_ready - slot_read
+                                              <= claimed.level - claimed_ready - claimed_read),
+               "slots_keep_up")
+        always(m, slot_ready | ((slots.level == claimed.level) & ~claimed_ready), "slot_first")
         always(m, ~came | (slots.level != 0), "claimed_before")
         always(m, ~came | slots.r_rdy, "slot_known")
         reached(m, (outstanding == most) & (owed == self.limit), "all_owed")
@@ -130,16 +139,17 @@ class FillOrder(_Fills):
         mine = watching & accepted & (row < TILE_HEIGHT)
         always(m, ~mine | (dut.bus.address == ((tile.y << 2) + row) * self.PITCH + (tile.x << 4)),
                "address")
-        # Writes follow the words by a clock.
-        written, came = Signal.like(arrivals), Signal()
-        m.d.sync += [written.eq(arrivals), came.eq(self.readdatavalid)]
+        # Writes follow the words by two clocks.
+        before, written, came = Signal.like(arrivals), Signal.like(arrivals), Signal(2)
+        m.d.sync += [before.eq(arrivals), written.eq(before),
+                     came.eq(Cat(self.readdatavalid, came))]
         beat = (written - beats * first)[:8]
-        writes = came & watching & (beat < beats)
+        writes = came[1] & watching & (beat < beats)
         always(m, ~writes | ((dut.fill.slot == tile.slot) & (dut.fill.row == beat // dut.burst)),
                "place")
         always(m, ~writes | (ahead == 1), "only_while_claimed")
-        always(m, ~(dut.fill.enable.any()) | came, "nothing_else_written")
-        always(m, ~(watching & dut.filled & (ahead == 1)) | (came & (beat == beats - 1)),
+        always(m, ~(dut.fill.enable.any()) | came[1], "nothing_else_written")
+        always(m, ~(watching & dut.filled & (ahead == 1)) | (came[1] & (beat == beats - 1)),
                "filled_with_the_last_word")
         reached(m, writes & (beat == beats - 1) & (first == 1), "second_tile")
         return m

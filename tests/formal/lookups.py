@@ -159,9 +159,9 @@ class Places(_Lookups):
 class Tokens(_Lookups):
     """Reset at any time: tokens and pending look-ups are counted right.
 
-    Asserts that tokens and tiles outstanding together are the tiles claimed by look-ups that have
-    not been read, so that no token is spent that is not there, and that the queue does not
-    overflow.
+    Asserts that the balance of tokens and the tiles outstanding together are the tiles claimed by
+    look-ups behind the oldest, so that no token is spent that is not there, and that the queue
+    does not overflow.
     """
 
     def elaborate(self, platform):
@@ -169,27 +169,34 @@ class Tokens(_Lookups):
         retire, most = self.retire, self.options.pending
         fragment, outstanding = self.start(m)
         [queue] = self.queues
-        tokens, misses, oldest_valid, b_valid = (
+        balance, push, owed, oldest_valid, b_valid = (
             inner(fragment, "retire", name) for name in
-            ("tokens", "misses", "oldest_valid", "b_valid"))
-        level, a_valid, a_missing, a_misses = (
+            ("balance", "push", "owed", "oldest_valid", "b_valid"))
+        level, a_valid, a_missing, a_misses, a_hit, a_open, a_final = (
             inner(fragment, "tags", name) for name in
-            ("level", "a_valid", "a_missing", "a_misses"))
+            ("level", "a_valid", "a_missing", "a_misses", "a_hit", "a_open", "a_final"))
 
-        always(m, level == queue.level + oldest_valid + b_valid, "pushed_not_read")
+        always(m, level == push + queue.level + oldest_valid + b_valid, "pushed_not_read")
         always(m, level <= most, "most_pending")
-        claimed = a_misses + Mux(oldest_valid, misses, 0)
-        always(m, ~oldest_valid | (misses <= TAG_BANKS), "misses")
-        for number, (there, item) in enumerate(places(m, queue)):
-            own = item[-len(misses):]
-            claimed = claimed + Mux(there, own, 0)
-            always(m, ~there | (own <= TAG_BANKS), f"misses{number}")
+        always(m, inner(fragment, "tags", "room") == (level != most), "room_flag")
+        numbers, retirals = inner(fragment, "tags", "numbers"), inner(fragment, "tags", "retirals")
+        always(m, (numbers - retirals)[:len(numbers)] == level, "numbers")
+        claimed = a_misses
+        for number, (there, own) in enumerate([(push, owed), *(
+                (there, item[-len(owed):].as_signed()) for there, item in places(m, queue))]):
+            claimed = claimed - Mux(there, own, 0)
+            always(m, ~there | ((own <= 0) & (own >= -TAG_BANKS)), f"misses{number}")
         always(m, a_misses + sum(a_missing) <= TAG_BANKS, "misses_at_most_four")
         always(m, a_valid | (a_misses == 0), "misses_of_a_lookup")
-        always(m, tokens + outstanding == claimed, "tokens_and_fills")
+        always(m, a_hit == ~(a_valid & a_missing.any()), "hit_flag")
+        always(m, ~a_open | ~a_hit, "open_flag")
+        always(m, a_final == (a_open & (sum(a_missing) == 1)), "final_flag")
+        # What the oldest look-up waits for is under way.
+        always(m, balance >= Mux(oldest_valid, -TAG_BANKS, 0), "most_awaited")
+        always(m, balance + outstanding == claimed, "tokens_and_fills")
         always(m, outstanding <= self.options.outstanding, "outstanding")
         reached(m, (level == most) & (outstanding != 0), "full")
-        reached(m, (tokens > 1) & retire.retire, "tokens_to_come")
+        reached(m, (balance > 1) & retire.retire, "tokens_to_come")
         self.waits(m, outstanding, a_valid | (level != 0))
         return m
 
@@ -205,7 +212,7 @@ class Progress(Tokens):
     one of the others, so each look-up ends.
     """
 
-    _ANSWER, _WAIT = 2, 6
+    _ANSWER, _WAIT = 2, 8
 
     def waits(self, m, outstanding, busy):
         tags, retire = self.tags, self.retire

@@ -10,18 +10,18 @@ from ncdc_model.fetch.ports import memory_port
 __all__ = ["Clocks", "FRAME_LATENCY", "START_LATENCY", "predict_clocks"]
 
 # Clocks of ``ncdc_hdl.backend.cache``, from one event to the earliest next one.
-_CLAIM_TO_COMMAND = 5       # a tile is claimed, its first read command is on the bus
-_FILL_TO_CLAIM = 1          # its last word is on the port, another tile may be claimed
-_FILL_TO_RETIRE = 3         # its last word is on the port, the window that waits is read
-_PUSH_TO_RETIRE = 4         # a look-up leaves the tag stage, its window is read
+_CLAIM_TO_COMMAND = 10      # a tile is claimed, its first read command is on the bus
+_FILL_TO_CLAIM = 2          # its last word is on the port, another tile may be claimed
+_FILL_TO_RETIRE = 4         # its last word is on the port, the window that waits is read
+_PUSH_TO_RETIRE = 6         # a look-up leaves the tag stage, its window is read
 _RETIRE_TO_PUSH = 1         # a window is read, there is room for another look-up
-_RETIRE_TO_CLAIM = 2        # a window is read, its tiles may be replaced
+_RETIRE_TO_CLAIM = 3        # a window is read, its tiles may be replaced
 
 # From the start of a frame to its first look-up, and from its last window read to its last pixel:
 # most of it the network, whose latency differs by some clocks from one to the next; to the first
 # look-up alone.
-FRAME_LATENCY = 70
-START_LATENCY = 53
+FRAME_LATENCY = 72
+START_LATENCY = 54
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
     (retire). Both are kept as lags behind its number, which never fall::
 
         push(i)   = i + a(i)        push(i)   >= push(i-1) + 1, retire(i - pending) + 1
-        retire(i) = i + b(i)        retire(i) >= retire(i-1) + 1, push(i) + 4, last word + 3
+        retire(i) = i + b(i)        retire(i) >= retire(i-1) + 1, push(i) + 6, last word + 4
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ class Align(wiring.Component):
         o[3 j + i] = samples[(y + j) mod 4][(x + i) mod (2 word_bytes)]
 
     Timing: ``latency`` shifts; ``x`` and ``y`` belong to the samples of the same shift. The first
-    stage chooses rows and words, the second one bytes.
+    stage chooses rows, the second one bytes.
 
     Members
     -------
@@ -42,19 +42,17 @@ class Align(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        byte_bits = ceil_log2(self.word_bytes)
-        kept = self.word_bytes + WINDOW - 1
-        byte = Signal(byte_bits)
+        bytes_across = COLUMNS * self.word_bytes
+        byte = Signal(range(bytes_across), reset_less=True)
         with m.If(self.shift):
             m.d.sync += byte.eq(self.x)
         for j in range(WINDOW):
-            row = Signal(8 * COLUMNS * self.word_bytes, name=f"row{j}")
-            words = Signal(8 * kept, name=f"words{j}")
-            m.d.comb += row.eq(Value.cast(self.samples[(self.y + j)[:2]]))
+            row = Signal(8 * bytes_across, name=f"row{j}", reset_less=True)
             with m.If(self.shift):
-                m.d.sync += words.eq(Mux(self.x[byte_bits],
-                                         row.rotate_right(8 * self.word_bytes), row))
+                m.d.sync += row.eq(Value.cast(self.samples[(self.y + j)[:2]]))
+            # The second word is followed by the first one.
+            around = Cat(row, row)
             with m.If(self.shift & self.take):
                 m.d.sync += Cat(*(self.o[WINDOW * j + k] for k in range(WINDOW))).eq(
-                    words >> (byte << 3))
+                    Cat(around.word_select(byte + k, 8) for k in range(WINDOW)))
         return m

@@ -97,8 +97,8 @@ class Cache(wiring.Component):
             tiles.fill.eq(fills.fill), retire.filled.eq(fills.filled),
             retire.push.eq(tags.push), retire.place.eq(tags.place), retire.misses.eq(tags.misses),
             tags.retire.eq(retire.retire),
-            tiles.shift.eq(retire.shift), tiles.enable.eq(retire.enable),
-            tiles.box.eq(retire.box), retire.samples.eq(tiles.samples),
+            tiles.shift.eq(retire.shift), tiles.box.eq(retire.box),
+            retire.samples.eq(tiles.samples),
             self.fetched.eq(tags.claim), self.waiting.eq(retire.waiting),
             self.stalls.eq(tags.stalls),
         ]

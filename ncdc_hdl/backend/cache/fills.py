@@ -2,7 +2,6 @@
 
 from amaranth import *
 from amaranth.lib import data, wiring
-from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
@@ -12,6 +11,7 @@ from ncdc_hdl.backend.cache.layouts import slot_bits, tile_layout
 from ncdc_hdl.backend.cache.requests import TileRequests
 from ncdc_hdl.backend.cache.tiles import fill_layout
 from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.memory import Fifo
 from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
 
 __all__ = ["Fills"]
@@ -23,8 +23,8 @@ class Fills(wiring.Component):
     The credit for a tile is taken when it is claimed and comes back when its last word is
     written, so both queues always have room, and data from the memory always has a place.
 
-    Timing: the first command of a tile reaches the bus 5 clocks after its claim at the earliest;
-    a word is written 1 clock after its ``readdatavalid``, ``filled`` follows the last one's write
+    Timing: the first command of a tile reaches the bus 10 clocks after its claim at the earliest;
+    a word is written 2 clocks after its ``readdatavalid``, ``filled`` follows the last one's write
     by 1 clock.
 
     Parameters
@@ -54,7 +54,7 @@ class Fills(wiring.Component):
         self.burst = 8 * TILE_WIDTH // data_width
         super().__init__({
             "base": In(ADDRESS_BITS), "pitch": In(SIZE),
-            "claim": In(1), "tile": In(tile_layout(options)), "credit": Out(1),
+            "claim": In(1), "tile": In(tile_layout(options)), "credit": Out(1, init=1),
             "fill": Out(fill_layout(options, word_bytes)), "filled": Out(1),
             "bus": Out(ReadHost(data_width, self.burst)),
         })
@@ -62,18 +62,19 @@ class Fills(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         most = self.options.outstanding
-        # A queue of two would refuse the second of two writes in a row.
-        depth = max(most, 3)
-        m.submodules.claimed = claimed = SyncFIFOBuffered(width=tile_layout(self.options).size,
-                                                          depth=depth)
-        m.submodules.slots = slots = SyncFIFOBuffered(width=slot_bits(self.options), depth=depth)
+        depth = max(most, 2)
+        m.submodules.claimed = claimed = Fifo(width=tile_layout(self.options).size, depth=depth)
+        m.submodules.slots = slots = Fifo(width=slot_bits(self.options), depth=depth)
         m.submodules.requests = requests = TileRequests(self.options)
         m.submodules.commands = commands = ReadCommands(
             self.data_width, self.burst, limit=most * TILE_HEIGHT * self.burst)
         wiring.connect(m, commands.bus, wiring.flipped(self.bus))
+        claim = Signal()
+        tile = Signal(self.tile.shape(), reset_less=True)
+        m.d.sync += [claim.eq(self.claim), tile.eq(self.tile)]
         m.d.comb += [
-            claimed.w_data.eq(Value.cast(self.tile)), claimed.w_en.eq(self.claim),
-            slots.w_data.eq(self.tile.slot), slots.w_en.eq(self.claim),
+            claimed.w_data.eq(Value.cast(tile)), claimed.w_en.eq(claim),
+            slots.w_data.eq(tile.slot), slots.w_en.eq(claim),
             requests.base.eq(self.base), requests.pitch.eq(self.pitch),
             Value.cast(requests.i.payload).eq(claimed.r_data),
             requests.i.valid.eq(claimed.r_rdy), claimed.r_en.eq(requests.i.ready),
@@ -82,8 +83,9 @@ class Fills(wiring.Component):
         ]
         outstanding = Signal(range(most + 1))
         complete = Signal()
-        m.d.comb += self.credit.eq(self._credit(outstanding, most))
-        m.d.sync += outstanding.eq(outstanding + self.claim - complete)
+        with m.If(self.claim != complete):
+            m.d.sync += [outstanding.eq(Mux(complete, outstanding - 1, outstanding + 1)),
+                         self.credit.eq(complete | self._credit(outstanding + 1, most))]
         self._write(m, commands, slots, complete)
         return m
 
@@ -94,11 +96,14 @@ class Fills(wiring.Component):
 
     def _write(self, m, commands, slots, complete):
         """Words from the memory to words of the tile memory, and where they go."""
+        came = Signal()
+        arrived = Signal(self.data_width, reset_less=True)
+        m.d.sync += [came.eq(commands.valid), arrived.eq(commands.word)]
         beats = TILE_HEIGHT * self.burst
         beat = Signal(range(beats))
-        with m.If(commands.valid):
+        with m.If(came):
             m.d.sync += beat.eq(beat + 1)
-        m.d.comb += [complete.eq(commands.valid & (beat == beats - 1)), slots.r_en.eq(complete)]
+        m.d.comb += [complete.eq(came & (beat == beats - 1)), slots.r_en.eq(complete)]
         m.d.sync += self.filled.eq(complete)
 
         fill, width = self.fill, 8 * self.word_bytes
@@ -106,20 +111,19 @@ class Fills(wiring.Component):
         # Words of the tile memory along a row alternate between two banks.
         if self.data_width == 2 * width:
             word = beat[:ceil_log2(self.burst)]
-            m.d.sync += [fill.enable.eq(commands.valid.replicate(2)), fill.word.eq(word),
-                         fill.data[0].eq(commands.word[:width]),
-                         fill.data[1].eq(commands.word[width:])]
+            m.d.sync += [fill.enable.eq(came.replicate(2)), fill.word.eq(word),
+                         fill.data[0].eq(arrived[:width]), fill.data[1].eq(arrived[width:])]
         else:
             parts = width // self.data_width
             part_bits = ceil_log2(parts)
             word = beat[part_bits:ceil_log2(self.burst)]
-            gathered = commands.word
+            gathered = arrived
             if parts > 1:
                 before = Signal(width - self.data_width)
-                with m.If(commands.valid):
-                    m.d.sync += before.eq(Cat(before, commands.word)[self.data_width:])
-                gathered = Cat(before, commands.word)
+                with m.If(came):
+                    m.d.sync += before.eq(Cat(before, arrived)[self.data_width:])
+                gathered = Cat(before, arrived)
             last = beat[:part_bits] == parts - 1
-            m.d.sync += [fill.enable.eq(Mux(commands.valid & last, 1 << word[0], 0)),
+            m.d.sync += [fill.enable.eq(Mux(came & last, 1 << word[0], 0)),
                          fill.word.eq(word[1:]),
                          fill.data[0].eq(gathered), fill.data[1].eq(gathered)]

@@ -34,20 +34,21 @@ def word_bytes(data_width, lanes):
 def window_place_layout(f_bits, options, lanes):
     """What a pending look-up has to know until its samples are read.
 
-    ``set`` is that of its first tile, whose column and row parity are ``odd_tile``. Each lane:
+    ``set`` is that of its first tile, whose column and row parity are ``odd_tile``, ``next_set``
+    that of the tile right of and below it. Each lane:
     ``x``, ``y`` in the tile of its own, place in its window, whether it is blank. A group of
-    several lanes may take several look-ups: ``mask`` tells which lanes are this one's, ``used``
-    whether any of them is not blank, ``end`` whether it is the group's last, ``word`` and ``row``
-    where in the first tile its box begins.
+    several lanes may take several look-ups: ``mask`` tells which lanes are this one's, ``end``
+    whether it is the group's last, ``word`` and ``row`` where in the first tile its box begins.
     """
     fields = {
-        "set": set_bits(options), "odd_tile": data.StructLayout({"x": 1, "y": 1}),
+        "set": set_bits(options), "next_set": set_bits(options),
+        "odd_tile": data.StructLayout({"x": 1, "y": 1}),
         "lane": data.ArrayLayout(data.StructLayout(
             {"x": ceil_log2(TILE_WIDTH), "y": ceil_log2(TILE_HEIGHT), "fx": f_bits, "fy": f_bits,
              "blank": 1}), lanes),
         "first": 1, "last": 1}
     if lanes > 1:
-        fields |= {"mask": lanes, "used": 1, "end": 1, "word": 1, "row": ceil_log2(TILE_HEIGHT)}
+        fields |= {"mask": lanes, "end": 1, "word": 1, "row": ceil_log2(TILE_HEIGHT)}
     return data.StructLayout(fields)
 
 

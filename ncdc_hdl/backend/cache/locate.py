@@ -6,8 +6,9 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.boxes import box_layout
-from ncdc_hdl.backend.cache.layouts import TILE_X_BITS, TILE_Y_BITS, lookup_layout, set_bits
+from ncdc_hdl.backend.cache.layouts import PAIR_X_BITS, PAIR_Y_BITS, lookup_layout, set_bits
 from ncdc_hdl.frontend.layouts import lanes_of
+from ncdc_hdl.relay import Relay
 from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
 
 __all__ = ["Locate"]
@@ -18,7 +19,7 @@ _X_BITS, _Y_BITS = ceil_log2(TILE_WIDTH), ceil_log2(TILE_HEIGHT)
 class Locate(wiring.Component):
     """Tiles and sets of each box, by the index rule of ``CacheOptions``.
 
-    Timing: two stream stages, one box per clock.
+    Timing: two stream stages, one box per clock; the second one is a :class:`Relay`.
 
     Parameters
     ----------
@@ -46,44 +47,46 @@ class Locate(wiring.Component):
         # T: tiles.
         t_valid, t = Signal(), Signal(self.i.payload.shape())
         t_across, t_down = Signal(), Signal()
-        o, place = self.o.p, self.o.p.place
-        advance = ~self.o.valid | self.o.ready
+        t_even_x = Signal(PAIR_X_BITS, reset_less=True)
+        t_even_y = Signal(PAIR_Y_BITS, reset_less=True)
+        # S: sets. ``ready`` of what follows ends here.
+        m.submodules.sets = sets = Relay(self.o.payload.shape())
+        wiring.connect(m, sets.o, wiring.flipped(self.o))
+        o, place = sets.i.p, sets.i.p.place
         tile_x, tile_y = t.x0[_X_BITS:], t.y0[_Y_BITS:]
         mask_x = Signal(set_bits(self.options))
         m.d.sync += mask_x.eq((1 << self.split) - 1)
-        with m.If(~t_valid | advance):
+        with m.If(~t_valid | sets.i.ready):
             m.d.comb += self.i.ready.eq(1)
             # A box is narrower and lower than a tile or two: the lowest bits tell.
             m.d.sync += [
                 t_valid.eq(self.i.valid), t.eq(self.i.payload),
                 t_across.eq(self.i.p.x0[_X_BITS] ^ self.i.p.x1[_X_BITS]),
                 t_down.eq(self.i.p.y0[_Y_BITS] ^ self.i.p.y1[_Y_BITS]),
+                # Of an odd column and the even one behind it, the even one is in the next pair.
+                t_even_x.eq((self.i.p.x0[_X_BITS:] + 1) >> 1),
+                t_even_y.eq((self.i.p.y0[_Y_BITS:] + 1) >> 1),
             ]
-        # S: sets. Of an odd column and the even one behind it, the even one is in the next pair.
-        with m.If(advance):
-            m.d.sync += [
-                self.o.valid.eq(t_valid),
-                place.odd_tile.x.eq(tile_x[0]), place.odd_tile.y.eq(tile_y[0]),
-                place.first.eq(t.group.first), place.last.eq(t.group.last & t.end),
-            ]
-            for lane, pixel in zip(place.lane, lanes_of(t.group)):
-                m.d.sync += [lane.x.eq(pixel.x0), lane.y.eq(pixel.y0), lane.fx.eq(pixel.fx),
-                             lane.fy.eq(pixel.fy), lane.blank.eq(pixel.blank)]
-            if self.lanes > 1:
-                m.d.sync += [place.mask.eq(t.mask), place.end.eq(t.end), place.used.eq(t.used),
-                             place.word.eq(t.x0[_X_BITS - 1]), place.row.eq(t.y0)]
-            for odd in range(2):
-                pair_x = Signal(TILE_X_BITS - 1, name=f"pair_x{odd}")
-                pair_y = Signal(TILE_Y_BITS - 1, name=f"pair_y{odd}")
-                m.d.comb += [pair_x.eq((tile_x + (1 - odd)) >> 1),
-                             pair_y.eq((tile_y + (1 - odd)) >> 1)]
-                m.d.sync += [o.pair_x[odd].eq(pair_x), o.pair_y[odd].eq(pair_y),
-                             o.set_x[odd].eq(pair_x & mask_x),
-                             o.set_y[odd].eq(pair_y << self.split)]
-            first_set_x = (tile_x >> 1) & mask_x
-            m.d.sync += place.set.eq(first_set_x | ((tile_y >> 1) << self.split))
-            for bank in range(TAG_BANKS):
-                m.d.sync += o.need[bank].eq(
-                    t.used & (t_across | (tile_x[0] == bank & 1))
-                    & (t_down | (tile_y[0] == bank >> 1)))
+        m.d.comb += [
+            sets.i.valid.eq(t_valid),
+            place.odd_tile.x.eq(tile_x[0]), place.odd_tile.y.eq(tile_y[0]),
+            place.first.eq(t.group.first), place.last.eq(t.group.last & t.end),
+        ]
+        for lane, pixel in zip(place.lane, lanes_of(t.group)):
+            m.d.comb += [lane.x.eq(pixel.x0), lane.y.eq(pixel.y0), lane.fx.eq(pixel.fx),
+                         lane.fy.eq(pixel.fy), lane.blank.eq(pixel.blank)]
+        if self.lanes > 1:
+            m.d.comb += [place.mask.eq(t.mask), place.end.eq(t.end),
+                         place.word.eq(t.x0[_X_BITS - 1]), place.row.eq(t.y0)]
+        for odd, (pair_x, pair_y) in enumerate([(t_even_x, t_even_y), (tile_x[1:], tile_y[1:])]):
+            m.d.comb += [
+                o.pair_x[odd].eq(pair_x), o.pair_y[odd].eq(pair_y),
+                o.set_x[odd].eq(pair_x & mask_x), o.set_y[odd].eq(pair_y << self.split)]
+        # The tile beside an even one is in the same pair, that beside an odd one in the next.
+        m.d.comb += [place.set.eq(o.set_x[1] | o.set_y[1]),
+                     place.next_set.eq(o.set_x[0] | o.set_y[0])]
+        for bank in range(TAG_BANKS):
+            m.d.comb += o.need[bank].eq(
+                t.used & (t_across | (tile_x[0] == bank & 1))
+                & (t_down | (tile_y[0] == bank >> 1)))
         return m

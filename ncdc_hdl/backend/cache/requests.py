@@ -17,7 +17,7 @@ class TileRequests(wiring.Component):
 
         address = base + (4 y + row) pitch + 16 x
 
-    Timing: two clocks from a tile to its first address; tiles follow each other without a gap.
+    Timing: five clocks from a tile to its first address; tiles follow each other without a gap.
 
     Parameters
     ----------
@@ -41,22 +41,32 @@ class TileRequests(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # M: multiply. O: the four rows.
-        m_valid = Signal()
-        m_offset, m_start = Signal(ADDRESS_BITS), Signal(ADDRESS_BITS)
+        # The oldest tile waits in front of registers that always run, as those of multipliers do:
+        # F: factors. P: within the multiplier. M: product. Then A: the address. O: the four rows.
+        f_x = Signal.like(self.i.p.x, reset_less=True)
+        f_y = Signal.like(self.i.p.y, reset_less=True)
+        f_pitch = Signal.like(self.pitch, reset_less=True)
+        product = f_y * f_pitch
+        p_product = Signal(product.shape(), reset_less=True)
+        m_product = Signal.like(p_product, reset_less=True)
+        m_start = Signal(ADDRESS_BITS, reset_less=True)
+        m.d.sync += [f_x.eq(self.i.p.x), f_y.eq(self.i.p.y), f_pitch.eq(self.pitch),
+                     p_product.eq(product), m_product.eq(p_product),
+                     m_start.eq(self.base + f_x * TILE_WIDTH)]
+        known = Signal(3)               # how far it has come, a bit per stage
+        a_valid = Signal()
+        a_address = Signal(ADDRESS_BITS, reset_less=True)
         row = Signal(range(TILE_HEIGHT))
         done = Signal()
-        m.d.comb += done.eq(~self.o.valid | (self.o.ready & (row == TILE_HEIGHT - 1)))
-        with m.If(~m_valid | done):
-            m.d.comb += self.i.ready.eq(1)
-            m.d.sync += [
-                m_valid.eq(self.i.valid),
-                m_offset.eq((self.i.p.y * self.pitch) * TILE_HEIGHT),
-                m_start.eq(self.base + self.i.p.x * TILE_WIDTH),
-            ]
+        m.d.comb += [self.i.ready.eq(known[-1] & ~a_valid),
+                     done.eq(~self.o.valid | (self.o.ready & (row == TILE_HEIGHT - 1)))]
+        m.d.sync += known.eq(Mux(self.i.ready, 0, Cat(self.i.valid, known)))
+        with m.If(~a_valid):
+            m.d.sync += [a_valid.eq(known[-1]), a_address.eq(m_start + m_product * TILE_HEIGHT)]
+        with m.Elif(done):
+            m.d.sync += a_valid.eq(0)
         with m.If(done):
-            m.d.sync += [self.o.valid.eq(m_valid), self.o.payload.eq(m_start + m_offset),
-                         row.eq(0)]
+            m.d.sync += [self.o.valid.eq(a_valid), self.o.payload.eq(a_address), row.eq(0)]
         with m.Elif(self.o.ready):
             m.d.sync += [self.o.payload.eq(self.o.payload + self.pitch), row.eq(row + 1)]
         return m

@@ -2,7 +2,6 @@
 
 from amaranth import *
 from amaranth.lib import stream, wiring
-from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
@@ -11,6 +10,8 @@ from ncdc_hdl.backend.cache.layouts import window_place_layout
 from ncdc_hdl.backend.cache.tiles import Tiles, box_layout, samples_layout
 from ncdc_hdl.backend.layouts import window_layout
 from ncdc_hdl.frontend.layouts import lanes_of
+from ncdc_hdl.memory import Fifo
+from ncdc_hdl.relay import Relay
 from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["Retire"]
@@ -43,12 +44,12 @@ class Retire(wiring.Component):
         The oldest look-up reads its samples in this clock: its tiles may be replaced.
     waiting : ``Out(1)``
         The oldest look-up waits for a tile.
-    shift, enable, box, samples :
+    shift, box, samples :
         To the tile memory, as of :class:`Tiles`.
     o : ``Out(stream.Signature(window_layout(f_bits, lanes)))``
     """
 
-    latency = 1 + Tiles.latency + Align.latency
+    latency = Tiles.latency + Align.latency + 1
 
     def __init__(self, f_bits, options, word_bytes, lanes=1):
         self.f_bits, self.options = f_bits, options
@@ -57,33 +58,48 @@ class Retire(wiring.Component):
         super().__init__({
             "push": In(1), "place": In(self.place_shape), "misses": In(range(TAG_BANKS + 1)),
             "filled": In(1), "retire": Out(1), "waiting": Out(1),
-            "shift": Out(1), "enable": Out(1), "box": Out(box_layout(options, word_bytes)),
+            "shift": Out(1), "box": Out(box_layout(options, word_bytes)),
             "samples": In(samples_layout(word_bytes)),
             "o": Out(stream.Signature(window_layout(f_bits, lanes))),
         })
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.queue = queue = SyncFIFOBuffered(
-            width=self.place_shape.size + len(self.misses), depth=self.options.pending)
-        # The oldest in registers of its own: a memory's output comes late in its clock.
+        push = Signal()
+        place = Signal(self.place_shape, reset_less=True)
+        # Of the tiles that a look-up claimed, the negated number: it is added to the balance.
+        owed, following_owed = (Signal(signed(len(self.misses) + 1), name=name)
+                                for name in ("owed", "following_owed"))
+        m.d.sync += [push.eq(self.push), place.eq(self.place), owed.eq(-self.misses)]
+        m.submodules.queue = queue = Fifo(width=self.place_shape.size + len(owed),
+                                          depth=self.options.pending)
         oldest_valid = Signal()
         oldest = Signal(self.place_shape, reset_less=True)
-        misses = Signal.like(self.misses, reset_less=True)
-        # Arrived tiles that belong to nobody yet: at most those of all pending look-ups and of
-        # the one in the act stage.
-        tokens = Signal(range(TAG_BANKS * (self.options.pending + 1) + 1))
+        following = Signal(self.place_shape)
+        # Arrived tiles less those that the oldest look-up and all before it claimed: below 0 as
+        # long as it has to wait. At most those of all pending look-ups and of the one in the act
+        # stage.
+        balance = Signal(signed(ceil_log2(TAG_BANKS * (self.options.pending + 1) + 1) + 1))
+        # All stages move if the windows behind them do; what follows is not asked.
+        m.submodules.windows = windows = Relay(self.o.payload.shape())
+        wiring.connect(m, windows.o, wiring.flipped(self.o))
         shift, pop, load, enough = Signal(), Signal(), Signal(), Signal()
         m.d.comb += [
-            queue.w_data.eq(Cat(self.place, self.misses)), queue.w_en.eq(self.push),
+            queue.w_data.eq(Cat(place, owed)), queue.w_en.eq(push),
+            Cat(following, following_owed).eq(queue.r_data),
             load.eq(~oldest_valid | pop), queue.r_en.eq(load),
-            shift.eq(~self.o.valid | self.o.ready), self.shift.eq(shift),
-            enough.eq(self._enough(tokens, misses)),
+            shift.eq(windows.i.ready), self.shift.eq(shift),
+            enough.eq(self._enough(balance)),
             pop.eq(oldest_valid & enough & shift), self.waiting.eq(oldest_valid & ~enough),
         ]
         with m.If(load):
-            m.d.sync += [oldest_valid.eq(queue.r_rdy), Cat(oldest, misses).eq(queue.r_data)]
-        m.d.sync += tokens.eq(tokens + self.filled - Mux(pop, misses, 0))
+            m.d.sync += [oldest_valid.eq(queue.r_rdy), oldest.eq(following)]
+        with m.If(load & queue.r_rdy):
+            # A tile that arrives goes in as a carry: there is one adder behind the queue.
+            m.d.sync += balance.eq((Cat(1, balance) + Cat(self.filled, following_owed).as_signed()
+                                    )[1:])
+        with m.Else():
+            m.d.sync += balance.eq(balance + self.filled)
 
         # B: the box's address. M: the memory's output. S: samples. W: words. O: window.
         stages = [(Signal(name=f"{name}_valid"),
@@ -93,17 +109,18 @@ class Retire(wiring.Component):
             with m.If(shift):
                 m.d.sync += [stage[0].eq(before[0]), stage[1].eq(before[1])]
             before = stage
-        (b_valid, b), _, (_, s), (w_valid, w) = stages
-        word, row, used = self._corner(b)
+        (b_valid, _), _, (_, s), (w_valid, w) = stages
+        word, row = self._corner(oldest)
         m.d.comb += [
-            self.retire.eq(b_valid & shift), self.enable.eq(b_valid & used),
-            self.box.set.eq(b.set), self.box.odd_tile.eq(b.odd_tile),
+            self.retire.eq(b_valid & shift),
+            self.box.set.eq(oldest.set), self.box.next_set.eq(oldest.next_set),
+            self.box.odd_tile.eq(oldest.odd_tile),
             self.box.word.eq(word), self.box.row.eq(row),
         ]
         with m.If(shift):
-            m.d.sync += [self.o.valid.eq(w_valid & (w.end if self.lanes > 1 else 1)),
-                         self.o.p.first.eq(w.first), self.o.p.last.eq(w.last)]
-        for k, out in enumerate(lanes_of(self.o.p)):
+            m.d.sync += [windows.i.valid.eq(w_valid & (w.end if self.lanes > 1 else 1)),
+                         windows.i.p.first.eq(w.first), windows.i.p.last.eq(w.last)]
+        for k, out in enumerate(lanes_of(windows.i.p)):
             # A group that took several look-ups is gathered in the output.
             take = w_valid & w.mask[k] if self.lanes > 1 else w_valid
             m.submodules[f"align{k}"] = align = Align(self.word_bytes)
@@ -119,14 +136,13 @@ class Retire(wiring.Component):
         return m
 
     @staticmethod
-    def _enough(tokens, misses):
-        """Whether all tiles of the oldest look-up have arrived; without a carry through all bits."""
-        low = len(misses)
-        return tokens[low:].any() | (tokens[:low] >= misses)
+    def _enough(balance):
+        """Whether all tiles of the oldest look-up have arrived."""
+        return balance >= 0
 
     def _corner(self, place):
-        """Word and row of a look-up's first tile in which its box begins; whether it has any."""
+        """Word and row of a look-up's first tile in which its box begins."""
         if self.lanes > 1:
-            return place.word, place.row, place.used
+            return place.word, place.row
         lane = place.lane[0]
-        return lane.x[ceil_log2(self.word_bytes):], lane.y, ~lane.blank
+        return lane.x[ceil_log2(self.word_bytes):], lane.y

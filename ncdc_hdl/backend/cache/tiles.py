@@ -2,11 +2,11 @@
 
 from amaranth import *
 from amaranth.lib import data, wiring
-from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.layouts import set_bits, slot_bits
+from ncdc_hdl.memory import block_memory
 from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
 
 __all__ = ["COLUMNS", "Tiles", "box_layout", "fill_layout", "samples_layout"]
@@ -29,10 +29,11 @@ def fill_layout(options, word_bytes):
 
 
 def box_layout(options, word_bytes):
-    """Where a box begins: set and parities of its first tile, and in it the row and the word of
-    ``word_bytes`` bytes."""
+    """Where a box begins: set and parities of its first tile, set of the one right of and below
+    it, and in the first one the row and the word of ``word_bytes`` bytes."""
     return data.StructLayout({
-        "set": set_bits(options), "odd_tile": data.StructLayout({"x": 1, "y": 1}),
+        "set": set_bits(options), "next_set": set_bits(options),
+        "odd_tile": data.StructLayout({"x": 1, "y": 1}),
         "row": range(TILE_HEIGHT), "word": ceil_log2(TILE_WIDTH // word_bytes)})
 
 
@@ -50,7 +51,7 @@ class Tiles(wiring.Component):
     one clock. Word (row, w) of the tile in a slot is in bank (row, w mod 2) at the address
     ``slot n + w / 2``, n = 16 / (2 word_bytes) words per bank and row.
 
-    Timing: ``samples`` follow ``box`` after 2 shifts.
+    Timing: ``samples`` follow ``box`` after 3 shifts: address, memory, samples.
 
     Members
     -------
@@ -58,20 +59,19 @@ class Tiles(wiring.Component):
         log2 Kx, constant during a frame.
     fill : ``In(fill_layout(...))``
     shift : ``In(1)``
-        Whether the two stages of the read move.
-    enable, box : ``In(1)``, ``In(box_layout(...))``
-        Whether the samples are needed at all.
+        Whether the three stages of the read move.
+    box : ``In(box_layout(...))``
     samples : ``Out(samples_layout(word_bytes))``
     """
 
-    latency = 2
+    latency = 3
 
     def __init__(self, options, word_bytes):
         self.options, self.word_bytes = options, word_bytes
         super().__init__({
             "split": In(range(set_bits(options) + 1)),
             "fill": In(fill_layout(options, word_bytes)),
-            "shift": In(1), "enable": In(1), "box": In(box_layout(options, word_bytes)),
+            "shift": In(1), "box": In(box_layout(options, word_bytes)),
             "samples": Out(samples_layout(word_bytes)),
         })
 
@@ -81,35 +81,37 @@ class Tiles(wiring.Component):
         sets, words = set_bits(self.options), _words(self.word_bytes)
         mask_x = Signal(sets)
         m.d.sync += mask_x.eq((1 << self.split) - 1)
-        # The set of the tile right of the first, of the tile below it: in the next pair if the
-        # first is odd.
-        set_x, set_y = box.set & mask_x, box.set & ~mask_x
-        right, below = Signal(sets), Signal(sets)
-        m.d.comb += [
-            right.eq(Mux(box.odd_tile.x, (box.set + 1) & mask_x, set_x)),
-            below.eq(Mux(box.odd_tile.y, ((box.set | mask_x) + 1) & ~mask_x, set_y)),
-        ]
+        # Without reset, so that they may be the memories' own output registers.
+        samples = Signal.like(self.samples, name="read_samples", reset_less=True)
+        m.d.comb += self.samples.eq(samples)
         for column in range(COLUMNS):
             word = Signal.like(box.word, name=f"word{column}")
             in_next_tile = Signal(name=f"next{column}")
             # This bank's word is the box's first, or the one behind it.
             m.d.comb += Cat(word, in_next_tile).eq(box.word + (box.word[0] != column))
             odd_x = box.odd_tile.x ^ in_next_tile
-            column_set = Mux(in_next_tile, right, set_x)
             for row in range(TILE_HEIGHT):
                 bank = f"bank{row}{column}"
-                m.submodules[bank] = memory = Memory(
-                    shape=8 * self.word_bytes, depth=self.options.tiles * words, init=[])
+                # A tile is not read before it is complete, nor written before it has been read.
+                m.submodules[bank] = memory = block_memory(8 * self.word_bytes,
+                                                           self.options.tiles * words)
                 write, read = memory.write_port(), memory.read_port()
                 m.d.comb += [
                     write.addr.eq(Cat(fill.word, fill.slot)), write.data.eq(fill.data[column]),
                     write.en.eq(fill.enable[column] & (fill.row == row)),
                 ]
                 lower = box.row > row if row < TILE_HEIGHT - 1 else Const(0, 1)
-                address = Cat(word[1:], column_set | Mux(lower, below, set_y), odd_x,
-                              box.odd_tile.y ^ lower)
-                m.d.comb += [read.addr.eq(address), read.en.eq(self.shift & self.enable)]
+                address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")
+                # A set has bits of the column, where the mask has ones, and bits of the row.
+                chosen = Signal(sets, name=f"set{row}{column}")
+                m.d.comb += [
+                    chosen.eq(Cat(
+                        Mux(Mux(is_x, in_next_tile, lower), following, first)
+                        for is_x, first, following in zip(mask_x, box.set, box.next_set))),
+                    read.addr.eq(address), read.en.eq(self.shift)]
                 with m.If(self.shift):
-                    m.d.sync += Value.cast(self.samples[row])[
-                        8 * self.word_bytes * column:][:8 * self.word_bytes].eq(read.data)
+                    m.d.sync += [
+                        address.eq(Cat(word[1:], chosen, odd_x, box.odd_tile.y ^ lower)),
+                        Value.cast(samples[row])[
+                            8 * self.word_bytes * column:][:8 * self.word_bytes].eq(read.data)]
         return m
