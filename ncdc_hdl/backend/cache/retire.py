@@ -87,7 +87,7 @@ class Retire(wiring.Component):
         m.d.comb += [
             queue.w_data.eq(Cat(place, owed)), queue.w_en.eq(push),
             Cat(following, following_owed).eq(queue.r_data),
-            load.eq(~oldest_valid | pop), queue.r_en.eq(load),
+            load.eq(~oldest_valid | (enough & shift)), queue.r_en.eq(load),
             shift.eq(windows.i.ready), self.shift.eq(shift),
             enough.eq(self._enough(balance)),
             pop.eq(oldest_valid & enough & shift), self.waiting.eq(oldest_valid & ~enough),
