@@ -267,11 +267,12 @@ def test_products_in_parts(hidden, share):
 
 def test_refuses_a_short_queue():
     formats = barrel_descriptor().formats
-    limit = 2 * BackMap(4, formats).under_way
-    BackMap(4, formats, queue=limit + 1)
-    with pytest.raises(ValueError, match=f"queue is {limit}, it must exceed twice the "
-                                         f"{limit // 2} groups under way"):
-        BackMap(4, formats, queue=limit)
+    under_way = BackMap(4, formats).under_way
+    limit = under_way + 16
+    BackMap(4, formats, queue=limit)
+    with pytest.raises(ValueError, match=f"queue is {limit - 1}, the limit is {limit}: the "
+                                         f"{under_way} groups under way and 16"):
+        BackMap(4, formats, queue=limit - 1)
 
 
 def test_refuses_to_share_among_more_neurons_than_there_are():

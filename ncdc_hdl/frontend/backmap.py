@@ -15,6 +15,8 @@ from ncdc_hdl.streams import CreditQueue
 
 __all__ = ["BackMap", "pace"]
 
+_SLACK = 16     # groups by which the queue exceeds those under way: what the credits need, and some
+
 
 class BackMap(wiring.Component):
     """Scan, HN hidden neurons with their tan-sigmoids, two output neurons, queue (Figs. 8, 29).
@@ -35,7 +37,7 @@ class BackMap(wiring.Component):
         Of the tan-sigmoid.
     options : ncdc_hdl.options.FrontEndOptions
     queue : int, optional
-        Groups under way and queued together, more than twice those of ``under_way``; by default
+        Groups under way and queued together, 16 more than ``under_way`` at least; by default
         the least power of two that is, and 128 at least.
 
     Members
@@ -80,10 +82,11 @@ class BackMap(wiring.Component):
                        for _ in range(lanes)]
         # Groups of the clocks from one taken out of the queue to the next one that this lets in.
         self.under_way = -(-(self.latency + CreditQueue.loop) // self.share)
-        self.queue = queue or max(128, 1 << (2 * self.under_way).bit_length())
-        if self.queue <= 2 * self.under_way:
-            raise ValueError(f"queue is {queue}, it must exceed twice the {self.under_way} "
-                             f"groups under way")
+        least = self.under_way + _SLACK
+        self.queue = queue or max(128, 1 << (least - 1).bit_length())
+        if self.queue < least:
+            raise ValueError(f"queue is {queue}, the limit is {least}: the {self.under_way} groups "
+                             f"under way and {_SLACK}")
         super().__init__({
             "start": In(1), "abort": In(1), "scan": In(scan_layout()),
             "network": In(network_layout(hidden_neurons, formats)),
@@ -103,7 +106,7 @@ class BackMap(wiring.Component):
         # What is left keeps the queue from running dry while the network refills.
         m.submodules.queue = queue = CreditQueue(
             coordinate_layout(self.formats, self.lanes), depth=self.queue,
-            restart=self.queue // 2)
+            restart=max(self.under_way, self.queue // 2))
         m.d.comb += [
             scan.start.eq(self.start), scan.abort.eq(self.abort), scan.parameters.eq(self.scan),
             self.cut.eq(scan.cut), self.row.eq(scan.row), scan.spans.eq(self.spans),

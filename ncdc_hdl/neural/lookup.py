@@ -17,7 +17,8 @@ class Lookup(wiring.Component):
     """``o`` = ``table[i]``, for a table that would fill block RAMs badly.
 
     Entries in blocks of 64, of each of which one is looked up; then the block is chosen, among
-    four in each clock. Bits in which all entries of a block agree cost nothing.
+    four in each clock. Groups of four blocks take ``i`` one after the other, a clock apart, so that
+    no register drives the whole table. Bits in which all entries of a block agree cost nothing.
     Timing: free-running, one value per clock, ``latency`` clocks.
 
     Parameters
@@ -36,33 +37,49 @@ class Lookup(wiring.Component):
     def __init__(self, table, width):
         bits = max(_ENTRIES, ceil_log2(len(table)))
         self.table, self.width = [*table, *[0] * ((1 << bits) - len(table))], width
+        self.groups = 1 << max(0, bits - _ENTRIES - _CHOICES)
         super().__init__({"i": In(bits), "o": Out(width)})
 
     @property
     def latency(self):
-        """Clocks: blocks, choices among them."""
-        return 1 - (_ENTRIES - len(self.i)) // _CHOICES
+        """Clocks: groups, blocks, choices among them."""
+        return self.groups - (_ENTRIES - len(self.i)) // _CHOICES
 
     def elaborate(self, platform):
         m = Module()
-        size = 1 << _ENTRIES
-        chosen = self.i[_ENTRIES:]
-        blocks = [register(m, f"block{start}", self._block(self.table[start:start + size]))
-                  for start in range(0, len(self.table), size)]
-        chosen = delay(m, chosen, 1, "chosen")
-        level = 0
-        while len(blocks) > 1:
-            count = 1 << _CHOICES
-            choice, chosen = chosen[:_CHOICES], delay(m, chosen[_CHOICES:], 1, f"chosen{level}")
-            blocks = [register(m, f"choice{level}_{k}", Array(blocks[k:k + count])[choice])
-                      for k in range(0, len(blocks), count)]
-            level += 1
-        m.d.comb += self.o.eq(blocks[0])
+        size = len(self.table) // self.groups
+        results = []
+        for group in range(self.groups):
+            index = delay(m, self.i[:_ENTRIES + _CHOICES], group, f"i{group}")
+            result = self._group(m, group, index, self.table[group * size:(group + 1) * size])
+            results.append(delay(m, result, self.groups - 1 - group, f"result{group}"))
+        chosen = delay(m, self.i[_ENTRIES + _CHOICES:], self.groups + 1, "group")
+        m.d.comb += self.o.eq(self._choose(m, "result", results, chosen))
         return m
 
-    def _block(self, entries):
+    def _group(self, m, group, index, entries):
+        """One of the blocks of ``entries``, two clocks later; a clock if there is only one."""
+        size = 1 << _ENTRIES
+        blocks = [register(m, f"block{group}_{start}", self._block(entries[start:start + size],
+                                                                   index[:_ENTRIES]))
+                  for start in range(0, len(entries), size)]
+        return self._choose(m, f"choice{group}", blocks, delay(m, index[_ENTRIES:], 1,
+                                                               f"chosen{group}"))
+
+    @staticmethod
+    def _choose(m, name, values, chosen):
+        """``values[chosen]``, a clock later for each choice among four."""
+        level, count = 0, 1 << _CHOICES
+        while len(values) > 1:
+            values = [register(m, f"{name}_{level}_{k}",
+                               Array(values[k:k + count])[chosen[:_CHOICES]])
+                      for k in range(0, len(values), count)]
+            chosen = delay(m, chosen[_CHOICES:], 1, f"{name}_rest{level}")
+            level += 1
+        return values[0]
+
+    def _block(self, entries, index):
         """One of ``entries``, each bit by itself: as a memory it would become block RAM again."""
         columns = [sum((entry >> k & 1) << j for j, entry in enumerate(entries))
                    for k in range(self.width)]
-        return Cat(Const(column, len(entries)).bit_select(self.i[:_ENTRIES], 1)
-                   for column in columns)
+        return Cat(Const(column, len(entries)).bit_select(index, 1) for column in columns)
