@@ -14,19 +14,27 @@ from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.export.verilog import TOP, corrector_verilog, module_verilog
 from ncdc_hdl.export.waivers import SLANG, VERILATOR, verilator_config
+from ncdc_hdl.options import FrontEndOptions
 from ncdc_model.formats import Formats
 from ncdc_sim.tools import environment, tool
 
-HARDWARE = {"cache": {}, "stream": {"output": "stream", "data_width": 128}}
+HARDWARE = {"cache": {}, "stream": {"output": "stream", "data_width": 128},
+            "shared": {"front_end": FrontEndOptions(share=2)}}
 BIN = Path(sys.executable).parent
 
 
-@pytest.fixture(scope="module", params=HARDWARE)
-def verilog(request, tmp_path_factory):
-    """File of a corrector's Verilog, alone in its folder."""
-    path = tmp_path_factory.mktemp(request.param) / f"{TOP}.v"
-    path.write_text(corrector_verilog(barrel_descriptor(), **HARDWARE[request.param]))
-    return path
+@pytest.fixture(scope="module")
+def verilogs(tmp_path_factory):
+    """Files of correctors' Verilog, each alone in its folder."""
+    paths = {name: tmp_path_factory.mktemp(name) / f"{TOP}.v" for name in HARDWARE}
+    for name, path in paths.items():
+        path.write_text(corrector_verilog(barrel_descriptor(), **HARDWARE[name]))
+    return paths
+
+
+@pytest.fixture(params=HARDWARE)
+def verilog(request, verilogs):
+    return verilogs[request.param]
 
 
 def run(command, cwd):
@@ -51,8 +59,10 @@ def test_verilator_finds_only_what_is_waived(verilog):
     assert lint(verilog, "ncdc.vlt") == (0, set())
 
 
-def test_every_waiver_of_verilator_is_needed(verilog):
-    assert lint(verilog, "-Wno-fatal") == (0, set(VERILATOR))
+def test_every_waiver_of_verilator_is_needed(verilogs):
+    found = [lint(path, "-Wno-fatal") for path in verilogs.values()]
+    assert {status for status, _ in found} == {0}
+    assert set().union(*(rules for _, rules in found)) == set(VERILATOR)
 
 
 SLANG_RUN = """\
@@ -73,8 +83,10 @@ def slang_rules(path):
     return done.returncode, set(re.findall(r"\[-W([\w-]+)\]", done.stdout))
 
 
-def test_slang_finds_only_what_is_waived(verilog):
-    assert slang_rules(verilog) == (0, set(SLANG))
+def test_slang_finds_just_what_is_waived(verilogs):
+    found = [slang_rules(path) for path in verilogs.values()]
+    assert {status for status, _ in found} == {0}
+    assert set().union(*(rules for _, rules in found)) == set(SLANG)
 
 
 def test_slang_finds_an_error(tmp_path):
