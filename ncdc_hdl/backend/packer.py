@@ -69,15 +69,17 @@ class Packer(wiring.Component):
         row_end = strips.last_column & ~strips.raster
         begun = Signal()                             # the word has pixels already
         complete = (place == room // step - 1) | row_end | last
-        m.d.comb += [strips.order.eq(self.order), strips.start.eq(self.start)]
+        put = Signal()                               # pixels go into the word
+        m.d.comb += [strips.order.eq(self.order), strips.start.eq(self.start),
+                     strips.advance.eq(put | strips.begin)]
         # A strip that another one follows has more pixels than this is late.
         m.d.sync += next_strip.eq(strip + strips.strip * PIXEL_BYTES)
 
         o = self.o.p
         with m.If(~self.o.valid | self.o.ready):
-            m.d.comb += [self.i.ready.eq(part == parts - 1), strips.advance.eq(self.i.valid)]
+            m.d.comb += [self.i.ready.eq(part == parts - 1), put.eq(self.i.valid)]
             m.d.sync += self.o.valid.eq(self.i.valid & complete)
-        with m.If(strips.advance):
+        with m.If(put):
             m.d.sync += [part.eq(Mux(part == parts - 1, 0, part + 1)), begun.eq(~complete),
                          o.last.eq(last), o.end.eq(row_end | last),
                          o.address.eq(Cat(Const(0, word_bits), address[word_bits:]))]

@@ -88,6 +88,8 @@ class Scan(wiring.Component):
         row_ends, new_row, new_strip, complete = Signal(), Signal(), Signal(), Signal()
         top, column = Signal(), Signal(SIZE)         # the next row is the first one; its column
         take = Signal()                              # it becomes the group shown
+        takes = Signal()                             # ``take`` in the next clock
+        step = Signal()                              # ``take``, or the group nobody sees is asked for
         further = Signal()                           # if so, yet another one can follow at once
         shown = Signal()                             # ``active`` in the next clock
         ending = Signal()                            # the group shown is blank and ends the frame
@@ -97,16 +99,18 @@ class Scan(wiring.Component):
         m.d.comb += [
             strips.order.width.eq(p.width), strips.order.height.eq(p.height),
             strips.order.strip.eq(p.strip), strips.start.eq(self.start),
-            strips.advance.eq(take),
+            strips.advance.eq(step),
             shown.eq(take & ~void | self.active & ~self.advance),
             end.eq(self.abort | empty),
+            takes.eq(strips.begin | Mux(take, further, running & (~row_begins | fetched))
+                     & (~shown | self.go)),
             further.eq((void | ~(end | complete)) & (~row_ends | fetched & ~row_begins)),
         ]
         # Decided a clock ahead: both reach registers all over the scan.
         m.d.sync += [
             empty.eq((p.width == 0) | (p.height == 0)), self.active.eq(shown),
             self.advance.eq(shown & self.go),
-            take.eq(Mux(take, further, running & (~row_begins | fetched)) & (~shown | self.go)),
+            take.eq(takes), step.eq(takes | strips.soon),
         ]
         with m.If(take):
             m.d.sync += [
@@ -125,8 +129,6 @@ class Scan(wiring.Component):
         with m.If(self.start):
             m.d.sync += [self.cut.eq(0), void.eq(1), frame_begins.eq(0), row_begins.eq(0),
                          row_ends.eq(1), new_row.eq(1), new_strip.eq(0), top.eq(1), complete.eq(0)]
-        with m.If(strips.begin):
-            m.d.sync += [running.eq(1), take.eq(1)]
 
         self._coordinates(m, strips.begin, take, new_row, new_strip, top)
         for pixel in self.pixels:

@@ -21,8 +21,9 @@ class Strips(wiring.Component):
     picture one strip: a raster. Equal to ``ncdc_model.geometry.scan_order``.
 
     Groups and rows are counted down to -1, so that the sign tells the last one without a
-    comparison. Timing: the first group shows ``latency`` clocks after ``start``, the next one in
-    the clock after ``advance``. The width of a picture is not to be 0.
+    comparison. Timing: another group shows in the clock after ``advance``; the first one is to be
+    asked for with ``begin``, and shows ``latency`` clocks after ``start``. The width of a picture is
+    not to be 0.
 
     Parameters
     ----------
@@ -36,8 +37,8 @@ class Strips(wiring.Component):
         Sizes in pixels, constant from ``start`` on. Bits below ``STRIP_UNIT`` of the strip's width
         are ignored.
     start, advance : ``In(1)``
-    begin : ``Out(1)``
-        The first group shows in the next clock.
+    soon, begin : ``Out(1)``
+        The clock before ``begin``; the clock in which to ``advance`` for the first group.
     u : ``Out``
         Column of the group's leftmost pixel.
     last_column, last_row, last_strip : ``Out(1)``
@@ -52,7 +53,8 @@ class Strips(wiring.Component):
     def __init__(self, lanes=1):
         self.lanes = lanes
         super().__init__({
-            "order": In(ORDER), "start": In(1), "advance": In(1), "begin": Out(1), "u": Out(SIZE),
+            "order": In(ORDER), "start": In(1), "advance": In(1), "soon": Out(1), "begin": Out(1),
+            "u": Out(SIZE),
             "last_column": Out(1), "last_row": Out(1), "last_strip": Out(1),
             "strip": Out(SIZE), "raster": Out(1),
         })
@@ -62,17 +64,17 @@ class Strips(wiring.Component):
         order, unit, group = self.order, exact_log2(STRIP_UNIT), exact_log2(self.lanes)
         count = range(-MAX_SIZE - 1, MAX_SIZE)
         left = Signal(SIZE)                          # first column of the strip
-        step, next_strip = Signal(), Signal()
+        next_strip = Signal()
         column, row = Signal(count), Signal(count)   # to be counted down to -1: the last one
         groups, rows = Signal(count), Signal(count)  # of this strip's row, of the picture; less two
         m.d.comb += [
             self.strip.eq(Cat(Const(0, unit), order.strip[unit:])),
             self.raster.eq(self.strip == 0),
-            self.begin.eq(delay(m, self.start, self.latency - 1, "start", reset_less=False)),
             self.last_column.eq(column < 0), self.last_row.eq(row < 0),
-            step.eq(self.begin | self.advance),
-            next_strip.eq(step & self.last_column & self.last_row),
+            next_strip.eq(self.advance & self.last_column & self.last_row),
         ]
+        m.d.comb += self.soon.eq(delay(m, self.start, self.latency - 2, "start", reset_less=False))
+        m.d.sync += self.begin.eq(self.soon)
         # The strip to come, worked out in three clocks from the columns right of its first one;
         # in a fourth what the row to come has: no strip but the last has a row of so few groups.
         columns, beyond = Signal(count), Signal(count)
@@ -87,12 +89,12 @@ class Strips(wiring.Component):
         ]
         further = Signal(SIZE)
         m.d.comb += further.eq(self.u + self.lanes)
-        with m.If(step):
+        with m.If(self.advance):
             m.d.sync += [
                 column.eq(Mux(self.last_column, row_groups, column - 1)),
                 self.u.eq(Mux(self.last_column & ~self.last_row, left, further)),
             ]
-        with m.If(step & self.last_column):
+        with m.If(self.advance & self.last_column):
             m.d.sync += row.eq(Mux(self.last_row, rows, row - 1))
         with m.If(next_strip):
             m.d.sync += [left.eq(further), groups.eq(less_two), columns.eq(beyond),
