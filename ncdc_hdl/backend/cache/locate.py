@@ -78,13 +78,16 @@ class Locate(wiring.Component):
         if self.lanes > 1:
             m.d.comb += [place.mask.eq(t.mask), place.end.eq(t.end),
                          place.word.eq(t.x0[_X_BITS - 1]), place.row.eq(t.y0)]
-        for odd, (pair_x, pair_y) in enumerate([(t_even_x, t_even_y), (tile_x[1:], tile_y[1:])]):
-            m.d.comb += [
-                o.pair_x[odd].eq(pair_x), o.pair_y[odd].eq(pair_y),
-                o.set_x[odd].eq(pair_x & mask_x), o.set_y[odd].eq(pair_y << self.split)]
         # The tile beside an even one is in the same pair, that beside an odd one in the next.
-        m.d.comb += [place.set.eq(o.set_x[1] | o.set_y[1]),
-                     place.next_set.eq(o.set_x[0] | o.set_y[0])]
+        for odd, pair_x, pair_y, place_set in ((0, t_even_x, t_even_y, place.next_set),
+                                               (1, tile_x[1:], tile_y[1:], place.set)):
+            # Not read back from ``o``: simulators take a vector for one thing.
+            set_x = Signal(len(mask_x), name=f"set_x{odd}")
+            set_y = Signal(len(mask_x), name=f"set_y{odd}")
+            m.d.comb += [
+                set_x.eq(pair_x & mask_x), set_y.eq(pair_y << self.split),
+                o.pair_x[odd].eq(pair_x), o.pair_y[odd].eq(pair_y),
+                o.set_x[odd].eq(set_x), o.set_y[odd].eq(set_y), place_set.eq(set_x | set_y)]
         for bank in range(TAG_BANKS):
             m.d.comb += o.need[bank].eq(
                 t.used & (t_across | (tile_x[0] == bank & 1))
