@@ -11,14 +11,15 @@ __all__ = ["Lookup"]
 
 _ENTRIES = 6        # log2 of those that a table of six inputs holds, the usual one
 _CHOICES = 2        # log2 of those among which one of six inputs can choose
+_BLOCKS = 1         # log2 of the blocks that share an index: of more, logic would share too much
 
 
 class Lookup(wiring.Component):
     """``o`` = ``table[i]``, for a table that would fill block RAMs badly.
 
-    Entries in blocks of 64, of each of which one is looked up; then the block is chosen, among
-    four in each clock. Groups of four blocks take ``i`` one after the other, a clock apart, so that
-    no register drives the whole table. Bits in which all entries of a block agree cost nothing.
+    Entries in blocks of 64, of each of which one is looked up; then the block is chosen, of pairs,
+    and the pair, among four in each clock. Pairs take ``i`` one after the other, a clock apart, so
+    that no register drives the whole table. Bits in which all entries of a block agree cost nothing.
     Timing: free-running, one value per clock, ``latency`` clocks.
 
     Parameters
@@ -37,23 +38,24 @@ class Lookup(wiring.Component):
     def __init__(self, table, width):
         bits = max(_ENTRIES, ceil_log2(len(table)))
         self.table, self.width = [*table, *[0] * ((1 << bits) - len(table))], width
-        self.groups = 1 << max(0, bits - _ENTRIES - _CHOICES)
+        self.groups = 1 << max(0, bits - _ENTRIES - _BLOCKS)
         super().__init__({"i": In(bits), "o": Out(width)})
 
     @property
     def latency(self):
-        """Clocks: groups, blocks, choices among them."""
-        return self.groups - (_ENTRIES - len(self.i)) // _CHOICES
+        """Clocks: a block, choice of a pair's, pairs before the last one, choices among them."""
+        bits = len(self.i) - _ENTRIES
+        return 1 + (bits > 0) + (self.groups - 1) - (_BLOCKS - max(bits, _BLOCKS)) // _CHOICES
 
     def elaborate(self, platform):
         m = Module()
         size = len(self.table) // self.groups
         results = []
         for group in range(self.groups):
-            index = delay(m, self.i[:_ENTRIES + _CHOICES], group, f"i{group}")
+            index = delay(m, self.i[:_ENTRIES + _BLOCKS], group, f"i{group}")
             result = self._group(m, group, index, self.table[group * size:(group + 1) * size])
             results.append(delay(m, result, self.groups - 1 - group, f"result{group}"))
-        chosen = delay(m, self.i[_ENTRIES + _CHOICES:], self.groups + 1, "group")
+        chosen = delay(m, self.i[_ENTRIES + _BLOCKS:], self.groups + 1, "group")
         m.d.comb += self.o.eq(self._choose(m, "result", results, chosen))
         return m
 
