@@ -20,8 +20,8 @@ _RETIRE_TO_CLAIM = 3        # a window is read, its tiles may be replaced
 # From the start of a frame to its first look-up, and from its last window read to its last pixel:
 # most of it the network, whose latency differs by some clocks from one to the next; to the first
 # look-up alone.
-FRAME_LATENCY = 83
-START_LATENCY = 65
+FRAME_LATENCY = 107
+START_LATENCY = 69
 
 
 @dataclass(frozen=True)
