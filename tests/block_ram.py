@@ -21,7 +21,8 @@ class _Undefined(Memory):
         clash = Signal(shape)
         m.d.comb += [
             write.addr.eq(outer_write.addr),
-            Value.cast(write.data).eq(Value.cast(outer_write.data)), write.en.eq(outer_write.en), read.addr.eq(outer_read.addr), read.en.eq(outer_read.en),
+            Value.cast(write.data).eq(Value.cast(outer_write.data)), write.en.eq(outer_write.en),
+            read.addr.eq(outer_read.addr), read.en.eq(outer_read.en),
             Value.cast(outer_read.data).eq(read.data ^ clash),
         ]
         with m.If(read.en):

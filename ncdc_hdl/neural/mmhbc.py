@@ -47,7 +47,7 @@ class Mmhbc(wiring.Component):
         design = self.design
         width, fine = design.width, design.fine_bits
 
-        # T: region table. In logic: of a block RAM of 512 x 20 bits it would fill one and a quarter.
+        # T: region table. In logic: of a RAM of 512 x 20 bits it would fill one and a quarter.
         m.submodules.table = table = self.table
         m.d.comb += table.i.eq(self.i[fine:])
         u = table.o
