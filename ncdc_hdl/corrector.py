@@ -5,7 +5,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.avalon.burst_writer import BurstWriter
-from ncdc_hdl.avalon.bus import Agent, ReadHost, WriteHost
+from ncdc_hdl.avalon.bus import Agent
 from ncdc_hdl.avalon.register_table import ADDRESS_WORDS_BITS, host_values, registers
 from ncdc_hdl.avalon.registers import COUNTERS, Registers
 from ncdc_hdl.backend.cache.cache import Cache

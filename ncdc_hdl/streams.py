@@ -1,7 +1,7 @@
 """Credits between a free-running pipeline and a consumer that may stall."""
 
 from amaranth import *
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.memory import Fifo
@@ -66,8 +66,7 @@ class CreditQueue(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         width = Shape.cast(self.shape).width
-        m.submodules.fifo = fifo = Fifo(width=width, depth=self.depth,
-                                           checked=False)
+        m.submodules.fifo = fifo = Fifo(width=width, depth=self.depth, checked=False)
         issued, arrived, taken = (
             register(m, name, value, reset_less=False) for name, value in
             (("issued", self.issue), ("arrived", self.arrive),

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from amaranth import *
-from amaranth.lib import wiring
 from cameras import barrel_descriptor
 from pipelines import get, run_bench
 

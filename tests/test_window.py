@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from pipelines import run_stream, run_bench, put, get
+from pipelines import get, put, run_bench
 
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_model.descriptor import Formats

@@ -1,7 +1,7 @@
 """From a back-map coordinate to the raw window that the pixel is made from."""
 
 from amaranth import *
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.layouts import request_layout

@@ -4,7 +4,7 @@ from amaranth import *
 from amaranth.lib.wiring import In
 
 from formal.avalon import check_read_host
-from formal.properties import always, constant, given, inner, reached
+from formal.properties import always, given, inner, reached
 from formal.wrapper import Wrapper
 from ncdc_hdl.backend.cache.fills import Fills
 from ncdc_hdl.backend.cache.layouts import tile_layout

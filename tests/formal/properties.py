@@ -1,7 +1,7 @@
 """Properties, and the signals they speak of."""
 
 from amaranth import *
-from amaranth.hdl import Assert, Assume, Cover, Fragment
+from amaranth.hdl import Assert, Assume, Cover
 
 __all__ = ["Property", "always", "constant", "given", "inner", "reached"]
 

@@ -1,7 +1,7 @@
 """Fetches claimed tiles from memory, in order, straight into their slots."""
 
 from amaranth import *
-from amaranth.lib import data, wiring
+from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 

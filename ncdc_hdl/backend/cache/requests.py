@@ -1,7 +1,7 @@
 """From tiles to read commands."""
 
 from amaranth import *
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
