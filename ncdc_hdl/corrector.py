@@ -6,8 +6,6 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.avalon.bus import Agent
-from ncdc_hdl.avalon.register_table import ADDRESS_WORDS_BITS, host_values, registers
-from ncdc_hdl.avalon.registers import COUNTERS, Registers
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
@@ -15,16 +13,24 @@ from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.frontend.backmap import BackMap
-from ncdc_hdl.frontend.layouts import SIZE, lanes_of
+from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.frontend.valid import ValidTable
-from ncdc_hdl.options import FetchOptions, FrontEndOptions
-from ncdc_hdl.pipeline import register
-from ncdc_model.errors import InputError
+from ncdc_hdl.lib.credits import CreditQueue
+from ncdc_hdl.lib.groups import lanes_of
+from ncdc_hdl.lib.pipeline import register
+from ncdc_hdl.registers.agent import Registers
+from ncdc_model.fetch.corrector_timing import CorrectorTiming
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.host_values import host_values
+from ncdc_model.interface.register_map import (
+    ADDRESS_WORDS_BITS,
+    COUNTERS,
+    network_registers,
+    registers,
+)
 
-__all__ = ["Corrector", "DATA_WIDTHS", "OUTPUTS"]
+__all__ = ["Corrector"]
 
-DATA_WIDTHS = (32, 64, 128)
-OUTPUTS = ("memory", "stream")
 _WRITE_BURST = 16  # words
 
 
@@ -43,22 +49,18 @@ class Corrector(wiring.Component):
     Parameters
     ----------
     descriptor : ncdc_model.descriptor.Descriptor
-    data_width : int
-        Bits of the memory ports: 32, 64 or 128.
-    front_end : ncdc_hdl.options.FrontEndOptions
-    fetch : ncdc_hdl.options.FetchOptions
-    output : str
-        "memory": a burst writer stores four bytes per pixel (blue, green, red, zero), row after
-        row without a gap; "stream": a video stream source in its place, always a raster.
+    hardware : ncdc_model.hardware.Hardware
+        With the output "memory" a burst writer stores four bytes per pixel (blue, green, red,
+        zero), row after row without a gap; with "stream" a video stream source is in its place.
 
     Members
     -------
     csr_* : Avalon-MM agent, see the register table
     read0_*, read1_*, read2_* : Avalon-MM read hosts; the cache has the first alone
-    write_* : Avalon-MM write host (``output`` "memory")
+    write_* : Avalon-MM write host (output "memory")
     stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
         video stream, red in the top byte of 24 bits per pixel, the leftmost pixel in the lowest
-        (``output`` "stream")
+        (output "stream")
     irq : ``Out(1)``
         Frame complete.
     camera_rows : ``In(SIZE)``
@@ -70,53 +72,67 @@ class Corrector(wiring.Component):
     Raises
     ------
     InputError
-        If ``data_width`` or ``output`` is none of the above, ``front_end`` does not fit the number
-        of neurons, the pixels per clock fit neither the width nor the fetcher, or a stream is to
-        come in strips.
+        If the hardware does not fit the camera, see :meth:`Hardware.made_for`.
     """
 
-    def __init__(self, descriptor, *, data_width=32, output="memory",
-                 front_end=FrontEndOptions(), fetch=FetchOptions()):
-        if data_width not in DATA_WIDTHS:
-            raise InputError(f"the memory's data width is {data_width}, one of "
-                             f"{', '.join(map(str, DATA_WIDTHS))} is needed")
-        if output not in OUTPUTS:
-            raise InputError(f"the output is {output!r}, one of {', '.join(OUTPUTS)} is needed")
-        if fetch.strip and output == "stream":
-            raise InputError(f"the strip width is {fetch.strip}, a video stream needs 0 (raster)")
-        lanes, width = front_end.lanes, descriptor.geometry.corrected_width
-        if width % lanes:
-            raise InputError(f"the corrected width is {width}, {lanes} pixels per clock need a "
-                             f"multiple of {lanes}")
-        if lanes > 1 and fetch.fetcher == "multiport":
-            raise InputError(f"pixels per clock is {lanes}, the multiport fetcher can have 1 only")
-        self.descriptor, self.data_width, self.output = descriptor, data_width, output
-        self.front_end = front_end
+    def __init__(self, descriptor, hardware=Hardware()):
+        self.descriptor, self.hardware = descriptor, hardware.made_for(descriptor)
+        data_width, lanes = hardware.data_width, hardware.lanes
         formats = descriptor.formats
         self.backmap = BackMap(descriptor.hidden_neurons, formats, variant=descriptor.variant,
-                               options=front_end)
+                               hardware=hardware)
         self.table = ValidTable(descriptor.valid, *descriptor.geometry.corrected)
         self.window = WindowAddress(formats, lanes)
         f_bits = formats.coordinate.f_bits
         self.row_gate = RowGate(f_bits, lanes)
-        self.fetch_options, split = fetch, fetch.split_for(descriptor.geometry)
-        self.fetch = Multiport(f_bits, data_width) if fetch.fetcher == "multiport" else Cache(
-            f_bits, data_width, fetch.cache_for(descriptor.geometry), lanes)
+        self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes) if hardware.cached
+                      else Multiport(f_bits, data_width))
         self.interpolator = Interpolator(f_bits, lanes)
         self.registers = Registers(
             registers(descriptor.hidden_neurons, formats),
-            host_values(descriptor, data_width, split, fetch.strip),
+            host_values(descriptor, self.hardware),
             digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons)
         ports = _flat("csr", Agent(ADDRESS_WORDS_BITS), In)
         for r in range(self.fetch.ports):
             ports |= _flat(f"read{r}", getattr(self.fetch, f"bus{r}").signature, Out)
-        if output == "memory":
+        if not hardware.stream:
             self.writer = BurstWriter(data_width, burst=_WRITE_BURST)
             ports |= _flat("write", self.writer.bus.signature, Out)
         else:
             ports |= {"stream_valid": Out(1), "stream_ready": In(1), "stream_data": Out(24 * lanes),
                       "stream_startofpacket": Out(1), "stream_endofpacket": Out(1)}
         super().__init__(ports | {"irq": Out(1), "camera_rows": In(SIZE), "front_end_idle": Out(1)})
+
+    @property
+    def start_latency(self):
+        """Clocks from a frame's start to its first window request at the fetcher: front end, window
+        address, row gate."""
+        return self.backmap.start_latency + self.window.latency + self.row_gate.latency
+
+    @property
+    def end_latency(self):
+        """Clocks from a window at the fetcher's output to its pixel: interpolator and its queue."""
+        return self.interpolator.latency + CreditQueue.latency
+
+    @property
+    def timing(self):
+        """:class:`CorrectorTiming` of a corrector with a tile cache."""
+        fetch = self.fetch
+        return CorrectorTiming(
+            start=self.start_latency + fetch.start_latency,
+            end=fetch.retire.retire_to_window + self.end_latency,
+            claim_to_command=fetch.fills.latency,
+            fill_to_claim=fetch.fills.credit_latency,
+            fill_to_retire=fetch.fills.filled_latency + fetch.retire.filled_to_retire,
+            push_to_retire=fetch.retire.push_to_retire,
+            retire_to_push=fetch.tags.retire_to_push,
+            retire_to_claim=fetch.tags.retire_to_claim,
+            pixel_to_bus=Packer.latency + BurstWriter.latency,
+            row_to_lookup=(self.row_gate.rows_latency + self.row_gate.latency
+                           + fetch.start_latency),
+            end_to_interrupt=self.registers.interrupt_latency,
+            write_burst=_WRITE_BURST, queued_words=BurstWriter.queued(_WRITE_BURST),
+            queued_pixels=self.interpolator.queued * self.hardware.lanes)
 
     def elaborate(self, platform):
         m = Module()
@@ -142,8 +158,8 @@ class Corrector(wiring.Component):
                      self.row_gate.camera_rows.eq(self.camera_rows)]
         wiring.connect(m, self.fetch.o, self.interpolator.i)
         pixels = self.interpolator.o
-        if self.output == "memory":
-            m.submodules.packer = packer = Packer(self.data_width, self.front_end.lanes)
+        if not self.hardware.stream:
+            m.submodules.packer = packer = Packer(self.hardware.data_width, self.hardware.lanes)
             m.submodules.writer = writer = self.writer
             wiring.connect(m, pixels, packer.i)
             wiring.connect(m, packer.o, writer.i)
@@ -191,7 +207,7 @@ class Corrector(wiring.Component):
         scan, network = self.backmap.scan, self.backmap.network
         m.d.comb += [
             scan.width.eq(active.CORRECTED_WIDTH), scan.height.eq(active.CORRECTED_HEIGHT),
-            scan.strip.eq(active.STRIP_WIDTH if self.output == "memory" else 0),
+            scan.strip.eq(0 if self.hardware.stream else active.STRIP_WIDTH),
             scan.origin_x.eq(active.SCAN_ORIGIN_X), scan.step_x.eq(active.SCAN_STEP_X),
             scan.origin_y.eq(active.SCAN_ORIGIN_Y), scan.step_y.eq(active.SCAN_STEP_Y),
             self.window.width.eq(active.DISTORTED_WIDTH),
@@ -200,32 +216,23 @@ class Corrector(wiring.Component):
             self.fetch.base.eq(active.SOURCE_BASE), self.fetch.pitch.eq(active.SOURCE_PITCH),
             self.interpolator.phase.eq(active.BAYER_PHASE), self.interpolator.fill.eq(active.FILL),
         ]
-        if self.fetch_options.fetcher == "cache":
+        if self.hardware.cached:
             m.d.comb += self.fetch.split.eq(active.CACHE_SPLIT)
-        for j in range(self.descriptor.hidden_neurons):
-            hidden = network.hidden[j]
-            m.d.comb += [
-                hidden.weights[0].eq(active[f"HIDDEN{j}_WEIGHT_X"]),
-                hidden.weights[1].eq(active[f"HIDDEN{j}_WEIGHT_Y"]),
-                hidden.bias.eq(active[f"HIDDEN{j}_BIAS"]),
-                network.output[0].weights[j].eq(active[f"OUTPUT_X_WEIGHT{j}"]),
-                network.output[1].weights[j].eq(active[f"OUTPUT_Y_WEIGHT{j}"]),
-            ]
-        m.d.comb += [network.output[0].bias.eq(active.OUTPUT_X_BIAS),
-                     network.output[1].bias.eq(active.OUTPUT_Y_BIAS)]
-        if self.descriptor.skip_weights is not None:
-            m.d.comb += [network.output[k].skip[j].eq(active[f"SKIP_{axis}_WEIGHT_{name}"])
-                         for k, axis in enumerate("XY") for j, name in enumerate("XY")]
+        for row in network_registers(self.descriptor.hidden_neurons, self.descriptor.formats):
+            place = network
+            for step in row.parameter:
+                place = place[step]
+            m.d.comb += place.eq(active[row.name])
 
     def _counters(self, m, begun, pixels):
         counters = self.registers.counters
         running = Signal()
         values = {name: Signal(32, name=name.lower()) for name in COUNTERS}
         events = {
-            "CLOCKS": running, "PIXELS": Mux(pixels.valid & pixels.ready, self.front_end.lanes, 0),
+            "CLOCKS": running, "PIXELS": Mux(pixels.valid & pixels.ready, self.hardware.lanes, 0),
             "FETCHES": self.fetch.fetched, "FRONT_END_STALLS": self.backmap.stalled,
             "SINK_STALLS": pixels.valid & ~pixels.ready, "DATA_STALLS": self.fetch.waiting}
-        if self.fetch_options.fetcher == "cache":
+        if self.hardware.cached:
             stalls = self.fetch.stalls
             events |= {"INTERLOCK_STALLS": stalls.interlock, "CREDIT_STALLS": stalls.credit,
                        "PENDING_STALLS": stalls.pending}

@@ -5,8 +5,8 @@ import re
 from ncdc_boards.constraints import constraints
 from ncdc_boards.system import SYSTEM, system_tcl
 from ncdc_boards.top import BoardTop
-from ncdc_boards.video_modes import mode_for
 from ncdc_hdl.export.platform_designer import interfaces
+from ncdc_hdl.video.modes import mode_for
 from ncdc_model.errors import InputError
 
 __all__ = ["check_board", "project_files", "project_name"]
@@ -52,7 +52,7 @@ def project_files(board, corrector):
     InputError
         As :func:`check_board`.
     """
-    check_board(board, corrector.descriptor, corrector.output)
+    check_board(board, corrector.descriptor, corrector.hardware.output)
     name = project_name(board)
     files = _with_pins(board, corrector, name) if board.platform else _without_pins(board, name)
     return files | {

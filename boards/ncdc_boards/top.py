@@ -5,7 +5,7 @@ from amaranth.lib import io
 from amaranth.lib.cdc import ResetSynchronizer
 
 from ncdc_boards.system import SYSTEM
-from ncdc_boards.video_out import VideoOut
+from ncdc_hdl.video.output import VideoOut
 
 __all__ = ["BoardTop", "system_ports"]
 

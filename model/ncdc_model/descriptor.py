@@ -4,7 +4,6 @@ import hashlib
 import tomllib
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 

@@ -46,6 +46,9 @@ class BurstWriter(wiring.Component):
     bus : ``Out(WriteHost(data_width, burst))``
     """
 
+    latency = 2 + 1
+    """Clocks from a burst's last word at ``i`` to its first one on the bus: queues, registers."""
+
     def __init__(self, data_width, *, burst):
         self.data_width, self.burst = data_width, burst
         super().__init__({
@@ -54,12 +57,17 @@ class BurstWriter(wiring.Component):
             "bus": Out(WriteHost(data_width, burst)),
         })
 
+    @staticmethod
+    def queued(burst):
+        """Words that a writer of bursts of so many words holds."""
+        return 2 * burst
+
     def elaborate(self, platform):
         m = Module()
         words = data.StructLayout({"data": self.data_width, "enable": self.data_width // 8})
         bursts = data.StructLayout({"address": ADDRESS_BITS, "count": range(self.burst + 1),
                                     "last": 1})
-        m.submodules.words = word_queue = SyncFIFOBuffered(width=words.size, depth=2 * self.burst)
+        m.submodules.words = word_queue = SyncFIFOBuffered(width=words.size, depth=self.queued(self.burst))
         m.submodules.bursts = burst_queue = SyncFIFOBuffered(width=bursts.size, depth=_BURSTS)
         self._gather(m, word_queue, burst_queue, bursts)
         self._send(m, word_queue, data.View(words, word_queue.r_data),

@@ -3,9 +3,9 @@
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-__all__ = ["Agent", "ADDRESS_BITS", "ReadHost", "WriteHost"]
+from ncdc_model.interface.frames import ADDRESS_BITS
 
-ADDRESS_BITS = 32
+__all__ = ["Agent", "ADDRESS_BITS", "ReadHost", "WriteHost"]
 
 
 class ReadHost(wiring.Signature):

@@ -39,6 +39,9 @@ class ReadCommands(wiring.Component):
     bus : ``Out(ReadHost(data_width, max_burst))``
     """
 
+    latency = 1
+    """Clocks from a command to the bus."""
+
     def __init__(self, data_width, max_burst, *, limit):
         self.max_burst, self.limit = max_burst, limit
         super().__init__({

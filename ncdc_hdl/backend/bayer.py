@@ -4,7 +4,7 @@ from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.pipeline import register
+from ncdc_hdl.lib.pipeline import register
 from ncdc_model.geometry import WINDOW
 
 __all__ = ["BayerQuads", "QUADS"]

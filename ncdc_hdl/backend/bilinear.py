@@ -6,9 +6,9 @@ from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl import pipeline
 from ncdc_hdl.backend.bayer import QUADS
-from ncdc_hdl.pipeline import delay
+from ncdc_hdl.lib import pipeline
+from ncdc_hdl.lib.pipeline import delay
 
 __all__ = ["Bilinear"]
 

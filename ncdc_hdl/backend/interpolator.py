@@ -7,9 +7,9 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.bayer import BayerQuads
 from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
-from ncdc_hdl.frontend.layouts import lanes_of
-from ncdc_hdl.pipeline import delay
-from ncdc_hdl.streams import CreditQueue
+from ncdc_hdl.lib.credits import CreditQueue
+from ncdc_hdl.lib.groups import lanes_of
+from ncdc_hdl.lib.pipeline import delay
 
 __all__ = ["Interpolator"]
 
@@ -38,6 +38,8 @@ class Interpolator(wiring.Component):
 
     latency = BayerQuads.latency + Bilinear.latency
     """Clocks from a window to its pixel in the queue."""
+    queued = 32
+    """Groups that the queue and the pipeline before it hold."""
 
     def __init__(self, f_bits, lanes=1):
         self.f_bits, self.lanes = f_bits, lanes
@@ -49,7 +51,7 @@ class Interpolator(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.queue = queue = CreditQueue(pixel_layout(self.lanes), depth=32, restart=27)
+        m.submodules.queue = queue = CreditQueue(pixel_layout(self.lanes), depth=self.queued, restart=27)
         m.d.comb += [
             self.i.ready.eq(queue.room), queue.issue.eq(self.i.valid & self.i.ready),
             queue.arrive.eq(delay(m, queue.issue, self.latency, "issue", reset_less=False)),

@@ -8,12 +8,11 @@ from amaranth.utils import exact_log2
 from ncdc_hdl.avalon.burst_writer import word_layout
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.layouts import pixel_layout
-from ncdc_hdl.frontend.layouts import lanes_of
 from ncdc_hdl.frontend.strips import ORDER, Strips
+from ncdc_hdl.lib.groups import lanes_of
+from ncdc_model.interface.frames import PIXEL_BYTES
 
-__all__ = ["Packer", "PIXEL_BYTES"]
-
-PIXEL_BYTES = 4  # blue, green, red, zero: the usual XRGB8888 in little-endian memory
+__all__ = ["Packer"]
 
 
 class Packer(wiring.Component):
@@ -43,6 +42,8 @@ class Packer(wiring.Component):
     i : ``In(stream.Signature(pixel_layout(lanes)))``
     o : ``Out(stream.Signature(word_layout(data_width)))``
     """
+
+    latency = 1
 
     def __init__(self, data_width, lanes=1):
         self.data_width, self.lanes = data_width, lanes

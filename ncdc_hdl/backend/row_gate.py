@@ -5,7 +5,8 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.layouts import request_layout
-from ncdc_hdl.frontend.layouts import SIZE, lanes_of
+from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.lib.groups import lanes_of
 from ncdc_model.fetch.cache_options import TILE_HEIGHT
 from ncdc_model.geometry import MAX_SIZE, WINDOW
 
@@ -23,7 +24,7 @@ class RowGate(wiring.Component):
     the frame is complete the camera's counter may thus begin again. The same rule is kept for a
     fetcher without tiles. All pixels of a group pass together.
 
-    Timing: a stream stage, latency 1, one group per clock; ``camera_rows`` counts two clocks later.
+    Timing: a stream stage, latency 1, one group per clock; ``camera_rows`` counts ``rows_latency`` clocks later.
 
     Parameters
     ----------
@@ -46,6 +47,10 @@ class RowGate(wiring.Component):
         Rows of the frame, from the top, that are in memory.
     i, o : streams of ``request_layout(f_bits, lanes)``
     """
+
+    latency = 1
+    rows_latency = 2
+    """Clocks from a change of ``camera_rows`` to that of what passes: the count, the limit."""
 
     def __init__(self, f_bits, lanes=1):
         super().__init__({

@@ -5,7 +5,8 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.layouts import request_layout
-from ncdc_hdl.frontend.layouts import SIZE, coordinate_layout, lanes_of
+from ncdc_hdl.frontend.layouts import SIZE, coordinate_layout
+from ncdc_hdl.lib.groups import lanes_of
 from ncdc_model.geometry import WINDOW
 
 __all__ = ["WindowAddress"]
@@ -35,6 +36,8 @@ class WindowAddress(wiring.Component):
     i : ``In(stream.Signature(coordinate_layout(formats, lanes)))``
     o : ``Out(stream.Signature(request_layout(formats.coordinate.f_bits, lanes)))``
     """
+
+    latency = 3
 
     def __init__(self, formats, lanes=1):
         self.q = formats.coordinate

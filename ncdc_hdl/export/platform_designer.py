@@ -5,8 +5,8 @@ from importlib.metadata import version
 from amaranth.hdl import Shape
 from amaranth.lib.wiring import Out
 
-from ncdc_hdl.avalon.register_table import registers
 from ncdc_hdl.export.verilog import TOP
+from ncdc_model.interface.register_map import registers
 
 __all__ = ["COMPONENT", "hw_tcl", "interfaces"]
 

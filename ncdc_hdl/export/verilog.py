@@ -6,44 +6,31 @@ from importlib.metadata import version
 from amaranth.back import verilog
 
 from ncdc_hdl.corrector import Corrector
+from ncdc_model.hardware import Hardware
 
 __all__ = ["TOP", "corrector_verilog", "module_verilog", "verilog_of"]
 
 TOP = "ncdc"
 
 
-def corrector_verilog(descriptor, **options):
+def corrector_verilog(descriptor, hardware=Hardware()):
     """:func:`verilog_of` the :class:`ncdc_hdl.corrector.Corrector` of ``descriptor``.
 
-    Options and errors raised: as of that class.
+    Errors raised: as of that class.
     """
-    return verilog_of(Corrector(descriptor, **options))
+    return verilog_of(Corrector(descriptor, hardware))
 
 
 def verilog_of(corrector):
     """Verilog text of the corrector, module ``ncdc``; identical text for identical input."""
-    descriptor, front_end = corrector.descriptor, corrector.front_end
-    g = descriptor.geometry
-    header = (
-        f"// NCDC {version('ncdc')}, Amaranth {version('amaranth')}: camera distortion corrector\n"
-        f"// descriptor {descriptor.digest}: {descriptor.hidden_neurons} hidden neurons, "
+    descriptor, g = corrector.descriptor, corrector.descriptor.geometry
+    header = [
+        f"NCDC {version('ncdc')}, Amaranth {version('amaranth')}: camera distortion corrector",
+        f"descriptor {descriptor.digest}: {descriptor.hidden_neurons} hidden neurons, "
         f"{g.distorted_width}x{g.distorted_height} {g.bayer} to "
-        f"{g.corrected_width}x{g.corrected_height}\n"
-        f"// hidden neurons {front_end.hidden}, {front_end.share} per tan-sigmoid, "
-        f"products for {front_end.products}-bit multipliers\n"
-        f"// fetch {_fetch(corrector)}, {corrector.data_width}-bit memory, output to "
-        f"{corrector.output}\n\n")
-    return header + module_verilog(corrector, TOP)
-
-
-def _fetch(corrector):
-    """The corrector's fetcher in words."""
-    options = corrector.fetch_options
-    if options.fetcher == "multiport":
-        return options.fetcher
-    cache, split = (choice(corrector.descriptor.geometry) for choice in
-                    (options.cache_for, options.split_for))
-    return f"cache of {cache.bytes} bytes, split {split}"
+        f"{g.corrected_width}x{g.corrected_height}",
+        *corrector.hardware.text(g)]
+    return "".join(f"// {line}\n" for line in header) + "\n" + module_verilog(corrector, TOP)
 
 
 def module_verilog(component, name):

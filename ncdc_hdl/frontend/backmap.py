@@ -4,14 +4,14 @@ from amaranth import *
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.frontend.layouts import SPANS, SIZE, coordinate_layout, network_layout, scan_layout
+from ncdc_hdl.frontend.layouts import SIZE, SPANS, coordinate_layout, network_layout, scan_layout
 from ncdc_hdl.frontend.scan import Scan
+from ncdc_hdl.lib.credits import CreditQueue
+from ncdc_hdl.lib.pipeline import DelayMemory, delay
 from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
 from ncdc_hdl.neural.raster import RasterLayer
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_hdl.options import FrontEndOptions
-from ncdc_hdl.pipeline import DelayMemory, delay
-from ncdc_hdl.streams import CreditQueue
+from ncdc_model.hardware import Hardware
 
 __all__ = ["BackMap", "pace"]
 
@@ -22,9 +22,9 @@ class BackMap(wiring.Component):
     """Scan, HN hidden neurons with their tan-sigmoids, two output neurons, queue (Figs. 8, 29).
 
     Equal bit for bit to ``ncdc_model.network.coordinates`` in the order of :class:`Strips`,
-    whatever the options. Each of ``options.lanes`` neighbouring pixels has a network of its own;
+    whatever the hardware. Each of ``hardware.lanes`` neighbouring pixels has a network of its own;
     all have the same weights. Timing: the networks run free, one group of pixels every
-    ``options.share`` clocks; ``latency`` clocks from a scanned group to the queue. Instead of
+    ``hardware.share`` clocks; ``latency`` clocks from a scanned group to the queue. Instead of
     gating the front end's clock while the back end is full, the scan issues a group only if the
     queue has room for all that is under way (see :class:`CreditQueue`).
 
@@ -35,7 +35,8 @@ class BackMap(wiring.Component):
     formats : ncdc_model.descriptor.Formats
     variant : str
         Of the tan-sigmoid.
-    options : ncdc_hdl.options.FrontEndOptions
+    hardware : ncdc_model.hardware.Hardware
+        Its hidden, share, multiplier_bits and lanes count.
     queue : int, optional
         Groups under way and queued together, 16 more than ``under_way`` at least; by default
         the least power of two that is, and 128 at least.
@@ -67,18 +68,20 @@ class BackMap(wiring.Component):
     """
 
     def __init__(self, hidden_neurons, formats, *, variant="mmhbc",
-                 options=FrontEndOptions(), queue=None):
-        self.hidden_neurons, self.formats, self.lanes = hidden_neurons, formats, options.lanes
+                 hardware=Hardware(), queue=None):
+        self.hidden_neurons, self.formats, self.lanes = hidden_neurons, formats, hardware.lanes
         lanes = self.lanes
-        self.share = options.share
-        units = options.units(hidden_neurons)
+        self.share = hardware.share
+        units = hardware.units(hidden_neurons)
         self.hidden = [RasterLayer(hidden_neurons, formats, self.share, lanes)
-                       if options.hidden == "raster" else
-                       MultiplyLayer(hidden_neurons, formats, self.share, options.products, lanes)
+                       if hardware.hidden == "raster" else
+                       MultiplyLayer(hidden_neurons, formats, self.share,
+                                    hardware.multiplier_bits, lanes)
                        for _ in range(lanes)]
         self.tansig = [[Tansig(formats.tansig_design(variant)) for _ in range(units)]
                        for _ in range(lanes)]
-        self.output = [OutputLayer(hidden_neurons, formats, self.share, options.products)
+        self.output = [OutputLayer(hidden_neurons, formats, self.share,
+                                   hardware.multiplier_bits)
                        for _ in range(lanes)]
         # Groups of the clocks from one taken out of the queue to the next one that this lets in.
         self.under_way = -(-(self.latency + CreditQueue.loop) // self.share)
@@ -99,6 +102,12 @@ class BackMap(wiring.Component):
     def latency(self):
         """Clocks from a scanned pixel to its arrival in the queue."""
         return self.hidden[0].latency + self.tansig[0][0].latency + self.output[0].latency
+
+    @property
+    def start_latency(self):
+        """Clocks from ``start`` to the first coordinate at ``o``: scan, first sums, networks,
+        queue."""
+        return (Scan.latency + self.hidden[0].start_latency + self.latency + CreditQueue.latency)
 
     def elaborate(self, platform):
         m = Module()

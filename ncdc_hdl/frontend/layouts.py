@@ -3,31 +3,14 @@
 from amaranth import *
 from amaranth.lib import data
 
+from ncdc_hdl.lib.groups import grouped
 from ncdc_hdl.neural.layouts import hidden_layout, output_layout
 from ncdc_model.geometry import MAX_SIZE, SCAN
 
-__all__ = ["SIZE", "SPANS", "coordinate_layout", "grouped", "lanes_of", "network_layout",
-           "scan_layout"]
+__all__ = ["SIZE", "SPANS", "coordinate_layout", "network_layout", "scan_layout"]
 
 SIZE = range(MAX_SIZE + 1)                       # of a width, a height, the end of a span
 SPANS = data.StructLayout({"start0": SIZE, "stop0": SIZE, "start1": SIZE, "stop1": SIZE})
-
-
-def grouped(fields, lanes):
-    """``fields`` of each pixel of a group, and whether the group is the ``first`` or the ``last``
-    of the frame.
-
-    A group is ``lanes`` neighbouring pixels of a row, the leftmost one in lane 0. A single pixel
-    has its fields beside the flags; more have them in an array ``lane``.
-    """
-    if lanes > 1:
-        fields = {"lane": data.ArrayLayout(data.StructLayout(fields), lanes)}
-    return data.StructLayout({**fields, "first": 1, "last": 1})
-
-
-def lanes_of(group):
-    """The pixels of a view of a :func:`grouped` layout, one view each, the leftmost first."""
-    return list(group.lane) if "lane" in dict(group.shape()) else [group]
 
 
 def scan_layout():
@@ -48,6 +31,6 @@ def network_layout(hidden_neurons, formats):
 
 def coordinate_layout(formats, lanes=1):
     """A back-map coordinate: x', y' in pixels, whether the pixel has no source (``blank``);
-    ``lanes`` of them as :func:`grouped`."""
+    ``lanes`` of them as :func:`ncdc_hdl.lib.groups.grouped`."""
     return grouped({"x": signed(formats.coordinate.width), "y": signed(formats.coordinate.width),
                     "blank": 1}, lanes)

@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
 from ncdc_hdl.frontend.layouts import SIZE
-from ncdc_hdl.pipeline import delay
+from ncdc_hdl.lib.pipeline import delay
 from ncdc_model.geometry import MAX_SIZE, STRIP_UNIT
 
 __all__ = ["ORDER", "Strips"]

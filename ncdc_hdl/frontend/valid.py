@@ -6,8 +6,8 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.frontend.layouts import SPANS
-from ncdc_hdl.memory import block_memory
-from ncdc_hdl.pipeline import delay, register
+from ncdc_hdl.lib.memory import block_memory
+from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_model.geometry import SPANS as SPANS_PER_ROW
 
 __all__ = ["ValidTable"]

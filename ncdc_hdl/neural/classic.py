@@ -7,11 +7,11 @@ from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl import pipeline
-from ncdc_hdl.fixed import add_signed
+from ncdc_hdl.lib import pipeline
+from ncdc_hdl.lib.fixed import add_signed
+from ncdc_hdl.lib.pipeline import delay
 from ncdc_hdl.neural.lvc import Quotient
 from ncdc_hdl.neural.product import Product
-from ncdc_hdl.pipeline import delay
 
 __all__ = ["Classic"]
 

@@ -5,9 +5,9 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import bits_for
 
+from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.neural.layouts import hidden_layout, output_layout, pixel_layout
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
-from ncdc_hdl.pipeline import delay, register
 
 __all__ = ["MultiplyLayer", "OutputLayer", "hidden_layer_ports", "served"]
 
@@ -54,18 +54,21 @@ class MultiplyLayer(wiring.Component):
     formats : ncdc_model.descriptor.Formats
     share : int
         Neurons that one multiply-accumulate pipeline computes in turn.
-    products : int
-        Bits of the multiplier blocks, 27 or 18.
+    multiplier_bits : int
+        Of the multiplier blocks, 27 or 18.
     lanes : int
         Pixels of the scan's groups, one of which the layer takes.
 
     Members: :func:`hidden_layer_ports`; always ready.
     """
 
-    def __init__(self, hidden_neurons, formats, share=1, products=27, lanes=1):
+    def __init__(self, hidden_neurons, formats, share=1, multiplier_bits=27, lanes=1):
         self.hidden_neurons, self.share = hidden_neurons, share
-        self.units = [HiddenNeuron(formats, products) for _ in range(-(-hidden_neurons // share))]
+        self.units = [HiddenNeuron(formats, multiplier_bits) for _ in range(-(-hidden_neurons // share))]
         super().__init__(hidden_layer_ports(hidden_neurons, formats, share, lanes))
+
+    start_latency = 0
+    """Clocks that a frame's first pixel waits for the layer."""
 
     @property
     def latency(self):
@@ -103,8 +106,8 @@ class OutputLayer(wiring.Component):
     formats : ncdc_model.descriptor.Formats
     share : int
         Turns; 2 ceil(HN / share) products.
-    products : int
-        Bits of the multiplier blocks, 27 or 18.
+    multiplier_bits : int
+        Of the multiplier blocks, 27 or 18.
 
     Members
     -------
@@ -120,11 +123,11 @@ class OutputLayer(wiring.Component):
         x', y'; ``latency`` clocks after ``first``.
     """
 
-    def __init__(self, hidden_neurons, formats, share=1, products=27):
+    def __init__(self, hidden_neurons, formats, share=1, multiplier_bits=27):
         self.hidden_neurons, self.share = hidden_neurons, share
         self.units = -(-hidden_neurons // share)
         self.skip = formats.skip_weight is not None
-        self.outputs = [OutputNeuron(self.units, formats, share, products) for _ in range(2)]
+        self.outputs = [OutputNeuron(self.units, formats, share, multiplier_bits) for _ in range(2)]
         super().__init__({
             "first": In(1),
             "i": In(data.ArrayLayout(signed(formats.tansig.width), self.units)),

@@ -5,7 +5,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
-from ncdc_hdl.pipeline import delay, register
+from ncdc_hdl.lib.pipeline import delay, register
 
 __all__ = ["Lookup"]
 

@@ -6,8 +6,8 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl import pipeline
-from ncdc_hdl.fixed import add_signed
+from ncdc_hdl.lib import pipeline
+from ncdc_hdl.lib.fixed import add_signed
 
 __all__ = ["Quotient"]
 

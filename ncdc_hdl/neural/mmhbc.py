@@ -4,10 +4,10 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.fixed import add_signed
+from ncdc_hdl.lib.fixed import add_signed
+from ncdc_hdl.lib.pipeline import delay
 from ncdc_hdl.neural.lookup import Lookup
 from ncdc_hdl.neural.lvc import Quotient
-from ncdc_hdl.pipeline import delay
 
 __all__ = ["Mmhbc"]
 

@@ -1,7 +1,6 @@
 """Hidden and output neurons: pipelined multiply-accumulate with one rounding."""
 
 from dataclasses import dataclass
-
 from functools import partial
 
 from amaranth import *
@@ -9,10 +8,10 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
-from ncdc_hdl import pipeline
-from ncdc_hdl.fixed import saturate
+from ncdc_hdl.lib import pipeline
+from ncdc_hdl.lib.fixed import saturate
+from ncdc_hdl.lib.pipeline import delay
 from ncdc_hdl.neural.product import Product
-from ncdc_hdl.pipeline import delay
 from ncdc_model.fixed import Q
 
 __all__ = ["HiddenNeuron", "OutputNeuron", "WeightedSum", "hidden_sum", "output_sum"]
@@ -107,7 +106,7 @@ def output_sum(hidden_neurons, formats):
 class _Accumulator(wiring.Component):
     """Shared pipeline: products of inputs and weights, adder tree, bias, rounding, saturation.
 
-    A register more stands before each :class:`Product`, whose blocks have ``products`` bits, and
+    A register more stands before each :class:`Product`, whose blocks have ``multiplier_bits`` bits, and
     behind each adder of the tree, for the way to the next one. Of several turns, each brings
     ``inputs`` more terms of the same sum; ``first`` marks the one that begins it. The two products
     of a skip path are added to the bias.
@@ -116,11 +115,11 @@ class _Accumulator(wiring.Component):
     weights_clock = 1
     """Clocks from an input to its weights, if those change from turn to turn."""
 
-    def __init__(self, inputs, format, turns=1, products=27):
+    def __init__(self, inputs, format, turns=1, multiplier_bits=27):
         self.terms, self.format, self.turns = inputs, format, turns
-        self.products = [Product(format.xq.width, format.wq.width, products)
+        self.products = [Product(format.xq.width, format.wq.width, multiplier_bits)
                          for _ in range(inputs)]
-        self.skip_products = [Product(*(q.width for q in format.skip), products)
+        self.skip_products = [Product(*(q.width for q in format.skip), multiplier_bits)
                               for _ in range(2 if format.skip else 0)]
         super().__init__({
             "i": In(data.ArrayLayout(signed(format.xq.width), inputs)),
@@ -200,8 +199,8 @@ class HiddenNeuron(_Accumulator):
     ----------
     formats : ncdc_model.descriptor.Formats
         ``input``, ``hidden_weight``, ``hidden_bias`` and ``net`` are used.
-    products : int
-        Bits of the multiplier blocks, 27 or 18.
+    multiplier_bits : int
+        Of the multiplier blocks, 27 or 18.
 
     Members
     -------
@@ -216,8 +215,8 @@ class HiddenNeuron(_Accumulator):
         too wide for the blocks.
     """
 
-    def __init__(self, formats, products=27):
-        super().__init__(2, hidden_sum(formats), products=products)
+    def __init__(self, formats, multiplier_bits=27):
+        super().__init__(2, hidden_sum(formats), multiplier_bits=multiplier_bits)
 
 
 class OutputNeuron(_Accumulator):
@@ -236,7 +235,7 @@ class OutputNeuron(_Accumulator):
     turns : int
         Clocks over which the activations of one coordinate arrive. The weights of each turn
         follow its activations after ``weights_clock`` clocks.
-    products : int
+    multiplier_bits : int
         As of :class:`HiddenNeuron`.
 
     Members, Raises: as :class:`HiddenNeuron`, with ``inputs`` in place of 2, and
@@ -247,5 +246,5 @@ class OutputNeuron(_Accumulator):
         and their weights (only if ``formats`` has a skip path).
     """
 
-    def __init__(self, inputs, formats, turns=1, products=27):
-        super().__init__(inputs, output_sum(inputs * turns, formats), turns, products)
+    def __init__(self, inputs, formats, turns=1, multiplier_bits=27):
+        super().__init__(inputs, output_sum(inputs * turns, formats), turns, multiplier_bits)

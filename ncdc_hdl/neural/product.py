@@ -6,7 +6,7 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl import pipeline
+from ncdc_hdl.lib import pipeline
 
 __all__ = ["Product"]
 
@@ -30,7 +30,7 @@ class Product(wiring.Component):
     ----------
     a_width, b_width : int
         Bits of the signed factors.
-    block : int
+    multiplier_bits : int
         27: the product is one multiplication; 18: factors of up to 35 bits in two parts.
 
     Members
@@ -44,18 +44,18 @@ class Product(wiring.Component):
         If a factor is too wide for two parts.
     """
 
-    def __init__(self, a_width, b_width, block=27):
+    def __init__(self, a_width, b_width, multiplier_bits=27):
         widest = max(a_width, b_width)
-        if block == 18 and widest > 18 + _LOW:
+        if multiplier_bits == 18 and widest > 18 + _LOW:
             raise ValueError(f"a factor has {widest} bits, the limit for two parts is {18 + _LOW}")
-        self.block = block
+        self.multiplier_bits = multiplier_bits
         super().__init__({"a": In(signed(a_width)), "b": In(signed(b_width)),
                           "o": Out(signed(a_width + b_width))})
 
     @property
     def latency(self):
         """Clocks from the factors to ``o``: 1 in, 2 products; of parts 1 more, 1 for each sum."""
-        cut = sum(len(_parts(factor, self.block)) - 1 for factor in (self.a, self.b))
+        cut = sum(len(_parts(factor, self.multiplier_bits)) - 1 for factor in (self.a, self.b))
         return 1 + 2 + (1 + cut if cut else 0)
 
     def elaborate(self, platform):
@@ -63,8 +63,8 @@ class Product(wiring.Component):
 
         register = partial(pipeline.register, m)
 
-        a = _parts(register("a0", self.a), self.block)
-        b = _parts(register("b0", self.b), self.block)
+        a = _parts(register("a0", self.a), self.multiplier_bits)
+        b = _parts(register("b0", self.b), self.multiplier_bits)
         # Keyed by the weight of the parts, 0 or 1 each.
         p = {(j, k): register(f"p1_{j}{k}", register(f"p0_{j}{k}", x * y))
              for j, x in enumerate(a) for k, y in enumerate(b)}
@@ -85,8 +85,8 @@ class Product(wiring.Component):
         return m
 
 
-def _parts(factor, block):
+def _parts(factor, multiplier_bits):
     """The parts of a signed ``factor``, low one first; one part if the block holds it."""
-    if block != 18 or len(factor) <= 18:
+    if multiplier_bits != 18 or len(factor) <= 18:
         return [factor]
     return [factor[:_LOW], factor[_LOW:].as_signed()]

@@ -4,11 +4,11 @@ from amaranth import *
 from amaranth.lib import data, enum, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.fixed import saturate
+from ncdc_hdl.lib.fixed import saturate
+from ncdc_hdl.lib.pipeline import delay
 from ncdc_hdl.neural.layers import hidden_layer_ports, served
 from ncdc_hdl.neural.layouts import pixel_layout
 from ncdc_hdl.neural.neuron import hidden_sum
-from ncdc_hdl.pipeline import delay
 
 __all__ = ["RasterControl", "RasterLayer", "RasterNeuron"]
 
@@ -237,6 +237,11 @@ class RasterLayer(wiring.Component):
 
     The sum itself has been there since the pixel before was taken.
     """
+
+    @property
+    def start_latency(self):
+        """Clocks that a frame's first pixel waits for the layer: first sums, then it may go."""
+        return self.control.preset + 1
 
     def __init__(self, hidden_neurons, formats, share=1, lanes=1):
         self.hidden_neurons, self.formats, self.share = hidden_neurons, formats, share

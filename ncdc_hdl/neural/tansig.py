@@ -4,10 +4,10 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl.lib.pipeline import delay
 from ncdc_hdl.neural.classic import Classic
 from ncdc_hdl.neural.mmhbc import Mmhbc
 from ncdc_hdl.neural.table import Table
-from ncdc_hdl.pipeline import delay
 
 __all__ = ["Tansig"]
 

@@ -11,7 +11,7 @@ import cocotb_tools.config
 from cocotb_tools.runner import get_runner
 
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.cache import without_header
+from ncdc_sim.builds import without_header
 from ncdc_sim.runner import build
 from ncdc_sim.tools import SimulationError
 

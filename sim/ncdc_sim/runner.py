@@ -5,7 +5,7 @@ import subprocess
 from collections import deque
 from pathlib import Path
 
-from ncdc_sim.cache import cached, key_of, without_header
+from ncdc_sim.builds import cached, key_of, without_header
 from ncdc_sim.tools import WAIVERS, SimulationError, call, environment, tool, version
 
 __all__ = ["HDL", "build", "command_of", "run"]

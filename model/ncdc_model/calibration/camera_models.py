@@ -3,8 +3,14 @@
 import numpy as np
 
 from ncdc_model.calibration.camera_kalibr import is_camchain, kalibr_lens
-from ncdc_model.calibration.file_lens import (file_lens, fisheye, numbers, perspective,
-                                              unified_sphere, whole)
+from ncdc_model.calibration.file_lens import (
+    file_lens,
+    fisheye,
+    numbers,
+    perspective,
+    unified_sphere,
+    whole,
+)
 from ncdc_model.errors import InputError
 
 __all__ = ["lens_of_table"]

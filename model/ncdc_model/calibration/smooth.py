@@ -7,8 +7,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from ncdc_model.errors import InputError
-from ncdc_model.lens import (AsymmetricSurface, BrownWeng, Camera, Frame, KannalaBrandt,
-                             TiltedSensor)
+from ncdc_model.lens import AsymmetricSurface, BrownWeng, Camera, Frame, KannalaBrandt, TiltedSensor
 
 __all__ = ["MIN_POINTS", "SmoothFit", "fit_smooth", "misfit"]
 

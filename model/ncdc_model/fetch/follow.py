@@ -8,14 +8,13 @@ from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import TILE_HEIGHT
 from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
-from ncdc_model.fetch.timing import START_LATENCY, predict_clocks
+from ncdc_model.fetch.timing import predict_clocks
 from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.geometry import WINDOW
+from ncdc_model.interface.frames import FramePlaces
 
 __all__ = ["FollowBound", "camera_line", "follow_bound", "rows_needed"]
 
-_ROW_LATENCY = 8        # from a row in memory to the look-up that waited for it in the tag stage
-_END_LATENCY = 8        # from the last pixel to the interrupt
 _ERROR = .01            # of the predicted clocks, see ``predict_clocks``
 
 
@@ -75,8 +74,8 @@ def rows_needed(y0, used, height):
     return np.where(used, np.minimum(last + 1, height), 0)
 
 
-def follow_bound(descriptor, options, split, timing, data_width, *, strip=0, lanes=1, stream=False,
-                 line=None, base=0, pitch, target, progress=lambda fraction: None):
+def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None,
+                 progress=lambda fraction: None):
     """:class:`FollowBound` of a frame that begins with the camera's.
 
     Look-up i enters when its rows are there; from then on it takes at most as long to the end of
@@ -91,27 +90,29 @@ def follow_bound(descriptor, options, split, timing, data_width, *, strip=0, lan
     Parameters
     ----------
     descriptor : Descriptor
-    options, split, strip, lanes, stream : as of ``ncdc_model.fetch.plan``
-    timing : LatencyMemory or DramMemory
+    hardware : Hardware
+        With a tile cache of a known size.
+    memory : LatencyMemory or DramMemory
         The camera's writes are not in it.
-    data_width : int
-        Bits of the memory port.
+    timing : CorrectorTiming
     line : int, optional
         Clocks of a row of the camera; default one per sample.
-    base, pitch, target : int
-        Places of the frames in bytes, and from raw row to raw row.
+    places : FramePlaces, optional
+        Those after reset if absent.
     progress : callable
         Called with the fraction done.
     """
     geometry = descriptor.geometry
+    places = places or FramePlaces.after_reset(geometry, hardware.data_width)
+    strip, lanes = hardware.strip, hardware.lanes
     line = camera_line(line, geometry)
     windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
     boxes = lookups(windows, strip, lanes)
-    writes = None if stream else frame_writes(
-        *geometry.corrected, strip, data_width, getattr(timing, "access_bytes", 1), target)
-    free = predict_clocks(misses(accesses(boxes), options, split), boxes, options, timing,
-                          data_width, base=base, pitch=pitch, writes=writes,
-                          progress=lambda done, total: progress(.5 + .5 * done / total))
+    writes = None if hardware.stream else frame_writes(
+        geometry, hardware, getattr(memory, "access_bytes", 1), places.target, timing)
+    free = predict_clocks(
+        misses(accesses(boxes), hardware.cache, hardware.split_for(geometry)), boxes, hardware,
+        memory, timing, places, writes, lambda done, total: progress(.5 + .5 * done / total))
     free.read.settle(len(boxes))
     _, y0, used = windows.scanned(strip)
     needed = rows_needed(y0, used, geometry.distorted_height)
@@ -119,13 +120,15 @@ def follow_bound(descriptor, options, split, timing, data_width, *, strip=0, lan
     needed = needed.reshape(-1, lanes).max(axis=1)[boxes.pixel // lanes]
     number = np.arange(len(boxes))
     entered = number.copy()
-    behind = number[options.pending:]
-    entered[behind] = np.maximum(behind, free.read.clocks(behind - options.pending) + 1)
+    pending = hardware.cache.pending
+    behind = number[pending:]
+    entered[behind] = np.maximum(behind, free.read.clocks(behind - pending) + 1)
     written = np.where(needed, (needed - 1) * line + geometry.distorted_width, 0)
-    begin = np.maximum(written + _ROW_LATENCY, START_LATENCY)
-    end = begin + (1 + _ERROR) * (free.clocks - START_LATENCY - entered)
+    begin = np.maximum(written + timing.row_to_lookup, timing.start)
+    end = begin + (1 + _ERROR) * (free.clocks - timing.start - entered)
     worst = int(end.argmax())
     progress(1)
     camera_clocks = (geometry.distorted_height - 1) * line + geometry.distorted_width
-    return FollowBound(int(np.ceil(end[worst])) + _END_LATENCY - camera_clocks, camera_clocks,
-                       int(boxes.pixel[worst]), int(needed[worst]))
+    out = int(np.ceil(end[worst])) + timing.end_to_interrupt
+    return FollowBound(out - camera_clocks, camera_clocks, int(boxes.pixel[worst]),
+                       int(needed[worst]))

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.corrector import window_bands
-from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import TILE_HEIGHT
 from ncdc_model.geometry import WINDOW, scan_order
+from ncdc_model.hardware import check_lanes
 
 __all__ = ["BOX_WORD", "Lookups", "Windows", "frame_windows", "lookups"]
 
@@ -90,10 +90,7 @@ def lookups(windows, strip=0, lanes=1):
     far = WINDOW - 1
     if lanes == 1:
         return Lookups(x0, y0, x0 + far, y0 + far, used, np.arange(x0.size), x0.size)
-    width = windows.x0.shape[1]
-    if width % lanes:
-        raise InputError(f"the corrected width is {width}, {lanes} pixels per clock need a "
-                         f"multiple of {lanes}")
+    check_lanes(windows.x0.shape[1], lanes)
     # A group is cut where it has no box of its own: `begins` marks the first lane of each box.
     edges = _Edges(x0, y0, x0 + far, y0 + far, used)
     boxes, begins = edges, np.ones(x0.shape, bool)

@@ -1,6 +1,6 @@
 """The planner: cache, scan and speed of a trained map, before any Verilog exists."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 from ncdc_model.errors import InputError
@@ -11,10 +11,11 @@ from ncdc_model.fetch.timing import predict_clocks
 from ncdc_model.fetch.traffic import TILE_BYTES, distinct_bytes, live_tiles, worst_span
 from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.geometry import check_strip_width
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.frames import FramePlaces
 from ncdc_model.memory_timing import memory_timing
 
-__all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Plan", "STRIPS", "candidates", "choose",
-           "plan"]
+__all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "Plan", "STRIPS", "choose", "plan"]
 
 CACHE_BYTES = 8192, 16384, 32768, 65536     # sizes that are tried
 STRIPS = 64, 128, 256                       # widths that are tried, besides raster
@@ -29,17 +30,74 @@ _TIMINGS = 4                                # choices whose clocks are predicted
 
 
 @dataclass(frozen=True)
+class Fixed:
+    """What the user has fixed of what the planner chooses; None leaves it open.
+
+    Parameters
+    ----------
+    cache_bytes : int, optional
+        Samples that the tile cache holds.
+    split : int, optional
+        Register CACHE_SPLIT.
+    strip : int, optional
+        Register STRIP_WIDTH; 0: a raster.
+
+    Raises
+    ------
+    InputError
+        If there is no such tile cache, split or strip.
+    """
+    cache_bytes: int | None = None
+    split: int | None = None
+    strip: int | None = None
+
+    def __post_init__(self):
+        check_strip_width(self.strip or 0)
+        sizes = self.caches()
+        if self.split is not None and not sizes:
+            raise InputError(f"the cache's split is {self.split}, the limits are 0 and "
+                             f"{CacheOptions.of_bytes(CACHE_BYTES[-1]).max_split}")
+
+    @property
+    def everything(self):
+        """Whether nothing is left open."""
+        return None not in (self.cache_bytes, self.split, self.strip)
+
+    def caches(self):
+        """Tile caches to choose from, the smallest first: list of CacheOptions."""
+        sizes = [CacheOptions.of_bytes(size) for size in
+                 (CACHE_BYTES if self.cache_bytes is None else [self.cache_bytes])]
+        if self.split is None:
+            return sizes
+        if self.cache_bytes is not None:
+            sizes[0].check_split(self.split)
+        return [cache for cache in sizes if 0 <= self.split <= cache.max_split]
+
+    def strips(self, width, stream):
+        """Widths of strips to choose from for a corrected picture ``width`` pixels wide.
+
+        Raises
+        ------
+        InputError
+            If strips are asked of a stream.
+        """
+        if self.strip is not None:
+            if stream and self.strip:
+                raise InputError(f"the strip width is {self.strip}, a video stream needs 0 (raster)")
+            return [self.strip]
+        return [0, *(strip for strip in STRIPS if strip < width and not stream)]
+
+
+@dataclass(frozen=True)
 class Choice:
-    """A cache, its split and a scan, and how many tiles it reads for a frame."""
-    options: CacheOptions
-    split: int
-    strip: int
+    """A hardware with a tile cache, a split and a scan, and how many tiles it reads for a frame."""
+    hardware: Hardware
     misses: int
 
     @property
     def amplification_goal(self):
         """What reads may cost at most, over distinct bytes."""
-        return _STRIP_GOAL if self.strip else _RASTER_GOAL
+        return _STRIP_GOAL if self.hardware.strip else _RASTER_GOAL
 
 
 @dataclass(frozen=True)
@@ -48,12 +106,10 @@ class Plan:
 
     Parameters
     ----------
-    options : CacheOptions
-    split, strip : int
-        Registers CACHE_SPLIT and STRIP_WIDTH.
+    hardware : Hardware
+        With the tile cache, the split and the scan that were chosen.
     memory : str
     clock_mhz : float
-    data_width : int
     pixels, misses, clocks, interlock, credit : int
         Of a frame: corrected pixels, tiles read, clocks, clocks waited, see
         :class:`ncdc_model.fetch.timing.Clocks`.
@@ -64,12 +120,9 @@ class Plan:
     live : int
         Bytes of the tiles between first and last use, at most.
     """
-    options: CacheOptions
-    split: int
-    strip: int
+    hardware: Hardware
     memory: str
     clock_mhz: float
-    data_width: int
     pixels: int
     misses: int
     clocks: int
@@ -96,10 +149,12 @@ class Plan:
 
     def report(self):
         """The figures under their names in every report."""
+        hardware = self.hardware
         return {
-            "cache_bytes": self.options.bytes, "cache_split": self.split, "strip": self.strip,
-            "scan": "strip" if self.strip else "raster", "memory": self.memory,
-            "clock_mhz": self.clock_mhz, "data_width": self.data_width, "misses": self.misses,
+            "cache_bytes": hardware.cache.bytes, "cache_split": hardware.split,
+            "strip": hardware.strip, "scan": "strip" if hardware.strip else "raster",
+            "memory": self.memory, "clock_mhz": self.clock_mhz, "data_width": hardware.data_width,
+            "misses": self.misses,
             "predicted_clocks_per_pixel": self.clocks_per_pixel,
             "bytes_read_per_pixel": self.misses * TILE_BYTES / self.pixels,
             "distinct_bytes_per_pixel": self.distinct / self.pixels,
@@ -108,40 +163,11 @@ class Plan:
             "credit_clocks": self.credit, "frames_per_second": self.frames_per_second}
 
 
-def candidates(width, *, stream, cache_bytes=None, split=None, strip=None):
-    """(sizes, strips) among which :func:`choose` chooses: lists of CacheOptions and of widths.
+def choose(windows, distinct, geometry, hardware, fixed=Fixed(), progress=lambda fraction: None):
+    """What can be made of ``hardware`` for a map, the best first: list of :class:`Choice`.
 
-    Parameters
-    ----------
-    width : int
-        Of the corrected picture.
-    stream : bool
-        Whether pixels go to a stream, which takes raster order only.
-    cache_bytes, split, strip : int, optional
-        Fixed instead of chosen.
-
-    Raises
-    ------
-    InputError
-        If a fixed value is outside its limits, or strips are asked of a stream.
-    """
-    if stream and strip:
-        raise InputError(f"the strip width is {strip}, a video stream needs 0 (raster)")
-    check_strip_width(strip or 0)
-    sizes = list(map(CacheOptions.of_bytes,
-                     CACHE_BYTES if cache_bytes is None else [cache_bytes]))
-    if split is not None:
-        sizes[-1].check_split(split)
-        sizes = [options for options in sizes if split <= options.max_split]
-    strips = [strip] if strip is not None else [0, *(s for s in STRIPS if s < width and not stream)]
-    return sizes, strips
-
-
-def choose(windows, distinct, sizes, strips, split=None, progress=lambda fraction: None):
-    """Configurations for a map, the best first: list of :class:`Choice`.
-
-    The smallest cache comes first that reads little more than the distinct bytes (2 % more; 15 %
-    in strips, whose edges are read twice); of one size, what reads least. Those that read more
+    The smallest tile cache comes first that reads little more than the distinct bytes (2 % more;
+    15 % in strips, whose edges are read twice); of one size, what reads least. Those that read more
     follow, by what they read.
 
     Parameters
@@ -149,52 +175,57 @@ def choose(windows, distinct, sizes, strips, split=None, progress=lambda fractio
     windows : Windows
     distinct : int
         See :func:`ncdc_model.fetch.traffic.distinct_bytes`.
-    sizes, strips : list
-        Of :func:`candidates`.
-    split : int, optional
-        Fixed instead of chosen.
+    geometry : Geometry
+    hardware : Hardware
+    fixed : Fixed
+        Chosen by the user.
     progress : callable
         Called with the fraction done.
+
+    Raises
+    ------
+    InputError
+        If strips are asked of a stream.
     """
-    found = []
+    found, caches = [], fixed.caches()
+    strips = fixed.strips(geometry.corrected_width, hardware.stream)
     for k, strip in enumerate(strips):
         accessed = accesses(lookups(windows, strip))
-        for j, options in enumerate(sizes):
-            splits = range(options.max_split + 1) if split is None else [split]
-            found += [Choice(options, s, strip, len(misses(accessed, options, s))) for s in splits]
-            progress((k * len(sizes) + j + 1) / (len(strips) * len(sizes)))
+        for j, cache in enumerate(caches):
+            splits = range(cache.max_split + 1) if fixed.split is None else [fixed.split]
+            found += [Choice(replace(hardware, cache=cache, split=split, strip=strip),
+                             len(misses(accessed, cache, split))) for split in splits]
+            progress((k * len(caches) + j + 1) / (len(strips) * len(caches)))
 
     def order(choice):
         good = choice.misses * TILE_BYTES <= choice.amplification_goal * distinct
-        return ((0, choice.options.tiles, choice.misses) if good
-                else (1, choice.misses, choice.options.tiles))
+        tiles = choice.hardware.cache.tiles
+        return (0, tiles, choice.misses) if good else (1, choice.misses, tiles)
     return sorted(found, key=order)
 
 
-def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, lanes=1, stream=False,
-         cache_bytes=None, split=None, strip=None, rate=None, base=0, pitch=None, target=None,
+def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK_MHZ, rate=None,
          progress=lambda fraction: None):
     """:class:`Plan` of the first of :func:`choose` that needs at most 1.02 clocks per pixel (of
     each lane), or that corrects ``rate`` frames per second if that is given; else of the fastest.
 
+    The frames lie where they do after reset.
+
     Parameters
     ----------
     descriptor : Descriptor
+    hardware : Hardware
+        Its tile cache, split and strip are chosen.
     memory : str
         Of :func:`ncdc_model.memory_timing.memory_timing`; ``sdram`` and ``ddr3`` at ``clock_mhz``.
+    timing : CorrectorTiming
+        Of a corrector of this descriptor and hardware.
+    fixed : Fixed
+        Chosen by the user.
     clock_mhz : float
         The corrector's clock.
-    data_width : int
-        Bits of the memory port: 32, 64 or 128.
-    lanes : int
-        Pixels per clock: 1, 2 or 4.
-    stream, cache_bytes, split, strip :
-        As of :func:`candidates`.
     rate : float, optional
         Frames per second.
-    base, pitch, target : int
-        Addresses of the raw and of the corrected frame and the bytes from one raw row to the next;
-        by default the rows, and the frames, follow each other as closely as the port allows.
     progress : callable
         Called with the fraction done.
 
@@ -203,60 +234,71 @@ def plan(descriptor, *, memory="ddr3", clock_mhz=CLOCK_MHZ, data_width=32, lanes
     InputError
         If a value is outside its limits, or no configuration holds the map at the rate.
     """
-    timing = memory_timing(f"{memory}@{clock_mhz:g}" if memory in ("sdram", "ddr3") else memory)
+    model = memory_timing(f"{memory}@{clock_mhz:g}" if memory in ("sdram", "ddr3") else memory)
     if rate is not None and not rate > 0:
         raise InputError(f"the rate is {rate:g} frames per second, it must be positive")
     geometry = descriptor.geometry
-    word = data_width // 8
-    pitch = pitch or -(-geometry.distorted_width // word) * word
-    target = base + pitch * geometry.distorted_height if target is None else target
-    width, height = geometry.corrected
-    pixels = width * height
+    limit = _limit(geometry, hardware.lanes, clock_mhz, rate)
+    windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
+    distinct = distinct_bytes(windows, geometry)
+    choices = choose(windows, distinct, geometry, hardware, fixed,
+                     lambda fraction: progress(.5 + .2 * fraction))
+    made = None
+    for k, choice in enumerate(islice(_worth_timing(choices), _TIMINGS)):
+        found = _timed(windows, geometry, choice.hardware, model, timing,
+                       lambda done, total: progress(.7 + .3 * (k + done / total) / _TIMINGS))
+        fast = found["clocks"] <= limit
+        if made is None or fast or found["clocks"] < _GAIN * made.clocks:
+            made = Plan(choice.hardware, memory, clock_mhz, distinct=distinct, **found)
+        if fast:
+            break
+    progress(1)
+    if rate is not None and made.frames_per_second < rate:
+        strip = made.hardware.strip
+        scan = f"strips of {strip} columns" if strip else "raster scan"
+        raise InputError(
+            f"{made.frames_per_second:.1f} frames per second are predicted for a cache of "
+            f"{made.hardware.cache.bytes} bytes in {scan} on {memory} at {clock_mhz:g} MHz, "
+            f"{rate:g} are asked for")
+    return made
+
+
+def _limit(geometry, lanes, clock_mhz, rate):
+    """Clocks of a frame that are few enough.
+
+    Raises
+    ------
+    InputError
+        If a pixel per clock and lane would not be.
+    """
+    pixels = geometry.corrected_width * geometry.corrected_height
     limit = _CLOCKS_GOAL * pixels / lanes if rate is None else clock_mhz * 1e6 / rate
     if limit < pixels / lanes:
         raise InputError(f"{rate:g} frames per second are asked for, {_COUNT[lanes]} per clock "
                          f"{'give' if lanes > 1 else 'gives'} "
                          f"{clock_mhz * 1e6 * lanes / pixels:.1f} at {clock_mhz:g} MHz")
-    sizes, strips = candidates(width, stream=stream, cache_bytes=cache_bytes, split=split,
-                               strip=strip)
-    windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
-    distinct = distinct_bytes(windows, geometry)
-    choices = choose(windows, distinct, sizes, strips, split,
-                     lambda fraction: progress(.5 + .2 * fraction))
-    made = None
-    for k, choice in enumerate(islice(_worth_timing(choices), _TIMINGS)):
-        boxes = lookups(windows, choice.strip, lanes)
-        accessed = accesses(boxes)
-        missed = misses(accessed, choice.options, choice.split)
-        writes = None if stream else frame_writes(
-            width, height, choice.strip, data_width, getattr(timing, "access_bytes", 1), target)
-        clocks = predict_clocks(missed, boxes, choice.options, timing, data_width, base=base,
-                                pitch=pitch, writes=writes,
-                                progress=lambda done, total: progress(
-                                    .7 + .3 * (k + done / total) / _TIMINGS))
-        fast = clocks.clocks <= limit
-        if made is None or fast or clocks.clocks < _GAIN * made.clocks:
-            made = Plan(choice.options, choice.split, choice.strip, memory, clock_mhz, data_width,
-                        pixels, len(missed), clocks.clocks, clocks.interlock, clocks.credit,
-                        distinct, worst_span(missed, len(boxes)), live_tiles(accessed) * TILE_BYTES)
-        if fast:
-            break
-    progress(1)
-    if rate is not None and made.frames_per_second < rate:
-        scan = f"strips of {made.strip} columns" if made.strip else "raster scan"
-        raise InputError(
-            f"{made.frames_per_second:.1f} frames per second are predicted for a cache of "
-            f"{made.options.bytes} bytes in {scan} on {memory} at {clock_mhz:g} MHz, "
-            f"{rate:g} are asked for")
-    return made
+    return limit
+
+
+def _timed(windows, geometry, hardware, memory, timing, progress):
+    """Figures of a frame, under their names in :class:`Plan`."""
+    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    boxes = lookups(windows, hardware.strip, hardware.lanes)
+    accessed = accesses(boxes)
+    missed = misses(accessed, hardware.cache, hardware.split)
+    writes = None if hardware.stream else frame_writes(
+        geometry, hardware, getattr(memory, "access_bytes", 1), places.target, timing)
+    clocks = predict_clocks(missed, boxes, hardware, memory, timing, places, writes, progress)
+    return {"pixels": boxes.pixels, "misses": len(missed), "clocks": clocks.clocks,
+            "interlock": clocks.interlock, "credit": clocks.credit,
+            "worst": worst_span(missed, len(boxes)), "live": live_tiles(accessed) * TILE_BYTES}
 
 
 def _worth_timing(choices):
     """The best of each size and scan, in order: of one size and scan, what reads more is slower."""
     seen = set()
     for choice in choices:
-        key = choice.options.tiles, choice.strip
+        key = choice.hardware.cache.tiles, choice.hardware.strip
         if key not in seen:
             seen.add(key)
             yield choice
-

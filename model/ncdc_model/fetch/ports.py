@@ -10,11 +10,10 @@ from ncdc_model.memory_timing import DramMemory
 
 __all__ = ["memory_port"]
 
-_READ_TO_WRITE_BUS = 24     # from a window read to its pixel in a word on the bus
 _NEVER = 1 << 62
 
 
-def memory_port(memory, data_width, writes=None, lags=None):
+def memory_port(memory, data_width, writes=None, lags=None, read_to_bus=0):
     """A port on ``memory`` (``LatencyMemory`` or ``DramMemory``) with words of ``data_width`` bits.
 
     Its ``read(clock, address, words)`` presents a command at edge ``clock`` and returns two edges:
@@ -22,16 +21,17 @@ def memory_port(memory, data_width, writes=None, lags=None):
     takes the corrected frame, ``writes`` are its :class:`FrameWrites` and ``lags`` tells when a
     pixel is there to be written, and is told when the writer is full. ``known`` is the first
     look-up of which that is not known; ``advance(clock)`` writes what is written before a clock.
+    ``read_to_bus``: clocks from a window read to the first word of the burst it completes.
     """
     kind = _DramPort if isinstance(memory, DramMemory) else _LatencyPort
-    return kind(memory, data_width // 8, writes, lags)
+    return kind(memory, data_width // 8, writes, lags, read_to_bus)
 
 
 class _Port:
     """The limit of read commands under way, and the arrival of writes."""
 
-    def __init__(self, memory, word, writes, lags):
-        self.memory, self.word = memory, word
+    def __init__(self, memory, word, writes, lags, read_to_bus):
+        self.memory, self.word, self.read_to_bus = memory, word, read_to_bus
         self.ends = deque([0] * memory.max_pending, memory.max_pending)
         self.last = 0               # edge of the last word on the port
         self.writes, self.lags, self.known = writes, lags, 0
@@ -55,7 +55,7 @@ class _Port:
             if last >= self.known:
                 break
             self.lags.settle(last)
-            edge = self.lags.clock(last) + _READ_TO_WRITE_BUS + words
+            edge = self.lags.clock(last) + self.read_to_bus + words
             if j:
                 edge = max(edge, self.arrived[-1] + words)
             if j >= self.queue:
@@ -78,8 +78,8 @@ class _LatencyPort(_Port):
 
     queue = 1
 
-    def __init__(self, memory, word, writes, lags):
-        super().__init__(memory, word, writes, lags)
+    def __init__(self, memory, word, writes, lags, read_to_bus):
+        super().__init__(memory, word, writes, lags, read_to_bus)
         self.latency = round(sum(memory.latency) / 2)
         # 256 pay for a word.
         self.rate = (1024 if memory.bytes_per_clock is None
@@ -119,9 +119,9 @@ class _LatencyPort(_Port):
 class _DramPort(_Port):
     """Rows, banks, refresh; times in memory clocks but for edges."""
 
-    def __init__(self, memory, word, writes, lags):
+    def __init__(self, memory, word, writes, lags, read_to_bus):
         self.queue = 2 * memory.write_batch
-        super().__init__(memory, word, writes, lags)
+        super().__init__(memory, word, writes, lags, read_to_bus)
         self.multiply, self.divide = memory.ratio.numerator, memory.ratio.denominator
         self.placed = 0                 # edge of the last access placed
         self.writing, self.batch = False, 0

@@ -7,21 +7,7 @@ from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
 from ncdc_model.fetch.lags import Lags
 from ncdc_model.fetch.ports import memory_port
 
-__all__ = ["Clocks", "FRAME_LATENCY", "START_LATENCY", "predict_clocks"]
-
-# Clocks of ``ncdc_hdl.backend.cache``, from one event to the earliest next one.
-_CLAIM_TO_COMMAND = 10      # a tile is claimed, its first read command is on the bus
-_FILL_TO_CLAIM = 2          # its last word is on the port, another tile may be claimed
-_FILL_TO_RETIRE = 4         # its last word is on the port, the window that waits is read
-_PUSH_TO_RETIRE = 6         # a look-up leaves the tag stage, its window is read
-_RETIRE_TO_PUSH = 1         # a window is read, there is room for another look-up
-_RETIRE_TO_CLAIM = 3        # a window is read, its tiles may be replaced
-
-# From the start of a frame to its first look-up, and from its last window read to its last pixel:
-# most of it the network, whose latency differs by some clocks from one to the next; to the first
-# look-up alone.
-FRAME_LATENCY = 107
-START_LATENCY = 69
+__all__ = ["Clocks", "predict_clocks"]
 
 
 @dataclass(frozen=True)
@@ -44,7 +30,7 @@ class Clocks:
     read: Lags
 
 
-def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch, writes=None,
+def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
                    progress=lambda done, total: None):
     """:class:`Clocks` of a frame.
 
@@ -53,18 +39,18 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
     (retire). Both are kept as lags behind its number, which never fall::
 
         push(i)   = i + a(i)        push(i)   >= push(i-1) + 1, retire(i - pending) + 1
-        retire(i) = i + b(i)        retire(i) >= retire(i-1) + 1, push(i) + 6, last word + 4
+        retire(i) = i + b(i)        retire(i) >= retire(i-1) + 1, push(i) + push_to_retire,
+                                                 last word + fill_to_retire
 
     Parameters
     ----------
     missed : Misses
     boxes : Lookups
-    options : CacheOptions
+    hardware : Hardware
+        Its tile cache, of a known size, and its data width.
     memory : LatencyMemory or DramMemory
-    data_width : int
-        Bits of a memory word.
-    base, pitch : int
-        Of the raw frame in bytes.
+    timing : CorrectorTiming
+    places : FramePlaces
     writes : FrameWrites, optional
         What goes to the same memory; absent if pixels are taken as they come (a stream).
     progress : callable
@@ -72,84 +58,103 @@ def predict_clocks(missed, boxes, options, memory, data_width, *, base=0, pitch,
     """
     if writes is not None and len(boxes) < boxes.pixels:
         writes = writes.by_lookup(boxes.pixel)
-    read = Lags(_PUSH_TO_RETIRE)            # b
-    port = memory_port(memory, data_width, writes, read)
-    words = 8 * TILE_WIDTH // data_width
-    pending, wrap = options.pending, 1 << options.sequence_bits
-    push_lag = 0                            # a, of the last look-up that missed
-    room = 0                                # step of b that holds for the one that makes room
-    fills = deque([-_FILL_TO_CLAIM] * options.outstanding, options.outstanding)
-    command = 0                             # edge at which the bus is free
-    interlock = credit = 0
-    current, claimed, last_word = -1, 0, 0
+    run = _Frame(hardware, memory, timing, writes)
+    columns = (missed.columns * TILE_WIDTH + places.source).tolist()
+    lines = (missed.rows * (TILE_HEIGHT * places.pitch)).tolist()
+    rows = [row * places.pitch for row in range(TILE_HEIGHT)]
     total = len(missed)
-
-    def make_room(i):
-        """Look-up i - pending has left before i is pushed."""
-        nonlocal push_lag, room
-        while True:
-            read.settle(i - pending)
-            while room + 1 < len(read.at) and read.at[room + 1] <= i - pending:
-                room += 1
-            lag = read.lag[room] - pending + _RETIRE_TO_PUSH
-            if writes is None or lag <= push_lag:
-                break
-            # Until then the writer may have held up more.
-            push_lag = lag
-            port.advance(i + push_lag + _CLAIM_TO_COMMAND)
-        push_lag = max(push_lag, lag)
-
-    def close(i):
-        """Look-up i has claimed all its tiles."""
-        nonlocal push_lag
-        make_room(i)
-        push_lag = max(push_lag, claimed - i)
-        read.step(i, max(last_word + _FILL_TO_RETIRE - i, push_lag + _PUSH_TO_RETIRE))
-
-    def reach(i):
-        """All look-ups before i are known."""
-        port.known = i
-        if writes is not None:
-            port.advance(i + push_lag + _CLAIM_TO_COMMAND)
-
-    columns = (missed.columns * TILE_WIDTH + base).tolist()
-    lines = (missed.rows * (TILE_HEIGHT * pitch)).tolist()
-    rows = [row * pitch for row in range(TILE_HEIGHT)]
     for k, (i, victim, column, line) in enumerate(zip(
             missed.lookup.tolist(), missed.victim.tolist(), columns, lines)):
-        if i != current:
-            if current >= 0:
-                close(current)
-            current = i
-            reach(i)
-            make_room(i - 1)
-            claimed = i + push_lag - 1
-        claim = claimed + 1
-        # The place may be replaced once its last user, or the one in flight of the same number
-        # modulo the sequence, has read its window.
-        user = victim + (i - 1 - victim) // wrap * wrap
-        if user >= i - pending:
-            free = read.clock(user) + _RETIRE_TO_CLAIM
-            if free > claim:
-                interlock += free - claim
-                claim = free
-        free = fills[0] + _FILL_TO_CLAIM
-        if free > claim:
-            credit += free - claim
-            claim = free
-        claimed = claim
-        clock = max(command, claim + _CLAIM_TO_COMMAND)
-        for row in rows:
-            accepted, last_word = port.read(clock, column + line + row, words)
-            clock = accepted + 1
-        command = clock
-        fills.append(last_word)
+        run.reach(i)
+        run.claim(i, victim)
+        run.fill(column + line + row for row in rows)
         if k % 4096 == 0:
             progress(k, total)
-    if current >= 0:
-        close(current)
+    run.close()
     if writes is not None:
-        clocks = port.finish() + START_LATENCY
+        clocks = run.port.finish() + timing.start
     else:
-        clocks = read.clock(len(boxes) - 1) + FRAME_LATENCY
-    return Clocks(clocks, interlock, credit, read)
+        clocks = timing.start + run.read.clock(len(boxes) - 1) + timing.end
+    return Clocks(clocks, run.interlock, run.credit, run.read)
+
+
+class _Frame:
+    """The state of :func:`predict_clocks` between two misses; clocks count from the first look-up
+    in the act stage."""
+
+    def __init__(self, hardware, memory, timing, writes):
+        cache = hardware.cache
+        self.timing, self.writes = timing, writes
+        self.pending, self.wrap = cache.pending, 1 << cache.sequence_bits
+        self.words = 8 * TILE_WIDTH // hardware.data_width
+        self.read = Lags(timing.push_to_retire)         # b
+        self.port = memory_port(memory, hardware.data_width, writes, self.read, timing.read_to_bus)
+        self.push_lag = 0               # a, of the last look-up that missed
+        self.room = 0                   # step of b that holds for the one that makes room
+        self.fills = deque([-timing.fill_to_claim] * cache.outstanding, cache.outstanding)
+        self.command = 0                # edge at which the bus is free
+        self.interlock = self.credit = 0
+        self.current, self.claimed, self.last_word = -1, 0, 0
+
+    def reach(self, i):
+        """Look-up i misses; all look-ups before it are known."""
+        if i == self.current:
+            return
+        self.close()
+        self.current = self.port.known = i
+        self._write_until(i)
+        self._make_room(i - 1)
+        self.claimed = i + self.push_lag - 1
+
+    def claim(self, i, victim):
+        """A tile is claimed for look-up i, in the place of one whose last user is ``victim``."""
+        claim = self.claimed + 1
+        # The place may be replaced once its last user, or the one in flight of the same number
+        # modulo the sequence, has read its window.
+        user = victim + (i - 1 - victim) // self.wrap * self.wrap
+        if user >= i - self.pending:
+            free = self.read.clock(user) + self.timing.retire_to_claim
+            self.interlock += max(0, free - claim)
+            claim = max(claim, free)
+        free = self.fills[0] + self.timing.fill_to_claim
+        self.credit += max(0, free - claim)
+        self.claimed = max(claim, free)
+
+    def fill(self, addresses):
+        """The tile claimed last is read, a command for each of its rows at ``addresses``."""
+        clock = max(self.command, self.claimed + self.timing.claim_to_command)
+        for address in addresses:
+            accepted, self.last_word = self.port.read(clock, address, self.words)
+            clock = accepted + 1
+        self.command = clock
+        self.fills.append(self.last_word)
+
+    def close(self):
+        """The present look-up has claimed all its tiles."""
+        i = self.current
+        if i < 0:
+            return
+        self._make_room(i)
+        self.push_lag = max(self.push_lag, self.claimed - i)
+        self.read.step(i, max(self.last_word + self.timing.fill_to_retire - i,
+                              self.push_lag + self.timing.push_to_retire))
+
+    def _make_room(self, i):
+        """Look-up i - pending has left before i is pushed."""
+        read = self.read
+        while True:
+            read.settle(i - self.pending)
+            while self.room + 1 < len(read.at) and read.at[self.room + 1] <= i - self.pending:
+                self.room += 1
+            lag = read.lag[self.room] - self.pending + self.timing.retire_to_push
+            if self.writes is None or lag <= self.push_lag:
+                break
+            # Until then the writer may have held up more.
+            self.push_lag = lag
+            self._write_until(i)
+        self.push_lag = max(self.push_lag, lag)
+
+    def _write_until(self, i):
+        """Place what is written before look-up i could ask for a tile."""
+        if self.writes is not None:
+            self.port.advance(i + self.push_lag + self.timing.claim_to_command)

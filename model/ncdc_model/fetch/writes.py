@@ -4,12 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-__all__ = ["FrameWrites", "PIXEL_BYTES", "frame_writes"]
+from ncdc_model.interface.frames import PIXEL_BYTES
 
-_BURST = 16                  # words of a burst
-PIXEL_BYTES = 4
-_QUEUED_WORDS = 2 * _BURST   # that the burst writer holds
-_QUEUED_PIXELS = 32          # that the interpolator holds
+__all__ = ["FrameWrites", "frame_writes"]
 
 
 @dataclass(frozen=True)
@@ -39,21 +36,23 @@ class FrameWrites:
         return replace(self, last=last.tolist(), held=held.tolist())
 
 
-def frame_writes(width, height, strip, data_width, block, base):
+def frame_writes(geometry, hardware, block, base, timing):
     """:class:`FrameWrites` of a frame of four bytes per pixel.
 
     Parameters
     ----------
-    width, height, strip : int
-        Of the corrected picture; columns of a strip, 0 for raster.
-    data_width : int
-        Bits of a word.
+    geometry : Geometry
+    hardware : Hardware
+        Data width and strips.
     block : int
         Bytes of the aligned blocks that an access does not leave.
     base : int
         Byte address of the frame.
+    timing : CorrectorTiming
+        Words of a burst, and what the queues hold.
     """
-    word = data_width // 8
+    word, strip, burst = hardware.data_width // 8, hardware.strip, timing.write_burst
+    width, height = geometry.corrected
     block = max(block, word)
     if strip:
         # A row of a strip ends its burst.
@@ -72,9 +71,9 @@ def frame_writes(width, height, strip, data_width, block, base):
     stop = np.minimum((start // block + 1) * block, end[which])
     words = (stop - 1) // word - start // word + 1
     begin_word = begin[which] // word
-    burst_end = (((start // word - begin_word) // _BURST + 1) * _BURST + begin_word) * word
+    burst_end = (((start // word - begin_word) // burst + 1) * burst + begin_word) * word
     last = (np.minimum(burst_end, end[which]) - 1 - begin[which]) // PIXEL_BYTES
     first = (start - begin[which]) // PIXEL_BYTES
-    slack = _QUEUED_WORDS * word // PIXEL_BYTES + _QUEUED_PIXELS
+    slack = timing.queued_words * word // PIXEL_BYTES + timing.queued_pixels
     return FrameWrites(start.tolist(), words.tolist(), (scanned[which] + last).tolist(),
                        (scanned[which] + first + slack).tolist())

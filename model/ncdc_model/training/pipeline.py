@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 from ncdc_model.calibration.measure import measure_map
 from ncdc_model.descriptor import Descriptor, Formats
+from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
 from ncdc_model.geometry import ValidRows
 from ncdc_model.training.problem import split

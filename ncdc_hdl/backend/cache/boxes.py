@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.layouts import request_layout
-from ncdc_hdl.frontend.layouts import lanes_of
+from ncdc_hdl.lib.groups import lanes_of
 from ncdc_model.fetch.cache_options import TILE_HEIGHT
 from ncdc_model.geometry import MAX_SIZE, WINDOW
 
@@ -52,6 +52,11 @@ class Boxes(wiring.Component):
             "i": In(stream.Signature(request_layout(f_bits, lanes))),
             "o": Out(stream.Signature(box_layout(f_bits, lanes))),
         })
+
+    @property
+    def latency(self):
+        """Clocks from a group to its first box: a stage per halving, and the boxes one by one."""
+        return 0 if self.lanes == 1 else ceil_log2(self.lanes) + 1
 
     def elaborate(self, platform):
         m = Module()

@@ -79,6 +79,11 @@ class Cache(wiring.Component):
             "fetched": Out(1), "waiting": Out(1), "stalls": Out(stalls_layout()),
         })
 
+    @property
+    def start_latency(self):
+        """Clocks from a group at ``i`` to its first look-up in the act stage."""
+        return self.boxes.latency + self.locate.latency + self.tags.latency
+
     def elaborate(self, platform):
         m = Module()
         for name in ("boxes", "locate", "tags", "fills", "tiles", "retire"):

@@ -11,7 +11,7 @@ from ncdc_hdl.backend.cache.layouts import slot_bits, tile_layout
 from ncdc_hdl.backend.cache.requests import TileRequests
 from ncdc_hdl.backend.cache.tiles import fill_layout
 from ncdc_hdl.frontend.layouts import SIZE
-from ncdc_hdl.memory import Fifo
+from ncdc_hdl.lib.memory import Fifo
 from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
 
 __all__ = ["Fills"]
@@ -23,9 +23,9 @@ class Fills(wiring.Component):
     The credit for a tile is taken when it is claimed and comes back when its last word is
     written, so both queues always have room, and data from the memory always has a place.
 
-    Timing: the first command of a tile reaches the bus 10 clocks after its claim at the earliest;
-    a word is written 2 clocks after its ``readdatavalid``, ``filled`` follows the last one's write
-    by 1 clock.
+    Timing: the first command of a tile reaches the bus ``latency`` clocks after its claim at the
+    earliest; a word is written 2 clocks after its ``readdatavalid``, in the clock of ``filled`` if
+    it is the last one.
 
     Parameters
     ----------
@@ -48,6 +48,13 @@ class Fills(wiring.Component):
         The oldest tile is complete.
     bus : ``Out(ReadHost(...))``
     """
+
+    latency = 1 + Fifo.latency + TileRequests.latency + ReadCommands.latency
+    """Clocks from a claim to the tile's first command on the bus: a register, queue, requests."""
+    filled_latency = 2
+    """Clocks from a tile's last ``readdatavalid`` to ``filled``: the word's register, its own."""
+    credit_latency = 2
+    """Clocks from a tile's last ``readdatavalid`` to ``credit``: the word's register, its own."""
 
     def __init__(self, options, data_width, word_bytes):
         self.options, self.data_width, self.word_bytes = options, data_width, word_bytes

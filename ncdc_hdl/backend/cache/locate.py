@@ -7,8 +7,8 @@ from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.boxes import box_layout
 from ncdc_hdl.backend.cache.layouts import PAIR_X_BITS, PAIR_Y_BITS, lookup_layout, set_bits
-from ncdc_hdl.frontend.layouts import lanes_of
-from ncdc_hdl.relay import Relay
+from ncdc_hdl.lib.groups import lanes_of
+from ncdc_hdl.lib.relay import Relay
 from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
 
 __all__ = ["Locate"]
@@ -33,6 +33,8 @@ class Locate(wiring.Component):
     i : ``In(stream.Signature(box_layout(f_bits, lanes)))``
     o : ``Out(stream.Signature(lookup_layout(f_bits, options, lanes)))``
     """
+
+    latency = 1 + Relay.latency
 
     def __init__(self, f_bits, options, lanes=1):
         self.options, self.lanes = options, lanes

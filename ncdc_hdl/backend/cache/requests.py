@@ -17,7 +17,7 @@ class TileRequests(wiring.Component):
 
         address = base + (4 y + row) pitch + 16 x
 
-    Timing: five clocks from a tile to its first address; tiles follow each other without a gap.
+    Timing: ``latency`` clocks from a tile to its first address; tiles follow each other without a gap.
 
     Parameters
     ----------
@@ -31,6 +31,9 @@ class TileRequests(wiring.Component):
     o : ``Out(stream.Signature(32))``
         Byte address of 16 bytes.
     """
+
+    latency = 5
+    """Clocks from a tile to its first address: factors, product 2, address, row."""
 
     def __init__(self, options):
         super().__init__({

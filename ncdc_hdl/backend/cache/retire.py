@@ -9,9 +9,9 @@ from ncdc_hdl.backend.cache.align import Align
 from ncdc_hdl.backend.cache.layouts import window_place_layout
 from ncdc_hdl.backend.cache.tiles import Tiles, box_layout, samples_layout
 from ncdc_hdl.backend.layouts import window_layout
-from ncdc_hdl.frontend.layouts import lanes_of
-from ncdc_hdl.memory import Fifo
-from ncdc_hdl.relay import Relay
+from ncdc_hdl.lib.groups import lanes_of
+from ncdc_hdl.lib.memory import Fifo
+from ncdc_hdl.lib.relay import Relay
 from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["Retire"]
@@ -49,7 +49,13 @@ class Retire(wiring.Component):
     o : ``Out(stream.Signature(window_layout(f_bits, lanes)))``
     """
 
-    latency = Tiles.latency + Align.latency + 1
+    push_to_retire = 1 + Fifo.latency + 1 + 1
+    """Clocks from ``push`` to ``retire``: a register, the queue, the oldest look-up, B."""
+    filled_to_retire = 1 + 1
+    """Clocks from ``filled`` to ``retire`` of the look-up that waits for it: the balance, B."""
+    retire_to_window = Tiles.latency - 1 + Align.latency + Relay.latency
+    """Clocks from ``retire``, which is B, to the window at ``o``: M and S, W and O, the relay."""
+    latency = 1 + retire_to_window
 
     def __init__(self, f_bits, options, word_bytes, lanes=1):
         self.f_bits, self.options = f_bits, options

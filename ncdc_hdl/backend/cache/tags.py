@@ -4,9 +4,16 @@ from amaranth import *
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.backend.cache.layouts import (PAIR_X_BITS, PAIR_Y_BITS, lookup_layout, set_bits,
-                                            stalls_layout, tile_layout, window_place_layout)
-from ncdc_hdl.memory import block_memory
+from ncdc_hdl.backend.cache.layouts import (
+    PAIR_X_BITS,
+    PAIR_Y_BITS,
+    lookup_layout,
+    set_bits,
+    stalls_layout,
+    tile_layout,
+    window_place_layout,
+)
+from ncdc_hdl.lib.memory import block_memory
 from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["Tags"]
@@ -51,6 +58,13 @@ class Tags(wiring.Component):
     stalls : ``Out(stalls_layout())``
         Why the look-up in the act stage neither claims nor leaves in this clock, if so.
     """
+
+    latency = 4
+    """Clocks from a look-up's acceptance to the act stage, if nothing waits: R, C, D, A."""
+    retire_to_push = 1
+    """Clocks from ``retire`` to the room that it makes: the level's register."""
+    retire_to_claim = 3
+    """Clocks from ``retire`` to a claim in its place: the number, ``a_busy``, ``a_open``."""
 
     def __init__(self, f_bits, options, lanes=1):
         self.options = options

@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.layouts import set_bits, slot_bits
-from ncdc_hdl.memory import block_memory
+from ncdc_hdl.lib.memory import block_memory
 from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
 
 __all__ = ["COLUMNS", "Tiles", "box_layout", "fill_layout", "samples_layout"]

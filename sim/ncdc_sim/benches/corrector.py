@@ -3,15 +3,16 @@
 import cocotb
 import numpy as np
 
-from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, STATUS_DONE, frame_bytes,
-                                            host_values, registers, table_words)
-from ncdc_hdl.options import FetchOptions
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.fetch.cache_options import TILE_HEIGHT
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import host_values, table_words
+from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
 from ncdc_sim.benches.avalon import Host, read_memory, write_memory
 from ncdc_sim.benches.common import clocks, settings, start
-from ncdc_sim.corrector import tiles_fetched
+from ncdc_sim.system.corrector import tiles_fetched
 
 __all__ = ["two_frames_equal_model"]
 
@@ -22,12 +23,12 @@ async def two_frames_equal_model(dut):
     s = settings()
     d = Descriptor.load(s["descriptor"])
     rng, g = np.random.default_rng(9), d.geometry
-    values = host_values(d, 32)
+    values = host_values(d)
     pitch, size = values["SOURCE_PITCH"], values["TARGET_BASE"]
     raw = rng.integers(0, 256, (2, g.distorted_height, g.distorted_width), np.uint8)
     memory = bytearray(b"\xa5" * (4 * size))
     for k in range(2):
-        image = np.pad(raw[k], ((0, 0), (0, pitch - g.distorted_width))).tobytes()
+        image = raw_image(raw[k], pitch)
         memory[2 * k * size:2 * k * size + len(image)] = image
 
     readers = [f"read{r}" for r in range(3) if hasattr(dut, f"read{r}_read")]
@@ -41,7 +42,8 @@ async def two_frames_equal_model(dut):
     written = []
     cocotb.start_soon(write_memory(dut, "write", memory, wait=s["wait"], log=written))
 
-    host, rows = Host(dut, "csr"), {r.name: r.address for r in registers(d.hidden_neurons, d.formats)}
+    host, rows = Host(dut, "csr"), {
+        r.name: r.address for r in registers(d.hidden_neurons, d.formats)}
     for name, value in values.items():
         await host.write(rows[name], value)
     for address, value in table_words(d.valid):
@@ -67,10 +69,11 @@ async def two_frames_equal_model(dut):
     for k in range(2):
         golden = correct(d, raw[k])
         fetched += golden.fetches if len(readers) == 3 else TILE_HEIGHT * tiles_fetched(
-            d, FetchOptions())
+            d, Hardware())
         stored = np.frombuffer(bytes(memory[(2 * k + 1) * size:(2 * k + 2) * size]), np.uint8)
         pixels = stored[:count].reshape(g.corrected_height, g.corrected_width, 4)
-        np.testing.assert_array_equal(pixels[..., 2::-1], golden.picture)
-        assert not pixels[..., 3].any() and (stored[count:] == 0xA5).all(), "written beyond the frame"
+        np.testing.assert_array_equal(stored_picture(pixels), golden.picture)
+        assert not pixels[..., 3].any()
+        assert (stored[count:] == 0xA5).all(), "written beyond the frame"
     assert [len(log) for log in logs] == [fetched] * len(readers)
     assert sum(words for _, words in written) == 2 * count // 4

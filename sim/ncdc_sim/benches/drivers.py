@@ -8,9 +8,10 @@ import cocotb
 import numpy as np
 from cocotb.task import bridge, resume
 
-from ncdc_hdl.avalon.register_table import frame_bytes, host_values
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
+from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import host_values
 from ncdc_sim.benches.avalon import Host, read_memory, write_memory
 from ncdc_sim.benches.common import settings, start
 
@@ -42,8 +43,8 @@ class Bench:
         self.source = [_STEP * k for k in range(len(self.cameras))]
         self.target = _STEP * len(self.cameras)
         for place, d, raw in zip(self.source, self.cameras, self.raws):
-            pitch = host_values(d, 32)["SOURCE_PITCH"]
-            image = np.pad(raw, ((0, 0), (0, pitch - raw.shape[1]))).tobytes()
+            pitch = host_values(d)["SOURCE_PITCH"]
+            image = raw_image(raw, pitch)
             self.memory[place:place + len(image)] = image
         self.errors = []        # ctypes drops what a callback raises
 
@@ -90,8 +91,9 @@ class Bench:
                 assert (stored == 0xA5).all(), f"frame {k} was written"
                 continue
             width, height = d.geometry.corrected
-            np.testing.assert_array_equal(stored[:size].reshape(height, width, 4)[..., 2::-1],
-                                          correct(d, raw).picture, f"frame {k}")
+            np.testing.assert_array_equal(
+                stored_picture(stored[:size].reshape(height, width, 4)), correct(d, raw).picture,
+                f"frame {k}")
 
 
 @cocotb.test()

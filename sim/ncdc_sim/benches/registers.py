@@ -5,10 +5,19 @@ import random
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly
 
-from ncdc_hdl.avalon.register_table import (CTRL_COMMIT, CTRL_START, ID, STATUS_BUSY,
-                                            STATUS_COMMITTED, STATUS_DONE, STATUS_REFUSED, TABLE,
-                                            host_values, registers)
 from ncdc_model.descriptor import Descriptor
+from ncdc_model.interface.host_values import host_values
+from ncdc_model.interface.register_map import (
+    CTRL_COMMIT,
+    CTRL_START,
+    ID,
+    STATUS_BUSY,
+    STATUS_COMMITTED,
+    STATUS_DONE,
+    STATUS_REFUSED,
+    TABLE,
+    registers,
+)
 from ncdc_sim.benches.avalon import Host
 from ncdc_sim.benches.common import clocks, settings, start
 
@@ -21,7 +30,7 @@ async def prepare(dut):
     await start(dut, ended=0, cut=0, counters=0, table_span_start=0, table_span_stop=0,
                 bus__read=0, bus__write=0, bus__address=0, bus__writedata=0)
     rows = {r.name: r for r in registers(d.hidden_neurons, d.formats)}
-    return Host(dut, "bus"), rows, host_values(d, 32)
+    return Host(dut, "bus"), rows, host_values(d)
 
 
 @cocotb.test()

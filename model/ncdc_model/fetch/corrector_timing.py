@@ -1,0 +1,65 @@
+"""What the planner has to be told of a corrector's hardware."""
+
+from dataclasses import dataclass
+
+__all__ = ["CorrectorTiming"]
+
+
+@dataclass(frozen=True)
+class CorrectorTiming:
+    """Clocks between events in a corrector with a tile cache, and what its queues hold.
+
+    The gateware's parts add these up (``ncdc_hdl.corrector.Corrector.timing``); the planner computes
+    with them and knows none of its own. Each is the least number of clocks from one event to the
+    next.
+
+    Parameters
+    ----------
+    start : int
+        From the start of a frame to its first look-up in the cache's act stage.
+    end : int
+        From the last window read to its pixel, at the stream or at the packer.
+    claim_to_command : int
+        A tile is claimed; its first read command is on the bus.
+    fill_to_claim : int
+        A tile's last word is on the port; another tile may be claimed.
+    fill_to_retire : int
+        A tile's last word is on the port; the window that waits for it is read.
+    push_to_retire : int
+        A look-up leaves the tag stage; its window is read.
+    retire_to_push : int
+        A window is read; there is room for another look-up.
+    retire_to_claim : int
+        A window is read; its tiles may be replaced.
+    pixel_to_bus : int
+        A pixel is at the packer; the first word of the burst that it completes is on the bus.
+    row_to_lookup : int
+        A row of the raw frame is in memory; the look-up that waited for it is in the act stage.
+    end_to_interrupt : int
+        The last pixel is out; the interrupt is high.
+    write_burst : int
+        Words of a burst of corrected pixels.
+    queued_words : int
+        Words of corrected pixels that the burst writer holds.
+    queued_pixels : int
+        Pixels that the interpolator holds.
+    """
+    start: int
+    end: int
+    claim_to_command: int
+    fill_to_claim: int
+    fill_to_retire: int
+    push_to_retire: int
+    retire_to_push: int
+    retire_to_claim: int
+    pixel_to_bus: int
+    row_to_lookup: int
+    end_to_interrupt: int
+    write_burst: int
+    queued_words: int
+    queued_pixels: int
+
+    @property
+    def read_to_bus(self):
+        """From a window read to the first word of the burst that its pixel completes."""
+        return self.end + self.pixel_to_bus

@@ -1,0 +1,170 @@
+"""Choices of the hardware that change its size and speed, never its results."""
+
+from dataclasses import dataclass, replace
+
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.geometry import check_strip_width
+
+__all__ = ["DATA_WIDTHS", "FETCHERS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "OUTPUTS", "Hardware",
+           "check_lanes"]
+
+DATA_WIDTHS = (32, 64, 128)
+OUTPUTS = ("memory", "stream")
+FETCHERS = ("cache", "multiport")
+HIDDEN = ("multiply", "raster")
+MULTIPLIER_BITS = (27, 18)
+LANES = (1, 2, 4)
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """How a corrector is built; every choice gives the same pixels.
+
+    The one object that carries these choices from the command line to planner, gateware, simulation
+    and the header of the Verilog.
+
+    Parameters
+    ----------
+    data_width : int
+        Bits of the memory ports: 32, 64 or 128.
+    output : str
+        "memory": corrected pixels are written to memory; "stream": they leave as video, row by row.
+    fetcher : str
+        "cache": a prefetching cache of tiles; "multiport": the paper's three burst readers.
+    cache : CacheOptions, optional
+        Sizes of the tile cache; those of :meth:`CacheOptions.for_width` if absent.
+    split : int, optional
+        Of the tile cache, after configuration; that of :meth:`CacheOptions.split_for` if absent.
+    strip : int
+        Columns of the strips in whose order pixels are made, after configuration; 0: a raster.
+    hidden : str
+        "multiply": two multipliers per hidden neuron; "raster": one adder per hidden neuron,
+        which follows the scan.
+    share : int
+        Hidden neurons that one tan-sigmoid serves in turn: one coordinate every ``share``
+        clocks. The multipliers are shared likewise.
+    multiplier_bits : int
+        Bits of the device's multiplier blocks: 27 makes each product of the neurons one
+        multiplication, 18 cuts it into parts that fit blocks of 18 x 18 bits.
+    lanes : int
+        Pixels per clock, 1, 2 or 4: neighbours of a row, each with a network of its own.
+
+    Raises
+    ------
+    InputError
+        If a value is none of the above, strips are asked of a stream, or the multiport fetcher is
+        to give more than one pixel per clock.
+    """
+    data_width: int = 32
+    output: str = "memory"
+    fetcher: str = "cache"
+    cache: CacheOptions | None = None
+    split: int | None = None
+    strip: int = 0
+    hidden: str = "multiply"
+    share: int = 1
+    multiplier_bits: int = 27
+    lanes: int = 1
+
+    def __post_init__(self):
+        for name, value, choices in (
+                ("the memory's data width", self.data_width, DATA_WIDTHS),
+                ("the output", self.output, OUTPUTS), ("fetch", self.fetcher, FETCHERS),
+                ("hidden", self.hidden, HIDDEN),
+                ("multiplier bits", self.multiplier_bits, MULTIPLIER_BITS),
+                ("pixels per clock", self.lanes, LANES)):
+            if value not in choices:
+                raise InputError(f"{name} is {value!r}, one of {', '.join(map(str, choices))} is "
+                                 f"needed")
+        if self.share < 1:
+            raise InputError(f"share is {self.share}, the least is 1")
+        check_strip_width(self.strip)
+        if self.strip and self.stream:
+            raise InputError(f"the strip width is {self.strip}, a video stream needs 0 (raster)")
+        if self.lanes > 1 and not self.cached:
+            raise InputError(f"pixels per clock is {self.lanes}, the multiport fetcher can have 1 "
+                             f"only")
+
+    @property
+    def stream(self):
+        """Whether corrected pixels leave as a video stream."""
+        return self.output == "stream"
+
+    @property
+    def cached(self):
+        """Whether raw windows come from the tile cache."""
+        return self.fetcher == "cache"
+
+    def cache_for(self, geometry):
+        """Sizes of the tile cache for a camera of ``geometry``."""
+        return self.cache or CacheOptions.for_width(geometry.distorted_width)
+
+    def split_for(self, geometry):
+        """The tile cache's split for a camera of ``geometry``.
+
+        Raises
+        ------
+        InputError
+            If the tile cache has no such split.
+        """
+        cache = self.cache_for(geometry)
+        if self.split is None:
+            return cache.split_for(geometry.distorted_width)
+        return cache.check_split(self.split)
+
+    def units(self, hidden_neurons):
+        """Tan-sigmoids of a network of ``hidden_neurons``.
+
+        Raises
+        ------
+        InputError
+            If there are fewer neurons than one tan-sigmoid could serve.
+        """
+        if self.share > hidden_neurons:
+            raise InputError(f"share is {self.share}, the limit is the number of hidden neurons, "
+                             f"{hidden_neurons}")
+        return -(-hidden_neurons // self.share)
+
+    def made_for(self, descriptor):
+        """This hardware, with a tile cache of a size, for the camera of ``descriptor``.
+
+        Raises
+        ------
+        InputError
+            If the pixels per clock do not divide the corrected width, a tan-sigmoid is to serve
+            more neurons than there are, or the tile cache has no such split.
+        """
+        geometry = descriptor.geometry
+        check_lanes(geometry.corrected_width, self.lanes)
+        self.units(descriptor.hidden_neurons)
+        self.split_for(geometry)
+        return replace(self, cache=self.cache_for(geometry))
+
+    def report(self, geometry):
+        """The choices under their names in every report, for a camera of ``geometry``."""
+        cache = self.cache_for(geometry) if self.cached else None
+        return {"fetch": self.fetcher, "cache_bytes": cache.bytes if cache else 0,
+                "cache_split": self.split_for(geometry) if cache else 0, "strip": self.strip,
+                "data_width": self.data_width, "output": self.output, "hidden": self.hidden,
+                "share": self.share, "multiplier_bits": self.multiplier_bits,
+                "pixels_per_clock": self.lanes}
+
+    def text(self, geometry):
+        """The choices in words, for a camera of ``geometry``: two lines."""
+        fetch = self.fetcher
+        if self.cached:
+            fetch = (f"cache of {self.cache_for(geometry).bytes} bytes, "
+                     f"split {self.split_for(geometry)}")
+        order = f"strips of {self.strip} columns" if self.strip else "raster"
+        return (f"hidden neurons {self.hidden}, {self.share} per tan-sigmoid, products for "
+                f"{self.multiplier_bits}-bit multipliers, {self.lanes} per clock",
+                f"fetch {fetch}, {order}, {self.data_width}-bit memory, output to {self.output}")
+
+
+def check_lanes(width, lanes):
+    """Raise :class:`InputError` unless a picture ``width`` pixels wide has whole groups of
+    ``lanes``."""
+    if width % lanes:
+        raise InputError(f"the corrected width is {width}, {lanes} pixels per clock need a "
+                         f"multiple of {lanes}")

@@ -1,0 +1,1 @@
+"""What gateware, drivers, firmware and clients agree on: registers, and frames in memory."""

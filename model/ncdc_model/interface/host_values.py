@@ -1,0 +1,59 @@
+"""What a host writes to the registers to correct frames of a camera."""
+
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.frames import FramePlaces
+from ncdc_model.interface.register_map import TABLE, network_registers
+
+__all__ = ["host_values", "network_values", "table_words"]
+
+# Array of the descriptor that holds the parameters of a layer's part.
+_ARRAYS = {("hidden", "weights"): "hidden_weights", ("hidden", "bias"): "hidden_biases",
+           ("output", "weights"): "output_weights", ("output", "bias"): "output_biases",
+           ("output", "skip"): "skip_weights"}
+
+
+def network_values(descriptor):
+    """Register values, by name, of the network of ``descriptor``."""
+    values = {}
+    for register in network_registers(descriptor.hidden_neurons, descriptor.formats):
+        layer, neuron, part, *weight = register.parameter
+        array = getattr(descriptor, _ARRAYS[layer, part])
+        values[register.name] = int(array[(neuron, *weight)])
+    return values
+
+
+def host_values(descriptor, hardware=Hardware(), places=None, follow=False):
+    """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    hardware : Hardware
+        Its data width, split and strips count; others are those of the corrector.
+    places : FramePlaces, optional
+        Those after reset if absent.
+    follow : bool
+        Whether the corrector begins before the raw frame is complete.
+    """
+    g = descriptor.geometry
+    places = places or FramePlaces.after_reset(g, hardware.data_width)
+    origin_x, step_x, origin_y, step_y = g.scan()
+    red, green, blue = g.fill
+    return {
+        **network_values(descriptor),
+        "VALID_BANK": 0,
+        "SOURCE_BASE": places.source, "SOURCE_PITCH": places.pitch, "TARGET_BASE": places.target,
+        "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
+        "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
+        "SCAN_ORIGIN_X": origin_x, "SCAN_STEP_X": step_x,
+        "SCAN_ORIGIN_Y": origin_y, "SCAN_STEP_Y": step_y,
+        "BAYER_PHASE": g.phase[0] | g.phase[1] << 1,
+        "FILL": red << 16 | green << 8 | blue,
+        "CACHE_SPLIT": hardware.split_for(g), "STRIP_WIDTH": hardware.strip, "FOLLOW": int(follow),
+    }
+
+
+def table_words(valid):
+    """(word address, value) of every entry of the table of valid rows."""
+    return [(TABLE + 2 * row + k, spans[2 * k] | spans[2 * k + 1] << 16)
+            for row, spans in enumerate(valid.spans.tolist()) for k in range(2)]

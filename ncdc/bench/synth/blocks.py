@@ -1,0 +1,76 @@
+"""What ``ncdc bench synth`` puts through synthesis: the corrector's blocks, and the whole."""
+
+from functools import cache
+
+import numpy as np
+
+from ncdc_hdl.backend.cache.cache import Cache
+from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
+from ncdc_hdl.neural.tansig import Tansig
+from ncdc_model.descriptor import Descriptor, FloatNetwork
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.formats import Formats
+from ncdc_model.geometry import Geometry, ValidRows
+from ncdc_model.hardware import Hardware
+from ncdc_model.tansig import design_for
+
+__all__ = ["BLOCKS", "component"]
+
+_GEOMETRY = Geometry(1280, 1024, 1280, 1024)
+_CACHE = CacheOptions.of_bytes(32 << 10)
+_DATA_WIDTH = 32
+
+
+def component(block, variant, multiplier_bits):
+    """The Amaranth component of a block of :data:`BLOCKS`, for multipliers of so many bits."""
+    return BLOCKS[block][variant](multiplier_bits)
+
+
+@cache
+def _descriptor(hidden_neurons, variant):
+    """A descriptor of arbitrary weights: they are reset values of registers, the size is theirs
+    whatever they are. Every pixel has a source."""
+    rng = np.random.default_rng(hidden_neurons)
+    network = FloatNetwork(rng.uniform(-2, 2, (hidden_neurons, 2)),
+                           rng.uniform(-1, 1, hidden_neurons),
+                           rng.uniform(-500, 500, (2, hidden_neurons)), np.array([640.0, 512.0]))
+    valid = ValidRows.of_mask(np.ones(_GEOMETRY.corrected[::-1], bool))
+    return Descriptor.quantise(network, _GEOMETRY, valid, variant=variant)
+
+
+def _tansig(variant):
+    return lambda bits: Tansig(design_for(variant, Formats().tansig.f_bits - 1))
+
+
+def _front_end(hidden_neurons, variant="mmhbc", **options):
+    return lambda bits: BackMap(hidden_neurons, Formats(), variant=variant,
+                                hardware=Hardware(multiplier_bits=bits, **options))
+
+
+def _core(hidden_neurons, variant="mmhbc", **options):
+    """1280 x 1024 pixels, cache of 32 KB, memory of 32 bits, video stream out."""
+    return lambda bits: Corrector(
+        _descriptor(hidden_neurons, variant),
+        Hardware(data_width=_DATA_WIDTH, output="stream", cache=_CACHE, multiplier_bits=bits,
+                 **options))
+
+
+# Of each block its variants, the first one first in the tables. Multipliers shared by four
+# neurons and the tabulated tan-sigmoid make the smallest core.
+BLOCKS = {
+    "tansig": {"mmhbc": _tansig("mmhbc"), "table": _tansig("table"),
+               "classic": _tansig("classic")},
+    "neuron": {"hidden": lambda bits: HiddenNeuron(Formats(), bits),
+               "output HN 8": lambda bits: OutputNeuron(8, Formats(), multiplier_bits=bits)},
+    "front-end": {"HN 4": _front_end(4), "HN 4 raster": _front_end(4, hidden="raster"),
+                  "HN 4 table": _front_end(4, "table"), "HN 8": _front_end(8),
+                  "HN 4, 2 lanes": _front_end(4, lanes=2)},
+    "fetcher": {"cache 32 KB": lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _CACHE)},
+    "interpolator": {"bayer bilinear":
+                     lambda bits: Interpolator(Formats().coordinate.f_bits)},
+    "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),
+             "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8)},
+}

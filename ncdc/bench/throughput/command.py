@@ -1,0 +1,79 @@
+"""``ncdc bench throughput``: clocks and bytes per pixel of both fetchers, on whole frames."""
+
+import sys
+from pathlib import Path
+
+from ncdc.bench.throughput.measure import ALL, DEFAULT, QUICK, goal_rows, measure, table_four
+from ncdc.bench.throughput.plots import plot_throughput
+from ncdc.cli.common import add_json, write_report
+from ncdc.terminal import Progress
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
+
+HELP = ("correct whole frames with the Verilog of both fetchers on modelled memories: clocks and "
+        "bytes per pixel, beside what the planner predicts")
+EXAMPLE = "ncdc bench throughput --quick"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--quick", action="store_true", help="small frames: some minutes")
+    which.add_argument("--all", action="store_true", help="every lens and rotation too: hours")
+    parser.add_argument("--plots", metavar="DIR", help="also plot the rows")
+    add_json(parser)
+
+
+def run(args):
+    """Measure and report; 1 if a pixel differs, or a goal is missed."""
+    runs = QUICK if args.quick else ALL if args.all else DEFAULT
+    rows = list(measure(runs, lambda run: Progress(str(run))))
+    goals = goal_rows(rows)
+    if args.plots:
+        plot_throughput(Path(args.plots), rows)
+    report = {"rows": rows, "goals": [dict(zip(("goal", "figure", "limit", "holds"), goal))
+                                      for goal in goals]}
+    if not write_report(report, args.json):
+        print(table(rows))
+        print("\n".join(["", *(f"{name}: {value:.4f}, at most {limit:g} is asked for"
+                               f"{'' if holds else ': MISSED'}"
+                               for name, value, limit, holds in goals)]))
+        print("\n".join(["", "Table IV at 100 MHz", *(
+            f"{method:15} {memory:6} {size:9} to {output:6} {fps:7.2f} frames per second"
+            for method, memory, size, output, fps in table_four(rows))]))
+    missed = [name for name, _, _, holds in goals if not holds]
+    for name in missed:
+        print(f"ncdc bench throughput: missed: {name}", file=sys.stderr)
+    return 1 if missed else 0
+
+
+def table(rows):
+    """Rows of :func:`ncdc.bench.throughput.measure.measure` as text."""
+    cells = [[title for title, _ in _COLUMNS],
+             *([render(row) for _, render in _COLUMNS] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells)]
+    return "\n".join("  ".join(f"{cell:>{width}}" for cell, width in zip(line, widths))
+                     for line in cells)
+
+
+def _predicted(row):
+    value = row["predicted_clocks_per_pixel"]
+    return "-" if value is None else f"{value:.4f}"
+
+
+_COLUMNS = (
+    ("fetch", lambda row: row["fetch"]),
+    ("memory", lambda row: row["memory"]),
+    ("to", lambda row: row["output"]),
+    ("size", lambda row: f"{row['width']}x{row['height']}"),
+    ("lens", lambda row: f"{row['lens']:g}"),
+    ("turn", lambda row: f"{row['rotation']:g}"),
+    ("scan", lambda row: f"{row['strip']}" if row["strip"] else "raster"),
+    ("cache", lambda row: f"{row['cache_bytes'] // 1024} KB" if row["cache_bytes"] else "-"),
+    ("clocks/px", lambda row: f"{row['clocks_per_pixel']:.4f}"),
+    ("predicted", _predicted),
+    ("bytes/px", lambda row: f"{row['bytes_read_per_pixel']:.3f}"),
+    ("/distinct", lambda row: f"{row['amplification']:.3f}"),
+    ("fps", lambda row: f"{row['frames_per_second']:.2f}"),
+    ("wrong", lambda row: str(row["pixels_different"])),
+)

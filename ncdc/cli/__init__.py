@@ -1,0 +1,75 @@
+"""The ``ncdc`` command: one module per subcommand."""
+
+import argparse
+import importlib
+import os
+import sys
+from importlib.metadata import version
+
+import numpy as np
+
+from ncdc_model.errors import InputError
+from ncdc_model.files import check_outputs
+from ncdc_sim.tools import SimulationError
+
+__all__ = ["COMMANDS", "main", "parser"]
+
+# Each module has HELP, EXAMPLE, add_arguments(parser) and run(args); run returns the exit
+# status, None for 0.
+COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "export", "plan", "generate",
+            "simulate", "bench")
+
+
+_TO_FOLDER = ("demo", "generate", "bench")      # commands whose --output is a folder
+
+
+class _Parser(argparse.ArgumentParser):
+    """Prints one sentence on bad usage instead of the whole usage text."""
+
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+def parser():
+    """The argument parser of all commands."""
+    top = _Parser(prog="ncdc", description=__doc__ and (
+        "From one photo of a calibration target to hardware that straightens the picture."))
+    top.add_argument("--version", action="version", version=f"NCDC {version('ncdc')}")
+    commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name in COMMANDS:
+        module = importlib.import_module(f"ncdc.cli.{name}")
+        sub = commands.add_parser(name, help=module.HELP, description=module.HELP,
+                                  epilog=f"example: {module.EXAMPLE}")
+        module.add_arguments(sub)
+        sub.set_defaults(run=module.run)
+    return top
+
+
+def _files(args):
+    """Output and input files among a command's arguments."""
+    given = vars(args)
+    outputs = [given["json"]] if given.get("json") not in (None, "-") else []
+    if args.command not in _TO_FOLDER and given.get("output"):
+        outputs.append(given["output"])
+    inputs = [given[name] for name in ("descriptor", "image", "source", "against") if name in given]
+    return outputs, inputs + given.get("photos", [])
+
+
+def main(arguments=None):
+    """Run a command; the exit status: 0 success, 1 a check failed, 2 bad usage or input."""
+    args = parser().parse_args(arguments)
+    try:
+        check_outputs(*_files(args))
+        # What overflows becomes not-a-number, which the checks of the commands name.
+        with np.errstate(all="ignore"):
+            return args.run(args) or 0
+    except InputError as error:
+        print(f"ncdc {args.command}: {error}", file=sys.stderr)
+        return 2
+    except SimulationError as error:
+        print(f"ncdc {args.command}: {error}", file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        # The reader of our output has left; nothing more can be said to it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1

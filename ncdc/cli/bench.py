@@ -1,0 +1,35 @@
+"""``ncdc bench``: the figures of the documentation, measured again."""
+
+import sys
+
+from ncdc.bench.accuracy import command as accuracy
+from ncdc.bench.lines import command as lines
+from ncdc.bench.synth import command as synth
+from ncdc.bench.synth.flows import SynthesisError
+from ncdc.bench.tansig import command as tansig
+from ncdc.bench.throughput import command as throughput
+
+__all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "measure the figures of the documentation again"
+EXAMPLE = "ncdc bench tansig --sampled --no-synth"
+BENCHES = {"accuracy": accuracy, "lines": lines, "synth": synth, "tansig": tansig,
+           "throughput": throughput}
+
+
+def add_arguments(parser):
+    """Declare one subcommand per bench on an argparse parser."""
+    names = parser.add_subparsers(dest="bench", metavar="NAME", required=True)
+    for name, module in BENCHES.items():
+        sub = names.add_parser(name, help=module.HELP, description=module.HELP,
+                               epilog=f"example: {module.EXAMPLE}")
+        module.add_arguments(sub)
+
+
+def run(args):
+    """Run the chosen bench; 1 if a figure breaks its own bound or a tool fails."""
+    try:
+        return BENCHES[args.bench].run(args)
+    except SynthesisError as error:
+        print(f"ncdc bench {args.bench}: {error}", file=sys.stderr)
+        return 1

@@ -1,0 +1,41 @@
+"""``ncdc correct``: corrects an image with the golden model."""
+
+import sys
+
+from ncdc.cli.common import add_json, raw_frame, write_report
+from ncdc.terminal import Progress, percent
+from ncdc_model.corrector import correct
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.images import check_suffix, write_image
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "correct an image with the bit-exact golden model"
+EXAMPLE = "ncdc correct net.toml frame.png -o corrected.png"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
+    parser.add_argument("image", metavar="IMAGE",
+                        help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="corrected picture")
+    add_json(parser)
+
+
+def run(args):
+    """Correct, write, report."""
+    check_suffix(args.output)
+    descriptor = Descriptor.load(args.descriptor)
+    raw, note = raw_frame(args.image, descriptor.geometry)
+    corrected = correct(descriptor, raw, percent(Progress("correcting")))
+    write_image(args.output, corrected.picture)
+    if note:
+        print(note, file=sys.stderr)
+    report = {"hidden_neurons": descriptor.hidden_neurons, "pixels": corrected.filled.size,
+              "pixels_filled": int(corrected.filled.sum()), "windows_fetched": corrected.fetches,
+              "fetch": "multiport"}
+    if not write_report(report, args.json):
+        share = 100 * corrected.filled.mean()
+        print(f"{args.output}: {'x'.join(map(str, descriptor.geometry.corrected))} pixels, "
+              f"{share:.1f} % without a source")

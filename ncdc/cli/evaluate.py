@@ -1,0 +1,35 @@
+"""``ncdc evaluate``: the error of an existing descriptor."""
+
+from ncdc.cli.common import add_camera, add_json, write_report
+from ncdc.cli.train import error_table
+from ncdc_model.against import evaluate_against
+from ncdc_model.descriptor import Descriptor
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "measure the error of a descriptor"
+EXAMPLE = "ncdc evaluate net.toml --against points.json"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
+    parser.add_argument("--against", required=True, metavar="FILE",
+                        help="points.json of this camera, the one of training or another, or its "
+                             "camera file")
+    add_camera(parser)
+    add_json(parser)
+
+
+def run(args):
+    """Measure and report."""
+    report = evaluate_against(Descriptor.load(args.descriptor), args.against,
+                              args.camera)
+    if write_report(report, args.json):
+        return
+    count = (f"{report['points']} points" if "points" in report
+             else f"{report['valid_pixels']} pixels")
+    print(f"{report['hidden_neurons']} hidden neurons, "
+          f"measured on {report['measured_on']}: {count}")
+    print(error_table({"": report}))
+    print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")

@@ -1,0 +1,43 @@
+"""The options of a frame that begins before the camera's is complete."""
+
+from ncdc.terminal import Progress
+from ncdc_hdl.corrector import Corrector
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.follow import camera_line, follow_bound
+
+__all__ = ["add_follow", "bound_of", "follow_strip"]
+
+
+def add_follow(parser):
+    """Declare the options."""
+    parser.add_argument("--follow", action="store_true",
+                        help="begin with the camera's frame, and wait for its rows; raster order "
+                             "unless --strip is given")
+    parser.add_argument("--camera-line", type=int, metavar="CLOCKS",
+                        help="clocks of a row of the camera with --follow, of which it sends a "
+                             "sample in each of the first ones (default: its samples)")
+
+
+def follow_strip(args, geometry):
+    """Columns of the strips where --strip is not given: 0 with --follow, since a strip needs nearly
+    all rows of the raw frame at once; else None, which leaves them open.
+
+    Raises
+    ------
+    InputError
+        If a row of the camera does not fit, or is given without --follow.
+    """
+    if args.camera_line is not None and not args.follow:
+        raise InputError(f"the camera's line is {args.camera_line} clocks, which needs --follow")
+    if not args.follow:
+        return None
+    camera_line(args.camera_line, geometry)
+    return 0
+
+
+def bound_of(args, descriptor, hardware, memory):
+    """What the planner promises of a frame that follows the camera; None without --follow."""
+    if not args.follow:
+        return None
+    return follow_bound(descriptor, hardware, memory, Corrector(descriptor, hardware).timing,
+                        line=args.camera_line, progress=Progress("following"))

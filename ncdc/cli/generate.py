@@ -1,0 +1,68 @@
+"""``ncdc generate``: writes the corrector's Verilog and what belongs to it."""
+
+from pathlib import Path
+
+from ncdc.cli.common import add_json, write_report
+from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
+from ncdc_boards.catalogue import board as board_of
+from ncdc_boards.catalogue import board_names
+from ncdc_boards.project import check_board, project_files
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.fusesoc import fusesoc_core
+from ncdc_hdl.export.platform_designer import COMPONENT, hw_tcl
+from ncdc_hdl.export.registers.drivers import driver_files
+from ncdc_hdl.export.verilog import TOP, verilog_of
+from ncdc_hdl.export.waivers import verilator_config
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.files import write_text
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "write the Verilog of the corrector and its drivers"
+EXAMPLE = "ncdc generate net.toml -o hardware --data-width 32"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
+    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
+    add_hardware(parser)
+    parser.add_argument("--lens", action="append", default=[], metavar="NET",
+                        help="another descriptor that the same hardware may be given at run time, "
+                             "for the drivers; may be repeated")
+    parser.add_argument("--board", metavar="NAME",
+                        help=f"write a Quartus project too: {', '.join(board_names())}; the board "
+                             f"chooses --data-width, --to and --multiplier-bits unless they are given")
+    add_json(parser)
+
+
+def run(args):
+    """Generate and write; files that would not change are left alone."""
+    descriptor = Descriptor.load(args.descriptor)
+    lenses = [(args.descriptor, descriptor), *((path, Descriptor.load(path)) for path in args.lens)]
+    board = board_of(args.board) if args.board else None
+    hardware = hardware_of(args, board)
+    if board:
+        check_board(board, descriptor, hardware.output)
+    hardware, choice = planned(hardware, fixed_of(args), descriptor)
+    corrector = Corrector(descriptor, hardware)
+    files = {f"{TOP}.v": verilog_of(corrector),
+             **driver_files(corrector, lenses), f"{TOP}.core": fusesoc_core(corrector, TOP),
+             f"{COMPONENT}_hw.tcl": hw_tcl(corrector),
+             f"{TOP}.vlt": verilator_config()}
+    if board:
+        files |= project_files(board, corrector)
+    folder = Path(args.output)
+    for name, text in files.items():
+        write_text(folder / name, text)
+    report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
+              **corrector.hardware.report(descriptor.geometry),
+              "board": args.board, "left_to_user": board.left_to_user if board else {},
+              "files": [str(folder / name) for name in files]}
+    if not write_report(report, args.json):
+        if choice:
+            print(choice)
+        for name, text in files.items():
+            print(f"{folder / name}: {len(text.splitlines())} lines")
+        for what, why in report["left_to_user"].items():
+            print(f"left to the user: {what}: {why}")

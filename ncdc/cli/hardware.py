@@ -1,0 +1,122 @@
+"""The options that choose the hardware, and what the planner makes of those left open."""
+
+from dataclasses import replace
+
+from ncdc.terminal import Progress
+from ncdc_model.fetch.lookups import frame_windows
+from ncdc_model.fetch.plan import Fixed, choose
+from ncdc_model.fetch.traffic import TILE_BYTES, distinct_bytes
+from ncdc_model.hardware import (
+    DATA_WIDTHS,
+    FETCHERS,
+    HIDDEN,
+    LANES,
+    MULTIPLIER_BITS,
+    OUTPUTS,
+    Hardware,
+)
+
+__all__ = ["add_fixed", "add_hardware", "add_lanes", "choice_line", "fixed_of", "hardware_of",
+           "planned"]
+
+_LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
+
+
+def add_fixed(parser):
+    """Declare the options that fix what the planner would choose."""
+    parser.add_argument("--cache-bytes", type=int, metavar="N",
+                        help="samples that the cache holds, a power of two (default: planned)")
+    parser.add_argument("--cache-split", type=int, metavar="S",
+                        help="log2 of the tile pairs along a row that have sets of their own "
+                             "(default: planned)")
+    parser.add_argument("--strip", type=int, metavar="COLUMNS",
+                        help="make pixels in strips of so many columns, a multiple of 32, or row "
+                             "by row, 0; a stream takes 0 only (default: planned); same results")
+
+
+def add_lanes(parser):
+    """Declare the option --pixels-per-clock."""
+    parser.add_argument("--pixels-per-clock", type=int, choices=LANES, default=1, metavar="N",
+                        help="1 (default), 2 or 4 neighbouring pixels at a time, each with a "
+                             "network of its own; same results")
+
+
+def add_hardware(parser):
+    """Declare the options that choose the hardware."""
+    parser.add_argument("--fetch", choices=FETCHERS, default=FETCHERS[0],
+                        help="how raw windows are read: cache (default), a prefetching cache of "
+                             "tiles, or multiport, the paper's three burst readers")
+    add_fixed(parser)
+    add_lanes(parser)
+    parser.add_argument("--data-width", type=int, choices=DATA_WIDTHS, metavar="BITS",
+                        help="width of the memory ports: 32 (default), 64 or 128")
+    parser.add_argument("--to", choices=OUTPUTS,
+                        help="where corrected pixels go: memory (default) or a video stream")
+    parser.add_argument("--hidden", choices=HIDDEN, default="multiply",
+                        help="hidden neurons: multiply (default), or raster, which add from pixel "
+                             "to pixel and need no multiplier; same results")
+    parser.add_argument("--share", type=int, default=1, metavar="N",
+                        help="hidden neurons per tan-sigmoid (default: 1); one pixel every N "
+                             "clocks, same results, smaller")
+    parser.add_argument("--multiplier-bits", type=int, choices=MULTIPLIER_BITS, metavar="BITS",
+                        help="width of the device's multiplier blocks: 27 (default), or 18, for "
+                             "which products are cut into parts; same results")
+
+
+def fixed_of(args, strip=None):
+    """:class:`Fixed` of a command's options; ``strip`` counts where they leave it open."""
+    return Fixed(args.cache_bytes, args.cache_split, strip if args.strip is None else args.strip)
+
+
+def hardware_of(args, board=None):
+    """:class:`Hardware` of a command's options; of what they leave open, the ``board``'s choice.
+
+    Tile cache, split and strips are left to :func:`planned`.
+    """
+    chosen = {"data_width": args.data_width, "output": args.to,
+              "multiplier_bits": args.multiplier_bits}
+    if board:
+        offered = {"data_width": board.data_width, "output": "stream",
+                   "multiplier_bits": board.multiplier_bits}
+        chosen = {name: offered[name] if value is None else value for name, value in chosen.items()}
+    return Hardware(fetcher=args.fetch, hidden=args.hidden, share=args.share,
+                    lanes=args.pixels_per_clock,
+                    **{name: value for name, value in chosen.items() if value is not None})
+
+
+def choice_line(hardware, bytes_read, amplification):
+    """One line on tile cache, split and scan, and what is read per pixel and distinct byte."""
+    scan = f"strips of {hardware.strip} columns" if hardware.strip else "raster scan"
+    return (f"cache of {hardware.cache.bytes} bytes, split {hardware.split}, {scan}: "
+            f"{bytes_read:.3f} bytes read per pixel, {amplification:.3f} times the distinct bytes")
+
+
+def planned(hardware, fixed, descriptor):
+    """``hardware`` with tile cache, split and strips: what is ``fixed``, the rest planned for the map.
+
+    Returns
+    -------
+    Hardware
+    str or None
+        A line on the choice; None where nothing was left open.
+
+    Raises
+    ------
+    InputError
+        If an option is outside its limits.
+    """
+    if not hardware.cached:
+        return replace(hardware, strip=fixed.strip or 0), None
+    if fixed.everything:
+        return replace(hardware, cache=fixed.caches()[0], split=fixed.split, strip=fixed.strip), None
+    geometry = descriptor.geometry
+    width, height = geometry.corrected
+    fixed.strips(width, hardware.stream)        # refuses what cannot be before the long work
+    progress = Progress("planning") if width * height >= _LONG else lambda fraction: None
+    windows = frame_windows(descriptor, lambda done, total: progress(.7 * done / total))
+    distinct = distinct_bytes(windows, geometry)
+    choice = choose(windows, distinct, geometry, hardware, fixed,
+                    lambda fraction: progress(.7 + .3 * fraction))[0]
+    read = choice.misses * TILE_BYTES
+    return choice.hardware, choice_line(choice.hardware, read / (width * height),
+                                        read / max(1, distinct))

@@ -1,0 +1,66 @@
+"""``ncdc plan``: cache, scan and speed of a trained map, before any Verilog exists."""
+
+from ncdc.cli.common import add_json, write_report
+from ncdc.cli.follow import add_follow, bound_of, follow_strip
+from ncdc.cli.hardware import add_fixed, add_lanes, choice_line, fixed_of
+from ncdc.terminal import Progress
+from ncdc_hdl.corrector import Corrector
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.plan import CLOCK_MHZ, plan
+from ncdc_model.hardware import DATA_WIDTHS, OUTPUTS, Hardware
+from ncdc_model.memory_timing import memory_timing
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "choose cache, split and strips for a trained map, and predict its speed on a memory"
+EXAMPLE = "ncdc plan net.toml --memory ddr3 --clock 150 --to stream"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
+    parser.add_argument("--memory", default="ddr3", metavar="NAME",
+                        help="ideal, sdram, ddr3 (default) or fixed:LATENCY:BYTES, a latency in "
+                             "clocks and bytes per clock")
+    parser.add_argument("--clock", type=float, default=CLOCK_MHZ, metavar="MHZ",
+                        help=f"clock of the corrector (default: {CLOCK_MHZ:g})")
+    parser.add_argument("--data-width", type=int, choices=DATA_WIDTHS, metavar="BITS",
+                        help="width of the memory port: 32, 64 or 128 (default: 128 on ddr3, "
+                             "32 elsewhere)")
+    parser.add_argument("--to", choices=OUTPUTS, default="memory",
+                        help="where corrected pixels go: memory (default) or a video stream, "
+                             "which takes raster order only")
+    add_fixed(parser)
+    add_lanes(parser)
+    parser.add_argument("--rate", type=float, metavar="FPS",
+                        help="refuse what does not correct so many frames per second")
+    add_follow(parser)
+    add_json(parser)
+
+
+def run(args):
+    """Plan and report."""
+    if not 1 <= args.clock <= 1000:
+        raise InputError(f"the clock is {args.clock:g} MHz, the limits are 1 and 1000")
+    descriptor = Descriptor.load(args.descriptor)
+    fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
+    width = args.data_width or (128 if args.memory == "ddr3" else 32)
+    hardware = Hardware(data_width=width, output=args.to, lanes=args.pixels_per_clock)
+    timing = Corrector(descriptor, hardware).timing
+    planned = plan(descriptor, hardware, args.memory, timing, fixed=fixed, clock_mhz=args.clock,
+                   rate=args.rate, progress=Progress("planning"))
+    bound = bound_of(args, descriptor, planned.hardware, memory_timing(
+        f"{args.memory}@{args.clock:g}" if args.memory in ("sdram", "ddr3") else args.memory))
+    report = planned.report()
+    if write_report({"digest": descriptor.digest, "output": args.to, **report,
+                     **(bound.report() if bound else {})}, args.json):
+        return
+    print(choice_line(planned.hardware, report["bytes_read_per_pixel"], planned.amplification))
+    print(f"{planned.clocks_per_pixel:.4f} clocks per pixel, {planned.frames_per_second:.1f} "
+          f"frames per second predicted ({args.memory}, {width} bits, {args.clock:g} MHz)")
+    print(f"{planned.worst:.2f} bytes per pixel in the worst 8192 pixels; "
+          f"{planned.live} bytes of tiles in use at once")
+    if bound:
+        print(f"with the camera's frame: out at most {bound.clocks} clocks after its last byte, "
+              f"{100 * bound.share:.1f} % of its {bound.camera_clocks}")

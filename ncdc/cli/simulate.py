@@ -1,0 +1,104 @@
+"""``ncdc simulate``: runs the generated Verilog on an image and compares every pixel."""
+
+import sys
+
+from ncdc.cli.common import add_json, raw_frame, write_report
+from ncdc.cli.follow import add_follow, bound_of, follow_strip
+from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
+from ncdc.terminal import Progress
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.follow import camera_line
+from ncdc_model.images import check_suffix, write_image
+from ncdc_model.memory_timing import DramMemory, LatencyMemory
+from ncdc_sim.memory.timing import simulated_memory
+from ncdc_sim.system.corrector import simulate_correction
+from ncdc_sim.tools import SIMULATORS
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "difference", "run"]
+
+HELP = "run the generated Verilog on an image and compare every pixel with the golden model"
+EXAMPLE = "ncdc simulate net.toml frame.png -o corrected.png --memory sdram"
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
+    parser.add_argument("image", metavar="IMAGE",
+                        help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT",
+                        help="picture as the Verilog corrected it")
+    add_hardware(parser)
+    parser.add_argument("--memory", default="sdram", metavar="MEMORY",
+                        help="simulated memory: ideal, sdram (default), ddr3, hostile, sdram@MHZ, "
+                             "ddr3@MHZ, fixed:LATENCY:BYTES (clocks, bytes per clock), or the "
+                             "controller LiteDRAM: litedram, litedram-ddr3")
+    parser.add_argument("--simulator", choices=SIMULATORS, default="verilator",
+                        help="verilator (default) or icarus, which takes some 100 times as long")
+    parser.add_argument("--seed", type=int, default=1, metavar="S",
+                        help="of the memory's random behaviour (default: 1)")
+    add_follow(parser)
+    add_json(parser)
+
+
+def run(args):
+    """Simulate, compare, write, report; 1 if a pixel differs."""
+    if args.seed < 0:
+        raise InputError(f"seed is {args.seed}, it must not be negative")
+    check_suffix(args.output)
+    simulated_memory(args.memory)
+    descriptor = Descriptor.load(args.descriptor)
+    fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
+    raw, note = raw_frame(args.image, descriptor.geometry)
+    hardware, _ = planned(hardware_of(args), fixed, descriptor)
+    line = camera_line(args.camera_line, descriptor.geometry) if args.follow else None
+    simulation = simulate_correction(
+        descriptor, raw, hardware, follow_line=line, progress=Progress("simulating"),
+        memory=args.memory, simulator=args.simulator, seed=args.seed)
+    write_image(args.output, simulation.picture)
+    if note:
+        print(note, file=sys.stderr)
+    bound = _bound(args, descriptor, hardware)
+    report = simulation.report() | {"hidden_neurons": descriptor.hidden_neurons}
+    report |= bound.report() if bound else {}
+    if not write_report(report, args.json):
+        print(f"{report['pixels_compared']} pixels compared, {report['pixels_different']} differ; "
+              f"{report['clocks_per_pixel']:.3f} clocks and {report['bytes_read_per_pixel']:.2f} "
+              f"bytes read per pixel ({args.memory}, {args.simulator})")
+        if args.follow:
+            print(f"out {report['follow_latency_clocks']} clocks after the camera's last byte"
+                  + (f", at most {bound.clocks} planned" if bound else "")
+                  + f"; {report['follow_early_reads']} rows read before they were written")
+    message = difference(simulation) or _early(simulation)
+    if message:
+        print(f"ncdc simulate: {message}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _bound(args, descriptor, hardware):
+    """What the planner promises; None without --follow, and where it knows no clocks: of the
+    multiport fetcher, of shared units, of a memory with random latency or of another's controller."""
+    memory = simulated_memory(args.memory)
+    exact = isinstance(memory, DramMemory) or (isinstance(memory, LatencyMemory)
+                                               and memory.latency[0] == memory.latency[1]
+                                               and memory.wait_chance == 0)
+    if not hardware.cached or hardware.share > 1 or not exact:
+        return None
+    return bound_of(args, descriptor, hardware, memory)
+
+
+def _early(simulation):
+    """A sentence on rows that were read too early; None if none was."""
+    early = simulation.follow.get("follow_early_reads")
+    return f"{early} read commands came before the camera had written their row" if early else None
+
+
+def difference(simulation):
+    """A sentence that names the first pixel in which a simulation differs; None if none does."""
+    differing = simulation.differing
+    if not differing:
+        return None
+    u, v = differing[0]
+    return (f"{len(differing)} pixels differ from the golden model, the first at column {u}, row "
+            f"{v}: {simulation.picture[v, u].tolist()} instead of {simulation.golden[v, u].tolist()}")

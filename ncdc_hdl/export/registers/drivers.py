@@ -1,0 +1,37 @@
+"""What a host needs: register header, drivers in C and Python, lenses, SystemRDL."""
+
+from importlib.resources import files
+
+from ncdc_hdl.export.registers.c_header import c_header, c_lenses, c_lenses_header
+from ncdc_hdl.export.registers.lenses import lenses_of
+from ncdc_hdl.export.registers.python_registers import python_lenses, python_registers
+from ncdc_hdl.export.registers.system_rdl import system_rdl
+
+__all__ = ["driver_files"]
+
+_FIXED = ("ncdc.h", "ncdc.c", "ncdc_driver.py")     # the same for every corrector
+
+
+def driver_files(corrector, named):
+    """Text of each file, by name.
+
+    Parameters
+    ----------
+    corrector : ncdc_hdl.corrector.Corrector
+    named : sequence of (path, Descriptor)
+        Lenses that it may be given, the one that it is made for among them.
+
+    Raises
+    ------
+    InputError
+        As :func:`ncdc_hdl.export.registers.lenses.lenses_of`.
+    """
+    lenses, table = lenses_of(corrector, named), corrector.registers.table
+    host = files("ncdc_hdl.export") / "host"
+    return {
+        "ncdc_registers.h": c_header(table),
+        "ncdc_lenses.h": c_lenses_header(lenses), "ncdc_lenses.c": c_lenses(lenses),
+        "ncdc_registers.py": python_registers(table), "ncdc_lenses.py": python_lenses(lenses),
+        **{name: (host / name).read_text() for name in _FIXED},
+        "ncdc.rdl": system_rdl(corrector.registers),
+    }

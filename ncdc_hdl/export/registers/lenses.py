@@ -1,0 +1,93 @@
+"""Lenses that one corrector can be given at run time, and their values for its host."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from ncdc_model.errors import InputError, reading
+from ncdc_model.hardware import check_lanes
+from ncdc_model.interface.host_values import host_values, table_words
+
+__all__ = ["Lens", "check_lens", "lens_name", "lenses_of"]
+
+# What the host sets for itself: places of frames, the bank of valid rows, whether to wait for rows.
+_HOST = ("SOURCE_BASE", "TARGET_BASE", "VALID_BANK", "FOLLOW")
+
+
+@dataclass(frozen=True)
+class Lens:
+    """A descriptor as its host sees it.
+
+    Parameters
+    ----------
+    digest : str
+    neurons : int
+    values : dict
+        Value of every shadow register that concerns the lens, by name.
+    valid_rows : tuple of int
+        Words of the table of valid rows, from row 0 on.
+    """
+    digest: str
+    neurons: int
+    values: dict
+    valid_rows: tuple
+
+    @classmethod
+    def of(cls, corrector, descriptor):
+        """That of ``descriptor`` on ``corrector``."""
+        values = host_values(descriptor, corrector.hardware)
+        return cls(descriptor.digest, descriptor.hidden_neurons,
+                   {name: value for name, value in values.items() if name not in _HOST},
+                   tuple(word for _, word in table_words(descriptor.valid)))
+
+
+def lens_name(path):
+    """Name of the lens of the descriptor at ``path``: the file's, as an identifier."""
+    return re.sub(r"\W", "_", Path(path).stem, flags=re.ASCII)
+
+
+def check_lens(corrector, path, descriptor):
+    """Refuse a ``descriptor`` that ``corrector`` cannot take at run time.
+
+    Raises
+    ------
+    InputError
+        If neurons, formats or tan-sigmoid differ, the table of valid rows is too small, or the
+        width is no multiple of the pixels per clock.
+    """
+    made_for = corrector.descriptor
+    for what, value, needed in (
+            ("hidden neurons", descriptor.hidden_neurons, made_for.hidden_neurons),
+            ("tan-sigmoid", descriptor.variant, made_for.variant),
+            *((f"format {name}", q, getattr(made_for.formats, name))
+              for name, q in vars(descriptor.formats).items())):
+        if value != needed:
+            raise InputError(f"{path}: {what} {value} does not fit a corrector made for {needed}")
+    rows = 1 << corrector.table.row_bits
+    if descriptor.geometry.corrected_height > rows:
+        raise InputError(f"{path}: the corrected image has {descriptor.geometry.corrected_height} "
+                         f"rows, the corrector's table of valid rows holds {rows}")
+    width = descriptor.geometry.corrected_width
+    if width > corrector.table.max_column:
+        raise InputError(f"{path}: the corrected image has {width} columns, the corrector's table "
+                         f"of valid rows counts to {corrector.table.max_column}")
+    with reading(path):
+        check_lanes(width, corrector.hardware.lanes)
+
+
+def lenses_of(corrector, named):
+    """:class:`Lens` by name of each (path, descriptor) in ``named``, for ``corrector``.
+
+    Raises
+    ------
+    InputError
+        If two names are equal, or a descriptor does not fit.
+    """
+    lenses, paths = {}, {}
+    for path, descriptor in named:
+        name = lens_name(path)
+        if name in lenses:
+            raise InputError(f"the lenses {paths[name]} and {path} would both be called {name}")
+        check_lens(corrector, path, descriptor)
+        lenses[name], paths[name] = Lens.of(corrector, descriptor), path
+    return lenses

@@ -1,0 +1,31 @@
+"""The registers and lenses as modules for the Python driver."""
+
+from ncdc_model.interface.register_map import ID, TABLE, counters
+
+__all__ = ["python_lenses", "python_registers"]
+
+
+def python_registers(table):
+    """Text of the module of the registers in ``table``."""
+    lines = ['"""Registers of the NCDC corrector: byte offsets from its base, masks of flags."""',
+             "", "OFFSET = {"]
+    lines += [f'    "{r.name}": 0x{4 * r.address:04X},' for r in table]
+    lines += ["}", f"VALID_ROWS = 0x{4 * TABLE:04X}",
+              f"COUNTERS = {tuple(r.name for r in counters(table))!r}", "", f"ID_VALUE = 0x{ID:X}"]
+    lines += [f"{r.name}_{flag.name} = 0x{flag.mask:X}" for r in table for flag in r.flags]
+    return "\n".join([*lines, ""])
+
+
+def python_lenses(lenses):
+    """Text of the module of ``lenses``, a dict of :class:`Lens` by name."""
+    lines = ['"""Lenses that the NCDC corrector can be given, see ncdc_driver.Corrector.load."""',
+             "", "LENSES = {"]
+    for name, lens in lenses.items():
+        lines += [f'    "{name}": {{', f'        "digest": "{lens.digest}",',
+                  f'        "neurons": {lens.neurons},', '        "values": {']
+        lines += [f'            "{register}": {value},' for register, value in lens.values.items()]
+        lines += ["        },", '        "valid_rows": (']
+        lines += [f"            {', '.join(f'0x{span:08X}' for span in lens.valid_rows[k:k + 6])},"
+                  for k in range(0, len(lens.valid_rows), 6)]
+        lines += ["        ),", "    },"]
+    return "\n".join([*lines, "}", ""])

@@ -1,0 +1,97 @@
+"""Credits between a free-running pipeline and a consumer that may stall."""
+
+from amaranth import *
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.lib.memory import Fifo
+from ncdc_hdl.lib.pipeline import register
+
+__all__ = ["CreditQueue"]
+
+# What may still be issued once ``claimed`` says that no more should: in the clocks of the two
+# registers of ``room``, of the producer's clock after them, and of the register of ``issue``.
+_MARGIN = 4
+
+
+class CreditQueue(wiring.Component):
+    """Queue behind a free-running pipeline, with the credits that keep it from overflowing.
+
+    A producer may put one item into the pipeline in the clock after each in which ``room`` is high,
+    and says so with ``issue``; the item arrives some clocks later with ``arrive``. ``room`` counts
+    what is in the pipeline and in the queue together, so that no stall has to reach into the
+    pipeline. Once all places but four are claimed, ``room`` goes low, until no more than
+    ``restart`` items are left: the paper's clock-gating controller as a rule on credits.
+
+    Timing: there are registers on every way between queue and pipeline, which may be far from each
+    other. ``room`` goes low 4 clocks after the issue that is the last one but four, an item leaves
+    4 clocks after its arrival at the earliest; one item per clock.
+
+    Parameters
+    ----------
+    shape : ShapeLike
+        Of one item.
+    depth : int
+        Items in the pipeline and the queue together.
+    restart : int
+        Level at which a full queue asks for more; at least the pipeline's latency and ``loop``, if
+        the consumer must not wait for the pipeline to fill again.
+
+    Members
+    -------
+    room, issue : ``Out(1)``, ``In(1)``
+    arrive, i : ``In(1)``, ``In(shape)``
+    o : ``Out(stream.Signature(shape))``
+    drained : ``Out(1)``
+        Nothing is in the pipeline; some clocks late, but low from the first issue's next clock on.
+
+    Raises
+    ------
+    ValueError
+        If ``restart`` is not below ``depth - 4``.
+    """
+
+    latency = 1 + Fifo.latency
+    """Clocks from an item's arrival to its appearance at ``o``: a register, the queue."""
+
+    loop = 9
+    """Clocks from an item taken to the next one that this makes room for, less the pipeline's."""
+
+    def __init__(self, shape, *, depth, restart):
+        if not 0 <= restart < depth - _MARGIN:
+            raise ValueError(f"restart is {restart}, the limits are 0 and {depth - _MARGIN - 1}")
+        self.shape, self.depth, self.restart = shape, depth, restart
+        super().__init__({
+            "room": Out(1, init=1), "issue": In(1), "arrive": In(1), "i": In(shape),
+            "o": Out(stream.Signature(shape)), "drained": Out(1, init=1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        width = Shape.cast(self.shape).width
+        m.submodules.fifo = fifo = Fifo(width=width, depth=self.depth, checked=False)
+        issued, arrived, taken = (
+            register(m, name, value, reset_less=False) for name, value in
+            (("issued", self.issue), ("arrived", self.arrive),
+             ("taken", self.o.valid & self.o.ready)))
+        m.d.comb += [
+            fifo.w_data.eq(register(m, "item", Value.cast(self.i))),
+            fifo.w_en.eq(arrived),
+            Value.cast(self.o.payload).eq(fifo.r_data),
+            self.o.valid.eq(fifo.r_rdy),
+            fifo.r_en.eq(self.o.ready),
+        ]
+
+        claimed = Signal(range(self.depth + 1))      # in the pipeline or in the queue
+        in_flight = Signal(range(self.depth + 1))    # in the pipeline
+        more = Signal(init=1)                        # ``room``, a clock before
+        m.d.sync += [self.room.eq(more), self.drained.eq((in_flight == 0) & ~issued & ~self.issue)]
+        with m.If(issued != taken):
+            m.d.sync += claimed.eq(claimed + Mux(taken, -1, 1))
+        with m.If(issued != arrived):
+            m.d.sync += in_flight.eq(in_flight + Mux(arrived, -1, 1))
+        with m.If(claimed >= self.depth - _MARGIN):
+            m.d.sync += more.eq(0)
+        with m.Elif(claimed <= self.restart):
+            m.d.sync += more.eq(1)
+        return m

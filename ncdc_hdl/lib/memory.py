@@ -1,0 +1,103 @@
+"""Block RAM, and the queue that reads it through its output register."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.memory import Memory
+from amaranth.lib.wiring import In, Out
+
+__all__ = ["Fifo", "block_memory"]
+
+
+def block_memory(shape, depth, init=()):
+    """A memory of which nobody uses a word read in the clock that writes it.
+
+    That word is undefined in block RAM. Without this promise synthesis puts logic behind the RAM
+    to give the old word, and the RAM's output register out of reach. In simulation it is the old
+    word.
+    """
+    # As Yosys and as Quartus call it.
+    return Memory(shape=shape, depth=depth, init=list(init),
+                  attrs={"no_rw_check": 1, "ramstyle": "no_rw_check"})
+
+
+class Fifo(wiring.Component):
+    """Queue in a memory that is read through two registers: its own output and one behind it.
+
+    Both are the RAM's own on the usual devices, so that an item leaves early in its clock.
+    ``amaranth.lib.fifo.SyncFIFOBuffered`` has only the first, and the same members.
+
+    Timing: an item can be taken ``latency`` clocks after it was written at the earliest; one item
+    per clock.
+
+    Parameters
+    ----------
+    width : int
+        Bits of an item.
+    depth : int
+        Items, at least 2.
+    checked : bool
+        Whether ``w_en`` is ignored while the queue is full; if not, it must be low then.
+
+    Members
+    -------
+    w_data, w_en, w_rdy : ``In(width)``, ``In(1)``, ``Out(1)``
+        An item is written if both are high.
+    r_data, r_rdy, r_en : ``Out(width)``, ``Out(1)``, ``In(1)``
+        The oldest item, taken if both are high.
+    level : ``Out(range(depth + 1))``
+        Items in the queue, those on their way to the output included.
+
+    Raises
+    ------
+    ValueError
+        If ``depth`` is below 2.
+    """
+
+    latency = 3
+    """Clocks from the write of an item to its appearance: the memory, its register, the output."""
+
+    def __init__(self, *, width, depth, checked=True):
+        if depth < 2:
+            raise ValueError(f"depth is {depth}, the limit is 2")
+        self.width, self.depth, self.checked = width, depth, checked
+        super().__init__({
+            "w_data": In(width), "w_en": In(1), "w_rdy": Out(1),
+            "r_data": Out(width), "r_rdy": Out(1), "r_en": In(1),
+            "level": Out(range(depth + 1)),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        # A word is read a clock after its write at the earliest.
+        m.submodules.storage = storage = block_memory(self.width, self.depth)
+        write, read = storage.write_port(), storage.read_port()
+        produce = Signal(range(self.depth))
+        consume = Signal(range(self.depth))
+        kept = Signal(range(self.depth + 1))        # not read as yet
+        read_valid = Signal()                       # of the RAM's output
+        full = Signal()                             # level == depth
+        some = Signal()                             # kept != 0
+        put, take, load, move, pop = (Signal(name=name)
+                                      for name in ("put", "take", "load", "move", "pop"))
+        oldest = Signal(self.width, reset_less=True)    # a RAM's register has no reset to share
+        m.d.comb += [
+            self.r_data.eq(oldest),
+            self.w_rdy.eq(~full), put.eq(self.w_en & ~full if self.checked else self.w_en),
+            take.eq(self.r_rdy & self.r_en),
+            write.addr.eq(produce), write.data.eq(self.w_data), write.en.eq(put),
+            move.eq(~self.r_rdy | self.r_en), load.eq(~read_valid | move),
+            read.addr.eq(consume), read.en.eq(load), pop.eq(load & some),
+        ]
+        with m.If(put != pop):
+            m.d.sync += [kept.eq(kept + Mux(put, 1, -1)), some.eq(put | (kept != 1))]
+        with m.If(put != take):
+            m.d.sync += [self.level.eq(self.level + Mux(put, 1, -1)),
+                         full.eq(put & (self.level == self.depth - 1))]
+        for pointer, step in ((produce, put), (consume, pop)):
+            with m.If(step):
+                m.d.sync += pointer.eq(Mux(pointer == self.depth - 1, 0, pointer + 1))
+        with m.If(load):
+            m.d.sync += read_valid.eq(some)
+        with m.If(move):
+            m.d.sync += [self.r_rdy.eq(read_valid), oldest.eq(read.data)]
+        return m

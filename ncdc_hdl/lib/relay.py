@@ -1,0 +1,47 @@
+"""A stream stage that keeps a long chain of ``ready`` signals short."""
+
+from amaranth import *
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+__all__ = ["Relay"]
+
+
+class Relay(wiring.Component):
+    """Two places for items, so that ``i.ready`` is a register and knows nothing of ``o.ready``.
+
+    An item that comes in the clock in which ``o`` stalls is kept aside; while it is, none is
+    accepted.
+
+    Timing: latency 1, one item per clock.
+
+    Parameters
+    ----------
+    shape : ShapeLike
+        Of an item.
+
+    Members
+    -------
+    i, o : ``In(stream.Signature(shape))``, ``Out(stream.Signature(shape))``
+    """
+
+    latency = 1
+
+    def __init__(self, shape):
+        self.shape = shape
+        super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
+
+    def elaborate(self, platform):
+        m = Module()
+        i = Value.cast(self.i.payload)
+        o, aside = (Signal(len(i), reset_less=True, name=name) for name in ("o", "aside"))
+        free = Signal(init=1)               # nothing is aside
+        m.d.comb += [self.i.ready.eq(free), Value.cast(self.o.payload).eq(o)]
+        with m.If(free):
+            m.d.sync += aside.eq(i)
+        with m.If(~self.o.valid | self.o.ready):
+            m.d.sync += [self.o.valid.eq(~free | self.i.valid), free.eq(1),
+                         o.eq(Mux(free, i, aside))]
+        with m.Elif(self.i.valid):
+            m.d.sync += free.eq(0)
+        return m

@@ -1,0 +1,209 @@
+"""The register agent: every weight, bias and geometry value, written and read by a host."""
+
+from functools import reduce
+from operator import or_
+
+from amaranth import *
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.avalon.bus import Agent
+from ncdc_hdl.lib.pipeline import delay, register
+from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS, COUNTERS, ID, TABLE
+
+__all__ = ["Registers"]
+
+
+class Registers(wiring.Component):
+    """Avalon-MM agent with shadowed parameters and the control of frames.
+
+    The host writes "shadow" registers one by one; a commit marks the set complete. At the next
+    frame boundary, which is at once if no frame runs, the whole set is copied to ``active`` in one
+    clock. Until then writes to the set, and to the bank of valid rows that it names, are refused;
+    so are, at any time, writes to the bank that a running or waiting frame uses. A refused write
+    changes nothing and is remembered in STATUS, so that no frame ever sees half a set.
+    A start while a frame runs is kept, one deep; without a commit it uses the set in use. An
+    abort concerns the frame that runs, not the one that waits.
+
+    Timing: one access at a time; it is accepted after 5 clocks of waiting, when all that it changes
+    has changed, and data follow a clock later. The clock after ``ended`` is that of the next
+    ``begin``, with or without a commit.
+
+    Parameters
+    ----------
+    table : sequence of Register
+    values : dict
+        Values after configuration, by name; zero where absent.
+    digest : int
+        Read back as DIGEST.
+    hidden_neurons : int
+        Read back as NEURONS.
+
+    Members
+    -------
+    bus : ``In(Agent(14))``
+    active : ``Out(StructLayout)``
+        The "shadow" registers by name, as the present frame sees them; constant while one runs.
+    window_bank, table_row, table_span, table_write, table_read, table_start, table_stop,
+    table_span_start, table_span_stop :
+        To the host's side of the table of valid rows, which answers two clocks after
+        ``table_read``.
+    begin : ``Out(1)``
+        High for one clock, the one before ``active`` is that of a new frame.
+    ended : ``In(1)``
+        The frame is complete.
+    abort : ``Out(1)``
+        The frame is to end early; until it has ``ended``.
+    cut : ``In(1)``
+        The frame lacks pixels; when it has ``ended``.
+    counters : ``In(StructLayout)``
+        Of the frame, by name, with its last clock two clocks after ``ended``, when they are copied.
+    irq : ``Out(1)``
+    """
+
+    interrupt_latency = 1
+    """Clocks from ``ended`` to ``irq``."""
+
+    def __init__(self, table, values, *, digest, hidden_neurons):
+        self.table, self.values = table, values
+        self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons}
+        shadow = {r.name: Shape(r.shape.width, r.shape.signed) for r in table if r.access == "shadow"}
+        initial = {name: values.get(name, 0) for name in shadow}
+        part = 13
+        super().__init__({
+            "bus": In(Agent(ADDRESS_WORDS_BITS)),
+            "active": Out(data.StructLayout(shadow), init=initial),
+            "window_bank": Out(1), "table_row": Out(ADDRESS_WORDS_BITS - 2), "table_span": Out(1),
+            "table_write": Out(1), "table_read": Out(1),
+            "table_start": Out(part), "table_stop": Out(part),
+            "table_span_start": In(part), "table_span_stop": In(part),
+            "begin": Out(1), "ended": In(1), "abort": Out(1), "cut": In(1),
+            "counters": In(data.StructLayout({name: 32 for name in COUNTERS})),
+            "irq": Out(1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        bus = self.bus
+        kept = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(), init=self.values.get(r.name, 0))
+                for r in self.table if r.access in ("rw", "shadow")}
+        counted = {name: Signal(32, name=name.lower()) for name in (*COUNTERS, "FRAMES")}
+        action = {r.name: r for r in self.table if r.access == "action"}
+        status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
+
+        # An access goes into registers first, then to whom it concerns: address and word rest until
+        # it is over.
+        address, word = Signal(ADDRESS_WORDS_BITS, name="address"), Signal(32, name="word")
+        under_way = Signal()
+        with m.If(~under_way):
+            m.d.sync += [address.eq(bus.address), word.eq(bus.writedata),
+                         under_way.eq(bus.write | bus.read)]
+        write = self._steps(m, "write", bus.write & ~under_way)
+        read = self._steps(m, "read", bus.read & ~under_way)
+        accept = Signal()
+        m.d.sync += accept.eq(write[3] | read[3])
+        m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[5])]
+        with m.If(accept):
+            m.d.sync += under_way.eq(0)
+
+        meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
+                 for r in self.table}
+        self._read(m, address, meant, {
+            **self.constants, **kept, **counted, "CTRL": 0,
+            "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags)})
+
+        written = {r.name: write[1] & meant[r.name] for r in self.table if r.access != "ro"}
+        in_table = register(m, "table_written", write[0] & (address >= TABLE), reset_less=False)
+        for flag in action["STATUS"].flags:
+            if flag.access == "w1c":
+                with m.If(written["STATUS"] & word[flag.bit]):
+                    m.d.sync += status[flag.name].eq(0)
+        self._keep(m, written, word, kept, status["COMMITTED"])
+        self._table(m, address, read[2], in_table, word, kept, status)
+        with m.If(self._refused(m, written, in_table & ~self.table_write, status["COMMITTED"])):
+            m.d.sync += status["REFUSED"].eq(1)
+        self._frames(m, {flag.name: written["CTRL"] & word[flag.bit]
+                         for flag in action["CTRL"].flags}, kept, status)
+        self._count(m, counted)
+        m.d.comb += [self.irq.eq(status["DONE"] & kept["IRQ_ENABLE"]),
+                     status["BANK"].eq(self.active.VALID_BANK)]
+        return m
+
+    @staticmethod
+    def _steps(m, name, begun):
+        """The clocks of an access, as flags: that behind ``begun`` and five more."""
+        steps = [begun]
+        for k in range(6):
+            steps.append(register(m, f"{name}{k}", steps[-1], reset_less=False))
+        return steps[1:]
+
+    def _read(self, m, address, meant, readable):
+        """Gather the word that is meant: all but one are masked."""
+        words = [Mux(meant[r.name], readable[r.name], 0) for r in self.table]
+        fours = [register(m, f"word{k}", reduce(or_, words[k:k + 4]), signed(32))
+                 for k in range(0, len(words), 4)]
+        value = register(m, "value", reduce(or_, fours))
+        span = Cat(self.table_span_start, Const(0, 3), self.table_span_stop, Const(0, 3))
+        m.d.sync += self.bus.readdata.eq(Mux(address >= TABLE, span, value))
+
+    def _keep(self, m, written, word, kept, committed):
+        """Take what is written, unless it is of a committed set."""
+        for r in self.table:
+            if r.name in kept:
+                with m.If(written[r.name] & ~(committed & (r.access == "shadow"))):
+                    m.d.sync += kept[r.name].eq(word)
+
+    def _table(self, m, address, read, written, word, kept, status):
+        """The host's side of the table of valid rows, of which frames hold up to both banks."""
+        window = kept["VALID_WINDOW"]
+        held = ((status["BUSY"] | status["PENDING"]) & (window == self.active.VALID_BANK)
+                | status["COMMITTED"] & (window == kept["VALID_BANK"]))
+        m.d.comb += [
+            self.window_bank.eq(window), Cat(self.table_span, self.table_row).eq(address),
+            self.table_write.eq(written & ~held),
+            self.table_read.eq(read),
+            self.table_start.eq(word[:16]), self.table_stop.eq(word[16:]),
+        ]
+
+    def _refused(self, m, written, of_table, committed):
+        """Whether a write was ignored, two clocks later."""
+        shadow = Cat(written[r.name] for r in self.table if r.access == "shadow")
+        of_set = register(m, "shadow_written", shadow.any(), reset_less=False)
+        was_committed = register(m, "was_committed", committed, reset_less=False)
+        return register(m, "ignored", of_set & was_committed, reset_less=False) \
+            | delay(m, of_table, 2, "table_ignored", reset_less=False)
+
+    def _frames(self, m, control, kept, status):
+        """Begin and end frames; a committed set is taken over between two of them."""
+        busy, pending, committed = (status[name] for name in ("BUSY", "PENDING", "COMMITTED"))
+        take, asked = Signal(), Signal()
+        # What is to happen in the next clock; a frame that begins has its set.
+        boundary = (~busy | self.ended) & ~self.begin
+        m.d.sync += [self.begin.eq(pending & boundary), take.eq(committed & boundary & ~take)]
+        self._take_over(m, take, kept)
+        m.d.comb += self.abort.eq(asked & busy)
+        with m.If(take):
+            m.d.sync += committed.eq(0)
+        with m.If(self.begin):
+            m.d.sync += [busy.eq(1), pending.eq(0)]
+        with m.If(control["START"]):
+            m.d.sync += pending.eq(1)
+        with m.If(control["COMMIT"]):
+            m.d.sync += committed.eq(1)
+        with m.If(control["ABORT"]):
+            m.d.sync += asked.eq(busy | pending)
+        with m.If(self.ended):
+            m.d.sync += [busy.eq(0), status["DONE"].eq(1), asked.eq(0),
+                         status["ABORTED"].eq(self.cut)]
+
+    def _count(self, m, counted):
+        """Keep the counters of the frame that has ended."""
+        ended = delay(m, self.ended, 2, "ended", reset_less=False)
+        with m.If(ended):
+            m.d.sync += counted["FRAMES"].eq(counted["FRAMES"] + 1)
+            m.d.sync += [counted[name].eq(self.counters[name]) for name in COUNTERS]
+
+    def _take_over(self, m, when, kept):
+        """Copy the whole set to ``active`` in the clocks in which ``when`` is high."""
+        with m.If(when):
+            m.d.sync += [self.active[name].eq(kept[name]) for name, _ in self.active.shape()]

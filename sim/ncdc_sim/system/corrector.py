@@ -1,0 +1,164 @@
+"""The generated corrector on a raw frame, compared with the golden model pixel by pixel."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_model.corrector import check_raw, correct
+from ncdc_model.fetch.lookups import frame_windows, lookups
+from ncdc_model.fetch.tags import accesses, misses
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import host_values, table_words
+from ncdc_model.interface.register_map import COUNTERS, CTRL_COMMIT, CTRL_START, registers
+from ncdc_sim.system.frame import Camera, Program, Run, simulate_frame
+
+__all__ = ["Simulation", "corrector_program", "simulate_correction", "tiles_fetched"]
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """What the Verilog made of a frame, beside the golden model's.
+
+    Parameters
+    ----------
+    picture, golden : ndarray of uint8, shape (height, width, 3)
+    filled : ndarray of bool, shape (height, width)
+        Pixels without a source, of the golden model.
+    counters : dict
+        The corrector's own counters, by name.
+    fetches_expected : int
+        Windows, or tiles, that the golden model says are read.
+    bytes_read, bytes_written : int
+        On the memory's ports.
+    clocks_outside : int
+        From the start's register write to the interrupt, counted by the bench.
+    follow : dict
+        Of a frame that begins with the camera's: ``follow_latency_clocks``, from the camera's last
+        byte in memory to the interrupt, and ``follow_early_reads``, read commands for rows that
+        were not in memory yet; empty otherwise.
+    setup : dict
+        ``simulator``, ``memory``, and the names of :meth:`Hardware.report`.
+    """
+    picture: np.ndarray
+    golden: np.ndarray
+    filled: np.ndarray
+    counters: dict
+    fetches_expected: int
+    bytes_read: int
+    bytes_written: int
+    clocks_outside: int
+    follow: dict
+    setup: dict
+
+    @property
+    def differing(self):
+        """(u, v) of the pixels that differ, in raster order."""
+        rows, columns = np.nonzero((self.picture != self.golden).any(axis=2))
+        return list(zip(columns.tolist(), rows.tolist()))
+
+    def report(self):
+        """The figures under their names in every report."""
+        pixels = self.golden.shape[0] * self.golden.shape[1]
+        return {
+            "pixels_compared": pixels, "pixels_different": len(self.differing),
+            "clocks": self.counters["CLOCKS"],
+            "clocks_per_pixel": self.counters["CLOCKS"] / pixels,
+            "bytes_read_per_pixel": self.bytes_read / pixels,
+            "bytes_written_per_pixel": self.bytes_written / pixels,
+            "windows_fetched": self.counters["FETCHES"],
+            "windows_fetched_expected": self.fetches_expected,
+            **{name.lower(): self.counters[name] for name in COUNTERS if name.endswith("_STALLS")},
+            **self.follow, **self.setup,
+        }
+
+
+def corrector_program(descriptor, hardware, checked=True, follow=False):
+    """Register accesses that a host makes to correct one frame: every parameter is written
+    (and, if ``checked``, read back), a frame started and awaited, the counters read. With
+    ``follow`` the camera begins its frame just before the start."""
+    host = host_values(descriptor, hardware, follow=follow)
+    rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
+    writes = [(rows[name].address, value)
+              for name, value in host.items()]
+    writes += table_words(descriptor.valid)
+    program = Program()
+    for address, value in [*writes, (rows["IRQ_ENABLE"].address, 1)]:
+        program.write(address, value)
+    if checked:
+        for address, value in writes:
+            program.compare(address, value)
+    if follow:
+        program.camera(host["SOURCE_BASE"])
+    program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START).wait_irq()
+    for name in COUNTERS:
+        program.read(rows[name].address)
+    return program
+
+
+def tiles_fetched(descriptor, hardware):
+    """Tiles that the golden model of the cache reads."""
+    geometry = descriptor.geometry
+    accessed = accesses(lookups(frame_windows(descriptor), hardware.strip, hardware.lanes))
+    return len(misses(accessed, hardware.cache_for(geometry), hardware.split_for(geometry)))
+
+
+def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, follow_line=None,
+                        progress=None, memory="sdram", **run):
+    """Correct the ``raw`` frame with the generated Verilog and with the golden model.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    raw : ndarray of uint8, shape (distorted height, distorted width)
+    hardware : Hardware
+    verilog : str, optional
+        The corrector's text; generated if absent.
+    follow_line : int, optional
+        Begin with the camera's frame, which comes as the frame is corrected, a byte per clock:
+        clocks of a row of that camera.
+    progress :
+        As of :func:`ncdc_sim.system.frame.simulate_frame`.
+    memory, run :
+        As of :class:`ncdc_sim.system.frame.Run`.
+
+    Raises
+    ------
+    InputError
+        If the frame is not of the descriptor's size, or an option is unknown.
+    SimulationError
+        If the simulation fails; differing pixels are no failure, see :attr:`Simulation.differing`.
+    """
+    geometry = descriptor.geometry
+    check_raw(raw, geometry)
+    if verilog is None:
+        verilog = corrector_verilog(descriptor, hardware)
+    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    width, height = geometry.corrected
+    follow = follow_line is not None
+    camera = Camera(*geometry.distorted, places.pitch, follow_line) if follow else None
+    result = simulate_frame(
+        verilog, raw_image(raw, places.pitch), corrector_program(
+            descriptor, hardware, follow=follow),
+        source_base=places.source, output_base=places.target,
+        output_bytes=3 * width * height if hardware.stream else frame_bytes(geometry),
+        camera=camera, progress=progress, memory=memory, **run)
+    picture = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
+    if not hardware.stream:
+        picture = stored_picture(picture)
+    golden = correct(descriptor, raw, strip=hardware.strip)
+    rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
+    return Simulation(
+        picture=picture, golden=golden.picture, filled=golden.filled,
+        counters={name: result.registers[rows[name].address] for name in COUNTERS},
+        fetches_expected=(tiles_fetched(descriptor, hardware) if hardware.cached
+                          else golden.fetches),
+        bytes_read=sum(result.bytes_read),
+        bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
+        follow={} if not follow else {
+            "follow_latency_clocks": result.ends[0] - result.counters["camera_end"],
+            "follow_early_reads": result.counters["early_reads"]},
+        setup={"simulator": run.get("simulator", Run.simulator),
+               "memory": memory if isinstance(memory, str) else "custom",
+               **hardware.report(geometry)})

@@ -1,0 +1,222 @@
+"""Circle grids and chessboards: rendered with known points, and real photos."""
+
+import cv2
+import numpy as np
+import pytest
+
+from ncdc_model.calibration.boards import find_any_chessboard, find_chessboard
+from ncdc_model.calibration.charuco import find_any_charuco, find_charuco
+from ncdc_model.calibration.detect import detect_points, parse_target
+from ncdc_model.calibration.grids import find_circles, find_grid
+from ncdc_model.calibration.overlay import draw_points
+from ncdc_model.errors import InputError
+from ncdc_model.example import example_camera, target_photo
+from ncdc_model.images import mosaic, read_image
+from photos import real_photos
+
+
+def chessboard(columns, rows, step=40, colour=(230, 230, 230)):
+    """Picture of a board with ``columns`` x ``rows`` inner corners, and its first corner."""
+    y, x = np.mgrid[:(rows + 3) * step, :(columns + 3) * step]
+    i, j = x // step - 1, y // step - 1
+    board = (i >= 0) & (i <= columns) & (j >= 0) & (j <= rows) & ((i + j) % 2 == 0)
+    picture = np.where(board[:, :, None], 20, np.array(colour)).astype(np.uint8)
+    return picture, 2 * step - 0.5
+
+
+@pytest.mark.parametrize("columns,rows", [(9, 6), (8, 6), (6, 4)])
+def test_rendered_chessboard(columns, rows):
+    picture, first = chessboard(columns, rows)
+    found = find_chessboard(picture, columns, rows)
+    np.testing.assert_allclose(found.xy, first + 40 * found.index, atol=0.05)
+    assert found.index.tolist()[:2] == [[0, 0], [1, 0]] and len(found.index) == columns * rows
+
+
+@pytest.mark.parametrize("columns,rows", [(9, 6), (8, 6), (6, 4)])
+def test_board_upside_down_is_numbered_from_the_top_left(columns, rows):
+    picture, first = chessboard(columns, rows)
+    found = find_chessboard(np.ascontiguousarray(picture[::-1, ::-1]), columns, rows)
+    np.testing.assert_allclose(found.xy, first + 40 * found.index, atol=0.05)
+
+
+def test_raw_chessboard_with_colour_cast():
+    picture, first = chessboard(9, 6, colour=(130, 230, 100))
+    found = find_chessboard(mosaic(picture), 9, 6)
+    np.testing.assert_allclose(found.xy, first + 40 * found.index, atol=0.5)
+
+
+def test_size_of_an_unknown_chessboard():
+    assert find_any_chessboard(chessboard(9, 6)[0]) in ((9, 6), (6, 9))
+    with pytest.raises(InputError, match="no chessboard was found"):
+        find_any_chessboard(np.full((120, 160), 200, np.uint8))
+
+
+def circles(centres, size, radius=11.0):
+    """Picture (h, w) of dark discs at ``centres`` (n, 2)."""
+    y, x = np.mgrid[:size[1], :size[0]]
+    ink = np.zeros(x.shape)
+    for a, b in centres:
+        ink = np.maximum(ink, np.clip(radius + 0.5 - np.hypot(x - a, y - b), 0, 1))
+    return (225 - 200 * ink).astype(np.uint8)
+
+
+def lines_of_circles(columns, rows, step=40.0):
+    i, j = np.meshgrid(np.arange(columns), np.arange(rows))
+    return step * np.stack([i.ravel() + 1, j.ravel() + 1], axis=1)
+
+
+def staggered(columns, rows, across=25.0, down=25.0):
+    """Centres of OpenCV's asymmetric grid, and their indices in half steps."""
+    index = np.array([(2 * c + r % 2, r) for r in range(rows) for c in range(columns)])
+    return index * (across, down) + 40.0, index
+
+
+def test_rendered_circles():
+    found = find_circles(circles(lines_of_circles(8, 6), (360, 280)), 8, 6)
+    np.testing.assert_allclose(found.xy, 40 * (found.index + 1), atol=0.05)
+    np.testing.assert_allclose(found.area, np.pi * 11**2, rtol=0.1)
+
+
+def test_part_of_a_grid_is_found_and_named():
+    picture = circles(lines_of_circles(8, 6), (360, 280))
+    photos = [("whole.png", picture), ("part.png", np.ascontiguousarray(picture[:, 100:]).copy())]
+    photos[1] = ("part.png", np.pad(photos[1][1], ((0, 0), (0, 100)), constant_values=225))
+    points = detect_points(photos, "circles:8x6")
+    assert [len(photo.index) for photo in points.photos] == [48, 36]
+    np.testing.assert_allclose(points.photos[1].xy, 40 * (points.photos[1].index + 1) - (20, 0),
+                               atol=0.05)
+
+
+@pytest.mark.parametrize("columns,rows,across,down,aspect", [
+    (4, 11, 25.0, 25.0, 1.0), (6, 9, 24.0, 24.0 * 3**0.5, 3**0.5),
+    (12, 7, 24.0 * 3**0.5, 24.0, 3**-0.5)])
+def test_staggered_circles(columns, rows, across, down, aspect):
+    centres, index = staggered(columns, rows, across, down)
+    picture = circles(centres, (centres.max(axis=0) + 60).astype(int))
+    for target in (f"acircles:{columns}x{rows}", "auto"):
+        points = detect_points([("a.png", picture)], target)
+        photo = points.photos[0]
+        assert (points.target, len(photo.index)) == ("acircles", columns * rows)
+        order = np.lexsort(photo.index.T)
+        np.testing.assert_array_equal(photo.index[order], index[np.lexsort(index.T)])
+        np.testing.assert_allclose(photo.xy, photo.index * (across, down) + 40.0, atol=0.1)
+        assert points.aspect == pytest.approx(aspect)
+
+
+def test_stray_circles_beside_a_grid_are_left_out():
+    centres = np.vstack([lines_of_circles(8, 6), [(360, 40), (360, 80)]])
+    grid = find_grid(circles(centres, (440, 280)))
+    assert len(grid.photo.index) == 48 and grid.filled == 1
+    assert grid.photo.rejected["not on the grid"] == 2
+
+
+def charuco(columns=7, rows=5, family="DICT_5X5_100", marker=0.7, step=60):
+    """Picture of a board with a margin of one square."""
+    board = cv2.aruco.CharucoBoard((columns, rows), 1.0, marker,
+                                   cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, family)))
+    return np.pad(board.generateImage((columns * step, rows * step)), step, constant_values=255)
+
+
+@pytest.mark.parametrize("columns,rows,family,marker", [
+    (7, 5, "DICT_5X5_100", 0.7), (8, 6, "DICT_4X4_50", 0.8), (5, 7, "DICT_6X6_250", 0.6)])
+def test_charuco_boards(columns, rows, family, marker):
+    picture = charuco(columns, rows, family, marker)
+    assert find_any_charuco(picture) == (columns, rows)
+    found = find_charuco(picture, columns, rows)
+    assert len(found.index) == (columns - 1) * (rows - 1)
+    np.testing.assert_allclose(found.xy, 60 * (found.index + 2) - 0.5, atol=0.3)
+    assert detect_points([("board.png", picture)], "auto").target == "charuco"
+
+
+def test_part_of_a_charuco_board_has_the_numbers_of_the_whole():
+    picture = charuco(8, 6)
+    picture[:, :150] = 255
+    found = find_charuco(picture, 8, 6)
+    assert 12 <= len(found.index) < 35 and found.index[:, 0].min() > 0
+    np.testing.assert_allclose(found.xy, 60 * (found.index + 2) - 0.5, atol=0.3)
+    with pytest.raises(InputError, match="0 corners of a ChArUco board of 8x6 squares were found"):
+        find_charuco(np.full((200, 200), 255, np.uint8), 8, 6)
+
+
+def test_repeated_photo_is_named():
+    picture = chessboard(9, 6)[0]
+    points = detect_points([("a.png", picture), ("b.png", picture), ("a.png", picture)],
+                           "chessboard:9x6")
+    assert len(points.photos) == 1
+    assert points.rejected_photos == dict.fromkeys(
+        ("b.png", "a.png (again)"), "it shows the same as a.png: points within 0.05 pixels of each "
+                                    "other")
+
+
+@pytest.mark.parametrize("text", ["dots:3x3", "chessboard", "circles:8", "chessboard:8x", "squares",
+                                  "circles:-8x6", "auto:1x1"])
+def test_target_that_is_none(text):
+    with pytest.raises(InputError, match="one of dots, circles:CxR, acircles:CxR, "):
+        parse_target(text)
+
+
+def test_target_sizes():
+    assert parse_target("circles:10x8") == ("circles", 10, 8)
+    with pytest.raises(InputError, match="2 columns and 6 rows, the limits are 3 and 200"):
+        parse_target("chessboard:2x6")
+
+
+def test_photos_without_the_target_are_named_and_the_others_used():
+    blank = np.full((360, 480, 3), 200, np.uint8)
+    board = chessboard(9, 6)[0]
+    images = [("blank.png", blank), ("board.png", board), ("small.png", board[:200])]
+    points = detect_points(images, "chessboard:9x6")
+    assert [photo.name for photo in points.photos] == ["board.png"]
+    assert points.rejected_photos == {
+        "blank.png": "no chessboard of 9x6 inner corners was found",
+        "small.png": "it is 480x200, the first photo is 480x360"}
+    with pytest.raises(InputError, match="no photo shows the target .blank.png: no chessboard of"):
+        detect_points(images[:1], "chessboard:9x6")
+
+
+def test_auto_tells_dots_from_chessboards():
+    assert detect_points([("dots", target_photo(example_camera()))], "auto").target == "dots"
+    assert detect_points([("board", chessboard(9, 6)[0])], "auto").target == "chessboard"
+    with pytest.raises(InputError, match="neither a whole grid of circles, a page of at least 49"):
+        detect_points([("blank", np.full((120, 160), 200, np.uint8))], "auto")
+
+
+@pytest.mark.parametrize("pattern,target,count", [
+    ("chessboard_wide/GOPR00[35]*.jpg", "chessboard:8x6", 48),
+    ("opencv/left0[1-6].jpg", "chessboard:9x6", 54),
+    ("fisheye/1*.jpg", "chessboard:6x4", 24),
+    ("circles/circle_regular/*.jpg", "circles:10x8", 80),
+    ("circles/circle_hexagonal/*.jpg", "acircles:14x24", 336)])
+def test_real_boards(pattern, target, count):
+    files = real_photos(pattern)
+    points = detect_points(((file.name, read_image(file)) for file in files), target)
+    assert not points.rejected_photos
+    assert points.count == count * len(files)
+
+
+@pytest.mark.parametrize("pattern,target,columns,rows", [
+    ("circles/circle_regular/*1.jpg", "circles", 10, 8),
+    ("circles/circle_hexagonal/*4.jpg", "acircles", 24, 28), ("fisheye/1.jpg", "chessboard", 6, 4),
+    ("dots/dot_pattern_05.jpg", "dots", 85, 54)])
+def test_real_targets_are_recognised(pattern, target, columns, rows):
+    file = real_photos(pattern)[0]
+    points = detect_points([(file.name, read_image(file))], "auto")
+    assert (points.target, points.columns, points.rows) == (target, columns, rows)
+
+
+def test_real_photo_of_another_target_is_refused():
+    file = real_photos("scenes/*.jpg")[0]
+    with pytest.raises(InputError, match="no photo shows the target"):
+        detect_points([(file.name, read_image(file))], "chessboard:9x6")
+
+
+def test_overlay_draws_on_the_points():
+    picture, _ = chessboard(9, 6)
+    photo = find_chessboard(picture, 9, 6)
+    drawn = draw_points(picture, photo)
+    assert drawn.shape == picture.shape
+    x, y = np.round(photo.xy).astype(int).T
+    assert (drawn[y, x, 0] > drawn[y, x, 1] + 60).all()          # a red dot on every point
+    middle = drawn[y[0], (x[0] + x[1]) // 2]
+    assert np.ptp(middle.astype(int)) > 60                        # a coloured line between them
+    assert np.ptp(drawn[5, 5].astype(int)) == 0                   # and none elsewhere

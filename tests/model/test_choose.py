@@ -1,0 +1,94 @@
+"""``--neurons auto``: the fewest hidden neurons that meet a maximum error."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from test_train_command import call, lens
+
+from ncdc.cli import train as command
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.evaluate import evaluate_frame, evaluate_points
+from ncdc_model.training import choose
+from ncdc_model.training.problem import split
+from ncdc_model.training.source import load_source
+
+
+@pytest.fixture(autouse=True)
+def few_starts(monkeypatch):
+    monkeypatch.setattr(choose, "train", partial(choose.train, starts=9, rounds=0))
+
+
+@pytest.fixture
+def camera_file(tmp_path):
+    lens().save(tmp_path / "camera.toml")
+    return tmp_path / "camera.toml"
+
+
+def test_camera_file_takes_the_first_that_meets_the_error_on_the_whole_frame(camera_file):
+    source, seen = load_source(camera_file), []
+    trained = choose.choose_camera(source, 3.0, tried=lambda n, worst: seen.append((n, worst)))
+    rows = [(row["hidden_neurons"], row["max"]) for row in trained.report["tried"]]
+    assert rows == seen and [n for n, _ in rows] == list(range(1, len(rows) + 1)) and len(rows) > 2
+    assert all(worst > 3 for _, worst in rows[:-1]) and rows[-1][1] <= 3
+    assert trained.descriptor.hidden_neurons == rows[-1][0]
+    measured = evaluate_frame(trained.descriptor, lens().back_map)
+    assert rows[-1][1] == pytest.approx(max(measured[f"map_error_{kind}_px"]["max"]
+                                            for kind in ("float", "fixed")), abs=1e-6)
+
+
+def test_points_are_judged_by_those_held_out_inside_the_frame(camera_file):
+    source = replace(load_source(camera_file), back_map=None)
+    trained = choose.choose_camera(source, 4.0)
+    held_out = split(len(source.pairs[0]), 7)
+    errors = evaluate_points(trained.descriptor, *(part[held_out] for part in source.pairs))
+    assert trained.report["tried"][-1]["max"] == pytest.approx(
+        max(errors[f"map_error_{kind}_px"]["max"] for kind in ("float", "fixed")))
+    with pytest.raises(InputError, match="no point is held out, by which the number of hidden"):
+        choose.choose_camera(source, 4.0, held_out=0)
+
+
+def test_integers_that_miss_the_error_do_not_count(camera_file, monkeypatch):
+    source, describe = load_source(camera_file), choose.describe
+
+    def worse(source, training, *about, **more):
+        trained = describe(source, training, *about, **more)
+        if training.network.hidden_neurons == 3:
+            trained.report["map_error_fixed_px"]["max"] = 9.0
+        return trained
+    monkeypatch.setattr(choose, "describe", worse)
+    trained = choose.choose_camera(source, 5.0)
+    assert trained.report["tried"][2]["max"] == 9 and trained.descriptor.hidden_neurons == 4
+
+
+def test_none_that_meets_it_is_one_sentence_and_no_file(camera_file, monkeypatch, capsys):
+    monkeypatch.setattr(choose, "MOST_NEURONS", 2)
+    out = camera_file.with_name("net.toml")
+    with pytest.raises(InputError, match=r"no network of 1 to 2 hidden neurons has a maximum error "
+                                         r"of 0.01 px or less; the best, of 2, has [\d.]+ px"):
+        call(command, camera_file, "--neurons", "auto", "--max-error", .01, "-o", out)
+    assert not out.exists() and "2 hidden neurons: at most" in capsys.readouterr().err
+
+
+def test_descriptor_of_the_command_carries_what_was_tried(camera_file):
+    out = camera_file.with_name("net.toml")
+    call(command, camera_file, "--neurons", "auto", "--max-error", 30, "-o", out)
+    d = Descriptor.load(out)
+    assert d.errors["max_error_px"] == 30 and d.errors["tried"][-1]["hidden_neurons"] == \
+        d.hidden_neurons
+    assert np.diff([row["hidden_neurons"] for row in d.errors["tried"]]).tolist() == \
+        [1] * (d.hidden_neurons - 1)
+
+
+@pytest.mark.parametrize("options,message", [
+    (["--neurons", "auto"], "--neurons auto and --max-error belong together"),
+    (["--neurons", 4, "--max-error", 1], "--neurons auto and --max-error belong together"),
+    (["--neurons", 4, "--epochs", 9], "--epochs is an option of the trainer ebp"),
+    (["--neurons", 4, "--trainer", "ebp", "--epochs", 0], "0 epochs are asked for, the least is 1"),
+    (["--neurons", "auto", "--max-error", -1], "the maximum error is -1 px, it must be positive"),
+])
+def test_bad_requests_are_named(camera_file, options, message):
+    with pytest.raises(InputError, match=message):
+        call(command, camera_file, *options)

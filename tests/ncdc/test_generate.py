@@ -1,0 +1,131 @@
+"""Generated files: the Verilog and the lenses in C, what compilers say of them, when they change."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc.cli import main
+from ncdc_model.hardware import OUTPUTS
+from ncdc_model.interface.host_values import host_values
+from ncdc_sim.tools import WAIVERS, environment, tool
+
+FILES = ("ncdc.v", "ncdc_lenses.c")
+CHECKS = (("icarus", ("-g2012", "-t", "null", "-s", "ncdc")),
+          ("verilator", ("--lint-only", *WAIVERS)))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Folder with two descriptors; the raw width is no multiple of any memory word."""
+    path = tmp_path_factory.mktemp("generate")
+    for name, seed in (("net", 1), ("other", 2)):
+        barrel_descriptor((40, 24), (50, 34), hidden_neurons=2, seed=seed,
+                          fill=(250, 20, 3)).save(path / f"{name}.toml")
+    return path
+
+
+def descriptor(name="net"):
+    return barrel_descriptor((40, 24), (50, 34), hidden_neurons=2,
+                             seed={"net": 1, "other": 2}[name], fill=(250, 20, 3))
+
+
+def generate(folder, output, name="net", **options):
+    """Files that ``ncdc generate`` writes, as text."""
+    arguments = [text for key, value in options.items()
+                 for text in (f"--{key.replace('_', '-')}", str(value))]
+    assert main(["generate", str(folder / f"{name}.toml"), "-o", str(output), *arguments]) == 0
+    return [(output / file).read_text() for file in FILES]
+
+
+def compile_with(simulator, verilog, folder, *options):
+    """Exit status and the lines that a simulator's compiler prints about the Verilog."""
+    (folder / "ncdc.v").write_text(verilog)
+    done = subprocess.run([tool(simulator), *options, "ncdc.v"], cwd=folder, env=environment(),
+                          text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    # Verilator reports its time and memory in lines that begin with a dash.
+    return done.returncode, [line for line in done.stdout.splitlines() if line[:2] != "- "]
+
+
+def test_processes_write_identical_bytes(folder):
+    for run in ("1", "2"):
+        subprocess.run(
+            [sys.executable, "-c", "from ncdc.cli import main; raise SystemExit(main())",
+             "generate", str(folder / "net.toml"), "-o", str(folder / run)],
+            check=True, env={**os.environ, "PYTHONHASHSEED": run})
+    for file in FILES:
+        assert (folder / "1" / file).read_bytes() == (folder / "2" / file).read_bytes(), file
+
+
+@pytest.mark.parametrize("data_width,to", [(32, "memory"), (64, "memory"), (128, "stream")])
+def test_compilers_accept_the_verilog(folder, tmp_path, data_width, to):
+    verilog, _ = generate(folder, tmp_path / "out", data_width=data_width, to=to)
+    for simulator, options in CHECKS:
+        assert compile_with(simulator, verilog, tmp_path, *options) == (0, []), simulator
+
+
+def test_a_broken_line_is_not_accepted(folder, tmp_path):
+    """The compilers' silence above means something: both name a signal that is not there."""
+    verilog, _ = generate(folder, tmp_path / "out")
+    broken = verilog.replace("\nendmodule", "\n  assign irq = not_there;\nendmodule")
+    for simulator, options in CHECKS:
+        status, lines = compile_with(simulator, broken, tmp_path, *options)
+        assert status and any("not_there" in line for line in lines), simulator
+
+
+def test_header_of_the_verilog_names_descriptor_and_options(folder, tmp_path):
+    verilog, _ = generate(folder, tmp_path, data_width=64, to="stream")
+    comment = verilog.partition("\n\n")[0]
+    assert all(line.startswith("// ") for line in comment.splitlines())
+    for text in (descriptor().digest, "2 hidden neurons", "50x34 RGGB to 40x24", "cache of 8192",
+                 "64-bit memory", "output to stream"):
+        assert text in comment, text
+
+
+def test_another_network_gives_another_text(folder, tmp_path):
+    one, two = generate(folder, tmp_path), generate(folder, tmp_path, "other")
+    assert one[0] != two[0] and one[1] != two[1]
+    assert descriptor("other").digest in two[0]
+
+
+def test_unchanged_files_are_not_rewritten(folder, tmp_path):
+    generate(folder, tmp_path)
+    before = [(tmp_path / file).stat() for file in FILES]
+    generate(folder, tmp_path)
+    after = [(tmp_path / file).stat() for file in FILES]
+    assert [(s.st_mtime_ns, s.st_ino) for s in after] == [(s.st_mtime_ns, s.st_ino) for s in before]
+    generate(folder, tmp_path, "other")
+    assert all((tmp_path / file).stat().st_ino != s.st_ino for file, s in zip(FILES, before))
+
+
+def test_verilog_resets_to_the_values_of_the_host(folder, tmp_path):
+    """What a host would write is what the shadow registers hold after configuration."""
+    verilog, _ = generate(folder, tmp_path, data_width=128)
+    _, _, verilog = verilog.partition("module \\ncdc.registers (")
+    verilog, _, _ = verilog.partition("endmodule")
+    for name, value in host_values(descriptor(), 128).items():
+        match = re.search(rf"^  reg (?:\[\d+:0\] )?{name.lower()} = (\d+)'([hd])(\w+);", verilog,
+                          re.MULTILINE)
+        assert match, name
+        width, base, digits = int(match[1]), {"h": 16, "d": 10}[match[2]], match[3]
+        assert int(digits, base) == value % 2**width, name
+
+
+@pytest.mark.parametrize("options", [["--data-width", "16"], ["--to", "disk"], ["--fetch", "none"]])
+def test_options_outside_the_choices(folder, tmp_path, options, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["generate", str(folder / "net.toml"), "-o", str(tmp_path), *options])
+    assert end.value.code == 2
+    error = capsys.readouterr().err
+    assert options[1] in error and error.count("\n") == 1
+
+
+def test_every_output_and_width_has_its_ports(folder, tmp_path):
+    for to in OUTPUTS:
+        verilog, _ = generate(folder, tmp_path / to, to=to, data_width=64)
+        assert ("stream_data" in verilog) == (to == "stream")
+        assert ("write_writedata" in verilog) == (to == "memory")
+        assert re.search(r"^  input \[63:0\] read0_readdata;", verilog, re.MULTILINE)

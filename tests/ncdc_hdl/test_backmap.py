@@ -1,0 +1,288 @@
+"""Front end: coordinates in the scan's order equal the golden model, whatever the back end does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from amaranth import *
+
+from cameras import barrel_descriptor
+from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.frontend.scan import Scan
+from ncdc_hdl.frontend.valid import ValidTable
+from ncdc_hdl.lib.groups import lanes_of
+from ncdc_model.errors import InputError
+from ncdc_model.geometry import scan_order
+from ncdc_model.hardware import Hardware
+from ncdc_model.network import frame_coordinates
+from pipelines import get, run_bench
+
+
+class FrontEnd(Elaboratable):
+    """Front end and table of valid rows, as the corrector joins them."""
+
+    def __init__(self, d, lanes=1, **options):
+        self.backmap = BackMap(d.hidden_neurons, d.formats,
+                               hardware=Hardware(lanes=lanes, **options))
+        self.table = ValidTable(d.valid, *d.geometry.corrected)
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.backmap, m.submodules.table = self.backmap, self.table
+        m.d.comb += [self.table.row.eq(self.backmap.row), self.backmap.spans.eq(self.table.spans),
+                     self.backmap.fresh.eq(self.table.fresh)]
+        return m
+
+
+def load(ctx, backmap, d, strip=0):
+    """Set the parameters of descriptor ``d``."""
+    g = d.geometry
+    origin_x, step_x, origin_y, step_y = g.scan()
+    ctx.set(backmap.scan, {"width": g.corrected_width, "height": g.corrected_height,
+                           "strip": strip, "origin_x": origin_x, "step_x": step_x,
+                           "origin_y": origin_y, "step_y": step_y})
+    network = backmap.network
+    for j in range(d.hidden_neurons):
+        ctx.set(network.hidden[j], {"weights": d.hidden_weights[j].tolist(),
+                                    "bias": int(d.hidden_biases[j])})
+    for k in range(2):
+        skip = {} if d.skip_weights is None else {"skip": d.skip_weights[k].tolist()}
+        ctx.set(network.output[k], {"weights": d.output_weights[k].tolist(),
+                                    "bias": int(d.output_biases[k]), **skip})
+
+
+def expected(d, strip=0, lanes=1):
+    """(x, y, blank, first, last) of every pixel in order; the flags are those of its group."""
+    x, y = (scan_order(a, strip) for a in frame_coordinates(d))
+    flags = np.zeros((2, x.size), int)
+    flags[0, :lanes] = flags[1, -lanes:] = 1
+    blank = scan_order(~d.valid.mask(d.geometry.corrected_width), strip)
+    return np.stack([x, y, blank.astype(int), *flags], axis=1)
+
+
+def fields(items):
+    return np.array([[c.x, c.y, c.blank, item.first, item.last]
+                     for item in items for c in lanes_of(item)])
+
+
+def frames(dut, descriptors, stall, seed=5, strip=0):
+    """The fields of one frame of each of ``descriptors``, one after the other."""
+    rng, results = np.random.default_rng(seed), []
+
+    async def bench(ctx):
+        for d in descriptors:
+            load(ctx, dut.backmap, d, strip)
+            ctx.set(dut.backmap.start, 1)
+            await ctx.tick()
+            ctx.set(dut.backmap.start, 0)
+            groups = d.valid.mask(d.geometry.corrected_width).size // dut.backmap.lanes
+            results.append(fields(await get(ctx, dut.backmap.o, groups,
+                                            lambda: rng.random() < stall)))
+
+    run_bench(dut, bench)
+    return results
+
+
+@pytest.mark.parametrize("hidden,share,stall", [
+    ("multiply", 1, 0), ("multiply", 1, .3), ("multiply", 1, .9), ("multiply", 2, .3),
+    ("multiply", 3, 0), ("raster", 1, 0), ("raster", 1, .9), ("raster", 2, .3), ("raster", 3, .6)])
+def test_two_frames_equal_model(hidden, share, stall):
+    d = barrel_descriptor((20, 16), (24, 18))
+    for frame in frames(FrontEnd(d, hidden=hidden, share=share), [d, d], stall):
+        np.testing.assert_array_equal(frame, expected(d))
+    assert 0 < expected(d)[:, 2].sum() < 320
+
+
+@pytest.mark.parametrize("hidden,share,strip,lanes,stall", [
+    ("multiply", 1, 32, 1, .3), ("raster", 1, 32, 1, 0), ("raster", 2, 32, 1, .3),
+    ("multiply", 1, 0, 2, 0), ("multiply", 2, 32, 2, .6), ("raster", 1, 32, 2, .3),
+    ("raster", 2, 0, 4, 0)])
+def test_strips_and_lanes(hidden, share, strip, lanes, stall):
+    d = barrel_descriptor((36, 8), (40, 18))
+    dut = FrontEnd(d, lanes, hidden=hidden, share=share)
+    for frame in frames(dut, [d, d], stall, strip=strip):
+        np.testing.assert_array_equal(frame, expected(d, strip, lanes))
+
+
+@pytest.mark.parametrize("hidden,share", [("multiply", 1), ("multiply", 3), ("raster", 1),
+                                          ("raster", 2)])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_abort_at_any_moment(hidden, share, seed):
+    """What comes out of an aborted frame is its beginning and a blank end; the next is whole."""
+    d, rng = barrel_descriptor((44, 10), (40, 18)), np.random.default_rng(seed)
+    dut, strip = FrontEnd(d, hidden=hidden, share=share), 32
+    backmap, results = dut.backmap, []
+
+    async def bench(ctx):
+        load(ctx, backmap, d, strip)
+        for moment in (int(rng.integers(1, 500)), int(rng.integers(1, 60)), None):
+            frame, clock = [], 0
+            ctx.set(backmap.start, 1)
+            await ctx.tick()
+            ctx.set(backmap.start, 0)
+            while not (frame and frame[-1][4]):
+                ctx.set(backmap.abort, moment is not None and clock >= moment)
+                ready = rng.random() < .5
+                ctx.set(backmap.o.ready, ready)
+                _, _, valid, c = await ctx.tick().sample(backmap.o.valid, backmap.o.payload)
+                if valid and ready:
+                    frame.append([c.x, c.y, c.blank, c.first, c.last])
+                clock += 1
+                assert clock < 20000, "the frame does not end"
+            ctx.set(backmap.abort, 0)
+            results.append((np.array(frame), ctx.get(backmap.cut)))
+
+    run_bench(dut, bench)
+    whole = expected(d, strip)
+    assert results[1][1]
+    for frame, cut in (result for result in results[:2] if result[1]):
+        np.testing.assert_array_equal(frame[:-1], whole[:len(frame) - 1])
+        assert frame[-1, 2:].tolist() == [1, len(frame) == 1, 1]
+    for frame, cut in (result for result in results if not result[1]):
+        np.testing.assert_array_equal(frame, whole)
+    assert not results[2][1]
+
+
+@pytest.mark.parametrize("hidden,share,neurons", [
+    ("multiply", 1, 1), ("raster", 1, 1), ("multiply", 4, 5), ("raster", 4, 5), ("multiply", 8, 8),
+    ("multiply", 1, 32), ("raster", 1, 32), ("raster", 12, 32), ("multiply", 32, 32)])
+def test_any_number_of_neurons(hidden, share, neurons):
+    d = barrel_descriptor((10, 9), (12, 10), hidden_neurons=neurons)
+    frame, = frames(FrontEnd(d, hidden=hidden, share=share), [d], 0)
+    np.testing.assert_array_equal(frame, expected(d))
+
+
+def extreme(d, seed):
+    """``d`` with every weight and bias at a limit of its format."""
+    rng, f = np.random.default_rng(seed), d.formats
+
+    def limits(q, raw):
+        return rng.choice([q.lo, q.hi], raw.shape)
+
+    return replace(d, hidden_weights=limits(f.hidden_weight, d.hidden_weights),
+                   hidden_biases=limits(f.hidden_bias, d.hidden_biases),
+                   output_weights=limits(f.output_weight, d.output_weights),
+                   output_biases=limits(f.output_bias, d.output_biases))
+
+
+@pytest.mark.parametrize("hidden,share", [("multiply", 1), ("multiply", 4), ("raster", 1),
+                                          ("raster", 2)])
+def test_weights_at_the_limits_and_changed_between_frames(hidden, share):
+    d = barrel_descriptor((12, 9), (12, 10), hidden_neurons=5)
+    cases = [extreme(d, 1), d, extreme(d, 2), extreme(d, 3)]
+    for frame, case in zip(frames(FrontEnd(d, hidden=hidden, share=share), cases, 0), cases):
+        np.testing.assert_array_equal(frame, expected(case))
+    q = d.formats.coordinate
+    assert {q.lo, q.hi} <= set(np.ravel([expected(case)[:, :2] for case in cases]).tolist())
+
+
+@pytest.mark.parametrize("hidden,share", [("multiply", 1), ("raster", 1), ("multiply", 3),
+                                          ("raster", 2)])
+def test_one_coordinate_every_share_clocks(hidden, share):
+    d = barrel_descriptor((20, 16), (24, 18))
+    dut, valid = FrontEnd(d, hidden=hidden, share=share), []
+
+    async def bench(ctx):
+        load(ctx, dut.backmap, d)
+        ctx.set(dut.backmap.o.ready, 1)
+        ctx.set(dut.backmap.start, 1)
+        await ctx.tick()
+        ctx.set(dut.backmap.start, 0)
+        for _ in range(320 * share + 400):
+            valid.append((await ctx.tick().sample(dut.backmap.o.valid))[2])
+
+    run_bench(dut, bench)
+    # After the start: scan, first sums of the frame, network, queue.
+    preset = dut.backmap.hidden[0].control.preset if hidden == "raster" else 0
+    first = Scan.latency + preset + dut.backmap.latency + 4 - 1
+    expected_clocks = range(first, first + 320 * share, share)
+    np.testing.assert_array_equal(np.flatnonzero(valid), expected_clocks)
+
+
+def test_stops_and_restarts_without_losing_a_clock():
+    d = barrel_descriptor((64, 16), (24, 18))
+    dut = FrontEnd(d)
+    idle, gaps = [], 0
+
+    async def bench(ctx):
+        nonlocal gaps
+        load(ctx, dut.backmap, d)
+        ctx.set(dut.backmap.start, 1)
+        await ctx.tick()
+        ctx.set(dut.backmap.start, 0)
+        for _ in range(500):
+            idle.append((await ctx.tick().sample(dut.backmap.idle))[2])
+        ctx.set(dut.backmap.o.ready, 1)
+        for _ in range(64 * 16):
+            gaps += not (await ctx.tick().sample(dut.backmap.o.valid))[2]
+
+    run_bench(dut, bench)
+    latency = dut.backmap.latency
+    begun = idle.index(0)
+    full = idle.index(1, begun)
+    # Before the frame, at rest; while pixels enter and are under way, not; when stalled, again.
+    assert begun and all(idle[full:]) and full > 64 + latency
+    assert gaps == 0
+
+
+def test_host_may_read_the_table_while_scanning():
+    d = barrel_descriptor((20, 16), (24, 18))
+    dut, results = FrontEnd(d), []
+
+    async def host(ctx):
+        for row in range(16):
+            for span in range(2):
+                ctx.set(dut.table.host_row, row)
+                ctx.set(dut.table.host_span, span)
+                ctx.set(dut.table.host_read, 1)
+                await ctx.tick()
+                ctx.set(dut.table.host_read, 0)
+                await ctx.tick().repeat(ValidTable.latency - 1)
+                got = [ctx.get(dut.table.host_span_start), ctx.get(dut.table.host_span_stop)]
+                assert got == d.valid.spans[row, 2 * span:2 * span + 2].tolist()
+
+    async def bench(ctx):
+        load(ctx, dut.backmap, d)
+        ctx.set(dut.backmap.start, 1)
+        await ctx.tick()
+        ctx.set(dut.backmap.start, 0)
+        results.append(fields(await get(ctx, dut.backmap.o, 320, lambda: False)))
+
+    run_bench(dut, bench, host)
+    np.testing.assert_array_equal(results[0], expected(d))
+
+
+@pytest.mark.parametrize("hidden,share", [("multiply", 1), ("multiply", 3), ("raster", 2)])
+def test_products_in_parts(hidden, share):
+    """The same coordinates, 3 clocks later for each layer that has products."""
+    d = barrel_descriptor((20, 16), (24, 18))
+    dut = FrontEnd(d, hidden=hidden, share=share, multiplier_bits=18)
+    whole = FrontEnd(d, hidden=hidden, share=share)
+    assert dut.backmap.latency - whole.backmap.latency == (3 if hidden == "raster" else 6)
+    cases = [extreme(d, 1), d]
+    for frame, case in zip(frames(dut, cases, .5), cases):
+        np.testing.assert_array_equal(frame, expected(case))
+
+
+def test_refuses_a_short_queue():
+    formats = barrel_descriptor().formats
+    under_way = BackMap(4, formats).under_way
+    limit = under_way + 16
+    BackMap(4, formats, queue=limit)
+    with pytest.raises(ValueError, match=f"queue is {limit - 1}, the limit is {limit}: the "
+                                         f"{under_way} groups under way and 16"):
+        BackMap(4, formats, queue=limit - 1)
+
+
+def test_refuses_to_share_among_more_neurons_than_there_are():
+    with pytest.raises(InputError, match="share is 5, the limit is the number of hidden neurons, 4"):
+        BackMap(4, barrel_descriptor().formats, hardware=Hardware(share=5))
+
+
+def test_refuses_unknown_options():
+    with pytest.raises(InputError, match="hidden is 'add', one of multiply, raster is needed"):
+        Hardware(hidden="add")
+    with pytest.raises(InputError, match="share is 0, the least is 1"):
+        Hardware(share=0)
+    with pytest.raises(InputError, match="multiplier bits is 9, one of 27, 18 is needed"):
+        Hardware(multiplier_bits=9)

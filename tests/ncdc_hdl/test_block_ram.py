@@ -1,0 +1,28 @@
+"""A whole corrector on block RAM whose words are undefined when read in the clock of their write."""
+
+import numpy as np
+import pytest
+
+from block_ram import undefined_collisions
+from cameras import barrel_descriptor
+from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.hardware import Hardware
+from ncdc_sim.system.corrector import simulate_correction
+
+# Few sets and few look-ups under way: tiles are evicted, and entries read as they are written.
+HARDWARE = Hardware(data_width=64, output="stream",
+                    cache=CacheOptions(64, pending=16, outstanding=4), split=0)
+
+
+@pytest.mark.parametrize("memory", ["ideal", "hostile"])
+def test_no_word_is_used_that_was_read_in_the_clock_of_its_write(memory):
+    d = barrel_descriptor((160, 60), (160, 64), hidden_neurons=2, strength=.5)
+    with undefined_collisions() as made:
+        verilog = corrector_verilog(d, HARDWARE)
+    # Tags, tiles, valid rows, queues.
+    assert len(made) > 4 + 8 + 2
+    raw = np.random.default_rng(3).integers(0, 256, (64, 160), np.uint8)
+    result = simulate_correction(d, raw, HARDWARE, verilog=verilog, memory=memory)
+    assert result.differing == []
+    assert result.filled.any() and not result.filled.all()

@@ -1,0 +1,166 @@
+"""Formal proofs of the cache, the Avalon-MM hosts and the queues, see docs/proofs.md.
+
+Every proof has covers, which show that what it speaks of happens at all, and planted errors, each
+of which it must find.
+"""
+
+import pytest
+from amaranth import Const
+
+from formal.avalon import Commands, Reader, Writer
+from formal.fills import FillOrder, FillRoom
+from formal.lookups import Places, Progress, Tokens
+from formal.queues import Credits
+from formal.sby import FAIL, PASS, run
+from ncdc_hdl.avalon.read_commands import ReadCommands
+from ncdc_hdl.backend.cache.fills import Fills
+from ncdc_hdl.backend.cache.retire import Retire
+from ncdc_hdl.backend.cache.tags import Tags
+
+regress = pytest.mark.regress
+
+
+class TokenEarly(Retire):
+    """Leaves the queue a token too early."""
+
+    @staticmethod
+    def _enough(balance):
+        return balance >= -1
+
+
+class TokenKept(Retire):
+    """Waits for a token too many."""
+
+    @staticmethod
+    def _enough(balance):
+        return balance > 0
+
+
+class NoInterlock(Tags):
+    """Replaces tiles that pending look-ups need."""
+
+    @staticmethod
+    def _in_flight(since, before, wrapped):
+        return Const(0)
+
+
+class FramesMixed(Tags):
+    """Keeps the entries of the frame before."""
+
+    @staticmethod
+    def _last(place):
+        return Const(0)
+
+
+class CreditTooMany(Fills):
+    """Lets one tile more be claimed than allowed."""
+
+    @staticmethod
+    def _credit(outstanding, most):
+        return outstanding != most + 1
+
+
+class SlotEarly(Fills):
+    """Takes the next tile's place with each word."""
+
+    def _write(self, m, commands, slots, complete):
+        super()._write(m, commands, slots, complete)
+        m.d.comb += slots.r_en.eq(commands.valid)
+
+
+class StaleWords(ReadCommands):
+    """Takes words asked for before a reset for those asked for after it."""
+
+    @staticmethod
+    def _nothing_due(read, due):
+        return ~read
+
+
+def planted(top, **error):
+    """``top`` with attributes that plant an error."""
+    for name, value in error.items():
+        setattr(top, name, value)
+    return top
+
+
+# (design, mode, depth): "prove" is for all time, "bmc" for the first clocks.
+PROOFS = {
+    "commands": (Commands, "prove", 2),
+    "reader": (Reader, "prove", 2),
+    "reader of two words": (lambda: Reader(depth=2, burst=2), "prove", 2),
+    "writer": (Writer, "prove", 2),
+    "writer of four words": (lambda: Writer(4), "prove", 2),
+    "credits": (Credits, "prove", 2),
+    "credits, five": (lambda: Credits(5, 0), "prove", 2),
+    "fill room": (FillRoom, "prove", 2),
+    "fill room, 32 bits": (lambda: FillRoom(32, 3), "prove", 2),
+    "fill room, one tile": (lambda: FillRoom(64, 1), "prove", 2),
+    "tokens": (Tokens, "prove", 2),
+    "progress": (Progress, "prove", 11),
+    "fill order": (FillOrder, "bmc", 19),
+    "places": (Places, "bmc", 14),
+}
+LONG = {
+    "fill order": (FillOrder, "bmc", 24),
+    "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 24),
+    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 15)
+       for split in range(3)},
+    "places of one bank": (lambda: Places(one_bank=True), "bmc", 17),
+}
+COVERS = {
+    "commands": (Commands, 12, {"full", "dropped"}),
+    "reader": (Reader, 16, {"full", "dropped"}),
+    "writer": (Writer, 16, {"across_reset", "full"}),
+    "credits": (Credits, 20, {"full", "restart", "at_rest"}),
+    "fill room": (FillRoom, 34, {"all_owed", "claim_while_filled"}),
+    "fill order": (FillOrder, 32, {"second_tile"}),
+    "tokens": (Tokens, 26, {"full", "tokens_to_come"}),
+    "progress": (Progress, 22, {"full", "tokens_to_come", "waits"}),
+}
+LONG_COVERS = {"places": (Places, 24, {"replaced", "interlock", "next_frame"})}
+# (design, depth, the rule that it breaks)
+PLANTED = {
+    "command dropped under waitrequest": (lambda: Commands(forget=True), 8, "command_held"),
+    "words of before a reset": (lambda: Commands(StaleWords), 10, "asked_for"),
+    "reset forgets words owed": (lambda: planted(Commands(), forgotten=[("due",)]), 10,
+                                 "all_handed_on"),
+    "reader's queue too small": (lambda: planted(Reader(), places_missing=1), 12, "no_overflow"),
+    "word dropped under waitrequest": (lambda: Writer(forget=True), 10, "word_held"),
+    "reset forgets the burst": (lambda: planted(Writer(), forgotten=[("left",)]), 12,
+                                "burst_goes_on"),
+    "credit too many": (lambda: Credits(credit_error=1), 16, "no_overflow"),
+    "credits' queue too small": (lambda: planted(Credits(), places_missing=1), 16, "no_overflow"),
+    "tile too many": (lambda: FillRoom(kind=CreditTooMany), 30, "words_owed"),
+    "fills' queues too small": (lambda: planted(FillRoom(128, 3), places_missing=1), 20,
+                                "no_overflow"),
+    "place too early": (lambda: FillOrder(kind=SlotEarly), 24, "place"),
+    "token early, counted": (lambda: Tokens(retire=TokenEarly), 20, "most_awaited"),
+    "token kept": (lambda: Progress(retire=TokenKept), 26, "something_happens"),
+    "token early, seen": (lambda: Places(retire=TokenEarly), 20, "own_tile"),
+    "no interlock, seen": (lambda: Places(tags=NoInterlock), 20, "own_tile"),
+    "frames mixed": (lambda: Places(tags=FramesMixed), 20, "own_tile"),
+    "no interlock, claimed twice": (lambda: Places(tags=NoInterlock), 20, "filled_once"),
+}
+
+
+def cases(short, long):
+    return [*(pytest.param(*value, id=name) for name, value in short.items()),
+            *(pytest.param(*value, id=f"{name}, {value[-1]} clocks" if len(value) == 3
+                           and isinstance(value[-1], int) else name, marks=regress)
+              for name, value in long.items())]
+
+
+@pytest.mark.parametrize("design,mode,depth", cases(PROOFS, LONG))
+def test_holds(design, mode, depth, tmp_path):
+    assert run(design(), tmp_path, mode=mode, depth=depth) == (PASS, set())
+
+
+@pytest.mark.parametrize("design,depth,names", cases(COVERS, LONG_COVERS))
+def test_is_reached(design, depth, names, tmp_path):
+    assert run(design(), tmp_path, mode="cover", depth=depth) == (PASS, names)
+
+
+@pytest.mark.parametrize("design,depth,rule", cases(PLANTED, {}))
+def test_planted_error_is_found(design, depth, rule, tmp_path):
+    status, names = run(design(), tmp_path, mode="bmc", depth=depth, only=rule)
+    assert status == FAIL and {name.rpartition(".")[2] for name in names} == {rule}

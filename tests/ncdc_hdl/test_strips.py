@@ -1,0 +1,234 @@
+"""Whole frames of Verilog in strips, in groups of pixels, aborted, and reset in the middle."""
+
+import numpy as np
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_model.corrector import correct
+from ncdc_model.errors import InputError
+from ncdc_model.geometry import scan_order
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import host_values
+from ncdc_model.interface.register_map import (
+    CTRL_ABORT,
+    CTRL_COMMIT,
+    CTRL_START,
+    STATUS_ABORTED,
+    STATUS_DONE,
+    registers,
+)
+from ncdc_sim.system.corrector import simulate_correction
+from ncdc_sim.system.frame import Program, simulate_frame
+
+FILL = (200, 100, 50)
+# Fetcher, data width, hidden neurons: each is compiled once for all tests.
+BUILDS = [("cache", 64, "raster"), ("multiport", 128, "multiply")]
+EACH_BUILD = pytest.mark.parametrize("fetcher,data_width,hidden", BUILDS)
+
+
+def camera(width=77):
+    """A corrected width that is a multiple neither of a strip nor of a memory word."""
+    return barrel_descriptor((width, 29), (85, 33), hidden_neurons=2, bayer="GBRG", fill=FILL)
+
+
+def noise(d, seed=1):
+    return np.random.default_rng(seed).integers(0, 256, d.geometry.distorted[::-1], np.uint8)
+
+
+def build(d, fetcher, data_width, hidden):
+    return corrector_verilog(d, Hardware(data_width=data_width, fetcher=fetcher, hidden=hidden))
+
+
+@EACH_BUILD
+@pytest.mark.parametrize("strip,memory", [(32, "hostile"), (64, "sdram"), (96, "hostile")])
+def test_strips_equal_golden(fetcher, data_width, hidden, strip, memory):
+    d = camera()
+    hardware = Hardware(data_width=data_width, fetcher=fetcher, hidden=hidden, strip=strip)
+    result = simulate_correction(d, noise(d), hardware, memory=memory,
+                                 verilog=build(d, fetcher, data_width, hidden))
+    assert result.differing == []
+    assert result.counters["FETCHES"] == result.fetches_expected
+    assert result.counters["PIXELS"] == 77 * 29
+    # Every byte once: what two strips share of a word is enabled in one of its two writes.
+    assert result.bytes_written == 4 * 77 * 29
+    assert result.filled.any() and not result.filled.all()
+
+
+class Frames:
+    """Frames of ``d`` to places of their own, one after the other, in a program for the bench."""
+
+    def __init__(self, d, data_width):
+        self.d, self.data_width = d, data_width
+        self.rows = {r.name: r.address for r in registers(d.hidden_neurons, d.formats)}
+        self.values = host_values(d, Hardware(data_width=data_width))
+        self.raw, self.program = noise(d), Program()
+        self.base = self.values["TARGET_BASE"]
+        self.size = -(-frame_bytes(d.geometry) // 4096) * 4096
+        self.count = 0
+
+    def start(self, strip=0, control=CTRL_COMMIT | CTRL_START, **values):
+        """Write what differs from the values after configuration, commit, start."""
+        changed = {"STRIP_WIDTH": strip, "TARGET_BASE": self.base + self.count * self.size,
+                   "CORRECTED_WIDTH": self.values["CORRECTED_WIDTH"]} | values
+        for name, value in changed.items():
+            self.program.write(self.rows[name], value)
+        self.program.write(self.rows["IRQ_ENABLE"], 1).write(self.rows["CTRL"], control)
+        self.count += 1
+
+    def end(self):
+        """Wait, and read what became of the frame."""
+        self.program.wait_irq().read(self.rows["STATUS"]).read(self.rows["PIXELS"])
+        self.program.write(self.rows["STATUS"], STATUS_DONE)
+
+    def run(self, verilog, **options):
+        """Pixels of all frames, (frames, height, width, 4); flags ABORTED; numbers of pixels."""
+        result = simulate_frame(
+            verilog, raw_image(self.raw, self.values["SOURCE_PITCH"]), self.program, source_base=0,
+            output_base=self.base, output_bytes=self.count * self.size, **options)
+        width, height = self.d.geometry.corrected
+        stored = np.frombuffer(result.output, np.uint8).reshape(self.count, self.size)
+        pixels = stored[:, :4 * width * height].reshape(self.count, height, width, 4)
+        assert (stored[:, 4 * width * height:] == 0xA5).all(), "written beyond a frame"
+        flags = [bool(value & STATUS_ABORTED) for address, value in result.reads
+                 if address == self.rows["STATUS"]]
+        counts = [value for address, value in result.reads if address == self.rows["PIXELS"]]
+        return pixels, flags, counts
+
+
+def check_whole(pixels, golden):
+    np.testing.assert_array_equal(stored_picture(pixels), golden)
+    assert not pixels[..., 3].any()
+
+
+def check_begun(pixels, golden, strip, written=None):
+    """The first ``written`` pixels are right but for the last, which is blank; the others are
+    untouched. Not told how many: each pixel is right or untouched."""
+    pixels, golden = scan_order(pixels, strip), scan_order(golden, strip)
+    if written is not None:
+        np.testing.assert_array_equal(stored_picture(pixels[:written - 1]), golden[:written - 1])
+        assert pixels[written - 1].tolist() == [*FILL[::-1], 0]
+        assert (pixels[written:] == 0xA5).all()
+    else:
+        right = (stored_picture(pixels) == golden).all(axis=1) & (pixels[:, 3] == 0)
+        assert (right | (pixels == 0xA5).all(axis=1)).all()
+
+
+@EACH_BUILD
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
+def test_abort_at_any_moment(fetcher, data_width, hidden, seed):
+    """Each aborted frame is followed by a whole one; all of them with random strips."""
+    d, rng = camera(), np.random.default_rng(seed)
+    frames, kinds = Frames(d, data_width), []
+    for moment in (0, 1, *rng.integers(2, 4000, 12)):
+        kinds.append(int(rng.choice([0, 32, 64])))
+        frames.start(kinds[-1])
+        frames.program.wait(int(moment)).write(frames.rows["CTRL"], CTRL_ABORT)
+        frames.end()
+        kinds.append(int(rng.choice([0, 32, 64])))
+        frames.start(kinds[-1])
+        frames.end()
+    pixels, aborted, counts = frames.run(build(d, fetcher, data_width, hidden), memory="hostile",
+                                         seed=seed)
+    golden = correct(d, frames.raw).picture
+    for k, (strip, frame) in enumerate(zip(kinds, pixels)):
+        if aborted[k]:
+            check_begun(frame, golden, strip, counts[k])
+        else:
+            check_whole(frame, golden)
+    assert not any(aborted[1::2]) and sum(aborted) > 8
+    assert len(set(counts[::2])) > 8, "the aborts came at the same moment"
+
+
+@EACH_BUILD
+def test_abort_and_start_together_and_frames_without_a_pixel(fetcher, data_width, hidden):
+    """A frame aborted by the start of the next, then one of no width, then a whole one."""
+    d = camera()
+    frames = Frames(d, data_width)
+    frames.start()
+    frames.program.wait(600)
+    frames.start(32, control=CTRL_COMMIT | CTRL_START | CTRL_ABORT)
+    frames.end()
+    frames.end()
+    frames.start(64, CORRECTED_WIDTH=0)
+    frames.end()
+    # Without a frame that runs an abort does nothing, and not to the next one either.
+    frames.program.write(frames.rows["CTRL"], CTRL_ABORT)
+    frames.start(64)
+    frames.end()
+    pixels, aborted, counts = frames.run(build(d, fetcher, data_width, hidden), memory="sdram")
+    golden = correct(d, frames.raw).picture
+    assert aborted == [True, False, True, False]
+    check_begun(pixels[0], golden, 0, counts[0])
+    check_whole(pixels[1], golden)
+    assert pixels[2].reshape(-1, 4)[0].tolist() == [*FILL[::-1], 0]
+    assert (pixels[2].reshape(-1, 4)[1:] == 0xA5).all() and counts[2] == 1
+    check_whole(pixels[3], golden)
+
+
+@EACH_BUILD
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
+def test_reset_at_any_moment(fetcher, data_width, hidden, seed):
+    """The memory is not reset: it gets whole bursts, and no old word is taken for a new one."""
+    d, rng = camera(), np.random.default_rng(seed)
+    frames, kinds = Frames(d, data_width), []
+    for moment in rng.integers(2, 4000, 12):
+        kinds.append(int(rng.choice([0, 32, 64])))
+        frames.start(kinds[-1])
+        frames.program.wait(int(moment)).reset(int(rng.integers(1, 4)))
+        kinds.append(int(rng.choice([0, 32, 64])))
+        frames.start(kinds[-1])
+        frames.end()
+    pixels, aborted, _ = frames.run(build(d, fetcher, data_width, hidden), memory="hostile",
+                                    seed=seed)
+    golden = correct(d, frames.raw).picture
+    for strip, frame in zip(kinds[::2], pixels[::2]):
+        check_begun(frame, golden, strip)
+    for frame in pixels[1::2]:
+        check_whole(frame, golden)
+    assert not any(aborted) and (pixels[::2] == 0xA5).all(axis=-1).any(axis=(1, 2)).sum() > 8
+
+
+@pytest.mark.parametrize("lanes,data_width,output,hidden,share,strip,memory", [
+    (2, 128, "stream", "multiply", 1, 0, "ddr3"),
+    pytest.param(2, 64, "memory", "multiply", 1, 32, "hostile", marks=pytest.mark.regress),
+    pytest.param(2, 32, "memory", "raster", 2, 0, "sdram", marks=pytest.mark.regress),
+    pytest.param(4, 128, "memory", "raster", 1, 64, "hostile", marks=pytest.mark.regress),
+    pytest.param(4, 64, "stream", "multiply", 1, 0, "hostile", marks=pytest.mark.regress)])
+def test_groups_equal_golden(lanes, data_width, output, hidden, share, strip, memory):
+    d = camera(76)
+    hardware = Hardware(data_width=data_width, output=output, strip=strip, hidden=hidden,
+                        share=share, lanes=lanes)
+    result = simulate_correction(d, noise(d), hardware, memory=memory)
+    assert result.differing == []
+    assert result.counters["FETCHES"] == result.fetches_expected
+    assert result.counters["PIXELS"] == 76 * 29
+    assert result.bytes_written == 76 * 29 * (3 if output == "stream" else 4)
+    assert result.report()["pixels_per_clock"] == lanes
+
+
+@pytest.mark.parametrize("options,message", [
+    ({"strip": 32, "output": "stream"}, "the strip width is 32, a video stream needs 0 .raster."),
+    ({"lanes": 2}, "the corrected width is 77, 2 pixels per clock need a multiple of 2"),
+    ({"lanes": 2, "fetcher": "multiport"},
+     "pixels per clock is 2, the multiport fetcher can have 1 only")])
+def test_choices_that_do_not_fit(options, message):
+    with pytest.raises(InputError, match=message):
+        Corrector(camera(), Hardware(**options))
+
+
+def test_pixels_per_clock_that_there_are_not():
+    with pytest.raises(InputError, match="pixels per clock is 3, one of 1, 2, 4 is needed"):
+        Hardware(lanes=3)
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("lanes,strip", [(1, 128), (2, 128), (4, 256)])
+def test_full_size_frames(lanes, strip):
+    d = barrel_descriptor((1920, 1080), (1920, 1080), hidden_neurons=4, strength=0.4)
+    result = simulate_correction(d, noise(d), Hardware(data_width=128, strip=strip, lanes=lanes),
+                                 memory="ddr3")
+    assert result.differing == []
+    assert result.filled.any()

@@ -1,0 +1,134 @@
+"""Verilog of each block under both simulators, against the golden model.
+
+A design is compiled once per simulator; gaps, stalls, waits and latencies are settings of a run.
+"""
+
+from functools import cache
+
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc_hdl.avalon.burst_writer import BurstWriter
+from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.backend.multiport import Multiport
+from ncdc_hdl.backend.window import WindowAddress
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
+from ncdc_hdl.neural.tansig import Tansig
+from ncdc_hdl.registers.agent import Registers
+from ncdc_model.descriptor import Formats
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.host_values import host_values
+from ncdc_model.interface.register_map import registers
+from ncdc_model.tansig import TansigDesign
+from ncdc_sim.cocotb_run import design_of, run_cocotb
+from ncdc_sim.tools import SIMULATORS, SimulationError
+
+FORMATS = Formats()
+D = barrel_descriptor((20, 16), (24, 18), hidden_neurons=3)
+F = FORMATS.coordinate.f_bits
+BURST = 8
+
+COMPONENTS = {
+    "tansig": lambda: Tansig(TansigDesign()),
+    "hidden": lambda: HiddenNeuron(FORMATS),
+    "output": lambda: OutputNeuron(3, FORMATS),
+    "window": lambda: WindowAddress(FORMATS),
+    "interpolator": lambda: Interpolator(F),
+    "multiport32": lambda: Multiport(F, 32),
+    "multiport128": lambda: Multiport(F, 128),
+    "burst_writer": lambda: BurstWriter(64, burst=BURST),
+    "backmap": lambda: BackMap(D.hidden_neurons, D.formats),
+    "registers": lambda: Registers(
+        registers(D.hidden_neurons, D.formats), host_values(D),
+        digest=int(D.digest[:8], 16), hidden_neurons=D.hidden_neurons),
+    "corrector_cache": lambda: Corrector(D),
+    "corrector_multiport": lambda: Corrector(D, Hardware(fetcher="multiport")),
+}
+
+PAUSES = pytest.mark.parametrize("gap,stall", [(0, 0), (0, .5), (.5, .3)])
+BOTH = pytest.mark.parametrize("simulator", SIMULATORS)
+
+
+@cache
+def component(name):
+    return COMPONENTS[name]()
+
+
+@cache
+def design(name):
+    return design_of(component(name), top=f"dut_{name}")
+
+
+@pytest.fixture(scope="module")
+def descriptor(tmp_path_factory):
+    path = tmp_path_factory.mktemp("descriptor") / "net.toml"
+    D.save(path)
+    return str(path)
+
+
+@BOTH
+def test_tansig(simulator):
+    run_cocotb(design("tansig"), "tansig", simulator, latency=component("tansig").latency)
+
+
+def test_a_wrong_latency_is_found():
+    with pytest.raises(SimulationError, match="(?s)failed: .*equals_model.*not equal"):
+        run_cocotb(design("tansig"), "tansig", "icarus", latency=component("tansig").latency + 1)
+
+
+@BOTH
+@pytest.mark.parametrize("kind,inputs", [("hidden", 2), ("output", 3)])
+def test_neuron(kind, inputs, simulator):
+    run_cocotb(design(kind), "neuron", simulator, kind=kind, inputs=inputs,
+               latency=component(kind).latency)
+
+
+@BOTH
+@PAUSES
+def test_window(gap, stall, simulator):
+    run_cocotb(design("window"), "window", simulator, gap=gap, stall=stall)
+
+
+@BOTH
+@PAUSES
+def test_interpolator(gap, stall, simulator):
+    run_cocotb(design("interpolator"), "interpolator", simulator, gap=gap, stall=stall,
+               phase=[int(gap > 0), int(stall > 0)])
+
+
+@BOTH
+@pytest.mark.parametrize("data_width,gap,stall,wait,latency", [
+    (32, 0, 0, 0, (1, 1)), (32, .3, 0, .5, (1, 20)), (32, .5, .5, .7, (1, 60)),
+    (128, 0, .5, .3, (8, 8))])
+def test_multiport(data_width, gap, stall, wait, latency, simulator):
+    run_cocotb(design(f"multiport{data_width}"), "multiport", simulator, gap=gap, stall=stall,
+               wait=wait, latency=latency, data_width=data_width, seed=data_width)
+
+
+@BOTH
+@pytest.mark.parametrize("count,gap,wait", [(1, 0, 0), (16, 0, 0), (27, .4, .4)])
+def test_burst_writer(count, gap, wait, simulator):
+    run_cocotb(design("burst_writer"), "burst_writer", simulator, gap=gap, wait=wait, count=count,
+               burst=BURST, data_width=64)
+
+
+@BOTH
+@pytest.mark.parametrize("stall,busy", [(0, 0), (.8, .5)])
+def test_backmap(stall, busy, simulator, descriptor):
+    run_cocotb(design("backmap"), "backmap", simulator, stall=stall, busy=busy,
+               descriptor=descriptor)
+
+
+@BOTH
+def test_registers(simulator, descriptor):
+    run_cocotb(design("registers"), "registers", simulator, descriptor=descriptor)
+
+
+@BOTH
+@pytest.mark.parametrize("fetcher,wait,latency", [
+    ("multiport", .5, (1, 40)), ("cache", 0, (1, 1)), ("cache", .5, (1, 40))])
+def test_corrector(fetcher, wait, latency, simulator, descriptor):
+    run_cocotb(design(f"corrector_{fetcher}"), "corrector", simulator, wait=wait, latency=latency,
+               descriptor=descriptor)

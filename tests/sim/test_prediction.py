@@ -1,0 +1,84 @@
+"""The planner's prediction against the Verilog: misses exactly, clocks within 1 %."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.verilog import verilog_of
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.fetch.lookups import frame_windows, lookups
+from ncdc_model.fetch.tags import accesses, misses
+from ncdc_model.fetch.timing import predict_clocks
+from ncdc_model.fetch.writes import frame_writes
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.frames import FramePlaces
+from ncdc_model.memory_timing import memory_timing
+from ncdc_sim.system.corrector import simulate_correction
+
+CACHE = CacheOptions(64, pending=64, outstanding=8)
+
+
+def noise(descriptor):
+    return np.random.default_rng(2).integers(0, 256, descriptor.geometry.distorted[::-1], np.uint8)
+
+
+def predicted(corrector, hardware, memory):
+    """Misses and clocks that the planner promises ``corrector``, its registers set as ``hardware``."""
+    descriptor, timing = corrector.descriptor, corrector.timing
+    geometry, memory = descriptor.geometry, memory_timing(memory)
+    hardware = hardware.made_for(descriptor)
+    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    boxes = lookups(frame_windows(descriptor), hardware.strip, hardware.lanes)
+    missed = misses(accesses(boxes), hardware.cache, hardware.split_for(geometry))
+    writes = None if hardware.stream else frame_writes(
+        geometry, hardware, getattr(memory, "access_bytes", 1), places.target, timing)
+    return len(missed), predict_clocks(missed, boxes, hardware, memory, timing, places,
+                                       writes).clocks
+
+
+@pytest.fixture(scope="module", params=[("stream", 1, 0), ("memory", 1, 64), ("stream", 2, 0)],
+                ids=["stream", "memory", "two pixels"])
+def prepared(request):
+    """A hardware, its corrector and that one's Verilog."""
+    output, lanes, strip = request.param
+    descriptor = barrel_descriptor((160, 120), (160, 120), hidden_neurons=4, strength=.5)
+    hardware = Hardware(data_width=64, output=output, lanes=lanes, cache=CACHE, split=0)
+    corrector = Corrector(descriptor, hardware)
+    return replace(hardware, strip=strip), corrector, verilog_of(corrector)
+
+
+@pytest.mark.parametrize("memory,split", [
+    ("ideal", 3), ("ddr3", 3), ("ddr3@200", 1), ("sdram", 2), ("sdram", 0), ("fixed:100:4", 3),
+    ("fixed:20:1.5", 0)])
+def test_misses_are_equal_and_clocks_within_a_hundredth(prepared, memory, split):
+    """A cache that is too small and splits that do not suit make tiles be evicted all the time;
+    output to memory takes turns with the reads, and saturates the slow ones."""
+    hardware, corrector, verilog = prepared
+    hardware = replace(hardware, split=split)
+    descriptor = corrector.descriptor
+    simulation = simulate_correction(descriptor, noise(descriptor), hardware, verilog=verilog,
+                                     memory=memory)
+    missed, clocks = predicted(corrector, hardware, memory)
+    assert simulation.differing == []
+    assert simulation.counters["FETCHES"] == missed
+    assert simulation.bytes_read == 64 * missed
+    assert simulation.counters["CLOCKS"] == pytest.approx(clocks, rel=.01)
+
+
+@pytest.mark.parametrize("variant,neurons,choices", [
+    ("table", 2, {}), ("mmhbc", 8, {}), ("mmhbc", 4, {"hidden": "raster"}),
+    ("mmhbc", 4, {"lanes": 2}), ("mmhbc", 3, {"output": "memory"})],
+    ids=["table", "mmhbc", "raster", "two pixels", "memory"])
+def test_the_latency_is_that_of_the_network(variant, neurons, choices):
+    """A small frame is mostly latency: networks of other depth, each within a few clocks."""
+    descriptor = replace(barrel_descriptor((48, 40), (48, 40), hidden_neurons=neurons),
+                         variant=variant)
+    hardware = Hardware(**{"output": "stream"} | choices)
+    corrector = Corrector(descriptor, hardware)
+    simulation = simulate_correction(descriptor, noise(descriptor), hardware, memory="ideal",
+                                     verilog=verilog_of(corrector))
+    _, clocks = predicted(corrector, hardware, "ideal")
+    assert abs(simulation.counters["CLOCKS"] - clocks) <= 4

@@ -1,0 +1,88 @@
+"""The gate that waits for the camera's rows: no window passes before its rows are in memory."""
+
+from amaranth import *
+from amaranth.lib.wiring import In
+
+from formal.properties import always, constant, given, inner, reached
+from formal.wrapper import Wrapper
+from ncdc_hdl.backend.layouts import request_layout
+from ncdc_hdl.backend.row_gate import RowGate
+from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.lib.groups import lanes_of
+from ncdc_model.geometry import MAX_SIZE
+
+__all__ = ["Rows"]
+
+
+class Rows(Wrapper):
+    """``RowGate`` with any requests, any counter, aborts and a consumer that stalls.
+
+    Asserts, for any number of rows ``need``: a group that waits for so many passes only after the
+    counter has shown them in this frame; payloads pass unchanged, but for pixels that an abort
+    blanks; what is offered stays until it is taken. Without ``state`` nothing is said of the gate's
+    own registers, which induction needs.
+    """
+
+    def __init__(self, lanes=1, state=True):
+        self.state = state
+        self.dut = RowGate(1, lanes)
+        super().__init__({
+            "start": In(1), "follow": In(1), "height": In(SIZE), "abort": In(1),
+            "camera_rows": In(SIZE), "need": In(SIZE), "valid": In(1),
+            "payload": In(request_layout(1, lanes)), "ready": In(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        dut = self.dut
+        fragment = self.design(m, dut)
+        rows, limit = inner(fragment, "rows"), inner(fragment, "limit")
+        m.d.comb += [
+            dut.start.eq(self.start), dut.follow.eq(self.follow), dut.height.eq(self.height),
+            dut.abort.eq(self.abort), dut.camera_rows.eq(self.camera_rows),
+            dut.i.valid.eq(self.valid), dut.i.payload.eq(self.payload), dut.o.ready.eq(self.ready)]
+
+        # Settings change with a start alone, at which nothing is under way; the first request
+        # comes 3 clocks later or more, and waits until it is taken.
+        before, later = Signal(14, reset_less=True), Signal(reset_less=True)
+        settings = Cat(self.height, self.follow)
+        started = Signal(2)
+        m.d.sync += [before.eq(settings), later.eq(1), started.eq(Cat(self.start, started))]
+        given(m, ~later | self.start | (settings == before))
+        given(m, self.height <= MAX_SIZE)
+        given(m, ~(self.start & dut.o.valid))
+        given(m, ~((self.start | started.any()) & self.valid))
+        constant(m, self.need)
+
+        # Whether the counter has shown `need` rows in this frame.
+        shown = Signal()
+        m.d.sync += shown.eq((self.camera_rows >= self.need) | (shown & ~self.start))
+        if self.state:
+            always(m, (rows < self.need) | shown | (self.need == 0), "rows_are_shown")
+            always(m, self.start | ~self.follow | (limit == 0) | Mux(
+                limit == MAX_SIZE, rows >= self.height, rows >= limit + 2), "limit_is_of_rows")
+            always(m, ~started[0] | (limit == 0), "limit_starts_anew")
+        for k, lane in enumerate(lanes_of(dut.o.p)):
+            last = (lane.y0 + 2) | 3
+            needs = Mux(last + 1 < self.height, last + 1, self.height)
+            always(m, ~(dut.o.valid & self.follow & ~lane.blank & (needs == self.need))
+                   | shown | (self.need == 0), f"row_is_there{k}")
+
+        held, offered = Signal(), Signal.like(Value.cast(dut.o.payload))
+        taken, asked = Signal(), Signal.like(self.payload)
+        aborted = Signal()
+        m.d.sync += [held.eq(dut.o.valid & ~self.ready), offered.eq(dut.o.payload),
+                     taken.eq(dut.i.valid & dut.i.ready), asked.eq(self.payload),
+                     aborted.eq(self.abort)]
+        always(m, ~held | (dut.o.valid & (dut.o.payload.as_value() == offered)), "offer_held")
+        always(m, ~held | ~taken, "nothing_over_it")
+        expected = Signal.like(self.payload)
+        m.d.comb += expected.eq(asked)
+        for lane, out in zip(lanes_of(expected), lanes_of(dut.o.p)):
+            with m.If(aborted):
+                m.d.comb += lane.blank.eq(out.blank)
+        always(m, ~taken | (dut.o.valid & (dut.o.payload.as_value() == expected.as_value())),
+               "passes_unchanged")
+        reached(m, self.follow & taken & ~aborted & (asked.as_value() != 0)
+                & (limit != MAX_SIZE), "passes_below_the_end")
+        reached(m, self.follow & dut.i.valid & ~dut.i.ready & ~dut.o.valid, "waits")
+        return m
