@@ -12,28 +12,96 @@ from ncdc_hdl.export.verilog.names import rename
 from ncdc_hdl.export.verilog.printer import module_lines
 from ncdc_hdl.export.verilog.rtlil import parse, part_of
 
-__all__ = ["convert"]
+__all__ = ["Netlist", "Part", "convert"]
 
 
 @dataclass
-class _Part:
+class Part:
     """A module of the netlist on its way to Verilog.
 
-    ``component``: the Amaranth object that it is made from, or None; ``path``: names of the
-    instances down to it; ``ports``: what became of each port, see :func:`rename`.
+    Parameters
+    ----------
+    module : Module
+    component : object
+        The Amaranth object that it is made from, or None.
+    path : tuple of str
+        Names of the instances down to it.
+    ports, renamed : dict
+        What became of its ports and of other names, see :func:`rename`.
     """
     module: object
     component: object
     path: tuple
     ports: dict
+    renamed: dict
+
+
+class Netlist:
+    """The modules of a component, renamed, and which of them are equal.
+
+    Parameters
+    ----------
+    component : amaranth.lib.wiring.Component
+    name : str
+        Of the top module. A module below is called by it and the class it is made from, and by its
+        instance too where several modules are of one class.
+
+    Attributes
+    ----------
+    rtlil : str
+        What Amaranth's converter makes.
+    parts : dict
+        :class:`Part` by the converter's name of the module, what is below before what uses it.
+    same : dict
+        Of each of these names, the one that stands for all equal modules.
+    names : dict
+        Verilog's name of each module that is written, by the converter's.
+    """
+
+    def __init__(self, component, name):
+        fragment = Fragment.get(component, None)
+        components = _components(fragment, ())
+        self.rtlil = rtlil.convert(_Elaborated(component, fragment), name=name, emit_src=False)
+        self.parts = {}
+        for module in reversed(parse(self.rtlil)):
+            path = tuple(_instance(step) for step in module.name.split(".")[1:])
+            self.parts[module.name] = Part(module, components.get(path), path, {}, {})
+        self.same = _distinct(self.parts)
+        self.names = _names({original: self.parts[original] for original in self.same.values()},
+                            name)
+        for original in self.names:
+            for cell in self.parts[original].module.cells:
+                if cell.kind in self.same:
+                    cell.kind = self.names[self.same[cell.kind]]
+
+    def written(self):
+        """The converter's names of the modules that are written, the top first."""
+        return [original for original in reversed(self.parts) if original in self.names]
+
+    def lines(self, original, port_lines=None):
+        """Verilog of one of :meth:`written`."""
+        modules = {self.names[name]: self.parts[name].module for name in self.names}
+        return module_lines(self.parts[original].module, modules,
+                            lambda ports: (port_lines or _port_lines)(self.names[original], ports))
+
+    def instances(self):
+        """How often each module that is written is used, by its name."""
+        counts = dict.fromkeys(self.names.values(), 0)
+        modules = {self.names[name]: self.parts[name].module for name in self.names}
+
+        def count(name):
+            counts[name] += 1
+            for cell in modules[name].cells:
+                if cell.kind in modules:
+                    count(cell.kind)
+        count(self.names[self.written()[0]])
+        return counts
 
 
 def convert(component, name, header=(), port_lines=None):
     """Verilog text of ``component`` as module ``name`` and of the modules below it.
 
-    Equal modules are written once. A module below is called by ``name`` and the class it is made
-    from, and by its instance too where several modules are of one class. Identical text for identical
-    input.
+    Equal modules are written once. Identical text for identical input.
 
     Parameters
     ----------
@@ -44,29 +112,12 @@ def convert(component, name, header=(), port_lines=None):
     port_lines : callable, optional
         Lines of the top's port list, see :func:`ncdc_hdl.export.verilog.printer.module_lines`.
     """
-    fragment = Fragment.get(component, None)
-    components = _components(fragment, ())
-    text = rtlil.convert(_Elaborated(component, fragment), name=name, emit_src=False)
-    parts = {}
-    for module in reversed(parse(text)):            # what is below comes first
-        path = tuple(_instance(step) for step in module.name.split(".")[1:])
-        parts[module.name] = _Part(module, components.get(path), path, {})
-    texts, users = _distinct(parts)
-    names = _names({original: parts[original] for original in texts.values()}, name)
-    order = [original for original in reversed(parts) if original in texts.values()]
-    lines = [f"// {line}".rstrip() for line in header]
-    for original in order:
-        part = parts[original]
-        children = {names[texts[kind]]: parts[texts[kind]].module
-                    for kind in _children(part.module, texts)}
-        for cell in part.module.cells:
-            if cell.kind in texts:
-                cell.kind = names[texts[cell.kind]]
-        top = original == order[0]
-        writer = port_lines if top and port_lines else _port_lines
-        lines += ["", *_about(part.component, users[original], top)]
-        lines += module_lines(part.module, children, lambda ports, head=names[original],
-                              write=writer: write(head, ports))
+    netlist = Netlist(component, name)
+    counts, lines = netlist.instances(), [f"// {line}".rstrip() for line in header]
+    for k, original in enumerate(netlist.written()):
+        part = netlist.parts[original]
+        about = [_about(part.component, counts[netlist.names[original]])] if k else []
+        lines += ["", *about, *netlist.lines(original, None if k else port_lines)]
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
@@ -105,38 +156,24 @@ def _members(component):
     return ["__".join(map(str, path)) for path, _, _ in component.signature.flatten(component)]
 
 
-def _children(module, kinds):
-    return [cell.kind for cell in module.cells if cell.kind in kinds]
-
-
 def _distinct(parts):
-    """Of each module the first one, from the top, that is equal to it; how often each is used."""
-    texts, first = {}, {}
+    """Rename the modules; of each, the first one that is equal to it."""
+    same, first = {}, {}
     for original, part in parts.items():
         for cell in part.module.cells:
             cell.kind = cell.kind.removeprefix("\\")
             if cell.kind in parts:
                 _reconnect(cell, parts[cell.kind].ports)
-        part.ports = {port.removeprefix("\\"): found
-                      for port, found in rename(part.module, _members(part.component)).items()}
-        key = _key(part.module, texts)
-        # What is read later is nearer to the top of the file.
-        texts[original] = first.setdefault(key, original)
-    users = dict.fromkeys(texts.values(), 0)
-    top = list(parts)[-1]
-
-    def count(original, times):
-        users[original] += times
-        for kind in _children(parts[original].module, texts):
-            count(texts[kind], times)
-    count(top, 1)
-    return texts, users
+        ports, part.renamed = rename(part.module, _members(part.component))
+        part.ports = {port.removeprefix("\\"): found for port, found in ports.items()}
+        same[original] = first.setdefault(_key(part.module, same), original)
+    return same
 
 
-def _key(module, texts):
+def _key(module, same):
     """What is the same of two modules only if they are equal."""
     return repr((module.wires, module.memories, module.processes, module.connects,
-                 [(texts.get(cell.kind, cell.kind), cell.name, cell.parameters, cell.connections)
+                 [(same.get(cell.kind, cell.kind), cell.name, cell.parameters, cell.connections)
                   if not cell.kind.startswith("$") else
                   (cell.kind, cell.parameters, cell.connections) for cell in module.cells]))
 
@@ -181,19 +218,18 @@ def _kind(part):
     return kind.lower().strip("_")
 
 
-def _about(component, count, top):
-    """One comment line on a module: its source file, what it is, its latency, how many there are."""
-    if component is None or top:
-        return []
+def _about(component, count):
+    """A comment on a module: its source file, what it is, its latency, how many there are."""
+    if component is None:
+        return "// made by Amaranth"
     place = type(component).__module__.replace(".", "/") + ".py"
     text = (inspect.getdoc(type(component)) or "").partition("\n\n")[0].replace("\n", " ")
     text = re.sub(r":\w+:`~?\.?([^`]*)`", r"\1", text).replace("``", "").replace("\\|", "|")
-    text = text.rstrip(":.")
+    text = re.split(r"(?<!Fig)(?<!Figs)\. |::", text)[0].rstrip(":.")
     latency = getattr(component, "latency", None)
     line = f"// {place}: {text}"
     line += f"; latency {latency}" if isinstance(latency, int) else ""
-    line += f"; {count} instances" if count > 1 else ""
-    return [line]
+    return line + (f"; {count} instances" if count > 1 else "")
 
 
 def _port_lines(head, ports):

@@ -56,10 +56,13 @@ def rename(module, members):
     Returns
     -------
     dict
-        Of each port that was, its parts as (port, low, width): the lowest first.
+        Of each port that was, its parts as (port, low, width), the lowest first; a width of None
+        stands for the whole port.
+    dict
+        New names of wires, memories and instances by their old ones.
     """
     before = [name for name, wire in module.wires.items() if wire.port]
-    joined = _join_same(module, members)
+    joined, drivers = _join_same(module, members)
     cut = _split_ports(module, members)
     taken, names = set(), {}
     ordered = sorted(module.wires, key=lambda name: (
@@ -83,15 +86,18 @@ def rename(module, members):
             new = f"{identifier(name)}_{count}"
         taken.add(new)
         names[name] = new
+    instances = {}
     for cell in module.cells:
         if not cell.kind.startswith("$"):
+            old = cell.name
             base = new = identifier(cell.name)
             count = 1
             while new in taken:
                 count += 1
                 new = f"{base}_{count}"
             taken.add(new)
-            cell.name = new
+            cell.name = instances[old] = new
+    memories = {name: names[name] for name in module.memories}
     module.memories = {names[name]: memory for name, memory in module.memories.items()}
     for cell in module.cells:
         if "MEMID" in cell.parameters:
@@ -99,8 +105,9 @@ def rename(module, members):
             cell.parameters["MEMID"] = names[old]
     module.wires = {names[name]: module.wires[name] for name in ordered}
     _substitute(module, {old: (new, 0) for old, new in names.items()})
-    return {old: [(names[part], low, width) for part, low, width in cut.get(
+    ports = {old: [(names[part], low, width) for part, low, width in cut.get(
         joined[old], [(joined[old], 0, None)])] for old in before}
+    return ports, instances | memories | {old: names[best] for old, best in drivers.items() if best in names}
 
 
 def _substitute(module, places):
@@ -133,7 +140,8 @@ def _whole(module, parts):
 
 
 def _join_same(module, members):
-    """Make one wire of those that a ``connect`` makes the same net; each old name's new one."""
+    """Make one wire of those that a ``connect`` makes the same net; each old name's new one, and
+    the same of those alone that were driven."""
     same = {}
 
     def root(name):
@@ -152,10 +160,11 @@ def _join_same(module, members):
     groups = {}
     for name in module.wires:
         groups.setdefault(root(name), []).append(name)
-    places, wires = {}, {}
+    places, wires, drivers = {}, {}, {}
     for driver, names in groups.items():
         wire = module.wires[driver]
         best = min(names, key=lambda name: _rank(name, wire.port, members))
+        drivers[driver] = best
         for name in names:
             places[name] = (best, 0)
         # Where the best name stands elsewhere in order, that of the driver counts.
@@ -164,7 +173,7 @@ def _join_same(module, members):
             wire.attributes |= module.wires[name].attributes
     module.wires = wires
     _substitute(module, places)
-    return {name: best for name, (best, _) in places.items()}
+    return {name: best for name, (best, _) in places.items()}, drivers
 
 
 def _rank(name, port, members):
