@@ -3,7 +3,7 @@
 from amaranth.vendor import AlteraPlatform
 
 from ncdc_boards.board import Board, Pll, Sdram
-from ncdc_boards.resources import clk50, d5m, reset, sdram, vga
+from ncdc_boards.resources import SdramPins, clk50, d5m, reset, sdram, vga
 
 __all__ = ["BOARD", "DE1SoCPlatform"]
 
@@ -22,10 +22,11 @@ class DE1SoCPlatform(AlteraPlatform):
     resources = [
         clk50("AF14"),
         reset("AA14"),
-        sdram(clk="AH12", cke="AK13", cs="AG11", ras="AE13", cas="AF11", we="AA13",
-              ba="AF13 AJ12", a="AK14 AH14 AG15 AE14 AB15 AC14 AD14 AF15 AH15 AG13 AG12 AH13 AJ14",
-              dq="AK6 AJ7 AK7 AK8 AK9 AG10 AK11 AJ11 AH10 AJ10 AJ9 AH9 AH8 AH7 AJ6 AJ5",
-              dqm="AB13 AK12"),
+        sdram(SdramPins(
+            clk="AH12", cke="AK13", cs_n="AG11", ras_n="AE13", cas_n="AF11", we_n="AA13",
+            ba="AF13 AJ12", a="AK14 AH14 AG15 AE14 AB15 AC14 AD14 AF15 AH15 AG13 AG12 AH13 AJ14",
+            dqm="AB13 AK12",
+            dq="AK6 AJ7 AK7 AK8 AK9 AG10 AK11 AJ11 AH10 AJ10 AJ9 AH9 AH8 AH7 AJ6 AJ5")),
         vga(clk="A11", hsync="B11", vsync="D11", sync="C10", blank="F10",
             r="A13 C13 E13 B12 C12 D12 E12 F13", g="J9 J10 H12 G10 G11 G12 F11 E11",
             b="B13 G13 H13 F14 H14 F15 G15 J14"),

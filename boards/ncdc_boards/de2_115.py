@@ -3,7 +3,7 @@
 from amaranth.vendor import AlteraPlatform
 
 from ncdc_boards.board import Board, Pll, Sdram
-from ncdc_boards.resources import clk50, d5m, reset, sdram, vga
+from ncdc_boards.resources import SdramPins, clk50, d5m, reset, sdram, vga
 
 __all__ = ["BOARD", "DE2115Platform"]
 
@@ -22,11 +22,11 @@ class DE2115Platform(AlteraPlatform):
     resources = [
         clk50("Y2"),
         reset("M23"),
-        sdram(clk="AE5", cke="AA6", cs="T4", ras="U6", cas="V7", we="V6", ba="U7 R4",
-              a="R6 V8 U8 P1 V5 W8 W7 AA7 Y5 Y6 R5 AA5 Y7",
-              dq="W3 W2 V4 W1 V3 V2 V1 U3 Y3 Y4 AB1 AA3 AB2 AC1 AB3 AC2 "
-                 "M8 L8 P2 N3 N4 M4 M7 L7 U5 R7 R1 R2 R3 T3 U4 U1",
-              dqm="U2 W4 K8 N8"),
+        sdram(SdramPins(
+            clk="AE5", cke="AA6", cs_n="T4", ras_n="U6", cas_n="V7", we_n="V6", ba="U7 R4",
+            a="R6 V8 U8 P1 V5 W8 W7 AA7 Y5 Y6 R5 AA5 Y7", dqm="U2 W4 K8 N8",
+            dq="W3 W2 V4 W1 V3 V2 V1 U3 Y3 Y4 AB1 AA3 AB2 AC1 AB3 AC2 "
+               "M8 L8 P2 N3 N4 M4 M7 L7 U5 R7 R1 R2 R3 T3 U4 U1")),
         vga(clk="A12", hsync="G13", vsync="C13", sync="C10", blank="F11",
             r="E12 E11 D10 F12 G10 J12 H8 H10", g="G8 G11 F8 H12 C8 B8 F10 C9",
             b="B10 A10 C11 B11 A11 C12 D11 D12"),

@@ -1,8 +1,10 @@
 """Resources that the boards have in common."""
 
+from dataclasses import asdict, dataclass
+
 from amaranth.build import Attrs, Clock, Pins, PinsN, Resource, Subsignal
 
-__all__ = ["LVTTL", "clk50", "d5m", "reset", "sdram", "vga"]
+__all__ = ["LVTTL", "SdramPins", "clk50", "d5m", "reset", "sdram", "vga"]
 
 LVTTL = Attrs(IO_STANDARD="3.3-V LVTTL")
 # Terasic TRDB-D5M: number of the GPIO signal on the 40-pin header; D11 first.
@@ -19,13 +21,25 @@ def reset(pin):
     return Resource("rst", 0, PinsN(pin, dir="i"), LVTTL)
 
 
-def sdram(*, clk, cke, cs, ras, cas, we, ba, a, dq, dqm):
-    """SDR SDRAM; pin names as blank-separated text, lowest bit first."""
-    one = {"clk": clk, "cke": cke, "cs_n": cs, "ras_n": ras, "cas_n": cas, "we_n": we, "ba": ba,
-           "a": a, "dqm": dqm}
-    return Resource("sdram", 0, *(Subsignal(name, Pins(pins, dir="o"))
-                                  for name, pins in one.items()),
-                    Subsignal("dq", Pins(dq, dir="io")),
+@dataclass(frozen=True)
+class SdramPins:
+    """Where an SDR SDRAM is: pin names as blank-separated text, lowest bit first."""
+    clk: str
+    cke: str
+    cs_n: str
+    ras_n: str
+    cas_n: str
+    we_n: str
+    ba: str
+    a: str
+    dqm: str
+    dq: str
+
+
+def sdram(pins):
+    """SDR SDRAM at its :class:`SdramPins`."""
+    return Resource("sdram", 0, *(Subsignal(name, Pins(names, dir="io" if name == "dq" else "o"))
+                                  for name, names in asdict(pins).items()),
                     Attrs(IO_STANDARD="3.3-V LVTTL", FAST_OUTPUT_REGISTER="ON",
                           CURRENT_STRENGTH_NEW="MAXIMUM CURRENT"))
 

@@ -9,6 +9,7 @@ from ncdc_model.calibration.camera_file import training_grid
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.geometry import Geometry
 from ncdc_model.lens import Camera
+from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import Source
 from ncdc_sim.builds import cached, key_of
@@ -16,6 +17,7 @@ from ncdc_sim.builds import cached, key_of
 __all__ = ["NEURONS", "Lens", "trained"]
 
 NEURONS = 8
+_CHOICES = TrainingChoices(options={"starts": 16, "rounds": 1})
 _TRAINING = 2       # part of the key of trained descriptors: another number trains them anew
 
 
@@ -80,6 +82,6 @@ def trained(lens):
     def train(folder):
         pairs = training_grid(lens.back_map, lens.geometry)
         source = Source(pairs, lens.geometry, back_map=lens.back_map)
-        train_camera(source, NEURONS, starts=16, rounds=1).descriptor.save(folder / "net.toml")
+        train_camera(source, NEURONS, _CHOICES).descriptor.save(folder / "net.toml")
     folder = cached(key_of("lens", repr(lens), str(NEURONS), str(_TRAINING)), train)
     return Descriptor.load(folder / "net.toml")
