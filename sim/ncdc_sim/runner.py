@@ -20,7 +20,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
     Parameters
     ----------
     name : str
-        Start of the cache entry's name.
+        Start of the name of the build's folder.
     top : str
         Top module. Under Verilator its clock comes from ``main``.
     sources : list of (file name, Verilog text)

@@ -100,7 +100,7 @@ def test_missing_simulator(monkeypatch):
 def test_cache_that_cannot_be_written(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("NCDC_CACHE", str(tmp_path / "file" / "cache"))
-    with pytest.raises(InputError, match="cannot write the cache folder"):
+    with pytest.raises(InputError, match="cannot write the folder of builds"):
         build_hello()
 
 
