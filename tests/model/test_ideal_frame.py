@@ -6,7 +6,7 @@ import pytest
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.calibration.quality import Dropped
+from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.straightness import straightness
 from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, page_dots, page_to_distorted, target_photo
@@ -94,6 +94,24 @@ def test_grossly_wrong_points_are_rejected(points):
     assert frame.rejected[Dropped.GROSS] == 3
     kept = {tuple(key) for key in frame.index.tolist()}
     assert not kept & {tuple(key) for key in photo.index[victims].tolist()}
+
+
+def test_points_beyond_repair_are_refused_however_the_reason_is_worded(points, monkeypatch):
+    """What counts is the member that frame.py counts, not the text that people read."""
+    photo = points.photos[0]
+    xy = photo.xy.copy()
+    xy[::7, 0] += np.where(xy[::7, 0] < 320, 9, -9)
+    spoilt = TargetPoints("dots", points.size, (PhotoPoints(photo.index, xy, photo.area),))
+    for text in (Dropped.GROSS.value, "reworded"):
+        monkeypatch.setattr(Dropped.GROSS, "_value_", text)
+        with pytest.raises(InputError, match="10 % is the limit: indices or points are wrong"):
+            ideal_frame(spoilt)
+
+
+@pytest.mark.parametrize("reason", Dropped)
+def test_only_points_that_disagree_refuse_the_rest(reason):
+    assert bool(check_share({reason: 11}, 100)) == (reason is Dropped.GROSS)
+    assert not check_share({reason: 10}, 100)
 
 
 def board_photos(camera, count=5):
