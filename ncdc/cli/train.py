@@ -71,8 +71,8 @@ def add_arguments(parser):
                         help="accuracy of the tan-sigmoid in fraction bits (default: 20)")
     parser.add_argument("--weight-bits", type=int, metavar="B",
                         help="bits of the weights and of the coordinates they multiply, 18 to 24, "
-                             "in formats that fit this camera; 18 for boards with 18x18 multipliers "
-                             "(default: 24 in formats that fit every camera)")
+                             "in formats that fit this camera; 18 for boards with 18x18 "
+                             "multipliers (default: 24 in formats that fit every camera)")
     parser.add_argument("--coordinate-bits", type=int, choices=range(6, 13), default=10,
                         help="fraction bits of the back-map coordinates (default: 10)")
     parser.add_argument("--gamma", type=float, default=1.0, metavar="G",

@@ -83,7 +83,8 @@ class Fixed:
         """
         if self.strip is not None:
             if stream and self.strip:
-                raise InputError(f"the strip width is {self.strip}, a video stream needs 0 (raster)")
+                raise InputError(f"the strip width is {self.strip}, a video stream needs 0 "
+                                 f"(raster)")
             return [self.strip]
         return [0, *(strip for strip in STRIPS if strip < width and not stream)]
 

@@ -31,9 +31,10 @@ class TrainedCamera:
     training : Training
     report : dict
         ``hidden_neurons``, ``skip``, ``trainer``, ``seed``; ``training``, ``held_out`` (not if no
-        point is held out) and ``frame``, each with ``map_error_float_px`` and ``map_error_fixed_px``
-        (``frame`` only where the true map is known); the two of the best evidence there is
-        again at the top, ``measured_on`` tells which; ``fixed_minus_float_max_px``;
+        point is held out) and ``frame``, each with ``map_error_float_px`` and
+        ``map_error_fixed_px`` (``frame`` only where the true map is known); the two of the best
+        evidence there is again at the top, ``measured_on`` tells which;
+        ``fixed_minus_float_max_px``;
         ``valid_pixels``, ``valid_percent`` and ``valid_pixels_lost``, those that two spans a
         row cannot hold; of points ``extrapolated_percent``, valid pixels that lie beyond
         the points, where the network follows the smooth lens, ``points_dropped``, points that
