@@ -2,8 +2,17 @@
 
 from amaranth.vendor import AlteraPlatform
 
-from ncdc_boards.board import Board, Pll, Sdram
-from ncdc_boards.resources import SdramPins, clk50, d5m, reset, sdram, vga
+from ncdc_boards.board import Board, Pll
+from ncdc_boards.resources import (
+    D5M_LEFT_TO_USER,
+    SdramPins,
+    clk50,
+    d5m,
+    is42s16320,
+    reset,
+    sdram,
+    vga,
+)
 
 __all__ = ["BOARD", "DE1SoCPlatform"]
 
@@ -38,11 +47,8 @@ class DE1SoCPlatform(AlteraPlatform):
 BOARD = Board(
     name="de1-soc", title="Terasic DE1-SoC", family="Cyclone V", device="5CSEMA5F31C6",
     platform=DE1SoCPlatform, pll=Pll(50, 100, -3000), data_width=32, memory="sdram",
-    # One IS42S16320, -7 grade; Platform Designer halves the corrector's 32-bit words.
-    sdram=Sdram(data_width=16, rows=13, columns=10, banks=4, cas_latency=3, t_ac=5.4, t_rcd=15.0,
-                t_rfc=60.0, t_rp=15.0, t_wr=14.0, refresh_us=7.8125),
+    sdram=is42s16320(1),        # Platform Designer halves the corrector's 32-bit words
     multipliers=87, multiplier_bits=27,
     sources=("litex-boards, terasic_de1soc.py",
              "assignments by Terasic's System Builder in several public projects (VGA)"),
-    left_to_user={"d5m_0__*": "the camera's pins are assigned and hold it in reset; its capture "
-                              "into the memory is the user's"})
+    left_to_user=D5M_LEFT_TO_USER)

@@ -2,8 +2,17 @@
 
 from amaranth.vendor import AlteraPlatform
 
-from ncdc_boards.board import Board, Pll, Sdram
-from ncdc_boards.resources import SdramPins, clk50, d5m, reset, sdram, vga
+from ncdc_boards.board import Board, Pll
+from ncdc_boards.resources import (
+    D5M_LEFT_TO_USER,
+    SdramPins,
+    clk50,
+    d5m,
+    is42s16320,
+    reset,
+    sdram,
+    vga,
+)
 
 __all__ = ["BOARD", "DE2115Platform"]
 
@@ -38,10 +47,7 @@ class DE2115Platform(AlteraPlatform):
 BOARD = Board(
     name="de2-115", title="Terasic DE2-115", family="Cyclone IV E", device="EP4CE115F29C7",
     platform=DE2115Platform, pll=Pll(50, 100, -3000), data_width=32, memory="sdram",
-    # Two IS42S16320 side by side, -7 grade.
-    sdram=Sdram(data_width=32, rows=13, columns=10, banks=4, cas_latency=3, t_ac=5.4, t_rcd=15.0,
-                t_rfc=60.0, t_rp=15.0, t_wr=14.0, refresh_us=7.8125),
+    sdram=is42s16320(2),
     multipliers=266, multiplier_bits=18,
     sources=("litex-boards, terasic_de2_115.py", "verilog-ethernet, example/DE2-115/fpga/fpga.qsf"),
-    left_to_user={"d5m_0__*": "the camera's pins are assigned and hold it in reset; its capture "
-                              "into the memory is the user's"})
+    left_to_user=D5M_LEFT_TO_USER)

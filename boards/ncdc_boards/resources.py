@@ -4,11 +4,17 @@ from dataclasses import asdict, dataclass
 
 from amaranth.build import Attrs, Clock, Pins, PinsN, Resource, Subsignal
 
-__all__ = ["LVTTL", "SdramPins", "clk50", "d5m", "reset", "sdram", "vga"]
+from ncdc_boards.board import Sdram
+
+__all__ = ["D5M_LEFT_TO_USER", "LVTTL", "SdramPins", "clk50", "d5m", "is42s16320", "reset", "sdram",
+           "vga"]
 
 LVTTL = Attrs(IO_STANDARD="3.3-V LVTTL")
 # Terasic TRDB-D5M: number of the GPIO signal on the 40-pin header; D11 first.
 _D5M_DATA = (1, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13)
+# Of a board with :func:`d5m`.
+D5M_LEFT_TO_USER = {"d5m_0__*": "the camera's pins are assigned and hold it in reset; its capture "
+                                "into the memory is the user's"}
 
 
 def clk50(pin):
@@ -42,6 +48,12 @@ def sdram(pins):
                                   for name, names in asdict(pins).items()),
                     Attrs(IO_STANDARD="3.3-V LVTTL", FAST_OUTPUT_REGISTER="ON",
                           CURRENT_STRENGTH_NEW="MAXIMUM CURRENT"))
+
+
+def is42s16320(chips):
+    """So many IS42S16320 side by side, -7 grade: 64 MB and 16 bits each."""
+    return Sdram(data_width=16 * chips, rows=13, columns=10, banks=4, cas_latency=3, t_ac=5.4,
+                 t_rcd=15.0, t_rfc=60.0, t_rp=15.0, t_wr=14.0, refresh_us=7.8125)
 
 
 def vga(*, clk, hsync, vsync, sync, blank, r, g, b):
