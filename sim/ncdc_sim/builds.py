@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ncdc_model.errors import InputError
 
-__all__ = ["builds_folder", "cached", "key_of", "without_header"]
+__all__ = ["builds_folder", "built", "key_of", "without_header"]
 
 KEPT = 14 * 24 * 3600      # seconds since its last use after which a build is removed
 
@@ -43,7 +43,7 @@ def key_of(name, *parts):
     return f"{name}-{state.hexdigest()[:20]}"
 
 
-def cached(key, build):
+def built(key, build):
     """Folder of the build ``key``; ``build(folder)`` fills it if it is not there.
 
     Two processes that ask for the same build at once make it once. A build that fails, or is

@@ -22,7 +22,7 @@ from ncdc.bench.synth.flows import (
     tool_versions,
 )
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.builds import cached, key_of
+from ncdc_sim.builds import built, key_of
 
 __all__ = ["TARGETS", "WORSE", "block_rows", "regressions"]
 
@@ -124,7 +124,7 @@ def _once(name, parts, make):
     def build(folder):
         (folder / "result.json").write_text(json.dumps(make()))
     key = key_of(name, repr(tool_versions()), *parts)
-    return json.loads((cached(key, build) / "result.json").read_text())
+    return json.loads((built(key, build) / "result.json").read_text())
 
 
 def regressions(rows, baseline):

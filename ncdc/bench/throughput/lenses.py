@@ -13,7 +13,7 @@ from ncdc_model.lens import Camera
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import Source
-from ncdc_sim.builds import cached, key_of
+from ncdc_sim.builds import built, key_of
 
 __all__ = ["NEURONS", "Lens", "trained"]
 
@@ -83,7 +83,7 @@ def trained(lens):
         pairs = training_grid(lens.back_map, lens.geometry)
         source = Source(pairs, lens.geometry, back_map=lens.back_map)
         train_camera(source, NEURONS, _CHOICES).descriptor.save(folder / "net.toml")
-    folder = cached(key_of("lens", repr(lens), _trainer()), train)
+    folder = built(key_of("lens", repr(lens), _trainer()), train)
     return Descriptor.load(folder / "net.toml")
 
 
