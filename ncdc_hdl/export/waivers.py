@@ -1,6 +1,6 @@
 """Lint rules that the generated Verilog does not keep, and why that is harmless."""
 
-__all__ = ["SLANG", "VERILATOR", "verilator_config"]
+__all__ = ["DEFAULT_WARNINGS", "SLANG", "VERILATOR", "verilator_config"]
 
 # Amaranth's expressions have the width that holds their result, and Yosys writes them as Verilog
 # expressions whose width the context extends or cuts: the same bits, without a cast.
@@ -15,6 +15,8 @@ VERILATOR = {
     "UNUSEDSIGNAL": "every internal name of the source is kept, for waveforms",
     "DECLFILENAME": "all modules are in one file",
 }
+# Those that Verilator gives without -Wall too.
+DEFAULT_WARNINGS = "WIDTHEXPAND", "WIDTHTRUNC", "CASEINCOMPLETE"
 SLANG = {
     "width-trunc": _WIDTHS,
     "sign-conversion": _WIDTHS,

@@ -96,4 +96,4 @@ def test_verilog_takes_formats_of_few_bits(hidden):
     raw = np.random.default_rng(1).integers(0, 256, (36, 44), np.uint8)
     result = simulate_correction(few, raw, Hardware(hidden=hidden, multiplier_bits=18),
                                  simulator="icarus")
-    assert result.differing == [] and not result.filled.all()
+    assert result.differing == [] and not result.blank.all()

@@ -182,7 +182,7 @@ def test_correct_is_the_golden_model(folder, capsys):
     golden = correct(d, read_image("raw.png"))
     np.testing.assert_array_equal(read_image("out.png"), golden.picture)
     report = json.loads((folder / "report.json").read_text())
-    assert report["pixels_filled"] == golden.filled.sum() > 0
+    assert report["pixels_blank"] == golden.blank.sum() > 0
     assert report["hidden_neurons"] == d.hidden_neurons
 
 

@@ -9,9 +9,9 @@ __all__ = ["CorrectorTiming"]
 class CorrectorTiming:
     """Clocks between events in a corrector with a tile cache, and what its queues hold.
 
-    The gateware's parts add these up (``ncdc_hdl.corrector.Corrector.timing``); the planner computes
-    with them and knows none of its own. Each is the least number of clocks from one event to the
-    next.
+    The gateware's parts add these up (``ncdc_hdl.corrector.Corrector.timing``); the planner
+    computes with them and knows none of its own. Each is the least number of clocks from one event
+    to the next.
 
     Parameters
     ----------
