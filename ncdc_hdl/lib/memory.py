@@ -68,25 +68,34 @@ class Fifo(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # A word is read a clock after its write at the earliest.
+        # A word is read a clock after its write at the earliest, as block_memory wants it.
         m.submodules.storage = storage = block_memory(self.width, self.depth)
         write, read = storage.write_port(), storage.read_port()
-        produce = Signal(range(self.depth))
-        consume = Signal(range(self.depth))
-        kept = Signal(range(self.depth + 1))        # not read as yet
-        read_valid = Signal()                       # of the RAM's output
-        full = Signal()                             # level == depth
+        produce = Signal(range(self.depth))         # where the next item is written
+        consume = Signal(range(self.depth))         # where the next item is read
+        kept = Signal(range(self.depth + 1))        # items in the memory that are not read as yet
         some = Signal()                             # kept != 0
-        put, take, load, move, pop = (Signal(name=name)
-                                      for name in ("put", "take", "load", "move", "pop"))
+        full = Signal()                             # level == depth
+        read_valid = Signal()                       # an item is in the memory's own output register
         oldest = Signal(self.width, reset_less=True)    # a RAM's register has no reset to share
+        put = Signal()                              # an item is written
+        pop = Signal()                              # an item leaves the memory
+        load = Signal()                             # the memory's output register may be loaded
+        move = Signal()                             # the register behind it may be loaded
+        take = Signal()                             # the oldest item is taken
         m.d.comb += [
             self.r_data.eq(oldest),
-            self.w_rdy.eq(~full), put.eq(self.w_en & ~full if self.checked else self.w_en),
+            self.w_rdy.eq(~full),
+            put.eq(self.w_en & ~full if self.checked else self.w_en),
             take.eq(self.r_rdy & self.r_en),
-            write.addr.eq(produce), write.data.eq(self.w_data), write.en.eq(put),
-            move.eq(~self.r_rdy | self.r_en), load.eq(~read_valid | move),
-            read.addr.eq(consume), read.en.eq(load), pop.eq(load & some),
+            write.addr.eq(produce),
+            write.data.eq(self.w_data),
+            write.en.eq(put),
+            move.eq(~self.r_rdy | self.r_en),
+            load.eq(~read_valid | move),
+            read.addr.eq(consume),
+            read.en.eq(load),
+            pop.eq(load & some),
         ]
         with m.If(put != pop):
             m.d.sync += [kept.eq(kept + Mux(put, 1, -1)), some.eq(put | (kept != 1))]

@@ -19,7 +19,7 @@ class Act(wiring.Component):
     behind registers.
 
     Timing: ``claim``, ``push`` and ``shift`` follow ``credit`` and ``room`` at once. A change of
-    ``a_busy`` reaches ``claim`` after ``latency`` clocks.
+    ``busy`` reaches ``claim`` after ``latency`` clocks.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class Act(wiring.Component):
     d_valid, d_missing, d_busy : ``In(1)``, ``In(4)``, ``In(4)``
         Of the look-up in stage D: whether there is one, which of its tiles are missing, and which
         of its entries are busy.
-    a_valid, a_busy : ``In(1)``, ``In(4)``
+    valid, busy : ``In(1)``, ``In(4)``
         Of the look-up in stage A: whether there is one, and which of its entries are busy.
     credit : ``In(1)``
         A tile may be claimed.
@@ -47,15 +47,15 @@ class Act(wiring.Component):
     """
 
     latency = 2
-    """Clocks from a change of ``a_busy`` to the claim that it allows: a register, ``a_open``."""
+    """Clocks from a change of ``busy`` to the claim that it allows: a register, ``a_open``."""
 
     def __init__(self):
         super().__init__({
             "d_valid": In(1),
             "d_missing": In(TAG_BANKS),
             "d_busy": In(TAG_BANKS),
-            "a_valid": In(1),
-            "a_busy": In(TAG_BANKS),
+            "valid": In(1),
+            "busy": In(TAG_BANKS),
             "credit": In(1),
             "room": In(1),
             "shift": Out(1),
@@ -69,7 +69,7 @@ class Act(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         a_missing = Signal(TAG_BANKS)           # tiles that are still to be claimed; 0 if no look-up
-        a_was_busy = Signal(TAG_BANKS)          # `a_busy`, a clock ago
+        a_busy = Signal(TAG_BANKS)              # `busy`, a clock ago
         a_misses = Signal.like(self.misses)     # tiles claimed in the clocks before
         a_hit = Signal(init=1)                  # no tile is missing, or there is no look-up
         a_open = Signal()                       # the lowest missing tile's entry is not busy
@@ -82,11 +82,11 @@ class Act(wiring.Component):
             self.claim.eq(a_open & self.credit),
             complete.eq(a_hit | (a_final & self.credit)),
             self.shift.eq(complete & self.room),
-            self.push.eq(self.a_valid & self.shift),
+            self.push.eq(self.valid & self.shift),
             self.misses.eq(a_misses + self.claim),
             self.stalls.interlock.eq(~a_hit & ~a_open),
             self.stalls.credit.eq(a_open & ~self.credit),
-            self.stalls.pending.eq(self.a_valid & complete & ~self.room),
+            self.stalls.pending.eq(self.valid & complete & ~self.room),
         ]
 
         outlook = Cat(a_hit, a_open, a_final)
@@ -96,18 +96,18 @@ class Act(wiring.Component):
             m.d.sync += [
                 a_misses.eq(0),
                 a_missing.eq(Mux(self.d_valid, self.d_missing, 0)),
-                a_was_busy.eq(self.d_busy),
+                a_busy.eq(self.d_busy),
                 a_hit.eq(~self.d_valid | hit),
                 a_open.eq(self.d_valid & may_claim),
                 a_final.eq(self.d_valid & final),
             ]
         with m.Else():
-            m.d.sync += a_was_busy.eq(self.a_busy)
+            m.d.sync += a_busy.eq(self.busy)
             with m.If(self.claim):
                 m.d.sync += [a_missing.eq(others), a_misses.eq(a_misses + 1),
-                             outlook.eq(Cat(_outlook(others, a_was_busy)))]
+                             outlook.eq(Cat(_outlook(others, a_busy)))]
             with m.Else():
-                m.d.sync += outlook.eq(Cat(_outlook(a_missing, a_was_busy)))
+                m.d.sync += outlook.eq(Cat(_outlook(a_missing, a_busy)))
         return m
 
 

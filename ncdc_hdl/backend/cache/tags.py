@@ -136,8 +136,8 @@ class Tags(wiring.Component):
 
         # A: act.
         m.d.comb += [
-            act.a_valid.eq(a_valid),
-            act.a_busy.eq(self.interlock.a_busy),
+            act.valid.eq(a_valid),
+            act.busy.eq(self.interlock.a_busy),
             act.credit.eq(self.credit),
             act.room.eq(self.pending.room),
             self.claim.eq(act.claim),
