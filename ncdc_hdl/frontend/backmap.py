@@ -4,8 +4,9 @@ from amaranth import *
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.frontend.layouts import SIZE, SPANS, coordinate_layout, network_layout, scan_layout
+from ncdc_hdl.frontend.layouts import coordinate_layout, network_layout, scan_layout
 from ncdc_hdl.frontend.scan import Scan
+from ncdc_hdl.frontend.signatures import SpansRequest
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.pipeline import DelayMemory, delay
 from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
@@ -49,7 +50,7 @@ class BackMap(wiring.Component):
         Ends the frame early, see :class:`Scan`.
     scan, network : ``In(scan_layout())``, ``In(network_layout(...))``
         Constant during a frame.
-    row, spans, fresh : ``Out``, ``In(SPANS)``, ``In(1)``
+    table : ``Out(SpansRequest())``
         To the table of valid rows.
     o : ``Out(stream.Signature(coordinate_layout(formats, lanes)))``
     idle : ``Out(1)``
@@ -93,7 +94,7 @@ class BackMap(wiring.Component):
         super().__init__({
             "start": In(1), "abort": In(1), "scan": In(scan_layout()),
             "network": In(network_layout(hidden_neurons, formats)),
-            "row": Out(SIZE), "spans": In(SPANS), "fresh": In(1),
+            "table": Out(SpansRequest()),
             "o": Out(stream.Signature(coordinate_layout(formats, lanes))),
             "idle": Out(1), "stalled": Out(1), "cut": Out(1),
         })
@@ -118,9 +119,9 @@ class BackMap(wiring.Component):
             restart=max(self.under_way, self.queue // 2))
         m.d.comb += [
             scan.start.eq(self.start), scan.abort.eq(self.abort), scan.parameters.eq(self.scan),
-            self.cut.eq(scan.cut), self.row.eq(scan.row), scan.spans.eq(self.spans),
-            scan.fresh.eq(self.fresh),
+            self.cut.eq(scan.cut),
         ]
+        wiring.connect(m, scan.table, wiring.flipped(self.table))
 
         # All lanes are ready in the same clock.
         issue, turn = pace(m, scan, self.share, queue.room & self.hidden[0].ready)

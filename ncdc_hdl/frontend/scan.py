@@ -6,6 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.frontend.layouts import SIZE, SPANS, scan_layout
 from ncdc_hdl.frontend.ramp import Ramp
+from ncdc_hdl.frontend.signatures import SpansRequest
 from ncdc_hdl.frontend.strips import Strips
 from ncdc_hdl.neural.layouts import pixel_layout
 from ncdc_model.geometry import SCAN
@@ -48,7 +49,7 @@ class Scan(wiring.Component):
         To be held until the frame has ended.
     parameters : ``In(scan_layout())``
         Constant from ``start`` to the end of the frame.
-    row, spans, fresh : ``Out``, ``In(SPANS)``, ``In(1)``
+    table : ``Out(SpansRequest())``
         To the table of valid rows.
     go : ``In(1)``
         If a group is shown in the next clock, it may be left then.
@@ -69,7 +70,7 @@ class Scan(wiring.Component):
         self.q, self.lanes = formats.input, lanes
         super().__init__({
             "start": In(1), "abort": In(1), "parameters": In(scan_layout()),
-            "row": Out(SIZE), "spans": In(SPANS), "fresh": In(1),
+            "table": Out(SpansRequest()),
             "go": In(1), "advance": Out(1),
             "active": Out(1), "first": Out(1), "last": Out(1), "blank": Out(lanes),
             "pixels": Out(data.ArrayLayout(pixel_layout(formats, lanes), lanes)),
@@ -176,19 +177,20 @@ class Scan(wiring.Component):
         They have had a row's time to arrive; only the host reading the table without a pause, or
         a very short row, could hold them back.
         """
+        table = self.table
         spans = Signal(SPANS)           # of the row shown
         following = Signal(SPANS)       # of the row behind it, once `fetched`
         fetched = Signal()              # `following` has come from the table
         bottom = Signal(SIZE)           # the number of the picture's last row
         at_bottom = Signal()            # the row asked for is the last one; a clock late
-        m.d.sync += [bottom.eq(self.parameters.height - 1), at_bottom.eq(self.row == bottom)]
+        m.d.sync += [bottom.eq(self.parameters.height - 1), at_bottom.eq(table.row == bottom)]
         with m.If(~fetched):
-            m.d.sync += [following.eq(self.spans), fetched.eq(self.fresh)]
+            m.d.sync += [following.eq(table.spans), fetched.eq(table.fresh)]
         with m.If(take):
             m.d.sync += [spans.eq(following), fetched.eq(0),
-                         self.row.eq(Mux(at_bottom, 0, self.row + 1))]
+                         table.row.eq(Mux(at_bottom, 0, table.row + 1))]
         with m.If(self.start):
-            m.d.sync += [fetched.eq(0), self.row.eq(0)]
+            m.d.sync += [fetched.eq(0), table.row.eq(0)]
         return spans, fetched
 
     def _coordinates(self, m, load, take, new_row, new_strip, top):
