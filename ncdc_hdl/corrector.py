@@ -200,7 +200,8 @@ class Corrector(wiring.Component):
             scan.origin_y.eq(active.SCAN_ORIGIN_Y), scan.step_y.eq(active.SCAN_STEP_Y),
             self.window.width.eq(active.DISTORTED_WIDTH),
             self.window.height.eq(active.DISTORTED_HEIGHT),
-            self.row_gate.height.eq(active.DISTORTED_HEIGHT), self.row_gate.follow.eq(active.FOLLOW),
+            self.row_gate.height.eq(active.DISTORTED_HEIGHT),
+            self.row_gate.follow.eq(active.FOLLOW),
             self.fetch.base.eq(active.SOURCE_BASE), self.fetch.pitch.eq(active.SOURCE_PITCH),
             self.interpolator.phase.eq(active.BAYER_PHASE), self.interpolator.fill.eq(active.FILL),
         ]

@@ -84,7 +84,8 @@ class BackMap(wiring.Component):
         self.output = [OutputLayer(hidden_neurons, formats, self.share,
                                    hardware.multiplier_bits)
                        for _ in range(lanes)]
-        # Groups of the clocks from one taken out of the queue to the next one that this lets in.
+        # Groups that can be issued between the clock in which one is taken out of the queue and
+        # the arrival of the first one for which that makes room.
         self.under_way = -(-(self.latency + CreditQueue.loop) // self.share)
         least = self.under_way + _SLACK
         self.queue = queue or max(128, 1 << (least - 1).bit_length())
@@ -113,7 +114,8 @@ class BackMap(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.submodules.scan = scan = Scan(self.formats, self.lanes)
-        # What is left keeps the queue from running dry while the network refills.
+        # At the restart level the queue holds what the consumer takes until the network is full
+        # again, so that it does not run dry.
         m.submodules.queue = queue = CreditQueue(
             coordinate_layout(self.formats, self.lanes), depth=self.queue,
             restart=max(self.under_way, self.queue // 2))
@@ -166,7 +168,9 @@ def pace(m, scan, share, may_issue):
     if share == 1:
         m.d.comb += scan.go.eq(may_issue)
         return scan.advance, Const(0, 1)
-    issue, may, turn = Signal(), Signal(), Signal(range(share))
+    issue = Signal()                # a pixel enters the network, in its turn 0
+    may = Signal()                  # ``may_issue``, a clock ago
+    turn = Signal(range(share))     # of the pixel that stays
     m.d.sync += may.eq(may_issue)
     m.d.comb += [issue.eq(scan.active & may & (turn == 0)),
                  scan.go.eq(issue if share == 2 else turn == share - 2)]

@@ -34,8 +34,9 @@ class Relay(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         i = Value.cast(self.i.payload)
-        o, aside = (Signal(len(i), reset_less=True, name=name) for name in ("o", "aside"))
-        free = Signal(init=1)               # nothing is aside
+        o = Signal(len(i), reset_less=True)         # the item that is offered
+        aside = Signal(len(i), reset_less=True)     # the item kept aside, unless `free`
+        free = Signal(init=1)                       # nothing is aside
         m.d.comb += [self.i.ready.eq(free), Value.cast(self.o.payload).eq(o)]
         with m.If(free):
             m.d.sync += aside.eq(i)

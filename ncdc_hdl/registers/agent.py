@@ -66,7 +66,8 @@ class Registers(wiring.Component):
     def __init__(self, table, values, *, digest, hidden_neurons):
         self.table, self.values = table, values
         self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons}
-        shadow = {r.name: Shape(r.shape.width, r.shape.signed) for r in table if r.access == "shadow"}
+        shadow = {r.name: Shape(r.shape.width, r.shape.signed)
+                  for r in table if r.access == "shadow"}
         initial = {name: values.get(name, 0) for name in shadow}
         super().__init__({
             "bus": In(Agent(ADDRESS_WORDS_BITS)),
@@ -80,22 +81,24 @@ class Registers(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         bus = self.bus
-        kept = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(), init=self.values.get(r.name, 0))
+        kept = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(),
+                               init=self.values.get(r.name, 0))
                 for r in self.table if r.access in ("rw", "shadow")}
         counted = {name: Signal(32, name=name.lower()) for name in (*COUNTERS, "FRAMES")}
         action = {r.name: r for r in self.table if r.access == "action"}
         status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
 
-        # An access goes into registers first, then to whom it concerns: address and word rest until
-        # it is over.
-        address, word = Signal(ADDRESS_WORDS_BITS, name="address"), Signal(32, name="word")
-        under_way = Signal()
+        # An access goes into registers first, then to the register that it concerns: address and
+        # word rest until it is over.
+        address = Signal(ADDRESS_WORDS_BITS)        # of the word that is accessed
+        word = Signal(32)                           # the word to be written
+        under_way = Signal()                        # an access has begun and is not over
         with m.If(~under_way):
             m.d.sync += [address.eq(bus.address), word.eq(bus.writedata),
                          under_way.eq(bus.write | bus.read)]
         write = self._steps(m, "write", bus.write & ~under_way)
         read = self._steps(m, "read", bus.read & ~under_way)
-        accept = Signal()
+        accept = Signal()                           # the bus may end the access
         m.d.sync += accept.eq(write[3] | read[3])
         m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[5])]
         with m.If(accept):
@@ -115,7 +118,8 @@ class Registers(wiring.Component):
                     m.d.sync += status[flag.name].eq(0)
         self._keep(m, written, word, kept, status["COMMITTED"])
         self._table(m, address, read[2], in_table, word, kept, status)
-        with m.If(self._refused(m, written, in_table & ~self.valid_table.write, status["COMMITTED"])):
+        table_refused = in_table & ~self.valid_table.write
+        with m.If(self._refused(m, written, table_refused, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
         self._frames(m, {flag.name: written["CTRL"] & word[flag.bit]
                          for flag in action["CTRL"].flags}, kept, status)
@@ -175,8 +179,9 @@ class Registers(wiring.Component):
     def _frames(self, m, control, kept, status):
         """Begin and end frames; a committed set is taken over between two of them."""
         busy, pending, committed = (status[name] for name in ("BUSY", "PENDING", "COMMITTED"))
-        take, asked = Signal(), Signal()
-        # What is to happen in the next clock; a frame that begins has its set.
+        take = Signal()         # the committed set is taken over in this clock
+        asked = Signal()        # an abort was asked for while a frame ran or waited
+        # A frame may begin, or a set be taken over, in the next clock.
         boundary = (~busy | self.ended) & ~self.begin
         m.d.sync += [self.begin.eq(pending & boundary), take.eq(committed & boundary & ~take)]
         self._take_over(m, take, kept)

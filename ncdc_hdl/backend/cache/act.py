@@ -68,7 +68,7 @@ class Act(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        a_missing = Signal(TAG_BANKS)           # tiles that are still to be claimed; 0 if no look-up
+        a_missing = Signal(TAG_BANKS)           # tiles that are still to be claimed
         a_busy = Signal(TAG_BANKS)              # `busy`, a clock ago
         a_misses = Signal.like(self.misses)     # tiles claimed in the clocks before
         a_hit = Signal(init=1)                  # no tile is missing, or there is no look-up

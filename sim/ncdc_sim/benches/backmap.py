@@ -38,7 +38,8 @@ async def table(dut, spans, busy):
         row = int(dut.table__row.value) % len(spans)
         fresh = rng.random() >= busy
         answer = dict(zip(("start0", "stop0", "start1", "stop1"), spans[row].tolist()))
-        dut.table__spans.value = pack(SPANS, answer) if fresh else rng.getrandbits(len(dut.table__spans))
+        dut.table__spans.value = (pack(SPANS, answer) if fresh
+                                  else rng.getrandbits(len(dut.table__spans)))
         dut.table__fresh.value = int(fresh)
         await FallingEdge(dut.clk)
 
