@@ -12,14 +12,14 @@ _LOW = SCAN.width // 2
 
 
 class Ramp(wiring.Component):
-    """``sum`` = ``first`` + n ``stride``, from group to group of a scan, modulo 2**n.
+    """``sum`` = ``first`` + k ``stride`` for the group shown, modulo 2**32, by addition only.
 
-    The sum is kept in two halves, the low one a group ahead, so that no carry runs through all
-    bits in one clock.
+    k is the number of steps since the base was taken. The sum is kept in two halves, the low one
+    a group ahead, so that no carry runs through all bits in one clock.
 
     Timing: ``sum`` is that of the group which the last ``take`` has made the one shown. ``step``,
-    ``restart`` and ``rebase`` tell with ``take`` how the sum of the group after it is made. A frame
-    begins with ``load``, and a ``take`` with ``restart`` that shows nothing yet.
+    ``restart`` and ``rebase`` tell with ``take`` how the sum of the group after that one is made. A
+    frame begins with ``load``, and a ``take`` with ``restart`` that shows nothing yet.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ class Scan(wiring.Component):
     ``latency`` clocks, more while the host reads the table.
 
     ``abort`` ends the frame early: the group behind the one that is shown is blank and the last.
-    So does a picture without a pixel, whose only group that is.
+    A picture without a pixel ends in the same way, with one blank group.
 
     Parameters
     ----------
@@ -55,16 +55,23 @@ class Scan(wiring.Component):
         If a group is shown in the next clock, it may be left then.
     advance : ``Out(1)``
         The group shown is left: another one may be shown in the next clock.
-    active, first, last : ``Out(1)``
+    active : ``Out(1)``
+        A group is shown.
+    first, last : ``Out(1)``
+        The group shown is the first, the last of the frame; valid while ``active``.
     blank : ``Out(lanes)``
+        Which pixels have no source, of the group shown ``blank_latency`` clocks ago.
     pixels : ``Out(ArrayLayout(pixel_layout(formats, lanes), lanes))``
-        x, y, and what the next group adds to them.
+        Coordinates of the group shown, and what the next group adds to them; valid while
+        ``active``.
     cut : ``Out(1)``
-        The frame was ended early; until the next ``start``.
+        The frame was ended early; valid from its end to the next ``start``.
     """
 
     blank_latency = 2
+    """Clocks from a group shown to its ``blank``: comparisons, and what they tell."""
     latency = Strips.latency + 2
+    """Clocks from ``start`` to ``active``: the first group, as the next one, as the one shown."""
 
     def __init__(self, formats, lanes=1):
         self.q, self.lanes = formats.input, lanes
@@ -174,8 +181,8 @@ class Scan(wiring.Component):
     def _fetch_spans(self, m, take):
         """The spans of the row shown, and whether those of the next one can be taken.
 
-        They have had a row's time to arrive; only the host reading the table without a pause, or
-        a very short row, could hold them back.
+        The spans of the next row have had a row's time to arrive. Only the host, if it reads the
+        table without a pause, or a very short row could hold them back.
         """
         table = self.table
         spans = Signal(SPANS)           # of the row shown

@@ -9,13 +9,14 @@ __all__ = ["Fifo", "block_memory"]
 
 
 def block_memory(shape, depth, init=()):
-    """A memory of which nobody uses a word read in the clock that writes it.
+    """A memory of ``depth`` words of ``shape``; no word is used that is read when it is written.
 
-    That word is undefined in block RAM. Without this promise synthesis puts logic behind the RAM
-    to give the old word, and the RAM's output register out of reach. In simulation it is the old
-    word.
+    A word that is read in the clock of its write is undefined in block RAM. Whoever takes this
+    memory promises not to use such a word. Without the promise synthesis puts logic behind the RAM
+    to give the old word, which puts the RAM's output register out of reach. In simulation the old
+    word is read.
     """
-    # As Yosys and as Quartus call it.
+    # The promise, as Yosys calls it and as Quartus does.
     return Memory(shape=shape, depth=depth, init=list(init),
                   attrs={"no_rw_check": 1, "ramstyle": "no_rw_check"})
 

@@ -26,8 +26,9 @@ class Operand(enum.IntEnum, shape=4):
     ZERO = 8
 
 
-# step: the sum is taken; double, row: it is added to twice the last one, or to the row's first;
-# save: it is the first of a row; keep: it is the next of the four increments.
+# What becomes of the addition in a clock. `step`: its result becomes the sum. `double`: the operand
+# was added to twice the sum before. `row`: it was added to the row's first sum instead. `save`: the
+# result is the first sum of a row. `keep`: the result is the next of the four increments.
 ADD = data.StructLayout({"step": 1, "double": 1, "row": 1, "save": 1, "keep": 1})
 
 

@@ -36,11 +36,12 @@ def word_bytes(data_width, lanes):
 def window_place_layout(f_bits, options, lanes):
     """What a pending look-up has to know until its samples are read.
 
-    ``set`` is that of its first tile, whose column and row parity are ``odd_tile``, ``next_set``
-    that of the tile right of and below it. Each lane:
-    ``x``, ``y`` in the tile of its own, place in its window, whether it is blank. A group of
-    several lanes may take several look-ups: ``mask`` tells which lanes are this one's, ``end``
-    whether it is the group's last, ``word`` and ``row`` where in the first tile its box begins.
+    ``set`` is that of its first tile, whose column and row parity are ``odd_tile``; ``next_set`` is
+    that of the tile right of and below it. Each lane has its window's origin ``x``, ``y`` in the
+    tile that holds it, the pixel's place ``fx``, ``fy`` in the window, and whether it is ``blank``.
+    A group of several lanes may take several look-ups: ``mask`` tells which lanes are this one's,
+    ``end`` whether it is the group's last, ``word`` and ``row`` where in the first tile its box
+    begins.
     """
     fields = {
         "set": set_bits(options), "next_set": set_bits(options),
@@ -101,5 +102,9 @@ def tile_layout(options):
 
 
 def stalls_layout():
-    """Why the tag stage does not move: a place in use, no credit, too many pending look-ups."""
+    """Why the look-up in the act stage waits.
+
+    ``interlock``: the place of a missing tile is in use. ``credit``: too many tiles are under way.
+    ``pending``: too many look-ups are. At most one of them is high.
+    """
     return data.StructLayout({"interlock": 1, "credit": 1, "pending": 1})
