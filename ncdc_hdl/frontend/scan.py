@@ -102,14 +102,14 @@ class Scan(wiring.Component):
         shown_new_row = Signal()        # the group behind the one shown is in another row
         shown_new_strip = Signal()      # the group behind the one shown is in another strip
         shown_cut = Signal()            # the group shown is blank, and ends the frame early
-        empty = Signal()                # the picture has no pixel
         end = Signal()                  # if the next group is taken, it is blank and ends the frame
         final = Signal()                # if the next group is taken, no other one follows
         take = Signal()                 # the next group becomes the one shown
-        m.d.sync += empty.eq((self.parameters.width == 0) | (self.parameters.height == 0))
-        m.d.comb += [end.eq(self.abort | empty), final.eq(~next_void & (end | next_last))]
+        m.d.comb += [end.eq(self._ends(m)), final.eq(~next_void & (end | next_last))]
+        # A group that begins a row waits until the spans of that row have been fetched.
         spans, fetched = self._fetch_spans(m, take & begins_row)
-        self._pace(m, strips, take, next_void, final, ends_row, begins_row, fetched)
+        self._pace(m, strips, take, next_void, final, may_take=~begins_row | fetched,
+                   may_follow=~ends_row | fetched & ~begins_row)
 
         with m.If(take):
             # The next group becomes the one shown.
@@ -147,10 +147,17 @@ class Scan(wiring.Component):
         self._blank(m, shown_column, spans, shown_cut)
         return m
 
-    def _pace(self, m, strips, take, next_void, final, ends_row, begins_row, fetched):
+    def _ends(self, m):
+        """Whether the frame is to end early: it is aborted, or the picture has no pixel."""
+        empty = Signal()
+        m.d.sync += empty.eq((self.parameters.width == 0) | (self.parameters.height == 0))
+        return self.abort | empty
+
+    def _pace(self, m, strips, take, next_void, final, may_take, may_follow):
         """Decide when the next group is taken, and when the one shown is left.
 
-        Both are decided a clock ahead, since they reach registers all over the scan.
+        Both are decided a clock ahead, since they reach registers all over the scan. ``may_take``:
+        the spans of the next group are there. ``may_follow``: so are those of the one behind it.
         """
         next_valid = Signal()           # there is a next group, void or not
         will_take = Signal()            # ``take`` in the next clock
@@ -164,9 +171,8 @@ class Scan(wiring.Component):
             strips.start.eq(self.start),
             strips.advance.eq(step),
             will_show.eq(take & ~next_void | self.active & ~self.advance),
-            # A group that begins a row waits until the spans of that row have been fetched.
-            take_again.eq(~final & (~ends_row | fetched & ~begins_row)),
-            will_take.eq(strips.begin | Mux(take, take_again, next_valid & (~begins_row | fetched))
+            take_again.eq(~final & may_follow),
+            will_take.eq(strips.begin | Mux(take, take_again, next_valid & may_take)
                          & (~will_show | self.go)),
         ]
         m.d.sync += [

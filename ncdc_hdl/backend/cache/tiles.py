@@ -35,8 +35,8 @@ def box_layout(options, word_bytes):
     """Where a box begins.
 
     ``set`` and ``odd_tile`` are set and parities of its first tile, ``next_set`` is the set of the
-    tile right of and below it; ``row`` and ``word``, of ``word_bytes`` bytes, are those in the first
-    tile.
+    tile right of and below it; ``row`` and ``word``, of ``word_bytes`` bytes, are those in
+    the first tile.
     """
     return data.StructLayout({
         "set": set_bits(options), "next_set": set_bits(options),
