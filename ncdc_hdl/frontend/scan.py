@@ -114,8 +114,7 @@ class Scan(wiring.Component):
         with m.If(take):
             # The next group becomes the one shown.
             m.d.sync += [
-                self.first.eq(next_first),
-                self.last.eq(end | next_last),
+                self.first.eq(next_first), self.last.eq(end | next_last),
                 shown_column.eq(next_column),
                 shown_new_row.eq(new_row),
                 shown_new_strip.eq(new_strip & ~end),
