@@ -135,12 +135,12 @@ class RasterControl(wiring.Component):
 
     @property
     def preset(self):
-        """Clocks from a frame's first pixel being shown to ``ready``."""
+        """Clocks from a frame's first pixel being shown to its first turn."""
         return 1 + 2 * self.bits + 2 + self.restart
 
     @property
     def restart(self):
-        """Clocks from a strip's first pixel being shown to ``ready``."""
+        """Clocks from a strip's first pixel being shown to its first turn."""
         return 2 * self.bits + 2
 
     def elaborate(self, platform):
@@ -255,8 +255,8 @@ class RasterLayer(wiring.Component):
 
     @property
     def start_latency(self):
-        """Clocks that a frame's first pixel waits for the layer: first sums, then it may go."""
-        return self.control.preset + 1
+        """Clocks that a frame's first pixel waits for the layer: first sums."""
+        return self.control.preset
 
     def __init__(self, hidden_neurons, formats, share=1, lanes=1):
         self.hidden_neurons, self.formats, self.share = hidden_neurons, formats, share

@@ -34,7 +34,7 @@ class CorrectorTiming:
     pixel_to_bus : int
         A pixel is at the packer; the first word of the burst that it completes is on the bus.
     row_to_lookup : int
-        A row of the raw frame is in memory; the look-up that waited for it is in the act stage.
+        ``camera_rows`` counts a row; the look-up that waited for it is in the act stage.
     end_to_interrupt : int
         The last pixel is out; the interrupt is high.
     write_burst : int
