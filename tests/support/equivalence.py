@@ -1,8 +1,8 @@
-"""A printed module against the netlist that Amaranth's converter made: equal for all inputs, by Yosys.
+"""A printed module against the netlist that Amaranth's converter made: equal, by Yosys.
 
-Each distinct module is proved alone. The modules in it are cut out on both sides alike: what it gives
-them becomes outputs, what they give it inputs. The netlist side is the converter's own text; only
-names of wires are changed there, since Yosys finds by name which registers belong together.
+Each distinct module is proved alone. The modules in it are cut out on both sides alike: what it
+gives them becomes outputs, what they give it inputs. The netlist side is the converter's own text;
+only names of wires are changed there, since Yosys finds by name which registers belong together.
 """
 
 import re
@@ -75,7 +75,7 @@ def _ports(netlist, original):
 
 
 def _wrapper(netlist, original, top):
-    """RTLIL of a module ``top`` with the printed module's ports and it inside, called ``y``."""
+    """RTLIL of a module ``top`` with the printed module's ports and it inside, as ``y``."""
     ports = _ports(netlist, original)
     lines = [f"module \\{top}", *_declared(ports)]
     lines += [f"  cell \\{netlist.names[original]} \\y",

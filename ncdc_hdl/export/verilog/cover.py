@@ -1,4 +1,4 @@
-"""The first screen of ``ncdc.v``: what it is, what it was made from, and every port by interface."""
+"""The first screen of ``ncdc.v``: what it is, what it was made from, its ports by interface."""
 
 import textwrap
 from importlib.metadata import version
@@ -14,18 +14,24 @@ TOP = "ncdc"
 # What each port is for, by interface; of one that comes several times, by the interface's kind.
 _CLOCK = {"clk": "the only clock; all ports belong to it", "rst": "synchronous, active high"}
 _AGENT = {
-    "address": "word address, see docs/registers.md", "read": "read strobe, held while waitrequest",
+    "address": "word address, see docs/registers.md",
+    "read": "read strobe, held while waitrequest",
     "write": "write strobe, held while waitrequest", "writedata": "word to write",
     "readdata": "word read, valid with readdatavalid", "readdatavalid": "one clock per read",
     "waitrequest": "low in the clock that accepts an access"}
 _READ_HOST = {
-    "address": "byte address of a burst, on a word", "read": "asks for a burst, held in waitrequest",
+    "address": "byte address of a burst, on a word",
+    "read": "asks for a burst, held in waitrequest",
     "burstcount": "words of the burst", "waitrequest": "the memory takes no command now",
-    "readdata": "words in the order asked for", "readdatavalid": "a word has come; it is not refused"}
+    "readdata": "words in the order asked for",
+    "readdatavalid": "a word has come; it is not refused"}
 _WRITE_HOST = {
-    "address": "byte address of a burst, on a word", "write": "a word of a burst, held in waitrequest",
-    "burstcount": "words of the burst, constant in it", "writedata": "pixels: blue, green, red, zero",
-    "byteenable": "bytes of the word that count", "waitrequest": "the memory takes no word now"}
+    "address": "byte address of a burst, on a word",
+    "write": "a word of a burst, held in waitrequest",
+    "burstcount": "words of the burst, constant in it",
+    "writedata": "pixels: blue, green, red, zero",
+    "byteenable": "bytes of the word that count",
+    "waitrequest": "the memory takes no word now"}
 _STREAM = {
     "valid": "a group of pixels is there, held until ready", "ready": "it is taken in this clock",
     "data": "24 bits a pixel, red on top, leftmost lowest",
@@ -101,6 +107,7 @@ def _port_lines(head, ports):
         lines.append(f"  // {title}")
         for name, wire, kind, initial, text in found:
             width = f"[{wire.width - 1}:0]" if wire.width > 1 else ""
-            port = f"  {wire.port:<6} {kind:<4} {width:>7} {name}{initial}{'' if name == last else ','}"
+            end = "" if name == last else ","
+            port = f"  {wire.port:<6} {kind:<4} {width:>7} {name}{initial}{end}"
             lines.append(f"{port:<48} // {text}")
     return [*lines, ");"]

@@ -45,8 +45,8 @@ class Expressions:
 
     An operator whose result has no name in the source and is read once becomes part of the
     expression that reads it, where Verilog's rules on widths give it the same bits there: as all of
-    the right side of an assignment of its own width, or, if it can be no wider than its result, as a
-    condition, in a concatenation, or among bitwise operators of its width.
+    the right side of an assignment of its own width, or, if it can be no wider than its result, as
+    a condition, in a concatenation, or among bitwise operators of its width.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class Expressions:
         return name or place(self.module, part)
 
     def _alone(self, part):
-        """The operator that drives all of ``part`` and is read nowhere else; None if there is none."""
+        """The operator that drives all of ``part`` and is read nowhere else, or None."""
         if not isinstance(part, Slice) or part.low or self.uses.get(part.wire, 0) != 1:
             return None
         wire = self.module.wires[part.wire]

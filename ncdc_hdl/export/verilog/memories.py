@@ -84,7 +84,8 @@ def _write_port(cell, write):
         part = "" if high - low == len(enables) else f"[{high - 1}:{low}]"
         value = write.whole(part_of(inputs["DATA"], low, high - low), high - low)
         # A net of one bit that nothing but this port reads may stand here as its expression.
-        condition = "" if enable == "1" else f"if ({write.condition(part_of(inputs['EN'], low, 1))}) "
+        text = write.condition(part_of(inputs["EN"], low, 1))
+        condition = "" if enable == "1" else f"if ({text}) "
         lines.append(f"    {condition}{name}[{address}]{part} <= {value};")
         low = high
     return [f"  always @({_edge(cell, write)}) begin", *lines, "  end"] if len(lines) > 1 else [

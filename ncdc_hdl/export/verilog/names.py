@@ -1,4 +1,4 @@
-"""Names of a netlist as an engineer would give them: plain identifiers, ports by their signature."""
+"""Names of a netlist as an engineer would give them: plain identifiers, ports by signature."""
 
 import re
 
@@ -64,50 +64,51 @@ def rename(module, members):
     before = [name for name, wire in module.wires.items() if wire.port]
     joined, drivers = _join_same(module, members)
     cut = _split_ports(module, members)
-    taken, names = set(), {}
-    ordered = sorted(module.wires, key=lambda name: (
-        not module.wires[name].port, _CLOCKS.get(name, len(_CLOCKS)),
-        members.index(identifier(name)) if identifier(name) in members else len(members)))
+    names, instances, ordered = _plain_names(module, members)
     for name in ordered:
-        base = identifier(name)
-        if name.startswith("$"):
-            base = "t"
-        new, count = base if base != "t" else "t1", 1
-        while new in taken:
-            count += 1
-            new = f"t{count}" if base == "t" else f"{base}_{count}"
-        taken.add(new)
-        names[name] = new
         module.wires[name].made = name.startswith("$")
-    for name in module.memories:
-        new, count = identifier(name), 1
-        while new in taken:
-            count += 1
-            new = f"{identifier(name)}_{count}"
-        taken.add(new)
-        names[name] = new
-    instances = {}
-    for cell in module.cells:
-        if not cell.kind.startswith("$"):
-            old = cell.name
-            base = new = identifier(cell.name)
-            count = 1
-            while new in taken:
-                count += 1
-                new = f"{base}_{count}"
-            taken.add(new)
-            cell.name = instances[old] = new
     memories = {name: names[name] for name in module.memories}
-    module.memories = {names[name]: memory for name, memory in module.memories.items()}
     for cell in module.cells:
         if "MEMID" in cell.parameters:
-            old = "\\" + cell.parameters["MEMID"].strip('"').lstrip("\\")
-            cell.parameters["MEMID"] = names[old]
+            memory = cell.parameters["MEMID"].strip('"').lstrip("\\")
+            cell.parameters["MEMID"] = names[f"\\{memory}"]
+        cell.name = instances.get(cell.name, cell.name)
+    module.memories = {names[name]: memory for name, memory in module.memories.items()}
     module.wires = {names[name]: module.wires[name] for name in ordered}
     _substitute(module, {old: (new, 0) for old, new in names.items()})
     ports = {old: [(names[part], low, width) for part, low, width in cut.get(
         joined[old], [(joined[old], 0, None)])] for old in before}
-    return ports, instances | memories | {old: names[best] for old, best in drivers.items() if best in names}
+    return ports, instances | memories | {old: names[best] for old, best in drivers.items()
+                                          if best in names}
+
+
+def _plain_names(module, members):
+    """New names of wires and memories, and of instances, by their old ones; the wires in order:
+    ports first, clock and reset before the members of the signature."""
+    taken, names, instances = set(), {}, {}
+
+    def free(base, separator="_"):
+        new, count = base if separator else f"{base}1", 1
+        while new in taken:
+            count += 1
+            new = f"{base}{separator}{count}"
+        taken.add(new)
+        return new
+
+    def order(name):
+        plain = identifier(name)
+        return (not module.wires[name].port, _CLOCKS.get(name, len(_CLOCKS)),
+                members.index(plain) if plain in members else len(members))
+
+    ordered = sorted(module.wires, key=order)
+    for name in ordered:
+        names[name] = free("t", "") if name.startswith("$") else free(identifier(name))
+    for name in module.memories:
+        names[name] = free(identifier(name))
+    for cell in module.cells:
+        if not cell.kind.startswith("$"):
+            instances[cell.name] = free(identifier(cell.name))
+    return names, instances, ordered
 
 
 def _substitute(module, places):

@@ -46,6 +46,9 @@ class _Printer:
         self.uses = self._count_uses()
         self.next_of, self.comb = self._sort_processes()
         fields = self._fields()
+        # Names of slices of other wires, which nothing but the source calls so.
+        self.aliases = {name for name, parts in self.sources.items()
+                        if len(parts) == 1 and len(joined(parts[0][1])) == 1}
         self.expressions = Expressions(module, self.operators, fields, self.uses)
 
     def _sort(self, cell):
@@ -209,7 +212,7 @@ class _Printer:
         """Nets that are read, or that the source names, each behind those that it reads."""
         module, wanted, texts = self.module, set(self.expressions.read), {}
         wanted |= {name for name, wire in module.wires.items()
-                   if not wire.made and not wire.port and name not in self._field_names()}
+                   if not wire.made and not wire.port and name not in self.aliases}
         while missing := [name for name in sorted(wanted) if name not in texts
                           and not module.wires[name].port and not self._held(name)
                           and name not in self.driven]:
@@ -224,11 +227,6 @@ class _Printer:
         return [*(self._declaration("wire", name) for name in names if name in circular),
                 *(f"  assign {name} = {texts[name][0]};" if name in circular else
                   self._declaration("wire", name, f" = {texts[name][0]}") for name in names)]
-
-    def _field_names(self):
-        return set(self.expressions.fields.values()) | {
-            name for name, parts in self.sources.items()
-            if len(parts) == 1 and len(joined(parts[0][1])) == 1}
 
     def _value(self, name):
         """What drives a net, as an expression of its width.
@@ -288,7 +286,7 @@ def _attributes(item):
 
 
 def _wrapped(head, items):
-    """``head``, the ``items`` between commas, and the end of the statement; as many as fit a line."""
+    """``head``, the ``items`` between commas, the statement's end; as many as fit a line."""
     lines, line = [head], ""
     for k, item in enumerate(items):
         item += "," if k < len(items) - 1 else ""
