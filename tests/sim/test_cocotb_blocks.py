@@ -8,6 +8,7 @@ from functools import cache
 import pytest
 
 from cameras import barrel_descriptor
+from kept import run_cocotb
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
@@ -22,7 +23,7 @@ from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values
 from ncdc_model.interface.register_map import registers
 from ncdc_model.tansig import TansigDesign
-from ncdc_sim.cocotb_run import design_of, run_cocotb
+from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SIMULATORS, SimulationError
 
 FORMATS = Formats()
