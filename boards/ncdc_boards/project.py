@@ -31,7 +31,8 @@ def project_name(board):
 
 
 def check_board(board, descriptor, output):
-    """Raise :class:`InputError` unless the board's project can hold a corrector of ``descriptor``."""
+    """Raise :class:`InputError` unless the board's project can hold a corrector of ``descriptor``.
+    """
     if board.platform is None:
         return
     if output != "stream":
@@ -88,11 +89,13 @@ def _build(name):
 
 
 def _ports(board, corrector, qsf):
-    pins = re.findall(r"^set_location_assignment -to \"?([^\s\"]+)\"? PIN_(\w+)$", qsf, re.MULTILINE)
+    pins = re.findall(r"^set_location_assignment -to \"?([^\s\"]+)\"? PIN_(\w+)$", qsf,
+                      re.MULTILINE)
     lines = [f"# Ports of the top, {board.title}", "",
              f"Device {board.device}. Published in: {'; '.join(board.sources)}.", ""]
     if pins:
-        lines += ["| port | pin |", "|---|---|", *(f"| `{_plain(port)}` | {pin} |" for port, pin in pins), ""]
+        lines += ["| port | pin |", "|---|---|",
+                  *(f"| `{_plain(port)}` | {pin} |" for port, pin in pins), ""]
     lines += ["Left to the user:", ""]
     lines += [f"- {what}: {why}" for what, why in board.left_to_user.items()]
     if not pins:

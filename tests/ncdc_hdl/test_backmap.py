@@ -275,7 +275,8 @@ def test_refuses_a_short_queue():
 
 
 def test_refuses_to_share_among_more_neurons_than_there_are():
-    with pytest.raises(InputError, match="share is 5, the limit is the number of hidden neurons, 4"):
+    with pytest.raises(InputError,
+                       match="share is 5, the limit is the number of hidden neurons, 4"):
         BackMap(4, barrel_descriptor().formats, hardware=Hardware(share=5))
 
 

@@ -81,7 +81,8 @@ def test_is_saved_loaded_and_part_of_the_digest(tmp_path):
     ("skip_weight = [14, 12]", "", "skip_weights are needed in integers, in real numbers and"),
     ("skip_weight = [14, 12]", "skip_weight = [10, 12]",
      r"skip_weights holds 4096256 \(1000.06\), the limits of Q10.12 are"),
-    ("skip_weight = [14, 12]", "skip_weight = [14, 31]", "the format skip_weight Q14.31 has 45 bits"),
+    ("skip_weight = [14, 12]", "skip_weight = [14, 31]",
+     "the format skip_weight Q14.31 has 45 bits"),
     ("skip_weight = [14, 12]", "skip_weight = [4, 28]", "need 69 bits, the limit is 63"),
     ("[13312, -169984]", "[13312]", "net.toml"),
 ])

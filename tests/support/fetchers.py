@@ -44,8 +44,9 @@ def check_windows(dut, raw, places, rng, *, gap, stall, wait, latency, margin=64
     simulator.add_testbench(sink)
     simulator.add_testbench(count_fetches, background=True)
     for r, log in enumerate(logs):
-        simulator.add_testbench(read_agent(getattr(dut, f"bus{r}"), content, dut.data_width // 8, rng,
-                                           wait=wait, latency=latency, log=log), background=True)
+        agent = read_agent(getattr(dut, f"bus{r}"), content, dut.data_width // 8, rng,
+                           wait=wait, latency=latency, log=log)
+        simulator.add_testbench(agent, background=True)
     simulator.run()
 
     for k, window in enumerate(got):

@@ -234,8 +234,9 @@ class _Module:
         self.stream = "stream_data" in self.ports
         self.width = self.ports.get("read0_readdata", 0)
         if self.width not in (32, 64, 128) or self.readers not in (1, 3):
-            raise InputError(f"the module {TOP} has {self.readers} read ports of {self.width} bits, "
-                             "1 or 3 of 32, 64 or 128 bits are needed")
+            raise InputError(
+                f"the module {TOP} has {self.readers} read ports of {self.width} bits, "
+                "1 or 3 of 32, 64 or 128 bits are needed")
 
     def defines(self, end):
         """Macros of the bench around it, with a memory to byte address ``end``."""
@@ -250,7 +251,7 @@ class _Module:
 
 
 def _bench(module, memory, simulator, end):
-    """The program that simulates the ``module`` in the bench, on ``memory`` to byte address ``end``.
+    """The program that simulates ``module`` in the bench, on ``memory`` to byte address ``end``.
 
     Raises
     ------

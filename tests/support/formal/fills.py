@@ -66,7 +66,8 @@ class FillRoom(_Fills):
         asked = Signal(range(16 * self.limit))
         m.d.comb += asked.eq(
             (claim + claimed.level + a_valid) * beats
-            + Mux(o_valid, (TILE_HEIGHT - row) * dut.burst, 0) + Mux(stale, 0, Mux(read, words, 0) + owed))
+            + Mux(o_valid, (TILE_HEIGHT - row) * dut.burst, 0)
+            + Mux(stale, 0, Mux(read, words, 0) + owed))
         always(m, (due == owed) & (some == (due != 0)), "owed_is_known")
         always(m, owed + Mux(read, words, 0) <= self.limit, "room_for_command")
         always(m, words <= dut.burst, "burst")
