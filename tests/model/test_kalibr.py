@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
-from test_camera_file import FISHEYE, MATRIX, ideal_points, opencv_file
 
+from camera_files import FISHEYE, MATRIX, ideal_points, opencv_file
 from ncdc.cli import main
 from ncdc_model.calibration.camera_file import load_camera_map
 from ncdc_model.errors import InputError

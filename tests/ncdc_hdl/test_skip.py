@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_backmap import FrontEnd, expected, extreme, frames
 
 from cameras import barrel_descriptor
+from front_end import FrontEnd, expected, extreme, frames
 from ncdc_hdl.lib.pipeline import DelayMemory
 from ncdc_hdl.neural.neuron import WeightedSum, output_sum
 from ncdc_model.corrector import correct
