@@ -11,7 +11,7 @@ from ncdc_model.calibration.camera_file import load_camera_map, training_grid
 from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera, TiltedSensor
 from ncdc_model.valid import valid_mask
-from photos import real_photos
+from photos import photos
 
 RATIONAL = [.31, .02, .0008, -.0011, .001, .66, .08, .003]
 FULL = RATIONAL + [.0012, .0002, -.0007, .0001, .011, -.008]
@@ -125,7 +125,7 @@ def test_training_grid_holds_exact_pairs_and_the_border(tmp_path):
 
 
 def test_real_opencv_file():
-    path, = real_photos("opencv/left_intrinsics.yml")
+    path, = photos("opencv/left_intrinsics.yml")
     read = load_camera_map(path)
     k1, k2, p1, p2, k3 = (-2.6637260909660682e-01, -3.8588898922304653e-02,
                           1.7831947042852964e-03, -2.8122100441115472e-04, 2.3839153080878486e-01)
@@ -141,7 +141,7 @@ def test_real_opencv_file():
 
 
 def test_real_omnidirectional_file_needs_a_number_as_zoom():
-    path, = real_photos("fisheye/fisheye.yaml")
+    path, = photos("fisheye/fisheye.yaml")
     with pytest.raises(InputError, match="sees at 90 degrees or more"):
         load_camera_map(path)
     read = load_camera_map(path, zoom=.6)
