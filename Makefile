@@ -1,5 +1,5 @@
 # make demo      the whole chain on the built-in example camera, into demo/
-# make test      every test, Verilator and Icarus
+# make test      ruff, then every test, Verilator and Icarus; lists what it skipped, and why
 # make regress   the long version: exhaustive sweeps, full-size frames
 # make setup     install only: .venv, pinned packages, missing Debian packages
 
@@ -21,9 +21,11 @@ demo: setup
 	$(BIN)/ncdc demo -o demo
 
 test: setup
+	$(BIN)/ruff check
 	$(BIN)/python -m pytest -m 'not regress' -n 2 --dist worksteal
 
 regress: setup
+	$(BIN)/ruff check
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 clean:

@@ -1,5 +1,6 @@
 """Compiling Verilog with Verilator or Icarus, once, and running it with its output watched."""
 
+import os
 import shutil
 import subprocess
 from collections import deque
@@ -14,7 +15,7 @@ HDL = Path(__file__).parent / "hdl"
 
 
 def build(name, top, sources, *, defines=None, simulator="verilator", main=None, options=(),
-          optimise="-O2"):
+          optimise=None):
     """Program that simulates module ``top``, compiled if it was not yet; see :func:`command_of`.
 
     Parameters
@@ -33,9 +34,10 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         C++ main program (Verilator only).
     options : sequence of str
         More options for Verilator.
-    optimise : str
-        Option of the C++ compiler (Verilator only): compiling takes twice as long with -O2 as with
-        -O0, which is repaid after some million clocks.
+    optimise : str or None
+        Option of the C++ compiler (Verilator only). None: what ``NCDC_OPTIMISE`` says, else -O2.
+        -O0 compiles in a third of the time and simulates at a third of the speed: it suits runs
+        of less than some hundred thousand clocks.
 
     Raises
     ------
@@ -54,7 +56,8 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         program = top
         command = [compiler, "--cc", "--exe", "--build", "-j", "2", "-O3", "--top-module", top,
                    "--timescale", "1ns/1ps", "--Mdir", "model", "-o", f"../{program}",
-                   "-MAKEFLAGS", f"OPT_FAST={optimise}", *WAIVERS, *options, *defines]
+                   *_make_flags(optimise or os.environ.get("NCDC_OPTIMISE", "-O2")),
+                   *WAIVERS, *options, *defines]
     texts = [(file, without_header(text)) for file, text in sources]
     if main is not None and simulator == "verilator":
         texts.append((main.name, main.read_text()))
@@ -69,6 +72,16 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
 
     key = key_of(name, simulator, version(simulator), *command[1:], *sum(texts, ()))
     return built(key, compile_in) / program
+
+
+def _make_flags(optimise):
+    """Verilator's options for compiling its C++.
+
+    Without optimisation most of the time goes into the model's headers, once per file and twice
+    for the precompiled header: one file of all is faster.
+    """
+    flags = [f"OPT_FAST={optimise}"] + ["VM_PARALLEL_BUILDS=0"] * (optimise == "-O0")
+    return [text for flag in flags for text in ("-MAKEFLAGS", flag)]
 
 
 def command_of(program):

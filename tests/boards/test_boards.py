@@ -12,7 +12,7 @@ from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import mosaic, read_image
-from photos import real_photos
+from photos import full_photos, photos
 
 
 def chessboard(columns, rows, step=40, colour=(230, 230, 230)):
@@ -181,14 +181,16 @@ def test_auto_tells_dots_from_chessboards():
         detect_points([("blank", np.full((120, 160), 200, np.uint8))], "auto")
 
 
+@pytest.mark.parametrize("where", [
+    photos, pytest.param(full_photos, marks=pytest.mark.regress)], ids=["small", "full"])
 @pytest.mark.parametrize("pattern,target,count", [
     ("chessboard_wide/GOPR00[35]*.jpg", "chessboard:8x6", 48),
     ("opencv/left0[1-6].jpg", "chessboard:9x6", 54),
     ("fisheye/1*.jpg", "chessboard:6x4", 24),
     ("circles/circle_regular/*.jpg", "circles:10x8", 80),
     ("circles/circle_hexagonal/*.jpg", "acircles:14x24", 336)])
-def test_real_boards(pattern, target, count):
-    files = real_photos(pattern)
+def test_real_boards(where, pattern, target, count):
+    files = where(pattern)
     points = detect_points(((file.name, read_image(file)) for file in files), target)
     assert not points.rejected_photos
     assert points.count == count * len(files)
@@ -199,13 +201,13 @@ def test_real_boards(pattern, target, count):
     ("circles/circle_hexagonal/*4.jpg", "acircles", 24, 28), ("fisheye/1.jpg", "chessboard", 6, 4),
     ("dots/dot_pattern_05.jpg", "dots", 85, 54)])
 def test_real_targets_are_recognised(pattern, target, columns, rows):
-    file = real_photos(pattern)[0]
+    file = photos(pattern)[0]
     points = detect_points([(file.name, read_image(file))], "auto")
     assert (points.target, points.columns, points.rows) == (target, columns, rows)
 
 
 def test_real_photo_of_another_target_is_refused():
-    file = real_photos("scenes/*.jpg")[0]
+    file = photos("scenes/*.jpg")[0]
     with pytest.raises(InputError, match="no photo shows the target"):
         detect_points([(file.name, read_image(file))], "chessboard:9x6")
 

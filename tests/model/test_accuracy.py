@@ -20,7 +20,8 @@ def source(tmp_path_factory):
     return load_source(path, bayer=BAYER)
 
 
-@pytest.mark.parametrize("neurons", [4, *(pytest.param(n, marks=regress) for n in range(5, 12)), 12])
+@pytest.mark.parametrize(
+    "neurons", [4, *(pytest.param(n, marks=regress) for n in range(5, 12)), 12])
 def test_integers_add_little_to_the_map_and_blanking_is_exact(source, neurons):
     trained = train_camera(source, neurons)
     d = trained.descriptor

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from test_training import GEOMETRY, equidistant
 
+from lenses import GEOMETRY, equidistant
 from ncdc_model.errors import InputError
 from ncdc_model.training.backprop import BackPropagation, Stop, train_backprop
 from ncdc_model.training.problem import Problem, errors_of

@@ -6,30 +6,15 @@ import cv2
 import numpy as np
 import pytest
 
+from camera_files import FISHEYE, MATRIX, ideal_points, opencv_file
 from ncdc_model.calibration.camera_file import load_camera_map, training_grid
 from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera, TiltedSensor
 from ncdc_model.valid import valid_mask
-from photos import real_photos
+from photos import photos
 
-MATRIX = np.array([[300.0, 0, 318.5], [0, 300.0, 241.25], [0, 0, 1]])
 RATIONAL = [.31, .02, .0008, -.0011, .001, .66, .08, .003]
 FULL = RATIONAL + [.0012, .0002, -.0007, .0001, .011, -.008]
-FISHEYE = [.02, -.006, .002, -.0005]
-
-
-def opencv_file(path, coefficients, **more):
-    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
-    storage.write("image_width", 640)
-    storage.write("image_height", 480)
-    storage.write("camera_matrix", MATRIX)
-    storage.write("distortion_coefficients", np.array([coefficients]).T)
-    for name, value in more.items():
-        storage.write(name, value)
-    storage.release()
-    return path
-
-
 def ros_text(model, coefficients):
     numbers = ", ".join(map(str, MATRIX.ravel()))
     block = "".join(f"  - {c}\n" for c in coefficients)
@@ -42,10 +27,6 @@ def our_fisheye():
     """The fisheye by our own formulas, framed at 200 pixels per unit of the ideal plane."""
     return Camera.from_dict({"width": 640, "height": 480, "f_distorted": 300.0, "k": FISHEYE,
                              "centre": [318.5, 241.25], "f_corrected": 200.0})
-
-
-def ideal_points():
-    return (grid.ravel() for grid in np.meshgrid(np.linspace(-.9, .9, 9), np.linspace(-.7, .7, 7)))
 
 
 @pytest.mark.parametrize("count", [4, 5, 8, 12, 14])
@@ -144,7 +125,7 @@ def test_training_grid_holds_exact_pairs_and_the_border(tmp_path):
 
 
 def test_real_opencv_file():
-    path, = real_photos("opencv/left_intrinsics.yml")
+    path, = photos("opencv/left_intrinsics.yml")
     read = load_camera_map(path)
     k1, k2, p1, p2, k3 = (-2.6637260909660682e-01, -3.8588898922304653e-02,
                           1.7831947042852964e-03, -2.8122100441115472e-04, 2.3839153080878486e-01)
@@ -160,7 +141,7 @@ def test_real_opencv_file():
 
 
 def test_real_omnidirectional_file_needs_a_number_as_zoom():
-    path, = real_photos("fisheye/fisheye.yaml")
+    path, = photos("fisheye/fisheye.yaml")
     with pytest.raises(InputError, match="sees at 90 degrees or more"):
         load_camera_map(path)
     read = load_camera_map(path, zoom=.6)

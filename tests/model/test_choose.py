@@ -5,8 +5,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from test_train_command import call, lens
 
+from commands import call
+from lenses import lens
 from ncdc.cli import train as command
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError

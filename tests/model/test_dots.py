@@ -9,7 +9,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, page_dots, page_to_distorted, target_photo
 from ncdc_model.example.target import RADIUS
 from ncdc_model.images import mosaic, read_image
-from photos import real_photos
+from photos import full_photos, photos
 
 
 @pytest.fixture(scope="module")
@@ -140,9 +140,11 @@ def test_displaced_point_loses_its_number():
     assert victim not in where and dropped >= 1 and len(where) == 164
 
 
+@pytest.mark.parametrize("where", [
+    photos, pytest.param(full_photos, marks=pytest.mark.regress)], ids=["small", "full"])
 @pytest.mark.parametrize("name,dots", [("dot_pattern_06.jpg", 1958), ("dot_pattern_05.jpg", 4512)])
-def test_real_dot_pages(name, dots):
-    found = find_dots(read_image(real_photos(f"dots/{name}")[0]))
+def test_real_dot_pages(where, name, dots):
+    found = find_dots(read_image(where(f"dots/{name}")[0]))
     assert len(found.index) >= dots
     # No wrong number: the step from dot to dot changes slowly all over the page.
     place = {tuple(key): point for key, point in zip(found.index.tolist(), found.xy)}

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from test_training import GEOMETRY, equidistant, known_network
 
+from lenses import GEOMETRY, equidistant, known_network
 from ncdc_model.descriptor import Descriptor, FloatNetwork
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, fixed_map, float_map, map_error
 from ncdc_model.geometry import ValidRows

@@ -3,7 +3,6 @@
 from collections import deque
 
 import pytest
-from test_fetch_tags import random_windows, walking_windows
 
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.fetch.corrector_timing import CorrectorTiming
@@ -15,6 +14,7 @@ from ncdc_model.geometry import Geometry
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces
 from ncdc_model.memory_timing import LatencyMemory
+from windows import random_windows, walking_windows
 
 PITCH = 512
 

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from amaranth.hdl import Fragment
-from test_train_command import call, lens
 
 from cameras import barrel_descriptor
+from commands import call
+from lenses import lens
 from ncdc.cli import train
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.lib.credits import CreditQueue

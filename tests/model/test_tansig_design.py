@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from amaranth import Const
 from amaranth.back import rtlil
-from test_tansig import DESIGNS, errors, every_magnitude, gateware, stimuli
 
 from ncdc_hdl.neural import classic, lvc, mmhbc
 from ncdc_hdl.neural.tansig import Tansig
@@ -22,6 +21,7 @@ from ncdc_model.tansig import (
 from ncdc_model.tansig.lvc import quotient, quotient_error
 from ncdc_model.tansig.mmhbc_bound import error_terms
 from ncdc_model.tansig.tuning import monotonic_tuning
+from tansigs import DESIGNS, errors, every_magnitude, gateware, stimuli
 
 
 @pytest.mark.parametrize("bits", FRACTION_BITS)

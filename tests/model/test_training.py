@@ -9,9 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ncdc_model.descriptor import Descriptor, FloatNetwork
+from lenses import GEOMETRY, equidistant, known_network
+from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
-from ncdc_model.geometry import Geometry, ValidRows
+from ncdc_model.geometry import ValidRows
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import Problem, errors_of, split, spread
@@ -19,28 +20,11 @@ from ncdc_model.training.train import train
 from ncdc_model.training.varpro import BIAS_LIMIT, WEIGHT_LIMIT, Batch
 from reference_lenses import reference_lens
 
-GEOMETRY = Geometry(320, 240, 320, 240)
-
-
-def equidistant(u, v):
-    """Back-map of an equidistant lens with a decentred element, 320x240."""
-    a, b = (u - 158.0) / 190, (v - 121.0) / 190
-    r = np.maximum(np.hypot(a, b), 1e-9)
-    x, y = a * np.arctan(r) / r, b * np.arctan(r) / r
-    return (190 * (x + .004 * x * y + .002 * (3 * x * x + y * y)) + 160,
-            190 * (y + .004 * x * y + .002 * (x * x + 3 * y * y)) + 118)
-
 
 def lens_problem(columns=20, rows=15):
     u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(4, 315, columns),
                                                  np.linspace(4, 235, rows)))
     return Problem(u, v, *equidistant(u, v), GEOMETRY)
-
-
-def known_network(scale=1.0):
-    return FloatNetwork(scale * np.array([[1.5, .4], [-.3, 1.7], [.9, -.8]]),
-                        np.array([.3, -.2, .7]),
-                        np.array([[110., 30, 12], [-20, 90, 25]]), np.array([161., 119]))
 
 
 def test_batch_gradient_is_exact_and_normal_matrix_is_that_of_the_projected_jacobian():
@@ -141,7 +125,8 @@ def test_split_is_deterministic_spread_and_of_the_right_share():
 def test_report_measures_training_and_held_out_points_apart():
     problem, calls = lens_problem(), []
     result = train((problem.u, problem.v, problem.x, problem.y), GEOMETRY, 4,
-                   TrainingChoices(options={"starts": 16, "rounds": 0}), progress=lambda done, mse: calls.append((done, mse)))
+                   TrainingChoices(options={"starts": 16, "rounds": 0}),
+                   progress=lambda done, mse: calls.append((done, mse)))
     out = split(len(problem), 7)
     for report, mask in ((result.training, ~out), (result.held_out, out)):
         x, y = result.network(*GEOMETRY.normalise(problem.u[mask], problem.v[mask]))

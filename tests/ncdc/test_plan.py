@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from test_fetch_tags import random_windows, walking_windows
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
@@ -15,6 +14,7 @@ from ncdc_model.fetch.plan import Fixed, plan
 from ncdc_model.fetch.tags import Misses, accesses
 from ncdc_model.fetch.traffic import distinct_bytes, live_tiles, worst_span
 from ncdc_model.hardware import Hardware
+from windows import random_windows, walking_windows
 
 
 @pytest.fixture(scope="module")

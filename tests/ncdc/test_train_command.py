@@ -1,6 +1,5 @@
 """``ncdc train`` and ``ncdc evaluate``: from points and camera files to descriptors and errors."""
 
-import argparse
 import json
 from functools import partial
 
@@ -8,6 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
+from commands import call
+from lenses import lens
 from ncdc.cli import evaluate, train
 from ncdc_model.against import fitted_view
 from ncdc_model.calibration.camera_file import load_camera_map
@@ -23,11 +24,6 @@ from ncdc_model.training.train import TRAINERS
 from ncdc_model.valid import valid_rows
 
 SIZE = 320, 240
-
-
-def lens():
-    return Camera.from_dict({"width": 320, "height": 240, "f_distorted": 165.0, "k": [.03, .01],
-                             "centre": [161.5, 117.8], "p": [.001, -.0006]})
 
 
 def page(turn, tilt, name):
@@ -52,12 +48,6 @@ def folder(tmp_path_factory):
     call(train, folder / "a.json", "--neurons", 7, "-o", folder / "net.toml", "--bayer", "GBRG",
          "--fill", "9,8,7", "--json", folder / "report.json")
     return folder
-
-
-def call(command, *arguments):
-    parser = argparse.ArgumentParser()
-    command.add_arguments(parser)
-    command.run(parser.parse_args([str(argument) for argument in arguments]))
 
 
 def report_of(command, *arguments, capsys):

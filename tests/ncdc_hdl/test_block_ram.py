@@ -1,4 +1,4 @@
-"""A whole corrector on block RAM whose words are undefined when read in the clock of their write."""
+"""A whole corrector on block RAM: a word read in the clock of its own write is undefined."""
 
 import numpy as np
 import pytest

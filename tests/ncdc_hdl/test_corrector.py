@@ -93,7 +93,7 @@ def test_windows_that_leave_the_image_are_filled():
 
 
 def test_blanking_follows_the_true_map_not_the_network():
-    """The rough network is pixels off at the edge; what is blank is told by the map all the same."""
+    """The rough network is pixels off at the edge; the map tells what is blank all the same."""
     d = barrel_descriptor((64, 48), (64, 48), hidden_neurons=6, strength=0.4)
     v, u = np.indices((48, 64))
     truth = d.geometry.window_inside(*barrel_map(d.geometry, 0.4)(u, v))
@@ -142,7 +142,8 @@ def test_parameters_change_between_frames(simulator):
     """Made for one camera, programmed for another while its first frame runs: the first frame
     keeps the old parameters to its end, the second has all of the new ones."""
     one = barrel_descriptor((37, 29), (45, 33), hidden_neurons=2, bayer="GBRG", seed=1)
-    two = barrel_descriptor((26, 31), (40, 20), hidden_neurons=2, bayer="RGGB", seed=8, fill=(7, 7, 7))
+    two = barrel_descriptor((26, 31), (40, 20), hidden_neurons=2, bayer="RGGB", seed=8,
+                            fill=(7, 7, 7))
     raw = [noise(one, 1), noise(two, 2)]
     rows = {r.name: r.address for r in registers(2, one.formats)}
     first = host_values(one)

@@ -11,6 +11,7 @@ from systemrdl import RDLCompileError, RDLCompiler
 from systemrdl.node import FieldNode, MemNode, RegNode
 
 from cameras import barrel_descriptor
+from kept import run_cocotb
 from ncdc.cli import main
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.registers.drivers import driver_files
@@ -19,7 +20,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import TABLE, counters, registers
-from ncdc_sim.cocotb_run import design_of, run_cocotb
+from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SimulationError
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "drivers.md"

@@ -68,8 +68,9 @@ def test_fusesoc_lints_the_core(folder):
 def test_another_core_depends_on_it(folder, port, right):
     """A user's core instantiates the module; a port that is not there is an error."""
     (folder / "user.core").write_text(USER)
-    (folder / "user.v").write_text("module user(input clk, rst, output irq);\n"
-                                   f"  ncdc core (.clk(clk), .rst(rst), .{port}(irq));\nendmodule\n")
+    (folder / "user.v").write_text(
+        "module user(input clk, rst, output irq);\n"
+        f"  ncdc core (.clk(clk), .rst(rst), .{port}(irq));\nendmodule\n")
     status, output = fusesoc(folder, "user:top:user")
     assert (status == 0) == right, output
     assert right or port in output

@@ -1,4 +1,4 @@
-"""The output layer in turns: each coordinate from its activations alone, whatever fills the gaps."""
+"""The output layer in turns: each coordinate from its activations, whatever fills the gaps."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,8 @@ from pipelines import run_pipeline
 F = Formats()
 
 
-@pytest.mark.parametrize("neurons,share", [(1, 1), (8, 1), (2, 2), (5, 4), (8, 3), (31, 8), (32, 32)])
+@pytest.mark.parametrize("neurons,share", [
+    (1, 1), (8, 1), (2, 2), (5, 4), (8, 3), (31, 8), (32, 32)])
 @pytest.mark.parametrize("gap", [0, 2])
 def test_output_layer(neurons, share, gap):
     """Turns without a neuron, and ``gap`` clocks between coordinates, hold random values."""

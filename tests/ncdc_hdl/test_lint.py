@@ -1,4 +1,4 @@
-"""The generated Verilog before five readers: nothing but what the waivers name, and each is needed."""
+"""The generated Verilog before five readers: just what the waivers name, and each is needed."""
 
 import re
 import subprocess

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_backmap import FrontEnd, expected, extreme, frames
 
 from cameras import barrel_descriptor
+from front_end import FrontEnd, expected, extreme, frames
 from ncdc_hdl.lib.pipeline import DelayMemory
 from ncdc_hdl.neural.neuron import WeightedSum, output_sum
 from ncdc_model.corrector import correct
@@ -81,7 +81,8 @@ def test_is_saved_loaded_and_part_of_the_digest(tmp_path):
     ("skip_weight = [14, 12]", "", "skip_weights are needed in integers, in real numbers and"),
     ("skip_weight = [14, 12]", "skip_weight = [10, 12]",
      r"skip_weights holds 4096256 \(1000.06\), the limits of Q10.12 are"),
-    ("skip_weight = [14, 12]", "skip_weight = [14, 31]", "the format skip_weight Q14.31 has 45 bits"),
+    ("skip_weight = [14, 12]", "skip_weight = [14, 31]",
+     "the format skip_weight Q14.31 has 45 bits"),
     ("skip_weight = [14, 12]", "skip_weight = [4, 28]", "need 69 bits, the limit is 63"),
     ("[13312, -169984]", "[13312]", "net.toml"),
 ])

@@ -5,29 +5,13 @@ import numpy as np
 import pytest
 
 from ncdc_hdl.neural.lookup import Lookup
-from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.fixed import Q
-from ncdc_model.tansig import FRACTION_BITS, VARIANTS, TableDesign, TansigDesign, design_for, tansig
+from ncdc_model.tansig import TableDesign, TansigDesign, tansig
 from pipelines import run_pipeline
+from tansigs import DESIGNS, edges, errors, every_magnitude, gateware, stimuli
 
-DESIGNS = [design_for(variant, bits) for variant in VARIANTS for bits in FRACTION_BITS]
 NAMES = [f"{design.variant}{design.fraction_bits}" for design in DESIGNS]
 EVERY = pytest.mark.parametrize("design", DESIGNS, ids=NAMES)
-
-
-def every_magnitude(design):
-    """Raw results of all magnitudes."""
-    return tansig(np.arange(design.input.hi + 1), design)
-
-
-def errors(q, design):
-    """Errors in units of 2**-P of the raw results ``q`` of all magnitudes.
-
-    tanh in double precision is wrong by 2**-31 of a unit at most: it cannot decide a comparison
-    at the second decimal.
-    """
-    n = np.arange(design.input.hi + 1)
-    return (design.output.real(q) - np.tanh(design.input.real(n) / 2)) * 2.0**design.fraction_bits
 
 
 def check_every_magnitude(design):
@@ -55,14 +39,6 @@ def test_every_magnitude_of_every_design(design):
     check_every_magnitude(design)
 
 
-def edges(design):
-    """Inputs around every boundary of a thirty-second, around zero and at both ends."""
-    q = design.input
-    regions = np.arange(0, q.hi, 1 << (q.f_bits - 5))
-    near = (regions[:, None] + np.arange(-2, 3)).ravel()
-    return np.unique(np.clip(np.concatenate([near, -near, [q.lo, q.lo + 1, q.hi]]), q.lo, q.hi))
-
-
 @EVERY
 def test_the_bound_holds_where_doubles_might_not_decide(design):
     rng = np.random.default_rng(3)
@@ -80,21 +56,6 @@ def test_odd_zero_and_saturated(design):
     assert tansig(0, design) == 0
     lowest = tansig(design.input.lo, design)
     assert lowest == -tansig(design.input.hi, design) == design.output.lo + 1
-
-
-def gateware(design, n):
-    """Results of the gateware."""
-    dut = Tansig(design)
-    return np.ravel(run_pipeline(dut, n.tolist(), lambda ctx, x: ctx.set(dut.i, x),
-                                 lambda: [dut.o]))
-
-
-def stimuli(design, count):
-    """Inputs: both ends, around zero, around region boundaries, random, random where f rises."""
-    rng, q = np.random.default_rng(7), design.input
-    return np.concatenate([rng.choice(edges(design), count), edges(design)[:3], edges(design)[-3:],
-                           [0, 1, -1], rng.integers(q.lo, q.hi, count),
-                           rng.integers(-2 << q.f_bits, 2 << q.f_bits, count)])
 
 
 @EVERY

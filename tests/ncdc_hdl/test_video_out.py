@@ -1,4 +1,4 @@
-"""The video output: the frame on the screen, pixel by pixel, with two clocks and a stream that lags."""
+"""The video output: the frame on screen, pixel by pixel, with two clocks and a stream that lags."""
 
 import numpy as np
 import pytest
@@ -131,5 +131,6 @@ def test_the_smallest_mode_that_holds_the_picture_is_chosen():
     assert mode_for(640, 480).size == (640, 480)
     assert mode_for(641, 480).size == (800, 600)
     assert mode_for(1280, 900).size == (1280, 1024)
-    with pytest.raises(InputError, match="has 1921x1080 pixels, the largest video mode has 1920x1080"):
+    with pytest.raises(InputError,
+                       match="has 1921x1080 pixels, the largest video mode has 1920x1080"):
         mode_for(1921, 1080)

@@ -17,9 +17,9 @@ G = Geometry(16, 16, 40, 24)
 def points(rng):
     """Coordinates one unit around every place where the window meets the image's edge."""
     half = 1 << (Q.f_bits - 1)
-    edges = [[(e << Q.f_bits) + half + d for e in (-2, -1, 0, 1, size - 4, size - 3, size - 2,
-                                                  size - 1, size) for d in (-1, 0, 1)] + [Q.lo, Q.hi]
-             for size in G.distorted]
+    edges = [[(e << Q.f_bits) + half + d
+              for e in (-2, -1, 0, 1, size - 4, size - 3, size - 2, size - 1, size)
+              for d in (-1, 0, 1)] + [Q.lo, Q.hi] for size in G.distorted]
     corners = [(x, y) for x in edges[0] for y in edges[1]]
     return corners + rng.integers(-2048, 42 << Q.f_bits, (300, 2)).tolist()
 

@@ -2,8 +2,9 @@
 
 import pytest
 
+from kept import run_cocotb
 from ncdc_sim.benches import avalon_checker, stream_checker
-from ncdc_sim.cocotb_run import Design, run_cocotb
+from ncdc_sim.cocotb_run import Design
 from ncdc_sim.runner import HDL
 from ncdc_sim.tools import SIMULATORS
 

@@ -8,6 +8,7 @@ from functools import cache
 import pytest
 
 from cameras import barrel_descriptor
+from kept import run_cocotb
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
@@ -22,7 +23,7 @@ from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values
 from ncdc_model.interface.register_map import registers
 from ncdc_model.tansig import TansigDesign
-from ncdc_sim.cocotb_run import design_of, run_cocotb
+from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SIMULATORS, SimulationError
 
 FORMATS = Formats()
@@ -47,8 +48,20 @@ COMPONENTS = {
     "corrector_multiport": lambda: Corrector(D, Hardware(fetcher="multiport")),
 }
 
-PAUSES = pytest.mark.parametrize("gap,stall", [(0, 0), (0, .5), (.5, .3)])
 BOTH = pytest.mark.parametrize("simulator", SIMULATORS)
+
+
+def simulated(names, *cases):
+    """Every case under Icarus, the last one under Verilator too.
+
+    The second simulator is a check of the first; what else it would be given is `make regress`.
+    """
+    return pytest.mark.parametrize(f"{names},simulator", [
+        *((*case, "icarus") for case in cases), (*cases[-1], "verilator"),
+        *(pytest.param(*case, "verilator", marks=pytest.mark.regress) for case in cases[:-1])])
+
+
+PAUSES = simulated("gap,stall", (0, 0), (0, .5), (.5, .3))
 
 
 @cache
@@ -78,44 +91,37 @@ def test_a_wrong_latency_is_found():
         run_cocotb(design("tansig"), "tansig", "icarus", latency=component("tansig").latency + 1)
 
 
-@BOTH
-@pytest.mark.parametrize("kind,inputs", [("hidden", 2), ("output", 3)])
+@simulated("kind,inputs", ("hidden", 2), ("output", 3))
 def test_neuron(kind, inputs, simulator):
     run_cocotb(design(kind), "neuron", simulator, kind=kind, inputs=inputs,
                latency=component(kind).latency)
 
 
-@BOTH
 @PAUSES
 def test_window(gap, stall, simulator):
     run_cocotb(design("window"), "window", simulator, gap=gap, stall=stall)
 
 
-@BOTH
 @PAUSES
 def test_interpolator(gap, stall, simulator):
     run_cocotb(design("interpolator"), "interpolator", simulator, gap=gap, stall=stall,
                phase=[int(gap > 0), int(stall > 0)])
 
 
-@BOTH
-@pytest.mark.parametrize("data_width,gap,stall,wait,latency", [
-    (32, 0, 0, 0, (1, 1)), (32, .3, 0, .5, (1, 20)), (32, .5, .5, .7, (1, 60)),
-    (128, 0, .5, .3, (8, 8))])
+@simulated("data_width,gap,stall,wait,latency", (32, 0, 0, 0, (1, 1)), (32, .3, 0, .5, (1, 20)),
+           (128, 0, .5, .3, (8, 8)), (32, .5, .5, .7, (1, 60)))
 def test_multiport(data_width, gap, stall, wait, latency, simulator):
     run_cocotb(design(f"multiport{data_width}"), "multiport", simulator, gap=gap, stall=stall,
                wait=wait, latency=latency, data_width=data_width, seed=data_width)
 
 
-@BOTH
-@pytest.mark.parametrize("count,gap,wait", [(1, 0, 0), (16, 0, 0), (27, .4, .4)])
+@simulated("count,gap,wait", (1, 0, 0), (16, 0, 0), (27, .4, .4))
 def test_burst_writer(count, gap, wait, simulator):
     run_cocotb(design("burst_writer"), "burst_writer", simulator, gap=gap, wait=wait, count=count,
                burst=BURST, data_width=64)
 
 
-@BOTH
-@pytest.mark.parametrize("stall,busy", [(0, 0), (.8, .5)])
+@simulated("stall,busy", (0, 0), (.8, .5))
 def test_backmap(stall, busy, simulator, descriptor):
     run_cocotb(design("backmap"), "backmap", simulator, stall=stall, busy=busy,
                descriptor=descriptor)
@@ -126,9 +132,8 @@ def test_registers(simulator, descriptor):
     run_cocotb(design("registers"), "registers", simulator, descriptor=descriptor)
 
 
-@BOTH
-@pytest.mark.parametrize("fetcher,wait,latency", [
-    ("multiport", .5, (1, 40)), ("cache", 0, (1, 1)), ("cache", .5, (1, 40))])
+@simulated("fetcher,wait,latency", ("multiport", .5, (1, 40)), ("cache", 0, (1, 1)),
+           ("cache", .5, (1, 40)))
 def test_corrector(fetcher, wait, latency, simulator, descriptor):
     run_cocotb(design(f"corrector_{fetcher}"), "corrector", simulator, wait=wait, latency=latency,
                descriptor=descriptor)

@@ -26,8 +26,7 @@ def noise(descriptor):
 
 
 def predicted(corrector, hardware, memory):
-    """Misses and :class:`Clocks` that the planner promises ``corrector``, its registers set as
-    ``hardware``."""
+    """Misses and clocks that the planner promises ``corrector``, registers set as ``hardware``."""
     descriptor, timing = corrector.descriptor, corrector.timing
     geometry, memory = descriptor.geometry, memory_timing(memory)
     hardware = hardware.made_for(descriptor)

