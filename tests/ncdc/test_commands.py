@@ -253,8 +253,8 @@ def test_cache_options_reach_the_verilog(folder, capsys):
     assert run(f"simulate net.toml raw.png -o sim.png --json r.json {options}") == 0
     report = json.loads((folder / "r.json").read_text())
     assert report["windows_fetched"] == report["windows_fetched_expected"] > 0
- 
-      assert (report["pixels_different"], report["cache_bytes"], report["cache_split"]) == (0, 2048, 1)
+    assert (report["pixels_different"], report["cache_bytes"],
+            report["cache_split"]) == (0, 2048, 1)
 
 
 @pytest.mark.parametrize("options,message", [
