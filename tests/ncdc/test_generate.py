@@ -80,7 +80,7 @@ def test_a_broken_line_is_not_accepted(folder, tmp_path):
 def test_header_of_the_verilog_names_descriptor_and_options(folder, tmp_path):
     verilog, _ = generate(folder, tmp_path, data_width=64, to="stream")
     comment = verilog.partition("\n\n")[0]
-    assert all(line.startswith("// ") for line in comment.splitlines())
+    assert all(line.startswith("//") for line in comment.splitlines())
     words = " ".join(line.removeprefix("//").strip() for line in comment.splitlines())
     for text in (descriptor().digest[:12], "2 hidden neurons", "50x34 raw RGGB", "40x24 corrected",
                  "--cache-bytes 8192", "--data-width 64", "--to stream", amaranth.__version__):

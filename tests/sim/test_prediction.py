@@ -104,7 +104,7 @@ def prepared_small():
 
 def unrefreshed(memory):
     """A memory without refresh: how far off the next one is when a frame starts nobody knows, and
-    each costs a small frame up to a dozen clocks or none."""
+    the clocks of a small frame depend on it, by up to 17."""
     return replace(memory_timing(memory), refresh_interval=1 << 30)
 
 

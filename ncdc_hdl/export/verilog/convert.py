@@ -1,6 +1,7 @@
 """An Amaranth component as Verilog-2005 text, every distinct module once."""
 
 import inspect
+import itertools
 import re
 from dataclasses import dataclass
 
@@ -192,7 +193,8 @@ def _names(parts, top):
     names = {}
     for original, part in parts.items():
         names[original] = top if not part.path else f"{top}_{_kind(part)}"
-    for length in range(1, 9):
+    # Numbers in the path are the last thing to tell modules apart: instances have them too.
+    for numbers, length in itertools.product(("0123456789_", ""), range(1, 9)):
         same = {}
         for original, name in names.items():
             same.setdefault(name, []).append(original)
@@ -202,7 +204,7 @@ def _names(parts, top):
         for original in sum(clashes, []):
             part = parts[original]
             kind = _kind(part)
-            path = [step.rstrip("0123456789_") for step in part.path]
+            path = [step.rstrip(numbers) for step in part.path]
             path = path[:-1] if path[-1] == kind else path
             names[original] = "_".join([top, kind, *path[-length:]])
     raise ValueError(f"the modules {clashes} cannot be told apart")
