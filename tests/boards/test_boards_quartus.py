@@ -52,9 +52,9 @@ def run_tcl(path):
 
 def ports_of(path, module):
     """(direction, width) of each port of a module of a Verilog file, by name."""
-    body = re.search(rf"^module {module}\(.*?^endmodule", path.read_text(), re.M | re.S).group()
+    body = re.search(rf"^module {module} \(.*?^\);", path.read_text(), re.M | re.S).group()
     return {name: (flow, int(high or 0) + 1) for flow, high, name in
-            re.findall(r"^  (input|output|inout) (?:\[(\d+):0\] )?(\w+) ?;", body, re.M)}
+            re.findall(r"^  (input|output|inout) +(?:wire|reg) +(?:\[(\d+):0\] )?(\w+)", body, re.M)}
 
 
 @pytest.mark.parametrize("name", [None, *WITH_PINS, "faka2"])

@@ -1,7 +1,7 @@
 """Every distinct module of ``ncdc.v`` against the netlist that Amaranth's converter made.
 
-The corrector is small in what multiplies: two neurons, sixteen tiles. Each planted error is one that
-a printer could make, in the text alone.
+The corrector is small in what multiplies: two neurons, sixteen tiles. Each planted error is one
+that a printer could make, in the text alone.
 """
 
 import inspect
@@ -35,7 +35,8 @@ PLANTED = [
     ("ncdc_quotient", r"(\w+) - (\w+)", r"\1 + \2"),
     ("ncdc_pending", r"if \(([^()]+)\) (\w+) <= ", r"\2 <= "),
     ("ncdc_row_gate", r"if \((.*)\) (\w+) <= ", r"if (~(\1)) \2 <= "),
-    ("ncdc_bilinear", r"\[15:8\] <=", r"[16:8] <="),
+    ("ncdc_bilinear", r"o\[15:8\] <= (\w+)\[7:0\]", r"o[15:8] <= \1[8:1]"),
+    ("ncdc_fills", r"\.r_en\(r_en\), \.w_en\(w_en\)", ".r_en(w_en), .w_en(r_en)"),
 ]
 
 
@@ -84,11 +85,4 @@ def test_an_error_of_the_printer_is_found(netlist, name, pattern, wrong):
     assert changed != body
     text = head + end + changed
     error = prove(netlist, original, text.splitlines())
-    assert "Unproven" in error or "unproven" in error
-
-
-def test_a_port_joined_to_its_neighbour_is_found(netlist):
-    original = next(key for key, value in netlist.names.items() if value == "ncdc_boxes")
-    text = "\n".join(netlist.lines(original))
-    swapped = re.sub(r"\.clk\((\w+)\)(.*?)\.rst\((\w+)\)", r".clk(\3)\2.rst(\1)", text)
-    assert swapped != text and prove(netlist, original, swapped.splitlines()) is not None
+    assert error is not None and "unproven" in error.lower()
