@@ -147,7 +147,9 @@ class Corrector(wiring.Component):
         for r in range(self.fetch.ports):
             self._join(m, f"read{r}", getattr(self.fetch, f"bus{r}"))
         m.d.comb += [self.irq.eq(registers.irq), self.front_end_idle.eq(self.backmap.idle)]
-        self._table(m)
+        m.d.comb += self.table.bank.eq(active.VALID_BANK)
+        wiring.connect(m, scan=self.backmap.table, table=self.table.scan)
+        wiring.connect(m, host=registers.valid_table, table=self.table.host)
         self._parameters(m, active)
         m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort),
                      registers.cut.eq(self.backmap.cut)]
@@ -189,20 +191,6 @@ class Corrector(wiring.Component):
             m.d.comb += port.eq(inner) if self.signature.members[f"{prefix}_{name}"].flow is Out \
                 else inner.eq(port)
 
-    def _table(self, m):
-        table, registers, backmap = self.table, self.registers, self.backmap
-        m.d.comb += [
-            table.bank.eq(registers.active.VALID_BANK), table.row.eq(backmap.row),
-            backmap.spans.eq(table.spans), backmap.fresh.eq(table.fresh),
-            table.host_bank.eq(registers.window_bank), table.host_row.eq(registers.table_row),
-            table.host_span.eq(registers.table_span), table.host_write.eq(registers.table_write
-                                & (registers.table_row >> table.row_bits == 0)),
-            table.host_read.eq(registers.table_read),
-            table.host_start.eq(registers.table_start), table.host_stop.eq(registers.table_stop),
-            registers.table_span_start.eq(table.host_span_start),
-            registers.table_span_stop.eq(table.host_span_stop),
-        ]
-
     def _parameters(self, m, active):
         scan, network = self.backmap.scan, self.backmap.network
         m.d.comb += [
@@ -212,7 +200,8 @@ class Corrector(wiring.Component):
             scan.origin_y.eq(active.SCAN_ORIGIN_Y), scan.step_y.eq(active.SCAN_STEP_Y),
             self.window.width.eq(active.DISTORTED_WIDTH),
             self.window.height.eq(active.DISTORTED_HEIGHT),
-            self.row_gate.height.eq(active.DISTORTED_HEIGHT), self.row_gate.follow.eq(active.FOLLOW),
+            self.row_gate.height.eq(active.DISTORTED_HEIGHT),
+            self.row_gate.follow.eq(active.FOLLOW),
             self.fetch.base.eq(active.SOURCE_BASE), self.fetch.pitch.eq(active.SOURCE_PITCH),
             self.interpolator.phase.eq(active.BAYER_PHASE), self.interpolator.fill.eq(active.FILL),
         ]

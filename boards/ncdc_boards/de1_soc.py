@@ -2,8 +2,17 @@
 
 from amaranth.vendor import AlteraPlatform
 
-from ncdc_boards.board import Board, Pll, Sdram
-from ncdc_boards.resources import clk50, d5m, reset, sdram, vga
+from ncdc_boards.board import Board, Pll
+from ncdc_boards.resources import (
+    D5M_LEFT_TO_USER,
+    SdramPins,
+    clk50,
+    d5m,
+    is42s16320,
+    reset,
+    sdram,
+    vga,
+)
 
 __all__ = ["BOARD", "DE1SoCPlatform"]
 
@@ -22,10 +31,11 @@ class DE1SoCPlatform(AlteraPlatform):
     resources = [
         clk50("AF14"),
         reset("AA14"),
-        sdram(clk="AH12", cke="AK13", cs="AG11", ras="AE13", cas="AF11", we="AA13",
-              ba="AF13 AJ12", a="AK14 AH14 AG15 AE14 AB15 AC14 AD14 AF15 AH15 AG13 AG12 AH13 AJ14",
-              dq="AK6 AJ7 AK7 AK8 AK9 AG10 AK11 AJ11 AH10 AJ10 AJ9 AH9 AH8 AH7 AJ6 AJ5",
-              dqm="AB13 AK12"),
+        sdram(SdramPins(
+            clk="AH12", cke="AK13", cs_n="AG11", ras_n="AE13", cas_n="AF11", we_n="AA13",
+            ba="AF13 AJ12", a="AK14 AH14 AG15 AE14 AB15 AC14 AD14 AF15 AH15 AG13 AG12 AH13 AJ14",
+            dqm="AB13 AK12",
+            dq="AK6 AJ7 AK7 AK8 AK9 AG10 AK11 AJ11 AH10 AJ10 AJ9 AH9 AH8 AH7 AJ6 AJ5")),
         vga(clk="A11", hsync="B11", vsync="D11", sync="C10", blank="F10",
             r="A13 C13 E13 B12 C12 D12 E12 F13", g="J9 J10 H12 G10 G11 G12 F11 E11",
             b="B13 G13 H13 F14 H14 F15 G15 J14"),
@@ -37,11 +47,8 @@ class DE1SoCPlatform(AlteraPlatform):
 BOARD = Board(
     name="de1-soc", title="Terasic DE1-SoC", family="Cyclone V", device="5CSEMA5F31C6",
     platform=DE1SoCPlatform, pll=Pll(50, 100, -3000), data_width=32, memory="sdram",
-    # One IS42S16320, -7 grade; Platform Designer halves the corrector's 32-bit words.
-    sdram=Sdram(data_width=16, rows=13, columns=10, banks=4, cas_latency=3, t_ac=5.4, t_rcd=15.0,
-                t_rfc=60.0, t_rp=15.0, t_wr=14.0, refresh_us=7.8125),
+    sdram=is42s16320(1),        # Platform Designer halves the corrector's 32-bit words
     multipliers=87, multiplier_bits=27,
     sources=("litex-boards, terasic_de1soc.py",
              "assignments by Terasic's System Builder in several public projects (VGA)"),
-    left_to_user={"d5m_0__*": "the camera's pins are assigned and hold it in reset; its capture "
-                              "into the memory is the user's"})
+    left_to_user=D5M_LEFT_TO_USER)

@@ -31,8 +31,7 @@ def project_name(board):
 
 
 def check_board(board, descriptor, output):
-    """Raise :class:`InputError` unless the board's project can hold a corrector of ``descriptor``.
-    """
+    """Raise :class:`InputError` unless the board's project holds a corrector of ``descriptor``."""
     if board.platform is None:
         return
     if output != "stream":

@@ -13,8 +13,8 @@ def system_tcl(board, corrector):
 
     Exported are ``clk``, ``reset``, ``irq``, ``front_end_idle``, ``camera_rows``, of a
     streaming corrector ``video``, and ``sdram``, the controller's pins; where the board's memory
-    controller is the user's, ``memory`` in its place: an Avalon host, of a bridge through which all
-    memory traffic passes.
+    controller is the user's, ``memory`` in its place: an Avalon host, of a bridge through which
+    all memory traffic passes.
     """
     lines = [
         f"# Makes {SYSTEM}.qsys: qsys-script --script={SYSTEM}.tcl --search-path=.,$",

@@ -16,10 +16,10 @@ _ROWS = 32  # corrected rows at a time: bounds the memory that the windows take
 
 @dataclass(frozen=True)
 class Corrected:
-    """A corrected frame: ``picture`` (height, width, 3) uint8 RGB, ``filled`` (height, width),
+    """A corrected frame: ``picture`` (height, width, 3) uint8 RGB, ``blank`` (height, width),
     true where the pixel has no source, and ``fetches``, the windows that ``multiport`` reads."""
     picture: np.ndarray
-    filled: np.ndarray
+    blank: np.ndarray
     fetches: int
 
 
@@ -49,22 +49,23 @@ def correct(descriptor, raw, progress=lambda done, total: None, strip=0):
     width, height = geometry.corrected
     windows = np.lib.stride_tricks.sliding_window_view(raw, (WINDOW, WINDOW))
     picture = np.empty((height, width, 3), np.uint8)
-    used = np.empty((height, width), bool)
+    valid = np.empty((height, width), bool)
     origins = np.empty((2, height, width), np.int64)
-    for rows, x0, y0, fx, fy, known in window_bands(descriptor):
+    for rows, x0, y0, fx, fy, not_blank in window_bands(descriptor):
         quads = bayer_quads(windows[y0, x0], x0, y0, geometry.phase)
         picture[rows] = bilinear(quads, fx, fy, coordinate.f_bits)
-        origins[:, rows], used[rows] = (x0, y0), known
+        origins[:, rows], valid[rows] = (x0, y0), not_blank
         progress(rows.stop, height)
-    picture[~used] = geometry.fill
-    return Corrected(picture, ~used, fetches(*(scan_order(a, strip) for a in (*origins, used))))
+    picture[~valid] = geometry.fill
+    return Corrected(picture, ~valid,
+                     fetches(*(scan_order(a, strip) for a in (*origins, valid))))
 
 
 def window_bands(descriptor):
-    """The windows of a frame, a band of rows at a time: (slice of rows, x0, y0, fx, fy, used).
+    """The windows of a frame, a band of rows at a time: (slice of rows, x0, y0, fx, fy, valid).
 
-    The first five are of :func:`ncdc_model.picture.window_address`; ``used`` is false where the
-    pixel is blank. Each array has the shape (rows of the band, corrected width).
+    The first five are of :func:`ncdc_model.picture.window_address`; ``valid`` is false where
+    the pixel is blank. Each array has the shape (rows of the band, corrected width).
     """
     geometry = descriptor.geometry
     width, height = geometry.corrected

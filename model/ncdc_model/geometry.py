@@ -160,7 +160,8 @@ class ValidRows:
     def check(self, width, height):
         """Raise :class:`InputError` unless the spans fit an image of ``width`` x ``height``."""
         if self.spans.shape != (height, 2 * SPANS):
-            raise InputError(f"the valid spans cover {len(self.spans)} rows, the image has {height}")
+            raise InputError(f"the valid spans cover {len(self.spans)} rows, the image has "
+                             f"{height}")
         bad = ((self.spans < 0) | (self.spans > width)).any(axis=1)
         bad |= (self.spans[:, 0::2] > self.spans[:, 1::2]).any(axis=1)
         if bad.any():

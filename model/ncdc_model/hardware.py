@@ -150,16 +150,14 @@ class Hardware:
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
                 "pixels_per_clock": self.lanes}
 
-    def text(self, geometry):
-        """The choices in words, for a camera of ``geometry``: two lines."""
-        fetch = self.fetcher
-        if self.cached:
-            fetch = (f"cache of {self.cache_for(geometry).bytes} bytes, "
-                     f"split {self.split_for(geometry)}")
-        order = f"strips of {self.strip} columns" if self.strip else "raster"
-        return (f"hidden neurons {self.hidden}, {self.share} per tan-sigmoid, products for "
-                f"{self.multiplier_bits}-bit multipliers, {self.lanes} per clock",
-                f"fetch {fetch}, {order}, {self.data_width}-bit memory, output to {self.output}")
+    def options(self, geometry):
+        """The options of ``ncdc generate`` that choose this, for a camera of ``geometry``."""
+        cache = [f"--cache-bytes {self.cache_for(geometry).bytes}",
+                 f"--cache-split {self.split_for(geometry)}"] if self.cached else []
+        return [f"--fetch {self.fetcher}", *cache, f"--strip {self.strip}",
+                f"--data-width {self.data_width}", f"--to {self.output}",
+                f"--hidden {self.hidden}", f"--share {self.share}",
+                f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}"]
 
 
 def check_lanes(width, lanes):

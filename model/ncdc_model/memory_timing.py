@@ -11,7 +11,8 @@ from fractions import Fraction
 
 from ncdc_model.errors import InputError
 
-__all__ = ["DramMemory", "LatencyMemory", "MEMORIES", "ddr3", "memory_timing", "sdram"]
+__all__ = ["DramMemory", "LatencyMemory", "MEMORIES", "ddr3", "memory_at", "memory_timing",
+           "sdram"]
 
 MAX_PENDING = 64        # read commands that the model of a port can hold
 
@@ -229,7 +230,9 @@ MEMORIES = {
                              max_pending=4),
 }
 _FIXED = re.compile(r"fixed:(\d+):(\d+(?:\.\d+)?)")
-_CLOCKED = re.compile(r"(sdram|ddr3)@(\d+(?:\.\d+)?)")
+# Those whose timing in clocks depends on the corrector's clock.
+_BY_CLOCK = {"sdram": sdram, "ddr3": ddr3}
+_CLOCKED = re.compile(rf"({'|'.join(_BY_CLOCK)})@(\d+(?:\.\d+)?)")
 
 
 def memory_timing(memory, others=()):
@@ -252,6 +255,12 @@ def memory_timing(memory, others=()):
         latency = int(match[1])
         return LatencyMemory(latency=(latency, latency), bytes_per_clock=float(match[2]))
     if match := _CLOCKED.fullmatch(memory):
-        return {"sdram": sdram, "ddr3": ddr3}[match[1]](Fraction(match[2]))
+        return _BY_CLOCK[match[1]](Fraction(match[2]))
     raise InputError(f"memory is {memory!r}, one of {', '.join([*MEMORIES, *others])}, sdram@MHZ, "
                      "ddr3@MHZ or fixed:LATENCY:BYTES is needed")
+
+
+def memory_at(memory, clock_mhz):
+    """The memory of a name, as :func:`memory_timing`, beside a corrector of ``clock_mhz``."""
+    clocked = isinstance(memory, str) and memory in _BY_CLOCK
+    return memory_timing(f"{memory}@{clock_mhz:g}" if clocked else memory)

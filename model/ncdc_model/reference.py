@@ -36,9 +36,9 @@ def correct_real(descriptor, raw, offset=0.5):
 def grey_level_difference(picture, real):
     """Largest difference in grey levels of uint8 ``picture`` from ``real`` rounded; where ``real``
     is not ``nan``."""
-    known = ~np.isnan(real).any(axis=-1)
-    rounded = np.floor(real[known] + 0.5)
-    return int(np.abs(picture[known].astype(np.int64) - rounded).max(initial=0))
+    valid = ~np.isnan(real).any(axis=-1)
+    rounded = np.floor(real[valid] + 0.5)
+    return int(np.abs(picture[valid].astype(np.int64) - rounded).max(initial=0))
 
 
 def psnr(picture, reference, mask):

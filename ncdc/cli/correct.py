@@ -32,10 +32,10 @@ def run(args):
     write_image(args.output, corrected.picture)
     if note:
         print(note, file=sys.stderr)
-    report = {"hidden_neurons": descriptor.hidden_neurons, "pixels": corrected.filled.size,
-              "pixels_filled": int(corrected.filled.sum()), "windows_fetched": corrected.fetches,
+    report = {"hidden_neurons": descriptor.hidden_neurons, "pixels": corrected.blank.size,
+              "pixels_blank": int(corrected.blank.sum()), "windows_fetched": corrected.fetches,
               "fetch": "multiport"}
     if not write_report(report, args.json):
-        share = 100 * corrected.filled.mean()
+        share = 100 * corrected.blank.mean()
         print(f"{args.output}: {'x'.join(map(str, descriptor.geometry.corrected))} pixels, "
               f"{share:.1f} % without a source")

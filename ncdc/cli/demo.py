@@ -72,7 +72,7 @@ def run(args):
     simulation = simulate_correction(descriptor, scene, verilog=verilog, memory="sdram",
                                      progress=Progress("simulating"))
     write_image(folder / "corrected.png", simulation.picture)
-    _say(f"{len(simulation.differing)} of {simulation.filled.size} pixels differ from the golden "
+    _say(f"{len(simulation.differing)} of {simulation.blank.size} pixels differ from the golden "
          "model")
 
     _step(5, "measuring against the truth, which the example knows")
@@ -146,7 +146,7 @@ def _truth(folder, camera, photo, trained, simulation):
     v, u = np.indices(geometry.corrected[::-1])
     x, y = back_map(u, v)
     has_source = geometry.window_inside(x, y)
-    wrong = has_source == simulation.filled
+    wrong = has_source == simulation.blank
     # Distance of the true coordinate from the line on which its window meets the sensor's edge.
     edge = np.minimum.reduce([x - 0.5, geometry.distorted_width - 1.5 - x,
                               y - 0.5, geometry.distorted_height - 1.5 - y])
@@ -154,7 +154,7 @@ def _truth(folder, camera, photo, trained, simulation):
     return {**{name: errors[name] for name in ("map_error_float_px", "map_error_fixed_px",
                                                "fixed_minus_float_max_px")},
             "pixels_without_source": int((~has_source).sum()),
-            "pixels_blanked": int(simulation.filled.sum()),
+            "pixels_blank": int(simulation.blank.sum()),
             "blanking_differs": int(wrong.sum()),
             "blanking_differs_within_px": float(np.abs(edge[wrong]).max(initial=0))}
 
@@ -200,7 +200,8 @@ def _sections(report, trained):
                  "photo and found again in the corrected photo: "
                  f"{report['straightness_before_rms_px']:.2f} px rms from straight before, "
                  f"{report['straightness_rms_px']:.3f} px after "
-                 f"(at most {report['straightness_max_px']:.2f}), {report['straight_lines']} lines.",
+                 f"(at most {report['straightness_max_px']:.2f}), {report['straight_lines']} "
+                 f"lines.",
          "pictures": ["comparison.png"]},
         {"title": "Calibration",
          "text": f"{report['points_found']} dots found on one photo; a few indices are written "
@@ -216,7 +217,7 @@ def _sections(report, trained):
                   *errors("whole frame", report)]},
         {"title": "Pixels without a source",
          "text": f"{report['pixels_without_source']} corrected pixels lie outside what the sensor "
-                 f"sees, {report['pixels_blanked']} are blanked; the two sets differ in "
+                 f"sees, {report['pixels_blank']} are blanked; the two sets differ in "
                  f"{report['blanking_differs']} pixels, all within "
                  f"{report['blanking_differs_within_px']:.2f} px of the sensor's edge."},
         {"title": "Interpolation",

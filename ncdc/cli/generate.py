@@ -32,7 +32,8 @@ def add_arguments(parser):
                              "for the drivers; may be repeated")
     parser.add_argument("--board", metavar="NAME",
                         help=f"write a Quartus project too: {', '.join(board_names())}; the board "
-                             f"chooses --data-width, --to and --multiplier-bits unless they are given")
+                             "chooses --data-width, --to and --multiplier-bits unless they are "
+                             "given")
     add_json(parser)
 
 

@@ -92,7 +92,7 @@ def choice_line(hardware, bytes_read, amplification):
 
 
 def planned(hardware, fixed, descriptor):
-    """``hardware`` with tile cache, split and strips: what is ``fixed``, the rest planned for the map.
+    """``hardware`` with tile cache, split and strips: what is ``fixed``, the rest planned.
 
     Returns
     -------
@@ -108,7 +108,8 @@ def planned(hardware, fixed, descriptor):
     if not hardware.cached:
         return replace(hardware, strip=fixed.strip or 0), None
     if fixed.everything:
-        return replace(hardware, cache=fixed.caches()[0], split=fixed.split, strip=fixed.strip), None
+        return replace(hardware, cache=fixed.caches()[0], split=fixed.split,
+                       strip=fixed.strip), None
     geometry = descriptor.geometry
     width, height = geometry.corrected
     fixed.strips(width, hardware.stream)        # refuses what cannot be before the long work

@@ -9,7 +9,7 @@ from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.plan import CLOCK_MHZ, plan
 from ncdc_model.hardware import DATA_WIDTHS, OUTPUTS, Hardware
-from ncdc_model.memory_timing import memory_timing
+from ncdc_model.memory_timing import memory_at
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
@@ -50,8 +50,7 @@ def run(args):
     timing = Corrector(descriptor, hardware).timing
     planned = plan(descriptor, hardware, args.memory, timing, fixed=fixed, clock_mhz=args.clock,
                    rate=args.rate, progress=Progress("planning"))
-    bound = bound_of(args, descriptor, planned.hardware, memory_timing(
-        f"{args.memory}@{args.clock:g}" if args.memory in ("sdram", "ddr3") else args.memory))
+    bound = bound_of(args, descriptor, planned.hardware, memory_at(args.memory, args.clock))
     report = planned.report()
     if write_report({"digest": descriptor.digest, "output": args.to, **report,
                      **(bound.report() if bound else {})}, args.json):

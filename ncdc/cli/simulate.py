@@ -78,7 +78,8 @@ def run(args):
 
 def _bound(args, descriptor, hardware):
     """What the planner promises; None without --follow, and where it knows no clocks: of the
-    multiport fetcher, of shared units, of a memory with random latency or of another's controller."""
+    multiport fetcher, of shared units, of a memory with random latency or of another's controller.
+    """
     memory = simulated_memory(args.memory)
     exact = isinstance(memory, DramMemory) or (isinstance(memory, LatencyMemory)
                                                and memory.latency[0] == memory.latency[1]
@@ -100,5 +101,6 @@ def difference(simulation):
     if not differing:
         return None
     u, v = differing[0]
+    got, expected = (picture[v, u].tolist() for picture in (simulation.picture, simulation.golden))
     return (f"{len(differing)} pixels differ from the golden model, the first at column {u}, row "
-            f"{v}: {simulation.picture[v, u].tolist()} instead of {simulation.golden[v, u].tolist()}")
+            f"{v}: {got} instead of {expected}")

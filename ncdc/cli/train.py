@@ -12,17 +12,17 @@ from ncdc.terminal import Progress
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
-from ncdc_model.float_network import check_gamma
 from ncdc_model.formats import MAX_NEURONS, Formats
 from ncdc_model.geometry import BAYER_PHASE
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
 from ncdc_model.tansig import FRACTION_BITS, VARIANTS, choose_variant
+from ncdc_model.training.backprop import Stop
+from ncdc_model.training.choices import HELD_OUT, TrainingChoices
 from ncdc_model.training.choose import choose_camera
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.problem import split
-from ncdc_model.training.rounding import check_weight_bits
 from ncdc_model.training.source import load_source
-from ncdc_model.training.train import HELD_OUT, TRAINERS
+from ncdc_model.training.train import TRAINERS
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "error_table", "plot_training", "run",
            "training_progress"]
@@ -71,8 +71,8 @@ def add_arguments(parser):
                         help="accuracy of the tan-sigmoid in fraction bits (default: 20)")
     parser.add_argument("--weight-bits", type=int, metavar="B",
                         help="bits of the weights and of the coordinates they multiply, 18 to 24, "
-                             "in formats that fit this camera; 18 for boards with 18x18 multipliers "
-                             "(default: 24 in formats that fit every camera)")
+                             "in formats that fit this camera; 18 for boards with 18x18 "
+                             "multipliers (default: 24 in formats that fit every camera)")
     parser.add_argument("--coordinate-bits", type=int, choices=range(6, 13), default=10,
                         help="fraction bits of the back-map coordinates (default: 10)")
     parser.add_argument("--gamma", type=float, default=1.0, metavar="G",
@@ -123,20 +123,24 @@ def run(args):
 
 
 def _train(args, source):
-    if args.weight_bits is not None:
-        check_weight_bits(args.weight_bits)
-    about = {"skip": args.skip, "gamma": check_gamma(args.gamma), "formats": _formats(args),
-             "weight_bits": args.weight_bits, "variant": choose_variant(args.tansig, MAX_NEURONS)}
+    choices = _choices(args)
+    if args.neurons == "auto":
+        return choose_camera(source, args.max_error, choices, training_progress(), _tried)
+    return train_camera(source, args.neurons, choices, training_progress())
+
+
+def _choices(args):
+    options = {}
     if args.epochs is not None:
         if args.trainer != "ebp":
             raise InputError("--epochs is an option of the trainer ebp")
         if args.epochs < 1:
             raise InputError(f"{args.epochs} epochs are asked for, the least is 1")
-        about["epochs"] = args.epochs
-    how = args.trainer, args.seed, args.held_out, training_progress()
-    if args.neurons == "auto":
-        return choose_camera(source, args.max_error, *how, _tried, **about)
-    return train_camera(source, args.neurons, *how, **about)
+        options["stop"] = Stop(epochs=args.epochs)
+    return TrainingChoices(
+        trainer=args.trainer, seed=args.seed, held_out=args.held_out, skip=args.skip,
+        options=options, formats=_formats(args), weight_bits=args.weight_bits,
+        variant=choose_variant(args.tansig, MAX_NEURONS), gamma=args.gamma)
 
 
 def _tried(neurons, worst):

@@ -67,7 +67,8 @@ class BurstWriter(wiring.Component):
         words = data.StructLayout({"data": self.data_width, "enable": self.data_width // 8})
         bursts = data.StructLayout({"address": ADDRESS_BITS, "count": range(self.burst + 1),
                                     "last": 1})
-        m.submodules.words = word_queue = SyncFIFOBuffered(width=words.size, depth=self.queued(self.burst))
+        m.submodules.words = word_queue = SyncFIFOBuffered(width=words.size,
+                                                           depth=self.queued(self.burst))
         m.submodules.bursts = burst_queue = SyncFIFOBuffered(width=bursts.size, depth=_BURSTS)
         self._gather(m, word_queue, burst_queue, bursts)
         self._send(m, word_queue, data.View(words, word_queue.r_data),
@@ -77,9 +78,10 @@ class BurstWriter(wiring.Component):
     def _gather(self, m, word_queue, burst_queue, layout):
         """Queue words, and a burst whenever one is complete."""
         i = self.i.p
-        count = Signal(range(self.burst))
-        address = Signal(ADDRESS_BITS)
-        complete, burst = Signal(), Signal(layout)
+        count = Signal(range(self.burst))       # words gathered in the clocks before
+        address = Signal(ADDRESS_BITS)          # of the first of them
+        complete = Signal()                     # the word at ``i`` completes the burst
+        burst = Signal(layout)                  # the burst, that word included
         m.d.comb += [
             self.i.ready.eq(word_queue.w_rdy & burst_queue.w_rdy),
             complete.eq(i.end | (count == self.burst - 1)),
@@ -94,9 +96,9 @@ class BurstWriter(wiring.Component):
 
     def _send(self, m, word_queue, word, burst_queue, burst):
         """Put one word after the other on the bus."""
-        write = Signal(reset_less=True)
-        beat = Signal(word.shape(), reset_less=True)
-        command = Signal(burst.shape(), reset_less=True)
+        write = Signal(reset_less=True)                     # a word stands on the bus
+        beat = Signal(word.shape(), reset_less=True)        # the word
+        command = Signal(burst.shape(), reset_less=True)    # the burst that it belongs to
         left = Signal(range(self.burst + 1), reset_less=True)   # words of the burst to come
         known = Signal()                             # the burst is of the time since the reset
         frame_end = Signal()                         # the burst is the frame's last

@@ -44,6 +44,7 @@ class BayerQuads(wiring.Component):
                 c, d = self.samples[k + WINDOW], self.samples[k + WINDOW + 1]
                 # A quad one further on starts in a column, a row, of the other kind.
                 red_column, red_row = self.red_column ^ i, self.red_row ^ j
+                # Cycle 1: choose the quad's red, its blue and its two greens.
                 chosen = {
                     "red": Mux(red_row, Mux(red_column, a, b), Mux(red_column, c, d)),
                     "blue": Mux(red_row, Mux(red_column, d, c), Mux(red_column, b, a)),
@@ -52,6 +53,7 @@ class BayerQuads(wiring.Component):
                 }
                 s0 = {name: register(m, f"s0_{name}_{j}{i}", value)
                       for name, value in chosen.items()}
+                # Cycle 2: add the greens, double the others.
                 n = 6 * j + 3 * i
                 m.d.sync += [self.o[n].eq(s0["red"] << 1),
                              self.o[n + 1].eq(s0["green0"] + s0["green1"]),

@@ -59,24 +59,30 @@ class Bilinear(wiring.Component):
 
             ``cut``: 6 clocks later; what of the difference is above the block is multiplied apart.
             """
+            # Cycles 1 and 2: subtract, and the register before the multiplier.
             difference = delay(m, register(f"{name}_d", b - a), 1, f"{name}_d")
             place = min(_BLOCK, len(difference)) - 1
             low = difference[:place] if cut else difference
+            # Cycles 3 and 4: multiply.
             product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
+            # Cycle 5, if cut: add the product of the bits above the block.
             if cut:
                 high = difference[place:].as_signed() * fraction
                 above = register(f"{name}_h1", register(f"{name}_h0", high))
                 product = register(f"{name}_p2", product + (above << place))
+            # The last cycle: add a.
             first = delay(m, a, 5 if cut else 4, f"{name}_a") << self.f_bits
             return register(f"{name}_s", first + product, unsigned(len(a) + self.f_bits))
 
         for colour in range(3):
             q00, q01, q10, q11 = (self.i[6 * j + 3 * i + colour]
                                   for j in range(2) for i in range(2))
+            # Cycles 1 to 5: interpolate along both rows of quads.
             upper = lerp(f"u{colour}", q00, q01, fx)
             lower = lerp(f"l{colour}", q10, q11, fx)
+            # Cycles 6 to 11: interpolate between the rows.
             shift = 2 * self.f_bits + 1
             total = lerp(f"v{colour}", upper, lower, fy, cut=True)
-            # Adding a half carries exactly if the highest bit dropped is set.
+            # Cycle 12: round. Adding a half carries exactly if the highest bit dropped is set.
             m.d.sync += self.o[colour].eq(total[shift:] + total[shift - 1])
         return m

@@ -51,7 +51,8 @@ class Interpolator(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.queue = queue = CreditQueue(pixel_layout(self.lanes), depth=self.queued, restart=27)
+        m.submodules.queue = queue = CreditQueue(
+            pixel_layout(self.lanes), depth=self.queued, restart=27)
         m.d.comb += [
             self.i.ready.eq(queue.room), queue.issue.eq(self.i.valid & self.i.ready),
             queue.arrive.eq(delay(m, queue.issue, self.latency, "issue", reset_less=False)),

@@ -87,17 +87,20 @@ class Multiport(wiring.Component):
     def _ask(self, m, readers, tokens, token_layout, byte_bits):
         """Requests to commands of the readers, and a token for each request, in order."""
         request = self.i.p
-        # A: row offset, and whether the window is where the last one was.
-        a_valid, a, a_offset, a_reuse = (Signal(), Signal(request.shape()),
-                                         Signal(ADDRESS_BITS), Signal())
+        # A: the offset of the row is known, and whether the window is where the last one was.
+        a_valid = Signal()                  # there is a request in this stage
+        a = Signal(request.shape())         # the request
+        a_offset = Signal(ADDRESS_BITS)     # of its first row in the raw frame, in bytes
+        a_reuse = Signal()                  # its window is where the last one was
+        # The place of the last window that was not blank, if there was one in this frame.
         last = Signal(data.StructLayout({"x0": len(request.x0), "y0": len(request.y0),
                                          "known": 1}))
-        sent = Signal(WINDOW + 1)                    # which of readers and tokens have taken it
-        taken = Signal(WINDOW + 1)
+        sent = Signal(WINDOW + 1)           # which of readers and tokens have taken the request
+        taken = Signal(WINDOW + 1)          # which of them have when this clock ends
         fetch = ~a.blank & ~a_reuse
-        first_byte = Signal(ADDRESS_BITS)
-        end = Signal(byte_bits + 1)
-        token = Signal(token_layout)
+        first_byte = Signal(ADDRESS_BITS)   # address of the window's first byte
+        end = Signal(byte_bits + 1)         # the last byte's place from the first byte's word on
+        token = Signal(token_layout)        # what the window's answer has to know
         m.d.comb += [
             first_byte.eq(self.base + a_offset + a.x0),
             end.eq(a.x0[:byte_bits] + WINDOW - 1),
@@ -136,12 +139,12 @@ class Multiport(wiring.Component):
     def _answer(self, m, readers, tokens, token_layout):
         """Words of the readers to windows, in the tokens' order."""
         token = data.View(token_layout, tokens.r_data)
-        offset = Signal(len(token.offset))
-        here = Signal(len(token.offset))
+        offset = Signal(len(token.offset))      # of the window that the readers' words hold
+        here = Signal(len(token.offset))        # of the window that is answered
         complete = []
         for r, reader in enumerate(readers):
-            words = Signal(2 * self.data_width, name=f"words{r}")
-            count = Signal(range(_MAX_BURST + 1), name=f"count{r}")
+            words = Signal(2 * self.data_width, name=f"words{r}")       # that have come
+            count = Signal(range(_MAX_BURST + 1), name=f"count{r}")     # how many have
             needed = 1 + token.two_words
             m.d.comb += reader.o.ready.eq(tokens.r_rdy & token.fetch & (count != needed))
             with m.If(reader.o.valid & reader.o.ready):

@@ -63,8 +63,10 @@ class Packer(wiring.Component):
         last = self.i.p.last & (part == parts - 1)
 
         m.submodules.strips = strips = Strips(step)
-        address, row, strip, next_strip = (Signal(ADDRESS_BITS, name=name) for name in
-                                           ("address", "row", "strip", "next_strip"))
+        address = Signal(ADDRESS_BITS)          # of the next pixel
+        row = Signal(ADDRESS_BITS)              # of the first pixel in its row of the strip
+        strip = Signal(ADDRESS_BITS)            # of the strip's first pixel
+        next_strip = Signal(ADDRESS_BITS)       # of the first pixel of the strip behind it
         word_bits, step_bits = exact_log2(self.data_width // 8), exact_log2(PIXEL_BYTES * step)
         place = address[step_bits:word_bits] if step < room else Const(0)
         row_end = strips.last_column & ~strips.raster
@@ -73,7 +75,7 @@ class Packer(wiring.Component):
         put = Signal()                               # pixels go into the word
         m.d.comb += [strips.order.eq(self.order), strips.start.eq(self.start),
                      strips.advance.eq(put | strips.begin)]
-        # A strip that another one follows has more pixels than this is late.
+        # `next_strip` is a clock late, which no strip is short enough to notice.
         m.d.sync += next_strip.eq(strip + strips.strip * PIXEL_BYTES)
 
         o = self.o.p

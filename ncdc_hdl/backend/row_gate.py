@@ -24,7 +24,8 @@ class RowGate(wiring.Component):
     the frame is complete the camera's counter may thus begin again. The same rule is kept for a
     fetcher without tiles. All pixels of a group pass together.
 
-    Timing: a stream stage, latency 1, one group per clock; ``camera_rows`` counts ``rows_latency`` clocks later.
+    Timing: a stream stage, latency 1, one group per clock; a change of ``camera_rows`` counts
+    ``rows_latency`` clocks later.
 
     Parameters
     ----------
@@ -62,9 +63,8 @@ class RowGate(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # Windows pass that start above `limit`: one comparison per pixel, against a register.
-        rows = Signal(SIZE)
-        limit = Signal(SIZE)
+        rows = Signal(SIZE)     # the largest ``camera_rows`` of this frame
+        limit = Signal(SIZE)    # windows that start above it pass: one comparison, to a register
         with m.If(self.start | (self.camera_rows > rows)):
             m.d.sync += rows.eq(self.camera_rows)
         tiles = rows >> (TILE_HEIGHT - 1).bit_length()

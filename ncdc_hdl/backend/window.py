@@ -49,13 +49,13 @@ class WindowAddress(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # The last origin inside the image and the next one, per axis.
-        last_inside, beyond = ([Signal(signed(self.q.i_bits + 1), name=f"{name}_{axis}")
-                                for axis in "xy"] for name in ("inside", "beyond"))
-        for limits, away in ((last_inside, WINDOW), (beyond, WINDOW - 1)):
-            m.d.sync += [limit.eq(size - away)
-                         for limit, size in zip(limits, (self.width, self.height))]
-        limits = list(zip(last_inside, beyond))
+        # Per axis, the last origin inside the image and the one after it.
+        limits = []
+        for axis, size in (("x", self.width), ("y", self.height)):
+            last_inside = Signal(signed(self.q.i_bits + 1), name=f"inside_{axis}")
+            beyond = Signal(signed(self.q.i_bits + 1), name=f"beyond_{axis}")
+            m.d.sync += [last_inside.eq(size - WINDOW), beyond.eq(size - (WINDOW - 1))]
+            limits.append((last_inside, beyond))
         # Each stage takes what the one before it has, unless it must hold its own.
         stages = [(Signal(name=f"{name}_valid"), Signal(2, name=f"{name}_flags"),
                    Signal(name=f"{name}_take")) for name in ("shifted", "compared")]
@@ -78,19 +78,25 @@ class WindowAddress(wiring.Component):
         """The window ``o`` of the coordinate ``i`` in lane ``k``."""
         half = 1 << (self.q.f_bits - 1)
         shift, compare, choose = takes
-        blank, inside = Signal(name=f"blank{k}"), []
+        blank = Signal(name=f"blank{k}")        # the input's, with the shifted coordinates
+        inside = []                             # conditions that the origin is not too far out
         with m.If(shift):
             m.d.sync += blank.eq(i.blank)
         for axis, coordinate, (last, beyond), origin, fraction in (
                 ("x", i.x, limits[0], o.x0, o.fx), ("y", i.y, limits[1], o.y0, o.fy)):
-            shifted, held = (Signal(signed(self.q.width + 1), name=f"{name}_{axis}{k}")
-                             for name in ("shifted", "held"))
-            before, at_end = Signal(name=f"before_{axis}{k}"), Signal(name=f"at_end_{axis}{k}")
+            shape = signed(self.q.width + 1)
+            shifted = Signal(shape, name=f"shifted_{axis}{k}")  # the coordinate less a half
+            held = Signal(shape, name=f"held_{axis}{k}")        # the same, a stage later
+            before = Signal(name=f"before_{axis}{k}")           # its whole part is -1
+            at_end = Signal(name=f"at_end_{axis}{k}")           # its whole part is `beyond`
             whole = shifted >> self.q.f_bits
+            # Stage 1: subtract.
             with m.If(shift):
                 m.d.sync += shifted.eq(coordinate - half)
+            # Stage 2: compare.
             with m.If(compare):
                 m.d.sync += [held.eq(shifted), before.eq(whole == -1), at_end.eq(whole == beyond)]
+            # Stage 3: choose; an origin just outside is moved to the nearest place inside.
             with m.If(choose):
                 m.d.sync += [origin.eq(held >> self.q.f_bits), fraction.eq(held)]
                 with m.If(before):
@@ -98,7 +104,8 @@ class WindowAddress(wiring.Component):
                 with m.Elif(at_end):
                     m.d.sync += [origin.eq(last), fraction.eq(-1)]
             inside += [whole >= -1, whole <= beyond]
-        passed, within = Signal(name=f"passed{k}"), Signal(len(inside), name=f"within{k}")
+        passed = Signal(name=f"passed{k}")                  # the input's `blank`, a stage later
+        within = Signal(len(inside), name=f"within{k}")     # `inside`, a stage later
         with m.If(compare):
             m.d.sync += [passed.eq(blank), within.eq(Cat(inside))]
         with m.If(choose):

@@ -27,7 +27,8 @@ def interfaces(corrector):
     for port, member in corrector.signature.members.items():
         prefix, _, role = port.partition("_")
         name, kind, direction, role = _place(prefix, role, port)
-        found.setdefault(name, (kind, direction, {}))[2][port] = (role, Shape.cast(member.shape).width)
+        _, _, ports = found.setdefault(name, (kind, direction, {}))
+        ports[port] = (role, Shape.cast(member.shape).width)
     return found
 
 

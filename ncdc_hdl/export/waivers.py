@@ -1,24 +1,24 @@
 """Lint rules that the generated Verilog does not keep, and why that is harmless."""
 
-__all__ = ["SLANG", "VERILATOR", "verilator_config"]
+__all__ = ["DEFAULT_WARNINGS", "SLANG", "VERILATOR", "verilator_config"]
 
-# Amaranth's expressions have the width that holds their result, and Yosys writes them as Verilog
+# Amaranth's expressions have the width that holds their result; they are printed as Verilog
 # expressions whose width the context extends or cuts: the same bits, without a cast.
 _WIDTHS = "the width of an expression is made fit where it is assigned, as Amaranth means it"
-_CASES = "a register keeps its value, or a signal its default assigned before, in the other cases"
 
 VERILATOR = {
     "WIDTHEXPAND": _WIDTHS,
     "WIDTHTRUNC": _WIDTHS,
-    "CASEINCOMPLETE": _CASES,
+    "CASEINCOMPLETE": "a signal keeps the default assigned before in the other cases",
     "PROCASSINIT": "a register's value after configuration is where it is declared; FPGAs load it",
-    "UNUSEDSIGNAL": "every internal name of the source is kept, for waveforms",
+    "UNUSEDSIGNAL": "a record stays whole where a module uses some of its bits",
     "DECLFILENAME": "all modules are in one file",
 }
+# Those that Verilator gives without -Wall too.
+DEFAULT_WARNINGS = "WIDTHEXPAND", "WIDTHTRUNC", "CASEINCOMPLETE"
 SLANG = {
     "width-trunc": _WIDTHS,
     "sign-conversion": _WIDTHS,
-    "case-incomplete": _CASES,
 }
 
 

@@ -4,8 +4,9 @@ from amaranth import *
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.frontend.layouts import SIZE, SPANS, coordinate_layout, network_layout, scan_layout
+from ncdc_hdl.frontend.layouts import coordinate_layout, network_layout, scan_layout
 from ncdc_hdl.frontend.scan import Scan
+from ncdc_hdl.frontend.signatures import SpansRequest
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.pipeline import DelayMemory, delay
 from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
@@ -49,7 +50,7 @@ class BackMap(wiring.Component):
         Ends the frame early, see :class:`Scan`.
     scan, network : ``In(scan_layout())``, ``In(network_layout(...))``
         Constant during a frame.
-    row, spans, fresh : ``Out``, ``In(SPANS)``, ``In(1)``
+    table : ``Out(SpansRequest())``
         To the table of valid rows.
     o : ``Out(stream.Signature(coordinate_layout(formats, lanes)))``
     idle : ``Out(1)``
@@ -83,7 +84,8 @@ class BackMap(wiring.Component):
         self.output = [OutputLayer(hidden_neurons, formats, self.share,
                                    hardware.multiplier_bits)
                        for _ in range(lanes)]
-        # Groups of the clocks from one taken out of the queue to the next one that this lets in.
+        # Groups that can be issued between the clock in which one is taken out of the queue and
+        # the arrival of the first one for which that makes room.
         self.under_way = -(-(self.latency + CreditQueue.loop) // self.share)
         least = self.under_way + _SLACK
         self.queue = queue or max(128, 1 << (least - 1).bit_length())
@@ -93,7 +95,7 @@ class BackMap(wiring.Component):
         super().__init__({
             "start": In(1), "abort": In(1), "scan": In(scan_layout()),
             "network": In(network_layout(hidden_neurons, formats)),
-            "row": Out(SIZE), "spans": In(SPANS), "fresh": In(1),
+            "table": Out(SpansRequest()),
             "o": Out(stream.Signature(coordinate_layout(formats, lanes))),
             "idle": Out(1), "stalled": Out(1), "cut": Out(1),
         })
@@ -112,15 +114,16 @@ class BackMap(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.submodules.scan = scan = Scan(self.formats, self.lanes)
-        # What is left keeps the queue from running dry while the network refills.
+        # At the restart level the queue holds what the consumer takes until the network is full
+        # again, so that it does not run dry.
         m.submodules.queue = queue = CreditQueue(
             coordinate_layout(self.formats, self.lanes), depth=self.queue,
             restart=max(self.under_way, self.queue // 2))
         m.d.comb += [
             scan.start.eq(self.start), scan.abort.eq(self.abort), scan.parameters.eq(self.scan),
-            self.cut.eq(scan.cut), self.row.eq(scan.row), scan.spans.eq(self.spans),
-            scan.fresh.eq(self.fresh),
+            self.cut.eq(scan.cut),
         ]
+        wiring.connect(m, scan.table, wiring.flipped(self.table))
 
         # All lanes are ready in the same clock.
         issue, turn = pace(m, scan, self.share, queue.room & self.hidden[0].ready)
@@ -165,7 +168,9 @@ def pace(m, scan, share, may_issue):
     if share == 1:
         m.d.comb += scan.go.eq(may_issue)
         return scan.advance, Const(0, 1)
-    issue, may, turn = Signal(), Signal(), Signal(range(share))
+    issue = Signal()                # a pixel enters the network, in its turn 0
+    may = Signal()                  # ``may_issue``, a clock ago
+    turn = Signal(range(share))     # of the pixel that stays
     m.d.sync += may.eq(may_issue)
     m.d.comb += [issue.eq(scan.active & may & (turn == 0)),
                  scan.go.eq(issue if share == 2 else turn == share - 2)]

@@ -14,8 +14,11 @@ SPANS = data.StructLayout({"start0": SIZE, "stop0": SIZE, "start1": SIZE, "stop1
 
 
 def scan_layout():
-    """What the scan needs to know: size in pixels, columns of a strip (0: raster), origin and step
-    in Q1.31."""
+    """The parameters of a scan.
+
+    ``width`` and ``height`` are the corrected picture's in pixels, ``strip`` the columns of a strip
+    (0: the picture is one strip). Origin and step of both coordinates are raw in Q1.31.
+    """
     return data.StructLayout({
         "width": SIZE, "height": SIZE, "strip": SIZE,
         "origin_x": signed(SCAN.width), "step_x": signed(SCAN.width),

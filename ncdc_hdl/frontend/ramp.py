@@ -12,14 +12,14 @@ _LOW = SCAN.width // 2
 
 
 class Ramp(wiring.Component):
-    """``sum`` = ``first`` + n ``stride``, from group to group of a scan, modulo 2**n.
+    """``sum`` = ``first`` + k ``stride`` for the group shown, modulo 2**32, by addition only.
 
-    The sum is kept in two halves, the low one a group ahead, so that no carry runs through all
-    bits in one clock.
+    k is the number of steps since the base was taken. The sum is kept in two halves, the low one
+    a group ahead, so that no carry runs through all bits in one clock.
 
     Timing: ``sum`` is that of the group which the last ``take`` has made the one shown. ``step``,
-    ``restart`` and ``rebase`` tell with ``take`` how the sum of the group after it is made. A frame
-    begins with ``load``, and a ``take`` with ``restart`` that shows nothing yet.
+    ``restart`` and ``rebase`` tell with ``take`` how the sum of the group after that one is made. A
+    frame begins with ``load``, and a ``take`` with ``restart`` that shows nothing yet.
 
     Parameters
     ----------
@@ -56,14 +56,21 @@ class Ramp(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         low_bits = max(_LOW, self.shift + 1)
-        low, base_low, low_shown = (Signal(low_bits, name=name)
-                                    for name in ("low", "base_low", "low_shown"))
-        high, base_high = (Signal(SCAN.width - low_bits, name=name)
-                           for name in ("high", "base_high"))
-        low_sum, high_sum = Signal(low_bits + 1), Signal(SCAN.width - low_bits)
-        # How the sum of the group after the one shown was made, for its high half.
-        carried, stepped, restarted, rebased = (
-            Signal(name=name) for name in ("carried", "stepped", "restarted", "rebased"))
+        high_bits = SCAN.width - low_bits
+        # The next group's sum, as far as it is known, and the base in its two halves.
+        low = Signal(low_bits)              # low half of the next group's sum
+        base_low = Signal(low_bits)         # low half of the base
+        base_high = Signal(high_bits)       # high half of the base
+        # The sum of the group shown.
+        low_shown = Signal(low_bits)        # its low half
+        high = Signal(high_bits)            # its high half
+        # How the next group's sum was made: its high half is made when that group is taken.
+        carried = Signal()                  # what the addition in the low half carried
+        stepped = Signal()                  # `step`
+        restarted = Signal()                # `restart`
+        rebased = Signal()                  # `rebase`
+        low_sum = Signal(low_bits + 1)      # `low` and the stride, with the carry
+        high_sum = Signal(high_bits)        # `high`, the stride, and the carry from below
         m.d.comb += [
             low_sum.eq(low + self.stride[:low_bits]),
             high_sum.eq(high + self.stride[low_bits:] + carried),

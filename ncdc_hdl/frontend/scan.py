@@ -6,6 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.frontend.layouts import SIZE, SPANS, scan_layout
 from ncdc_hdl.frontend.ramp import Ramp
+from ncdc_hdl.frontend.signatures import SpansRequest
 from ncdc_hdl.frontend.strips import Strips
 from ncdc_hdl.neural.layouts import pixel_layout
 from ncdc_model.geometry import SCAN
@@ -31,7 +32,7 @@ class Scan(wiring.Component):
     ``latency`` clocks, more while the host reads the table.
 
     ``abort`` ends the frame early: the group behind the one that is shown is blank and the last.
-    So does a picture without a pixel, whose only group that is.
+    A picture without a pixel ends in the same way, with one blank group.
 
     Parameters
     ----------
@@ -48,28 +49,35 @@ class Scan(wiring.Component):
         To be held until the frame has ended.
     parameters : ``In(scan_layout())``
         Constant from ``start`` to the end of the frame.
-    row, spans, fresh : ``Out``, ``In(SPANS)``, ``In(1)``
+    table : ``Out(SpansRequest())``
         To the table of valid rows.
     go : ``In(1)``
         If a group is shown in the next clock, it may be left then.
     advance : ``Out(1)``
         The group shown is left: another one may be shown in the next clock.
-    active, first, last : ``Out(1)``
+    active : ``Out(1)``
+        A group is shown.
+    first, last : ``Out(1)``
+        The group shown is the first, the last of the frame; valid while ``active``.
     blank : ``Out(lanes)``
+        Which pixels have no source, of the group shown ``blank_latency`` clocks ago.
     pixels : ``Out(ArrayLayout(pixel_layout(formats, lanes), lanes))``
-        x, y, and what the next group adds to them.
+        Coordinates of the group shown, and what the next group adds to them; valid while
+        ``active``.
     cut : ``Out(1)``
-        The frame was ended early; until the next ``start``.
+        The frame was ended early; valid from its end to the next ``start``.
     """
 
     blank_latency = 2
+    """Clocks from a group shown to its ``blank``: comparisons, and what they tell."""
     latency = Strips.latency + 2
+    """Clocks from ``start`` to ``active``: the first group, as the next one, as the one shown."""
 
     def __init__(self, formats, lanes=1):
         self.q, self.lanes = formats.input, lanes
         super().__init__({
             "start": In(1), "abort": In(1), "parameters": In(scan_layout()),
-            "row": Out(SIZE), "spans": In(SPANS), "fresh": In(1),
+            "table": Out(SpansRequest()),
             "go": In(1), "advance": Out(1),
             "active": Out(1), "first": Out(1), "last": Out(1), "blank": Out(lanes),
             "pixels": Out(data.ArrayLayout(pixel_layout(formats, lanes), lanes)),
@@ -78,90 +86,138 @@ class Scan(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        p = self.parameters
         m.submodules.strips = strips = Strips(self.lanes)
-        # The group that follows the one shown: there is one, if only the one before a frame's
-        # first, which nobody sees; it is that one, it is the first of a frame, it is the first of a
-        # row, whose spans are to be taken with it.
-        running, void, frame_begins, row_begins = Signal(), Signal(), Signal(), Signal()
-        # It is the last of a row; others follow it in this strip, in another one; it is the last.
-        row_ends, new_row, new_strip, complete = Signal(), Signal(), Signal(), Signal()
-        top, column = Signal(), Signal(SIZE)         # the next row is the first one; its column
-        take = Signal()                              # it becomes the group shown
-        takes = Signal()                             # ``take`` in the next clock
-        step = Signal()                              # ``take``, or before the first group
-        further = Signal()                           # if so, yet another one can follow at once
-        shown = Signal()                             # ``active`` in the next clock
-        ending = Signal()                            # the group shown is blank and ends the frame
-        end, empty = Signal(), Signal()
-        shown_row, shown_strip, shown_column = Signal(), Signal(), Signal(SIZE)
-        spans, fetched = self._fetch_spans(m, take & row_begins)
-        m.d.comb += [
-            strips.order.width.eq(p.width), strips.order.height.eq(p.height),
-            strips.order.strip.eq(p.strip), strips.start.eq(self.start),
-            strips.advance.eq(step),
-            shown.eq(take & ~void | self.active & ~self.advance),
-            end.eq(self.abort | empty),
-            takes.eq(strips.begin | Mux(take, further, running & (~row_begins | fetched))
-                     & (~shown | self.go)),
-            further.eq((void | ~(end | complete)) & (~row_ends | fetched & ~row_begins)),
-        ]
-        # Decided a clock ahead: both reach registers all over the scan.
-        m.d.sync += [
-            empty.eq((p.width == 0) | (p.height == 0)), self.active.eq(shown),
-            self.advance.eq(shown & self.go),
-            take.eq(takes), step.eq(takes | strips.soon),
-        ]
+        # Three groups are known at a time: the one shown, the next one, and behind it the one that
+        # `strips` counts. A frame begins with a next group that is void: the one before its first.
+        next_void = Signal()            # the next group is void: it is not shown when it is taken
+        next_first = Signal()           # it is the frame's first
+        next_last = Signal()            # it is the frame's last
+        next_column = Signal(SIZE)      # column of its leftmost pixel
+        begins_row = Signal()           # it is the first of a row, whose spans are taken with it
+        ends_row = Signal()             # it is the last of a row within its strip, or void
+        new_row = Signal()              # the group behind it is in another row of the same strip
+        new_strip = Signal()            # the group behind it is the first of another strip
+        to_top = Signal()               # the group behind it is in the picture's first row
+        shown_column = Signal(SIZE)     # of the group shown: column of its leftmost pixel
+        shown_new_row = Signal()        # the group behind the one shown is in another row
+        shown_new_strip = Signal()      # the group behind the one shown is in another strip
+        shown_cut = Signal()            # the group shown is blank, and ends the frame early
+        end = Signal()                  # if the next group is taken, it is blank and ends the frame
+        final = Signal()                # if the next group is taken, no other one follows
+        take = Signal()                 # the next group becomes the one shown
+        m.d.comb += [end.eq(self._ends(m)), final.eq(~next_void & (end | next_last))]
+        # A group that begins a row waits until the spans of that row have been fetched.
+        spans, fetched = self._fetch_spans(m, take & begins_row)
+        self._pace(m, strips, take, next_void, final, may_take=~begins_row | fetched,
+                   may_follow=~ends_row | fetched & ~begins_row)
+
         with m.If(take):
+            # The next group becomes the one shown.
             m.d.sync += [
-                row_ends.eq(strips.last_column),
+                self.first.eq(next_first), self.last.eq(end | next_last),
+                shown_column.eq(next_column),
+                shown_new_row.eq(new_row),
+                shown_new_strip.eq(new_strip & ~end),
+                shown_cut.eq(end),
+            ]
+            # The one that `strips` counts becomes the next group.
+            m.d.sync += [
+                next_void.eq(0),
+                next_first.eq(next_void),
+                next_last.eq(strips.last_column & strips.last_row & strips.last_strip),
+                next_column.eq(strips.u),
+                begins_row.eq(ends_row),
+                ends_row.eq(strips.last_column),
                 new_row.eq(strips.last_column & ~strips.last_row),
                 new_strip.eq(strips.last_column & strips.last_row & ~strips.last_strip),
-                top.eq(strips.last_column & strips.last_row & ~strips.last_strip),
-                complete.eq(strips.last_column & strips.last_row & strips.last_strip),
-                column.eq(strips.u), void.eq(0), frame_begins.eq(void), row_begins.eq(row_ends),
-                running.eq(void | ~(end | complete)),
-                self.first.eq(frame_begins), self.last.eq(end | complete), ending.eq(end),
-                shown_row.eq(new_row), shown_strip.eq(new_strip & ~end), shown_column.eq(column),
+                to_top.eq(strips.last_column & strips.last_row & ~strips.last_strip),
             ]
         with m.If(self.advance & self.last):
-            m.d.sync += self.cut.eq(ending)
+            m.d.sync += self.cut.eq(shown_cut)
         with m.If(self.start):
-            m.d.sync += [self.cut.eq(0), void.eq(1), frame_begins.eq(0), row_begins.eq(0),
-                         row_ends.eq(1), new_row.eq(1), new_strip.eq(0), top.eq(1), complete.eq(0)]
+            m.d.sync += [
+                self.cut.eq(0), next_void.eq(1), next_first.eq(0), next_last.eq(0),
+                begins_row.eq(0), ends_row.eq(1), new_row.eq(1), new_strip.eq(0), to_top.eq(1),
+            ]
 
-        self._coordinates(m, strips.begin, take, new_row, new_strip, top)
+        self._coordinates(m, strips.begin, take, new_row, new_strip, to_top)
         for pixel in self.pixels:
-            m.d.comb += [pixel.new_row.eq(shown_row), pixel.new_strip.eq(shown_strip)]
-        self._blank(m, shown_column, spans, ending)
+            m.d.comb += [pixel.new_row.eq(shown_new_row), pixel.new_strip.eq(shown_new_strip)]
+        self._blank(m, shown_column, spans, shown_cut)
         return m
+
+    def _ends(self, m):
+        """Whether the frame is to end early: it is aborted, or the picture has no pixel."""
+        empty = Signal()
+        m.d.sync += empty.eq((self.parameters.width == 0) | (self.parameters.height == 0))
+        return self.abort | empty
+
+    def _pace(self, m, strips, take, next_void, final, may_take, may_follow):
+        """Decide when the next group is taken, and when the one shown is left.
+
+        Both are decided a clock ahead, since they reach registers all over the scan. ``may_take``:
+        the spans of the next group are there. ``may_follow``: so are those of the one behind it.
+        """
+        next_valid = Signal()           # there is a next group, void or not
+        will_take = Signal()            # ``take`` in the next clock
+        take_again = Signal()           # after a ``take`` in this clock, another one may follow
+        step = Signal()                 # ``take``, or the clock before a frame's first one
+        will_show = Signal()            # ``active`` in the next clock
+        m.d.comb += [
+            strips.order.width.eq(self.parameters.width),
+            strips.order.height.eq(self.parameters.height),
+            strips.order.strip.eq(self.parameters.strip),
+            strips.start.eq(self.start),
+            strips.advance.eq(step),
+            will_show.eq(take & ~next_void | self.active & ~self.advance),
+            take_again.eq(~final & may_follow),
+            will_take.eq(strips.begin | Mux(take, take_again, next_valid & may_take)
+                         & (~will_show | self.go)),
+        ]
+        m.d.sync += [
+            self.active.eq(will_show),
+            self.advance.eq(will_show & self.go),
+            take.eq(will_take),
+            step.eq(will_take | strips.soon),
+        ]
+        with m.If(take):
+            m.d.sync += next_valid.eq(~final)
 
     def _fetch_spans(self, m, take):
         """The spans of the row shown, and whether those of the next one can be taken.
 
-        They have had a row's time to arrive; only the host reading the table without a pause, or
-        a very short row, could hold them back.
+        The spans of the next row have had a row's time to arrive. Only the host, if it reads the
+        table without a pause, or a very short row could hold them back.
         """
-        spans, following, fetched = Signal(SPANS), Signal(SPANS), Signal()
-        bottom, at_bottom = Signal(SIZE), Signal()
-        m.d.sync += [bottom.eq(self.parameters.height - 1), at_bottom.eq(self.row == bottom)]
+        table = self.table
+        spans = Signal(SPANS)           # of the row shown
+        following = Signal(SPANS)       # of the row behind it, once `fetched`
+        fetched = Signal()              # `following` has come from the table
+        bottom = Signal(SIZE)           # the number of the picture's last row
+        at_bottom = Signal()            # the row asked for is the last one; a clock late
+        m.d.sync += [bottom.eq(self.parameters.height - 1), at_bottom.eq(table.row == bottom)]
         with m.If(~fetched):
-            m.d.sync += [following.eq(self.spans), fetched.eq(self.fresh)]
+            m.d.sync += [following.eq(table.spans), fetched.eq(table.fresh)]
         with m.If(take):
             m.d.sync += [spans.eq(following), fetched.eq(0),
-                         self.row.eq(Mux(at_bottom, 0, self.row + 1))]
+                         table.row.eq(Mux(at_bottom, 0, table.row + 1))]
         with m.If(self.start):
-            m.d.sync += [fetched.eq(0), self.row.eq(0)]
+            m.d.sync += [fetched.eq(0), table.row.eq(0)]
         return spans, fetched
 
     def _coordinates(self, m, load, take, new_row, new_strip, top):
-        p, shift = self.parameters, SCAN.f_bits - self.q.f_bits
+        """One ramp for y, and one for the x of each lane; the sums are rounded on the way out.
+
+        The largest sum is 0.9999 + half a step of the input format: below one, it cannot wrap.
+        Beyond the last column it may, and is not used.
+        """
+        p = self.parameters
+        shift = SCAN.f_bits - self.q.f_bits
         half = 1 << (shift - 1)
-        # The largest sum is 0.9999 + half a step of the input format: below one, it cannot wrap.
-        # Beyond the last column it may, and is not used.
-        stride = Signal(signed(SCAN.width + 2))
-        first_x, first_y, step_x3 = (Signal(signed(SCAN.width), name=name)
-                                     for name in ("first_x", "first_y", "step_x3"))
+        stride = Signal(signed(SCAN.width + 2))     # of x, from a group to the next one
+        first_x = Signal(signed(SCAN.width))        # x of the leftmost column, and the half
+        first_y = Signal(signed(SCAN.width))        # y of the first row, and the half
+        step_x3 = Signal(signed(SCAN.width))        # three steps of x
         m.d.comb += stride.eq(p.step_x * self.lanes)
         m.d.sync += [first_x.eq(p.origin_x + half), first_y.eq(p.origin_y + half),
                      step_x3.eq(p.step_x + (p.step_x << 1))]
@@ -182,14 +238,15 @@ class Scan(wiring.Component):
                 pixel.x_carry.eq(x.carry), pixel.y_carry.eq(y.carry),
             ]
 
-    def _blank(self, m, column, spans, ending):
-        """Two stages: comparisons, and what they tell."""
-        late = Signal()
-        m.d.sync += late.eq(ending)
+    def _blank(self, m, column, spans, cut):
+        """``blank`` of the group at ``column``; all of it if the frame is ``cut`` with it."""
+        # Cycle 1: compare the columns of the group with the ends of both spans.
+        cut_late = Signal()
+        m.d.sync += cut_late.eq(cut)
         for k in range(self.lanes):
-            u, inside = column | k, Signal(4, name=f"inside{k}")
-            m.d.sync += [
-                inside.eq(Cat(u >= spans.start0, u < spans.stop0,
-                              u >= spans.start1, u < spans.stop1)),
-                self.blank[k].eq(late | ~(inside[:2].all() | inside[2:].all())),
-            ]
+            u = column | k
+            inside = Signal(4, name=f"inside{k}")   # behind the start, before the stop; each span
+            m.d.sync += inside.eq(Cat(u >= spans.start0, u < spans.stop0,
+                                      u >= spans.start1, u < spans.stop1))
+            # Cycle 2: a pixel outside of both spans is blank.
+            m.d.sync += self.blank[k].eq(cut_late | ~(inside[:2].all() | inside[2:].all()))

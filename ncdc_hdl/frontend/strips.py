@@ -11,7 +11,10 @@ from ncdc_model.geometry import MAX_SIZE, STRIP_UNIT
 
 __all__ = ["ORDER", "Strips"]
 
+# Columns and rows of a picture, and columns of a strip; 0 if the picture is one strip.
 ORDER = data.StructLayout({"width": SIZE, "height": SIZE, "strip": SIZE})
+
+_COUNT = range(-MAX_SIZE - 1, MAX_SIZE)     # of what is counted down to -1
 
 
 class Strips(wiring.Component):
@@ -21,9 +24,12 @@ class Strips(wiring.Component):
     picture one strip: a raster. Equal to ``ncdc_model.geometry.scan_order``.
 
     Groups and rows are counted down to -1, so that the sign tells the last one without a
-    comparison. Timing: another group shows in the clock after ``advance``; the first one is to be
-    asked for with ``begin``, and shows ``latency`` clocks after ``start``. The width of a picture
-    is not to be 0.
+    comparison.
+
+    Timing: all outputs but ``strip`` and ``raster`` are those of one group, and show another one
+    in the clock after ``advance``. The parent asks for a frame's first group by an ``advance`` in
+    the clock of ``begin``; it shows ``latency`` clocks after ``start``. The width of a picture is
+    not to be 0.
 
     Parameters
     ----------
@@ -36,37 +42,57 @@ class Strips(wiring.Component):
     order : ``In(ORDER)``
         Sizes in pixels, constant from ``start`` on. Bits below ``STRIP_UNIT`` of the strip's width
         are ignored.
-    start, advance : ``In(1)``
-    soon, begin : ``Out(1)``
-        The clock before ``begin``; the clock in which to ``advance`` for the first group.
-    u : ``Out``
+    start : ``In(1)``
+        Begins a frame.
+    advance : ``In(1)``
+        Another group shows in the next clock.
+    soon : ``Out(1)``
+        High in the clock before ``begin``.
+    begin : ``Out(1)``
+        High in the clock in which the parent is to ``advance`` for the first group.
+    u : ``Out(SIZE)``
         Column of the group's leftmost pixel.
-    last_column, last_row, last_strip : ``Out(1)``
-        Whether the group is the last of its row within the strip; its row the last of the
-        picture; its strip the last.
-    strip, raster : ``Out``
-        Columns of a strip but the last; the whole picture is one.
+    last_column : ``Out(1)``
+        The group is the last of its row within the strip.
+    last_row : ``Out(1)``
+        The group's row is the last of the picture.
+    last_strip : ``Out(1)``
+        The group's strip is the last one.
+    strip : ``Out(SIZE)``
+        Columns of each strip but the last; 0 if there is only one.
+    raster : ``Out(1)``
+        The whole picture is one strip.
     """
 
     latency = 6
+    """Clocks from ``start`` to the first group: the strip's sizes in 4, ``begin``, the group."""
 
     def __init__(self, lanes=1):
         self.lanes = lanes
         super().__init__({
-            "order": In(ORDER), "start": In(1), "advance": In(1), "soon": Out(1), "begin": Out(1),
+            "order": In(ORDER),
+            "start": In(1),
+            "advance": In(1),
+            "soon": Out(1),
+            "begin": Out(1),
             "u": Out(SIZE),
-            "last_column": Out(1), "last_row": Out(1), "last_strip": Out(1),
-            "strip": Out(SIZE), "raster": Out(1),
+            "last_column": Out(1),
+            "last_row": Out(1),
+            "last_strip": Out(1),
+            "strip": Out(SIZE),
+            "raster": Out(1),
         })
 
     def elaborate(self, platform):
         m = Module()
-        order, unit, group = self.order, exact_log2(STRIP_UNIT), exact_log2(self.lanes)
-        count = range(-MAX_SIZE - 1, MAX_SIZE)
-        left = Signal(SIZE)                          # first column of the strip
-        next_strip = Signal()
-        column, row = Signal(count), Signal(count)   # to be counted down to -1: the last one
-        groups, rows = Signal(count), Signal(count)  # of this strip's row, of the picture; less two
+        order = self.order
+        unit = exact_log2(STRIP_UNIT)
+        left = Signal(SIZE)             # first column of the strip
+        column = Signal(_COUNT)         # groups of the row behind the present one, less one
+        row = Signal(_COUNT)            # rows of the strip behind the present one, less one
+        rows = Signal(_COUNT)           # rows of the picture, less two
+        further = Signal(SIZE)          # `u` of the group on the right
+        next_strip = Signal()           # the strip's last group is left
         m.d.comb += [
             self.strip.eq(Cat(Const(0, unit), order.strip[unit:])),
             self.raster.eq(self.strip == 0),
@@ -75,19 +101,8 @@ class Strips(wiring.Component):
         ]
         m.d.comb += self.soon.eq(delay(m, self.start, self.latency - 2, "start", reset_less=False))
         m.d.sync += self.begin.eq(self.soon)
-        # The strip to come, worked out in three clocks from the columns right of its first one;
-        # in a fourth what the row to come has: no strip but the last has a row of so few groups.
-        columns, beyond = Signal(count), Signal(count)
-        less_one, last, less_two = Signal(count), Signal(1), Signal(count)
-        row_groups = Signal(count)
-        m.d.sync += [
-            beyond.eq(columns - self.strip),
-            last.eq(self.raster | (beyond < 0)),
-            less_one.eq(Mux(self.raster | (beyond < 0), columns, self.strip - 1) >> group),
-            less_two.eq(less_one - 1), rows.eq(order.height - 2),
-            row_groups.eq(Mux(self.last_row, less_two, groups)),
-        ]
-        further = Signal(SIZE)
+        row_groups = self._strip_to_come(m, next_strip)
+        m.d.sync += rows.eq(order.height - 2)
         m.d.comb += further.eq(self.u + self.lanes)
         with m.If(self.advance):
             m.d.sync += [
@@ -97,10 +112,39 @@ class Strips(wiring.Component):
         with m.If(self.advance & self.last_column):
             m.d.sync += row.eq(Mux(self.last_row, rows, row - 1))
         with m.If(next_strip):
-            m.d.sync += [left.eq(further), groups.eq(less_two), columns.eq(beyond),
-                         self.last_strip.eq(last)]
+            m.d.sync += left.eq(further)
         with m.If(self.start):
             # As at the end of a strip on the left of the picture.
-            m.d.sync += [column.eq(-1), row.eq(-1), self.u.eq(-self.lanes),
-                         columns.eq(order.width - 1)]
+            m.d.sync += [column.eq(-1), row.eq(-1), self.u.eq(-self.lanes)]
         return m
+
+    def _strip_to_come(self, m, next_strip):
+        """Work out the strip behind the present one; return what ``column`` begins a row with.
+
+        That takes three clocks from the columns right of the strip's first one, and a fourth for
+        the row: no strip but the last has a row of so few groups.
+        """
+        group = exact_log2(self.lanes)
+        columns = Signal(_COUNT)        # columns from the strip to come to the right edge, less one
+        groups = Signal(_COUNT)         # groups in a row of the present strip, less two
+        beyond = Signal(_COUNT)         # `columns` of the strip after that; negative if none is
+        last = Signal(1)                # the strip to come is the last one
+        less_one = Signal(_COUNT)       # groups in a row of the strip to come, less one
+        less_two = Signal(_COUNT)       # groups in a row of the strip to come, less two
+        row_groups = Signal(_COUNT)     # groups in the row to come, less two
+        m.d.sync += [
+            # Cycle 1: take the strip's columns off those that are left.
+            beyond.eq(columns - self.strip),
+            # Cycle 2: if none are left it is the last strip, which has what there was.
+            last.eq(self.raster | (beyond < 0)),
+            less_one.eq(Mux(self.raster | (beyond < 0), columns, self.strip - 1) >> group),
+            # Cycle 3: count down to -1, not to 0.
+            less_two.eq(less_one - 1),
+            # Cycle 4: choose by whether the row to come is in the present strip.
+            row_groups.eq(Mux(self.last_row, less_two, groups)),
+        ]
+        with m.If(next_strip):
+            m.d.sync += [groups.eq(less_two), columns.eq(beyond), self.last_strip.eq(last)]
+        with m.If(self.start):
+            m.d.sync += columns.eq(self.order.width - 1)
+        return row_groups

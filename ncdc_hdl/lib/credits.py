@@ -9,8 +9,9 @@ from ncdc_hdl.lib.pipeline import register
 
 __all__ = ["CreditQueue"]
 
-# What may still be issued once ``claimed`` says that no more should: in the clocks of the two
-# registers of ``room``, of the producer's clock after them, and of the register of ``issue``.
+# Items that may still be issued once ``claimed`` says that no more should be: one in the clock of
+# each of the two registers of ``room``, one in the producer's clock after them, and one in that of
+# the register of ``issue``.
 _MARGIN = 4
 
 
@@ -39,8 +40,12 @@ class CreditQueue(wiring.Component):
 
     Members
     -------
-    room, issue : ``Out(1)``, ``In(1)``
+    room : ``Out(1)``
+        An item may be put into the pipeline in the next clock.
+    issue : ``In(1)``
+        An item is put into the pipeline in this clock.
     arrive, i : ``In(1)``, ``In(shape)``
+        An item leaves the pipeline in this clock, and that item.
     o : ``Out(stream.Signature(shape))``
     drained : ``Out(1)``
         Nothing is in the pipeline; some clocks late, but low from the first issue's next clock on.

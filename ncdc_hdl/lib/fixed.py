@@ -18,7 +18,12 @@ def add_signed(a, b, subtract, carry):
 
 
 def saturate(value, q):
-    """``value`` limited to the range of format ``q``; the comparison looks at the top bits only."""
+    """The signed ``value`` limited to the range of format ``q``, as a signed value of its width.
+
+    A value fits if all bits above those of the format are copies of its sign; only these are
+    looked at. One that does not fit becomes the limit on its side, a constant.
+    """
     sign, above = value[-1], value[q.width - 1:]
     fits = ~(above ^ sign.replicate(len(above))).any()
-    return Mux(fits, value[:q.width], Cat((~sign).replicate(q.width - 1), sign)).as_signed()
+    limit = Mux(sign, Const(q.lo, signed(q.width)), Const(q.hi, signed(q.width)))
+    return Mux(fits, value[:q.width].as_signed(), limit)

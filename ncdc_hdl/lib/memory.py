@@ -9,13 +9,14 @@ __all__ = ["Fifo", "block_memory"]
 
 
 def block_memory(shape, depth, init=()):
-    """A memory of which nobody uses a word read in the clock that writes it.
+    """A memory of ``depth`` words of ``shape``; no word is used that is read when it is written.
 
-    That word is undefined in block RAM. Without this promise synthesis puts logic behind the RAM
-    to give the old word, and the RAM's output register out of reach. In simulation it is the old
-    word.
+    A word that is read in the clock of its write is undefined in block RAM. Whoever takes this
+    memory promises not to use such a word. Without the promise synthesis puts logic behind the RAM
+    to give the old word, which puts the RAM's output register out of reach. In simulation the old
+    word is read.
     """
-    # As Yosys and as Quartus call it.
+    # The promise, as Yosys calls it and as Quartus does.
     return Memory(shape=shape, depth=depth, init=list(init),
                   attrs={"no_rw_check": 1, "ramstyle": "no_rw_check"})
 
@@ -68,25 +69,34 @@ class Fifo(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # A word is read a clock after its write at the earliest.
+        # A word is read a clock after its write at the earliest, as block_memory wants it.
         m.submodules.storage = storage = block_memory(self.width, self.depth)
         write, read = storage.write_port(), storage.read_port()
-        produce = Signal(range(self.depth))
-        consume = Signal(range(self.depth))
-        kept = Signal(range(self.depth + 1))        # not read as yet
-        read_valid = Signal()                       # of the RAM's output
-        full = Signal()                             # level == depth
+        produce = Signal(range(self.depth))         # where the next item is written
+        consume = Signal(range(self.depth))         # where the next item is read
+        kept = Signal(range(self.depth + 1))        # items in the memory that are not read as yet
         some = Signal()                             # kept != 0
-        put, take, load, move, pop = (Signal(name=name)
-                                      for name in ("put", "take", "load", "move", "pop"))
+        full = Signal()                             # level == depth
+        read_valid = Signal()                       # an item is in the memory's own output register
         oldest = Signal(self.width, reset_less=True)    # a RAM's register has no reset to share
+        put = Signal()                              # an item is written
+        pop = Signal()                              # an item leaves the memory
+        load = Signal()                             # the memory's output register may be loaded
+        move = Signal()                             # the register behind it may be loaded
+        take = Signal()                             # the oldest item is taken
         m.d.comb += [
             self.r_data.eq(oldest),
-            self.w_rdy.eq(~full), put.eq(self.w_en & ~full if self.checked else self.w_en),
+            self.w_rdy.eq(~full),
+            put.eq(self.w_en & ~full if self.checked else self.w_en),
             take.eq(self.r_rdy & self.r_en),
-            write.addr.eq(produce), write.data.eq(self.w_data), write.en.eq(put),
-            move.eq(~self.r_rdy | self.r_en), load.eq(~read_valid | move),
-            read.addr.eq(consume), read.en.eq(load), pop.eq(load & some),
+            write.addr.eq(produce),
+            write.data.eq(self.w_data),
+            write.en.eq(put),
+            move.eq(~self.r_rdy | self.r_en),
+            load.eq(~read_valid | move),
+            read.addr.eq(consume),
+            read.en.eq(load),
+            pop.eq(load & some),
         ]
         with m.If(put != pop):
             m.d.sync += [kept.eq(kept + Mux(put, 1, -1)), some.eq(put | (kept != 1))]

@@ -37,6 +37,11 @@ class DelayMemory(wiring.Component):
     Members
     -------
     i, o : ``In(shape)``, ``Out(shape)``
+
+    Raises
+    ------
+    ValueError
+        If ``clocks`` is below 2.
     """
 
     def __init__(self, shape, clocks):
@@ -50,7 +55,8 @@ class DelayMemory(wiring.Component):
         i, o = Value.cast(self.i), Value.cast(self.o)
         m.submodules.memory = memory = Memory(shape=len(i), depth=self.clocks, init=[])
         write, read = memory.write_port(), memory.read_port()
-        place, following = Signal(range(self.clocks)), Signal(range(self.clocks))
+        place = Signal(range(self.clocks))          # where the present word is written
+        following = Signal(range(self.clocks))      # where the next one will be: the oldest word
         m.d.sync += place.eq(following)
         m.d.comb += [
             following.eq(Mux(place == self.clocks - 1, 0, place + 1)),

@@ -8,10 +8,10 @@ __all__ = ["Relay"]
 
 
 class Relay(wiring.Component):
-    """Two places for items, so that ``i.ready`` is a register and knows nothing of ``o.ready``.
+    """Two places for items, so that ``i.ready`` is a register and does not depend on ``o.ready``.
 
-    An item that comes in the clock in which ``o`` stalls is kept aside; while it is, none is
-    accepted.
+    An item that comes in a clock in which ``o`` stalls is kept aside; while an item is aside, no
+    other one is accepted.
 
     Timing: latency 1, one item per clock.
 
@@ -26,6 +26,7 @@ class Relay(wiring.Component):
     """
 
     latency = 1
+    """Clocks from an item at ``i`` to the item at ``o``."""
 
     def __init__(self, shape):
         self.shape = shape
@@ -34,8 +35,9 @@ class Relay(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         i = Value.cast(self.i.payload)
-        o, aside = (Signal(len(i), reset_less=True, name=name) for name in ("o", "aside"))
-        free = Signal(init=1)               # nothing is aside
+        o = Signal(len(i), reset_less=True)         # the item that is offered
+        aside = Signal(len(i), reset_less=True)     # the item kept aside, unless `free`
+        free = Signal(init=1)                       # nothing is aside
         m.d.comb += [self.i.ready.eq(free), Value.cast(self.o.payload).eq(o)]
         with m.If(free):
             m.d.sync += aside.eq(i)

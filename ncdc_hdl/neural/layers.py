@@ -64,7 +64,8 @@ class MultiplyLayer(wiring.Component):
 
     def __init__(self, hidden_neurons, formats, share=1, multiplier_bits=27, lanes=1):
         self.hidden_neurons, self.share = hidden_neurons, share
-        self.units = [HiddenNeuron(formats, multiplier_bits) for _ in range(-(-hidden_neurons // share))]
+        self.units = [HiddenNeuron(formats, multiplier_bits)
+                      for _ in range(-(-hidden_neurons // share))]
         super().__init__(hidden_layer_ports(hidden_neurons, formats, share, lanes))
 
     start_latency = 0

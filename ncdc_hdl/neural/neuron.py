@@ -106,8 +106,8 @@ def output_sum(hidden_neurons, formats):
 class _Accumulator(wiring.Component):
     """Shared pipeline: products of inputs and weights, adder tree, bias, rounding, saturation.
 
-    A register more stands before each :class:`Product`, whose blocks have ``multiplier_bits`` bits, and
-    behind each adder of the tree, for the way to the next one. Of several turns, each brings
+    A register more stands before each :class:`Product`, whose blocks have ``multiplier_bits`` bits,
+    and behind each adder of the tree, for the way to the next one. Of several turns, each brings
     ``inputs`` more terms of the same sum; ``first`` marks the one that begins it. The two products
     of a skip path are added to the bias.
     """
@@ -143,7 +143,7 @@ class _Accumulator(wiring.Component):
 
     @property
     def inputs_clock(self):
-        """Clocks from the first turn's ``i`` to ``inputs``, those of a skip path; may be negative."""
+        """Clocks from the first turn's ``i`` to ``inputs`` of a skip path; may be negative."""
         return self._summed - (1 + self.skip_products[0].latency + 1 + 1)
 
     @property
@@ -157,18 +157,21 @@ class _Accumulator(wiring.Component):
 
         register = partial(pipeline.register, m)
 
+        # X, and the stages of the products: multiply inputs and weights.
         for k, product in enumerate(self.products):
             m.submodules[f"product{k}"] = product
             m.d.comb += [product.a.eq(register(f"x0_{k}", self.i[k])),
                          product.b.eq(self.weights[k])]
+        # S: add the products in pairs, a level of the tree in two clocks.
         level, terms = 0, [product.o for product in self.products]
         while len(terms) > 1:
             pairs = [terms[k:k + 2] for k in range(0, len(terms), 2)]
             terms = [delay(m, sum(pair[1:], start=pair[0]), 2, f"s{level}_{k}")
                      for k, pair in enumerate(pairs)]
             level += 1
-        # The bias carries the half that rounds: a static sum, off the data path.
+        # B: the bias carries the half that rounds, which is a static sum, off the data path.
         biased = register("b_bias", (self.bias << q.bias_shift) + q.half, q.shape)
+        # K: the products of a skip path are added to the bias.
         for k, product in enumerate(self.skip_products):
             m.submodules[f"skip{k}"] = product
             m.d.comb += [product.a.eq(register(f"k0_{k}", self.inputs[k])),
@@ -176,11 +179,13 @@ class _Accumulator(wiring.Component):
         if self.skip_products:
             skipped = register("k_sum", self.skip_products[0].o + self.skip_products[1].o)
             biased = register("k_bias", biased + (skipped << q.skip_shift), q.shape)
+        # A: add the bias in the first turn, what the turns before gave in the others.
         total = Signal(q.shape, name="a_total", reset_less=True)
         before = biased
         if self.turns > 1:
             before = Mux(delay(m, self.first, self._summed, "first"), biased, total)
         m.d.sync += total.eq((terms[0] << q.product_shift) + before)
+        # R: drop the fraction bits, saturate.
         m.d.comb += self.o.eq(register("r_o", saturate(total[q.shift:].as_signed(), q.yq),
                                        signed(q.yq.width)))
         return m

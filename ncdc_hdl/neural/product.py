@@ -63,13 +63,16 @@ class Product(wiring.Component):
 
         register = partial(pipeline.register, m)
 
+        # Cycle 1: the factors, in parts.
         a = _parts(register("a0", self.a), self.multiplier_bits)
         b = _parts(register("b0", self.b), self.multiplier_bits)
-        # Keyed by the weight of the parts, 0 or 1 each.
+        # Cycles 2 and 3: multiply. The products are keyed by the weight of the parts, 0 or 1 each.
         p = {(j, k): register(f"p1_{j}{k}", register(f"p0_{j}{k}", x * y))
              for j, x in enumerate(a) for k, y in enumerate(b)}
+        # Cycle 4, of parts: the way from the blocks to the adders.
         if len(p) > 1:
             p = {place: register("p2_{}{}".format(*place), part) for place, part in p.items()}
+        # Cycle 5, if both factors are cut: add the two products in the middle.
         if len(a) == len(b) == 2:
             cross = register("s0_cross", p[0, 1] + p[1, 0])
             outer = register("s0_outer", Cat(p[0, 0], p[1, 1]).as_signed())
@@ -78,7 +81,7 @@ class Product(wiring.Component):
         else:
             m.d.comb += self.o.eq(p[0, 0])
             return m
-        # The low bits of the sum are those of al bl.
+        # The last cycle: add the middle to the outer ones; the low bits are those of al bl.
         high = register("s1_high", (outer >> _LOW) + cross, signed(len(self.o) - _LOW))
         low = register("s1_low", outer[:_LOW])
         m.d.comb += self.o.eq(Cat(low, high))

@@ -26,8 +26,9 @@ class Operand(enum.IntEnum, shape=4):
     ZERO = 8
 
 
-# step: the sum is taken; double, row: it is added to twice the last one, or to the row's first;
-# save: it is the first of a row; keep: it is the next of the four increments.
+# What becomes of the addition in a clock. `step`: its result becomes the sum. `double`: the operand
+# was added to twice the sum before. `row`: it was added to the row's first sum instead. `save`: the
+# result is the first sum of a row. `keep`: the result is the next of the four increments.
 ADD = data.StructLayout({"step": 1, "double": 1, "row": 1, "save": 1, "keep": 1})
 
 
@@ -134,30 +135,20 @@ class RasterControl(wiring.Component):
 
     @property
     def preset(self):
-        """Clocks from a frame's first pixel being shown to ``ready``."""
+        """Clocks from a frame's first pixel being shown to its first turn."""
         return 1 + 2 * self.bits + 2 + self.restart
 
     @property
     def restart(self):
-        """Clocks from a strip's first pixel being shown to ``ready``."""
+        """Clocks from a strip's first pixel being shown to its first turn."""
         return 2 * self.bits + 2
 
     def elaborate(self, platform):
         m = Module()
-        pixel, bits = self.pixel, self.bits
-        choice, add = Signal(Operand), Signal(ADD)
-        digit = Signal(range(bits), init=bits - 1)
-        last = digit == 0
-
-        def term(value, weight):
-            """Add ``weight`` if the present digit of ``value`` is one."""
-            extended = Cat(value, value[-1].replicate(bits - len(value)))
-            m.d.comb += [choice.eq(Mux(extended.bit_select(digit, 1), weight, Operand.ZERO)),
-                         add.step.eq(1)]
-
-        def next_digit():
-            m.d.sync += digit.eq(Mux(last, bits - 1, digit - 1))
-
+        bits = self.bits
+        choice = Signal(Operand)                        # ``choice`` of the next clock
+        add = Signal(ADD)                               # ``add``, two clocks before
+        digit = Signal(range(bits), init=bits - 1)      # of the coordinate, highest first
         with m.FSM():
             with m.State("IDLE"):
                 with m.If(self.start):
@@ -165,51 +156,75 @@ class RasterControl(wiring.Component):
             with m.State("WAIT"):
                 with m.If(self.active):
                     m.next = "X0"
-            for axis, weight, step, after in (("X", Operand.WEIGHT_X, pixel.x_step, "Y0"),
-                                              ("Y", Operand.WEIGHT_Y, pixel.y_step, "FIRST_X")):
-                with m.State(f"{axis}0"):
-                    term(step, weight)
-                    next_digit()
-                    m.d.comb += [add.double.eq(1), add.keep.eq(last)]
-                    with m.If(last):
-                        m.next = f"{axis}1"
-                with m.State(f"{axis}1"):
-                    m.d.comb += [choice.eq(weight), add.step.eq(1), add.keep.eq(1)]
-                    m.next = after
-            with m.State("FIRST_X"):
-                term(pixel.x, Operand.WEIGHT_X)
-                m.d.comb += add.double.eq(1)
-                m.next = "FIRST_Y"
-            with m.State("FIRST_Y"):
-                term(pixel.y, Operand.WEIGHT_Y)
-                next_digit()
-                m.next = "FIRST_X"
-                with m.If(last):
-                    m.next = "BIAS"
-            with m.State("BIAS"):
-                m.d.comb += [choice.eq(Operand.BIAS), add.step.eq(1)]
-                m.next = "HALF"
-            with m.State("HALF"):
-                m.d.comb += [choice.eq(Operand.HALF), add.step.eq(1), add.save.eq(1),
-                             self.ready.eq(1)]
-                m.next = "RUN"
+            self._increments(m, choice, add, digit)
+            self._first_sum(m, choice, add, digit)
             with m.State("RUN"):
-                new_row = pixel.new_row
-                m.d.comb += [
-                    self.ready.eq(~(self.start | self.advance & pixel.new_strip)),
-                    choice.eq(Cat(Mux(new_row, pixel.y_carry, pixel.x_carry), new_row)),
-                    add.step.eq(self.advance),
-                    add.row.eq(new_row), add.save.eq(self.advance & new_row),
-                ]
-                with m.If(self.start):
-                    m.next = "WAIT"
-                with m.Elif(self.advance & pixel.new_strip):
-                    # What the sum becomes now is shifted out.
-                    m.next = "FIRST_X"
+                self._run(m, choice, add)
 
-        add_next = Signal(ADD)
+        add_next = Signal(ADD)                          # ``add``, a clock before
         m.d.sync += [self.choice.eq(choice), add_next.eq(add), self.add.eq(add_next)]
         return m
+
+    def _add_digit(self, m, choice, add, digit, value, weight):
+        """Add ``weight`` if the present digit of ``value`` is one."""
+        extended = Cat(value, value[-1].replicate(self.bits - len(value)))
+        m.d.comb += [choice.eq(Mux(extended.bit_select(digit, 1), weight, Operand.ZERO)),
+                     add.step.eq(1)]
+
+    def _next_digit(self, m, digit):
+        """Go on to the digit below, and from the last to the highest; whether it is the last."""
+        last = digit == 0
+        m.d.sync += digit.eq(Mux(last, self.bits - 1, digit - 1))
+        return last
+
+    def _increments(self, m, choice, add, digit):
+        """The four increments: for each axis the product with the step, and a weight more."""
+        for axis, weight, step, after in (("X", Operand.WEIGHT_X, self.pixel.x_step, "Y0"),
+                                          ("Y", Operand.WEIGHT_Y, self.pixel.y_step, "FIRST_X")):
+            with m.State(f"{axis}0"):
+                self._add_digit(m, choice, add, digit, step, weight)
+                last = self._next_digit(m, digit)
+                m.d.comb += [add.double.eq(1), add.keep.eq(last)]
+                with m.If(last):
+                    m.next = f"{axis}1"
+            with m.State(f"{axis}1"):
+                m.d.comb += [choice.eq(weight), add.step.eq(1), add.keep.eq(1)]
+                m.next = after
+
+    def _first_sum(self, m, choice, add, digit):
+        """The sum at the first pixel of a strip: two products in turn, bias, half."""
+        with m.State("FIRST_X"):
+            self._add_digit(m, choice, add, digit, self.pixel.x, Operand.WEIGHT_X)
+            m.d.comb += add.double.eq(1)
+            m.next = "FIRST_Y"
+        with m.State("FIRST_Y"):
+            self._add_digit(m, choice, add, digit, self.pixel.y, Operand.WEIGHT_Y)
+            last = self._next_digit(m, digit)
+            m.next = "FIRST_X"
+            with m.If(last):
+                m.next = "BIAS"
+        with m.State("BIAS"):
+            m.d.comb += [choice.eq(Operand.BIAS), add.step.eq(1)]
+            m.next = "HALF"
+        with m.State("HALF"):
+            m.d.comb += [choice.eq(Operand.HALF), add.step.eq(1), add.save.eq(1),
+                         self.ready.eq(1)]
+            m.next = "RUN"
+
+    def _run(self, m, choice, add):
+        """From pixel to pixel: one of the four increments with each advance."""
+        pixel = self.pixel
+        m.d.comb += [
+            self.ready.eq(~(self.start | self.advance & pixel.new_strip)),
+            choice.eq(Cat(Mux(pixel.new_row, pixel.y_carry, pixel.x_carry), pixel.new_row)),
+            add.step.eq(self.advance),
+            add.row.eq(pixel.new_row), add.save.eq(self.advance & pixel.new_row),
+        ]
+        with m.If(self.start):
+            m.next = "WAIT"
+        with m.Elif(self.advance & pixel.new_strip):
+            # What the sum becomes now is shifted out.
+            m.next = "FIRST_X"
 
 
 class RasterLayer(wiring.Component):
@@ -240,8 +255,8 @@ class RasterLayer(wiring.Component):
 
     @property
     def start_latency(self):
-        """Clocks that a frame's first pixel waits for the layer: first sums, then it may go."""
-        return self.control.preset + 1
+        """Clocks that a frame's first pixel waits for the layer: first sums."""
+        return self.control.preset
 
     def __init__(self, hidden_neurons, formats, share=1, lanes=1):
         self.hidden_neurons, self.formats, self.share = hidden_neurons, formats, share

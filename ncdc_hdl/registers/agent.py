@@ -8,6 +8,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.avalon.bus import Agent
+from ncdc_hdl.frontend.signatures import TableAccess
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS, COUNTERS, ID, TABLE
 
@@ -44,10 +45,8 @@ class Registers(wiring.Component):
     bus : ``In(Agent(14))``
     active : ``Out(StructLayout)``
         The "shadow" registers by name, as the present frame sees them; constant while one runs.
-    window_bank, table_row, table_span, table_write, table_read, table_start, table_stop,
-    table_span_start, table_span_stop :
-        To the host's side of the table of valid rows, which answers two clocks after
-        ``table_read``.
+    valid_table : ``Out(TableAccess())``
+        To the host's side of the table of valid rows, which answers two clocks after ``read``.
     begin : ``Out(1)``
         High for one clock, the one before ``active`` is that of a new frame.
     ended : ``In(1)``
@@ -67,16 +66,13 @@ class Registers(wiring.Component):
     def __init__(self, table, values, *, digest, hidden_neurons):
         self.table, self.values = table, values
         self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons}
-        shadow = {r.name: Shape(r.shape.width, r.shape.signed) for r in table if r.access == "shadow"}
+        shadow = {r.name: Shape(r.shape.width, r.shape.signed)
+                  for r in table if r.access == "shadow"}
         initial = {name: values.get(name, 0) for name in shadow}
-        part = 13
         super().__init__({
             "bus": In(Agent(ADDRESS_WORDS_BITS)),
             "active": Out(data.StructLayout(shadow), init=initial),
-            "window_bank": Out(1), "table_row": Out(ADDRESS_WORDS_BITS - 2), "table_span": Out(1),
-            "table_write": Out(1), "table_read": Out(1),
-            "table_start": Out(part), "table_stop": Out(part),
-            "table_span_start": In(part), "table_span_stop": In(part),
+            "valid_table": Out(TableAccess()),
             "begin": Out(1), "ended": In(1), "abort": Out(1), "cut": In(1),
             "counters": In(data.StructLayout({name: 32 for name in COUNTERS})),
             "irq": Out(1),
@@ -85,22 +81,24 @@ class Registers(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         bus = self.bus
-        kept = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(), init=self.values.get(r.name, 0))
+        kept = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(),
+                               init=self.values.get(r.name, 0))
                 for r in self.table if r.access in ("rw", "shadow")}
         counted = {name: Signal(32, name=name.lower()) for name in (*COUNTERS, "FRAMES")}
         action = {r.name: r for r in self.table if r.access == "action"}
         status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
 
-        # An access goes into registers first, then to whom it concerns: address and word rest until
-        # it is over.
-        address, word = Signal(ADDRESS_WORDS_BITS, name="address"), Signal(32, name="word")
-        under_way = Signal()
+        # An access goes into registers first, then to the register that it concerns: address and
+        # word rest until it is over.
+        address = Signal(ADDRESS_WORDS_BITS)        # of the word that is accessed
+        word = Signal(32)                           # the word to be written
+        under_way = Signal()                        # an access has begun and is not over
         with m.If(~under_way):
             m.d.sync += [address.eq(bus.address), word.eq(bus.writedata),
                          under_way.eq(bus.write | bus.read)]
         write = self._steps(m, "write", bus.write & ~under_way)
         read = self._steps(m, "read", bus.read & ~under_way)
-        accept = Signal()
+        accept = Signal()                           # the bus may end the access
         m.d.sync += accept.eq(write[3] | read[3])
         m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[5])]
         with m.If(accept):
@@ -120,7 +118,8 @@ class Registers(wiring.Component):
                     m.d.sync += status[flag.name].eq(0)
         self._keep(m, written, word, kept, status["COMMITTED"])
         self._table(m, address, read[2], in_table, word, kept, status)
-        with m.If(self._refused(m, written, in_table & ~self.table_write, status["COMMITTED"])):
+        table_refused = in_table & ~self.valid_table.write
+        with m.If(self._refused(m, written, table_refused, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
         self._frames(m, {flag.name: written["CTRL"] & word[flag.bit]
                          for flag in action["CTRL"].flags}, kept, status)
@@ -143,7 +142,8 @@ class Registers(wiring.Component):
         fours = [register(m, f"word{k}", reduce(or_, words[k:k + 4]), signed(32))
                  for k in range(0, len(words), 4)]
         value = register(m, "value", reduce(or_, fours))
-        span = Cat(self.table_span_start, Const(0, 3), self.table_span_stop, Const(0, 3))
+        table = self.valid_table
+        span = Cat(table.read_start, Const(0, 3), table.read_stop, Const(0, 3))
         m.d.sync += self.bus.readdata.eq(Mux(address >= TABLE, span, value))
 
     def _keep(self, m, written, word, kept, committed):
@@ -158,11 +158,14 @@ class Registers(wiring.Component):
         window = kept["VALID_WINDOW"]
         held = ((status["BUSY"] | status["PENDING"]) & (window == self.active.VALID_BANK)
                 | status["COMMITTED"] & (window == kept["VALID_BANK"]))
+        table = self.valid_table
         m.d.comb += [
-            self.window_bank.eq(window), Cat(self.table_span, self.table_row).eq(address),
-            self.table_write.eq(written & ~held),
-            self.table_read.eq(read),
-            self.table_start.eq(word[:16]), self.table_stop.eq(word[16:]),
+            table.bank.eq(window),
+            Cat(table.span, table.row).eq(address),
+            table.write.eq(written & ~held),
+            table.read.eq(read),
+            table.start.eq(word[:16]),
+            table.stop.eq(word[16:]),
         ]
 
     def _refused(self, m, written, of_table, committed):
@@ -176,8 +179,9 @@ class Registers(wiring.Component):
     def _frames(self, m, control, kept, status):
         """Begin and end frames; a committed set is taken over between two of them."""
         busy, pending, committed = (status[name] for name in ("BUSY", "PENDING", "COMMITTED"))
-        take, asked = Signal(), Signal()
-        # What is to happen in the next clock; a frame that begins has its set.
+        take = Signal()         # the committed set is taken over in this clock
+        asked = Signal()        # an abort was asked for while a frame ran or waited
+        # A frame may begin, or a set be taken over, in the next clock.
         boundary = (~busy | self.ended) & ~self.begin
         m.d.sync += [self.begin.eq(pending & boundary), take.eq(committed & boundary & ~take)]
         self._take_over(m, take, kept)

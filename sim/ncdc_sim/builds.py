@@ -10,12 +10,12 @@ from pathlib import Path
 
 from ncdc_model.errors import InputError
 
-__all__ = ["cache_folder", "cached", "key_of", "without_header"]
+__all__ = ["builds_folder", "built", "key_of", "without_header"]
 
 KEPT = 14 * 24 * 3600      # seconds since its last use after which a build is removed
 
 
-def cache_folder():
+def builds_folder():
     """Folder of the builds: ``NCDC_CACHE``, else ``ncdc`` in ``XDG_CACHE_HOME`` or ``~/.cache``."""
     if os.environ.get("NCDC_CACHE"):
         return Path(os.environ["NCDC_CACHE"])
@@ -36,14 +36,14 @@ def without_header(verilog):
 
 
 def key_of(name, *parts):
-    """Name of the cache entry: ``name`` and a hash of the strings ``parts``."""
+    """Name of a build's folder: ``name`` and a hash of the strings ``parts``."""
     state = hashlib.sha256()
     for part in parts:
         state.update(f"{len(part)}:".encode() + part.encode())
     return f"{name}-{state.hexdigest()[:20]}"
 
 
-def cached(key, build):
+def built(key, build):
     """Folder of the build ``key``; ``build(folder)`` fills it if it is not there.
 
     Two processes that ask for the same build at once make it once. A build that fails, or is
@@ -52,15 +52,15 @@ def cached(key, build):
     Raises
     ------
     InputError
-        If the cache folder cannot be written.
+        If the folder of the builds cannot be written.
     """
-    root = cache_folder()
+    root = builds_folder()
     folder = root / key
     try:
         root.mkdir(parents=True, exist_ok=True)
         lock = open(root / f"{key}.lock", "w")
     except OSError as error:
-        raise InputError(f"cannot write the cache folder {root}: {error.strerror}") from error
+        raise InputError(f"cannot write the folder of builds {root}: {error.strerror}") from error
     with lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not folder.is_dir():

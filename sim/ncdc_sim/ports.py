@@ -7,13 +7,14 @@ from ncdc_model.errors import InputError
 __all__ = ["ports_of"]
 
 _DECLARATION = re.compile(r"^\s*(?:input|output)\s+(?:reg\s+|wire\s+)?(?:signed\s+)?"
-                          r"(?:\[(\d+):0\]\s*)?(\w+)\s*;", re.MULTILINE)
+                          r"(?:\[(\d+):0\]\s*)?(\w+)\s*(?:=[^,;)]*)?(?:[;,]|//|\)|$)",
+                          re.MULTILINE)
 
 
 def ports_of(verilog, module):
     """Widths in bits of the ports of ``module``, by name.
 
-    Understands the style of Yosys: port names in the module's header, one declaration per line.
+    Understands one declaration per line, in the module's header or behind it.
 
     Raises
     ------

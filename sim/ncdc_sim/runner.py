@@ -6,7 +6,7 @@ import subprocess
 from collections import deque
 from pathlib import Path
 
-from ncdc_sim.builds import cached, key_of, without_header
+from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import WAIVERS, SimulationError, call, environment, tool, version
 
 __all__ = ["HDL", "build", "command_of", "run"]
@@ -21,7 +21,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
     Parameters
     ----------
     name : str
-        Start of the cache entry's name.
+        Start of the name of the build's folder.
     top : str
         Top module. Under Verilator its clock comes from ``main``.
     sources : list of (file name, Verilog text)
@@ -71,7 +71,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         shutil.rmtree(folder / "model", ignore_errors=True)
 
     key = key_of(name, simulator, version(simulator), *command[1:], *sum(texts, ()))
-    return cached(key, compile_in) / program
+    return built(key, compile_in) / program
 
 
 def _make_flags(optimise):

@@ -7,16 +7,16 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from ncdc_hdl.export.waivers import DEFAULT_WARNINGS
 from ncdc_model.errors import InputError
 
 __all__ = ["SIMULATORS", "SimulationError", "WAIVERS", "call", "environment", "tool", "version"]
 
 SIMULATORS = ("verilator", "icarus")
 
-# Verilator's options for what Yosys's Verilog always provokes: expressions wider or narrower than
-# their target, and cases that rely on the value assigned before them; and a port called abort, as a
-# function of C is, which Verilator renames.
-WAIVERS = ("-Wno-WIDTHEXPAND", "-Wno-WIDTHTRUNC", "-Wno-CASEINCOMPLETE", "-Wno-SYMRSVDWORD")
+# Rules beside those that generated Verilog does not keep, and why.
+_OWN_RULES = {"SYMRSVDWORD": "a port is called abort, as a function of C is; Verilator renames it"}
+WAIVERS = tuple(f"-Wno-{rule}" for rule in (*DEFAULT_WARNINGS, *_OWN_RULES))
 
 _COMMAND = {"verilator": "verilator", "icarus": "iverilog"}
 

@@ -21,7 +21,8 @@ def source(tmp_path_factory):
     return load_source(path, bayer=BAYER)
 
 
-@pytest.mark.parametrize("neurons", [4, *(pytest.param(n, marks=regress) for n in range(5, 12)), 12])
+@pytest.mark.parametrize(
+    "neurons", [4, *(pytest.param(n, marks=regress) for n in range(5, 12)), 12])
 def test_integers_add_little_to_the_map_and_blanking_is_exact(source, neurons):
     d = kept_training(lambda: train_camera(source, neurons).descriptor, "built-in example", neurons)
     errors = evaluate_frame(d, source.back_map)
@@ -36,5 +37,5 @@ def test_integers_add_little_to_the_map_and_blanking_is_exact(source, neurons):
     if neurons >= 6:
         # Errors below a pixel: the window is moved in at the edge, what is blank is the truth.
         assert errors["map_error_fixed_px"]["max"] < 1
-        np.testing.assert_array_equal(result.filled, ~has_source)
-    assert result.filled[~has_source].all(), "filled from the network's extrapolation"
+        np.testing.assert_array_equal(result.blank, ~has_source)
+    assert result.blank[~has_source].all(), "shown from the network's extrapolation"

@@ -5,7 +5,7 @@ import pytest
 
 from lenses import GEOMETRY, equidistant
 from ncdc_model.errors import InputError
-from ncdc_model.training.backprop import BackPropagation, train_backprop
+from ncdc_model.training.backprop import BackPropagation, Stop, train_backprop
 from ncdc_model.training.problem import Problem, errors_of
 from reference_lenses import reference_lens
 
@@ -60,7 +60,7 @@ def test_runs_side_by_side_do_not_touch_each_other():
 
 def test_learns_the_lens_and_reports_pixels():
     problem = coarse_problem()
-    network, curve = train_backprop(problem, 4, runs=4, epochs=400)
+    network, curve = train_backprop(problem, 4, runs=4, stop=Stop(epochs=400))
     assert curve[-1][1] == pytest.approx(errors_of(network, problem)["mse"])
     affine = np.linalg.lstsq(np.c_[problem.inputs.T, np.ones(len(problem))], problem.targets.T,
                              rcond=None)[1].sum() / len(problem)
@@ -70,7 +70,7 @@ def test_learns_the_lens_and_reports_pixels():
 
 def test_same_seed_same_network():
     problem = coarse_problem()
-    first, again, other = (train_backprop(problem, 3, seed=s, runs=2, epochs=5)[0]
+    first, again, other = (train_backprop(problem, 3, seed=s, runs=2, stop=Stop(epochs=5))[0]
                            for s in (4, 4, 5))
     assert first.hidden_weights.tobytes() == again.hidden_weights.tobytes()
     assert first.hidden_weights.tobytes() != other.hidden_weights.tobytes()
@@ -78,25 +78,26 @@ def test_same_seed_same_network():
 
 def test_stops_at_the_target():
     problem = coarse_problem()
-    _, long = train_backprop(problem, 3, runs=2, epochs=60)
+    _, long = train_backprop(problem, 3, runs=2, stop=Stop(epochs=60))
     goal = long[len(long) // 2]
-    _, curve = train_backprop(problem, 3, runs=2, epochs=60, target_mse=goal[1])
+    _, curve = train_backprop(problem, 3, runs=2,
+                              stop=Stop(epochs=60, target_mse=goal[1]))
     assert curve[-1] == goal
 
 
 def test_stops_without_improvement():
     seen = []
-    train_backprop(coarse_problem(), 3, runs=2, epochs=500, rates=(1e-9,), patience=7,
+    train_backprop(coarse_problem(), 3, runs=2, rates=(1e-9,), stop=Stop(epochs=500, patience=7),
                    progress=lambda done, mse: seen.append(done))
     assert len(seen) == 8
 
 
 def test_divergence_is_named():
     with pytest.raises(InputError, match="diverged at every learning rate of 50; give a smaller"):
-        train_backprop(coarse_problem(), 3, runs=2, rates=(50.,), epochs=50)
+        train_backprop(coarse_problem(), 3, runs=2, rates=(50.,), stop=Stop(epochs=50))
 
 
 def test_approaches_the_optimum_of_levenberg_on_the_papers_lens_class():
     dots, dense = reference_lens("PC105")
-    network, _ = train_backprop(dots, 4, epochs=250, runs=4, rates=(.2,))
+    network, _ = train_backprop(dots, 4, runs=4, rates=(.2,), stop=Stop(epochs=250))
     assert errors_of(network, dense)["mse"] < 8

@@ -13,13 +13,16 @@ from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, evaluate_points
 from ncdc_model.training import choose
+from ncdc_model.training.choices import TrainingChoices
+from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
+from ncdc_model.training.train import TRAINERS
 
 
 @pytest.fixture(autouse=True)
 def few_starts(monkeypatch):
-    monkeypatch.setattr(choose, "train", partial(choose.train, starts=9, rounds=0))
+    monkeypatch.setitem(TRAINERS, "lm", partial(train_levenberg, starts=9, rounds=0))
 
 
 @pytest.fixture
@@ -48,14 +51,14 @@ def test_points_are_judged_by_those_held_out_inside_the_frame(camera_file):
     assert trained.report["tried"][-1]["max"] == pytest.approx(
         max(errors[f"map_error_{kind}_px"]["max"] for kind in ("float", "fixed")))
     with pytest.raises(InputError, match="no point is held out, by which the number of hidden"):
-        choose.choose_camera(source, 4.0, held_out=0)
+        choose.choose_camera(source, 4.0, TrainingChoices(held_out=0))
 
 
 def test_integers_that_miss_the_error_do_not_count(camera_file, monkeypatch):
     source, describe = load_source(camera_file), choose.describe
 
-    def worse(source, training, *about, **more):
-        trained = describe(source, training, *about, **more)
+    def worse(source, training, choices):
+        trained = describe(source, training, choices)
         if training.network.hidden_neurons == 3:
             trained.report["map_error_fixed_px"]["max"] = 9.0
         return trained

@@ -53,7 +53,7 @@ def test_windows_are_those_of_the_golden_model():
     descriptor = barrel_descriptor((48, 40), (64, 48))
     windows = frame_windows(descriptor)
     corrected = correct(descriptor, np.zeros((48, 64), np.uint8))
-    np.testing.assert_array_equal(windows.used, ~corrected.filled)
+    np.testing.assert_array_equal(windows.used, ~corrected.blank)
     assert fetches(windows.x0, windows.y0, windows.used) == corrected.fetches
 
 

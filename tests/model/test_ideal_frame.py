@@ -6,6 +6,7 @@ import pytest
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
+from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.straightness import straightness
 from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, page_dots, page_to_distorted, target_photo
@@ -78,7 +79,7 @@ def test_zoom_fit_fills_the_width(frame):
 
 def test_points_far_outside_the_frame_are_left_out(points):
     close = ideal_frame(points, size=(320, 240), zoom=1.5)
-    assert close.rejected["outside the corrected frame"] > 200
+    assert close.rejected[Dropped.OUTSIDE] > 200
     assert len(close.index) + sum(close.rejected.values()) == points.count
     assert (close.corrected > (-16.1, -12.1)).all() and (close.corrected < (335.1, 251.1)).all()
 
@@ -90,9 +91,27 @@ def test_grossly_wrong_points_are_rejected(points):
     xy[victims] += ((9, 0), (0, -8), (6, 6))
     spoilt = TargetPoints("dots", points.size, (PhotoPoints(photo.index, xy, photo.area),))
     frame = ideal_frame(spoilt)
-    assert frame.rejected["off the smooth lens by more than its neighbours"] == 3
+    assert frame.rejected[Dropped.GROSS] == 3
     kept = {tuple(key) for key in frame.index.tolist()}
     assert not kept & {tuple(key) for key in photo.index[victims].tolist()}
+
+
+def test_points_beyond_repair_are_refused_however_the_reason_is_worded(points, monkeypatch):
+    """What counts is the member that frame.py counts, not the text that people read."""
+    photo = points.photos[0]
+    xy = photo.xy.copy()
+    xy[::7, 0] += np.where(xy[::7, 0] < 320, 9, -9)
+    spoilt = TargetPoints("dots", points.size, (PhotoPoints(photo.index, xy, photo.area),))
+    for text in (Dropped.GROSS.value, "reworded"):
+        monkeypatch.setattr(Dropped.GROSS, "_value_", text)
+        with pytest.raises(InputError, match="10 % is the limit: indices or points are wrong"):
+            ideal_frame(spoilt)
+
+
+@pytest.mark.parametrize("reason", Dropped)
+def test_only_points_that_disagree_refuse_the_rest(reason):
+    assert bool(check_share({reason: 11}, 100)) == (reason is Dropped.GROSS)
+    assert not check_share({reason: 10}, 100)
 
 
 def board_photos(camera, count=5):

@@ -72,8 +72,8 @@ def test_double_sphere_passes_two_spheres(tmp_path):
     x, y, z = np.array([x, y, z + xi]) / np.sqrt(x * x + y * y + (z + xi)**2)
     offset = alpha / (1 - alpha)
     # The focal length of the model is (1 - alpha) of the shifted pinhole's.
-    np.testing.assert_allclose(read.distort(*ideal_points()),
-                               pixels(x / (1 - alpha) / (z + offset), y / (1 - alpha) / (z + offset)),
+    depth = (1 - alpha) * (z + offset)
+    np.testing.assert_allclose(read.distort(*ideal_points()), pixels(x / depth, y / depth),
                                atol=1e-9)
 
 

@@ -12,7 +12,7 @@ from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.measure import measure_map, measure_smooth
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.calibration.quality import warnings_of
+from ncdc_model.calibration.quality import Dropped, warnings_of
 from ncdc_model.calibration.relief import line_scatter, polynomial
 from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, target_photo
@@ -116,7 +116,7 @@ def test_wrong_indices_are_dropped_or_refused():
     points, _ = page(np.zeros((ROWS, COLUMNS)))
     few = spoilt(points, shuffled=18)
     frame = ideal_frame(few)
-    assert frame.rejected["off the smooth lens by more than its neighbours"] == 18
+    assert frame.rejected[Dropped.GROSS] == 18
     assert any("18 of" in text and "disagree with their neighbours" in text
                for text in warnings_of(few, frame, 0.02))
     with pytest.raises(InputError, match="10 % is the limit: indices or points are wrong"):

@@ -13,6 +13,7 @@ from lenses import GEOMETRY, equidistant, known_network
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.geometry import ValidRows
+from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import Problem, errors_of, split, spread
 from ncdc_model.training.train import train
@@ -97,7 +98,7 @@ def test_same_seed_same_bytes_whatever_the_threads(tmp_path):
     digests = set()
     for threads in ("1", "2"):
         env = dict(os.environ, OPENBLAS_NUM_THREADS=threads, OMP_NUM_THREADS=threads,
-                   PYTHONPATH=os.path.dirname(__file__))
+                   PYTHONPATH=os.pathsep.join(sys.path))
         digests.add(subprocess.run([sys.executable, str(script)], env=env, check=True,
                                    capture_output=True, text=True).stdout)
     assert len(digests) == 1
@@ -123,7 +124,8 @@ def test_split_is_deterministic_spread_and_of_the_right_share():
 
 def test_report_measures_training_and_held_out_points_apart():
     problem, calls = lens_problem(), []
-    result = train((problem.u, problem.v, problem.x, problem.y), GEOMETRY, 4, starts=16, rounds=0,
+    result = train((problem.u, problem.v, problem.x, problem.y), GEOMETRY, 4,
+                   TrainingChoices(options={"starts": 16, "rounds": 0}),
                    progress=lambda done, mse: calls.append((done, mse)))
     out = split(len(problem), 7)
     for report, mask in ((result.training, ~out), (result.held_out, out)):
@@ -143,13 +145,17 @@ def test_report_measures_training_and_held_out_points_apart():
     (dict(trainer="adam"), "trainer is 'adam', one of lm, ebp is needed"),
     (dict(trainer="ebp", skip=True), "trainer is 'ebp', a skip path needs lm"),
     (dict(held_out=1), "one held-out point in 1 leaves none to train on, 2 is the limit"),
+    (dict(weight_bits=17), "the weights shall have 17 bits, the limits are 18 and 24"),
+    (dict(gamma=0.0), "gamma is 0.0, a positive number is needed"),
     (dict(neurons=30), "training points are too few for 30 hidden neurons, 90 is the limit"),
 ])
 def test_bad_requests_are_named(change, message):
     problem = lens_problem(9, 7)
-    arguments = dict(neurons=4) | change
+    choices = dict(change)
+    neurons = choices.pop("neurons", 4)
     with pytest.raises(InputError, match=message):
-        train((problem.u, problem.v, problem.x, problem.y), GEOMETRY, **arguments)
+        train((problem.u, problem.v, problem.x, problem.y), GEOMETRY, neurons,
+              TrainingChoices(**choices))
 
 
 def test_bad_pairs_are_named():

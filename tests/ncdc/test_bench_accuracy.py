@@ -1,4 +1,4 @@
-"""``ncdc bench accuracy``: rows, figures, plots, bad requests; the goals on the reference lenses."""
+"""``ncdc bench accuracy``: rows, figures, plots, bad requests, the goals on reference lenses."""
 
 import json
 

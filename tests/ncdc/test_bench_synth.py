@@ -204,25 +204,40 @@ def test_rows_have_the_same_names_for_every_target_and_are_kept(flows):
     assert flows[5:] == [("cyclonev",)]
 
 
+def test_the_plain_clock_is_measured_only_when_asked_for(flows):
+    assert [row["fmax_plain_mhz"] for row in block_rows("neuron", "hidden", seeds=2)] == [None] * 3
+    rows = block_rows("neuron", "hidden", seeds=2, plain=True)
+    assert [row["fmax_plain_mhz"] for row in rows] == [215.0, None, None]
+    assert flows[4:] == [("ecp5", 1), ("ecp5", 2)]
+
+
 def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
     """Yosys, the slow part of small blocks, runs once for any number of placements."""
     steps = []
 
     def call(tool, folder, *arguments):
         steps.append(arguments[arguments.index("--seed") + 1])
+        # A flip-flop that nothing reads goes when the netlist is put right.
+        whole = "unread" in (folder / "netlist.json").read_text()
         (folder / "report.json").write_text(json.dumps({
-            "fmax": {"clk": {"achieved": 100.0 + int(steps[-1])}}, "utilization": {
+            "fmax": {"clk": {"achieved": 100.0 + int(steps[-1]) - 50 * whole}}, "utilization": {
                 kind: {"used": 1} for kind in ("TRELLIS_COMB", "TRELLIS_FF", "DP16KD")}}))
     monkeypatch.setenv("NCDC_CACHE", str(tmp_path))
     monkeypatch.setattr(synthesis, "_call", call)
 
     def netlist(verilog, top, *, progress):
         steps.append("Yosys")
-        return json.dumps({"modules": {top: {"cells": {"a": {"type": "MULT18X18D"}}}}})
-    monkeypatch.setattr(synthesis_rows, "ecp5_netlist", netlist)
+        cells = {"a": {"type": "MULT18X18D", "connections": {}},
+                 "unread": {"type": "TRELLIS_FF", "connections": {"Q": [5]},
+                            "port_directions": {"Q": "output"}}}
+        return json.dumps({"modules": {top: {"ports": {}, "cells": cells}}})
+    monkeypatch.setattr(synthesis_rows, "plain_netlist", netlist)
     row, = block_rows("neuron", "hidden", ["ecp5"], seeds=3)
     assert steps == ["Yosys", "1", "2", "3"]
     assert row["fmax_seeds_mhz"] == [101.0, 102.0, 103.0] and row["dsp"] == 1
+    row, = block_rows("neuron", "hidden", ["ecp5"], seeds=3, plain=True)
+    assert steps[4:] == ["1", "2", "3"]
+    assert (row["fmax_mhz"], row["fmax_plain_mhz"]) == (102.0, 52.0)
 
 
 def test_a_figure_that_is_worse_by_more_than_the_limit():
@@ -244,7 +259,9 @@ def test_command(flows, monkeypatch, tmp_path, capsys):
     assert set(shown["tools"]) == set(synthesis._TOOLS)
     assert capsys.readouterr().out == table(shown["rows"]) + "\n"
     assert table(shown["rows"]).splitlines()[1].split() == [
-        "tansig", "mmhbc", "ecp5", "-", "5", "6", "1", "2", "210.0"]
+        "tansig", "mmhbc", "ecp5", "-", "5", "6", "1", "2", "210.0", "-"]
+    main(["bench", "synth", "--block", "tansig", "--variant", "mmhbc", "--seeds", "1", "--plain"])
+    assert capsys.readouterr().out.splitlines()[1].split()[-2:] == ["210.0", "210.0"]
 
 
 @pytest.mark.parametrize("arguments, message", [

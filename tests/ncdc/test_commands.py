@@ -75,26 +75,34 @@ def use(command, net="net.toml", image="raw.png", out="out.png"):
 @pytest.mark.parametrize("pattern,replacement,message", [
     (r"hidden_weights = \[\n    \[-?\d+", "hidden_weights = [\n    [8388608",
      r"hidden_weights holds 8388608 \(8\), the limits of Q4\.20 are -8388608 and 8388607"),
-    (r"output_biases = \[-?\d+", "output_biases = [-99999999999", r"output_biases holds -99999999999"),
+    (r"output_biases = \[-?\d+", "output_biases = [-99999999999",
+     r"output_biases holds -99999999999"),
     (r"rows = \[.*", "rows = [", r"net\.toml is no descriptor"),
     (r"\[valid\].*", "", r"net\.toml lacks the value 'valid'"),
     (r"\n    \[[\d, ]+\],\n\]\n$", "\n]\n", r"the valid spans cover 39 rows, the image has 40"),
     (r"version = 1", "version = 9", r"descriptor version 9, version 1 is needed"),
-    (r"corrected_width = 48", "corrected_width = 9999", r"corrected_width is 9999, the limits are 8 and 4096"),
-    (r"hidden_biases = \[-?\d+", "hidden_biases = [1.5", r"hidden_biases holds values that are no integers"),
+    (r"corrected_width = 48", "corrected_width = 9999",
+     r"corrected_width is 9999, the limits are 8 and 4096"),
+    (r"hidden_biases = \[-?\d+", "hidden_biases = [1.5",
+     r"hidden_biases holds values that are no integers"),
     (r"coordinate = \[14, 10\]", "coordinate = [5, 10]",
      r"coordinates Q5\.10 end at 15\.999, the distorted image has 48 pixels on a side"),
-    (r"net = \[5, 19\]", "net = [5, 17]", r"the format net is Q5\.17, the tan-sigmoids are proven for Q5\.19"),
+    (r"net = \[5, 19\]", "net = [5, 17]",
+     r"the format net is Q5\.17, the tan-sigmoids are proven for Q5\.19"),
     (r"input = \[1, 23\]", "input = [0, 23]", r"the format input Q0\.23 does not suit the scan"),
     (r"input = \[1, 23\]", "input = [-3, 23]", r"the format input Q-3\.23 does not suit the scan"),
     (r"input = \[1, 23\]", "input = [1, 31]", r"the format input Q1\.31 does not suit the scan"),
     (r"input = \[1, 23\]", "input = [1.0, 23.0]", r"Q1\.0\.23\.0 is no format"),
-    (r"coordinate = \[14, 10\]", "coordinate = [14, 0]", r"coordinates Q14\.0 have no fraction bit"),
+    (r"coordinate = \[14, 10\]", "coordinate = [14, 0]",
+     r"coordinates Q14\.0 have no fraction bit"),
     (r"input = \[1, 23\]\nhidden_weight = \[4, 20\]", "input = [1, 30]\nhidden_weight = [1, 31]",
      r"sums of 2 products Q1\.30 x Q1\.31 and the bias Q5\.27 need 6\d bits, the limit is 63"),
-    (r"fill = \[1, 2, 3\]", "fill = [0.5, 0, 0]", r"fill is \[0\.5, 0, 0\], three values of 0\.\.255"),
-    (r"fill = \[1, 2, 3\]", "fill = [true, 0, 0]", r"fill is \[True, 0, 0\], three values of 0\.\.255"),
-    (r"rows = \[\n    \[\d+, \d+,", "rows = [\n    [9, 3,", r"row 0 leaves the limits 0 and 48 or ends before"),
+    (r"fill = \[1, 2, 3\]", "fill = [0.5, 0, 0]",
+     r"fill is \[0\.5, 0, 0\], three values of 0\.\.255"),
+    (r"fill = \[1, 2, 3\]", "fill = [true, 0, 0]",
+     r"fill is \[True, 0, 0\], three values of 0\.\.255"),
+    (r"rows = \[\n    \[\d+, \d+,", "rows = [\n    [9, 3,",
+     r"row 0 leaves the limits 0 and 48 or ends before"),
     (r"net = \[5, 19\]", "net = [5, 44]", r"the format net Q5\.44 has 49 bits, the limit is 32"),
     (r"output_weight = \[12, 12\]", "output_weight = [34, -12]", r"too few for the bias Q14\.18"),
     (r"(in pixels\nhidden_weights = \[\n    \[)[^,]+", r"\1nan",
@@ -131,12 +139,14 @@ def test_calibrate_without_a_target(folder, image, message, target, capsys):
 
 
 @pytest.mark.parametrize("command", [
-    "calibrate raw.png --target hexagons:3x3 -o p.json", "calibrate raw.png --target chessboard -o p.json",
+    "calibrate raw.png --target hexagons:3x3 -o p.json",
+    "calibrate raw.png --target chessboard -o p.json",
     "train none.json --neurons 4", "train net.toml --neurons 4", "train raw.png --neurons 4",
     "evaluate net.toml --against none.json", "evaluate none.toml --against raw.png",
     "correct net.toml raw.png", "correct net.toml raw.png -o out.nonsense",
     "generate net.toml -o out --data-width 48", "generate net.toml -o out --fetch magic",
-    "simulate net.toml raw.png -o out.png --memory tape", "simulate net.toml raw.png -o o.png --simulator x",
+    "simulate net.toml raw.png -o out.png --memory tape",
+    "simulate net.toml raw.png -o o.png --simulator x",
     "demo --neurons 0 -o out", "demo --neurons 99 -o out", "nonsense", ""])
 def test_bad_usage(folder, command, capsys):
     check_refused(folder, command, "ncdc", capsys)
@@ -182,7 +192,7 @@ def test_correct_is_the_golden_model(folder, capsys):
     golden = correct(d, read_image("raw.png"))
     np.testing.assert_array_equal(read_image("out.png"), golden.picture)
     report = json.loads((folder / "report.json").read_text())
-    assert report["pixels_filled"] == golden.filled.sum() > 0
+    assert report["pixels_blank"] == golden.blank.sum() > 0
     assert report["hidden_neurons"] == d.hidden_neurons
 
 
@@ -243,7 +253,8 @@ def test_cache_options_reach_the_verilog(folder, capsys):
     assert run(f"simulate net.toml raw.png -o sim.png --json r.json {options}") == 0
     report = json.loads((folder / "r.json").read_text())
     assert report["windows_fetched"] == report["windows_fetched_expected"] > 0
-    assert (report["pixels_different"], report["cache_bytes"], report["cache_split"]) == (0, 2048, 1)
+    assert (report["pixels_different"], report["cache_bytes"],
+            report["cache_split"]) == (0, 2048, 1)
 
 
 @pytest.mark.parametrize("options,message", [

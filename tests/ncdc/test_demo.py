@@ -36,10 +36,15 @@ def test_the_figures_hold(folder):
     assert (report["simulator"], report["fetch"]) == ("verilator", "cache")
     assert report["windows_fetched"] == report["windows_fetched_expected"]
     assert 1 < report["clocks_per_pixel"] and 0.5 < report["bytes_read_per_pixel"] < 1.1
-    for kind in ("float", "fixed"):
-        errors = report[f"map_error_{kind}_px"]
-        assert 0 < errors["mean"] < errors["max"] < 10 and errors["mse"] < 5
-    assert report["fixed_minus_float_max_px"] <= 0.004
+    # Measured: MSE 0.5606 px², at most 2.934 px. The same seed gives the same network, but for the
+    # last bits of another machine's linear algebra: a tenth more is another network.
+    real, fixed = (report[f"map_error_{kind}_px"] for kind in ("float", "fixed"))
+    assert real["mse"] < 1.1 * 0.5606 and real["max"] < 1.1 * 2.934
+    # The integers' error differs from the float network's by no more than the two are apart.
+    apart = report["fixed_minus_float_max_px"]
+    assert 0 < apart <= 0.0022              # as in test_accuracy.py, of every network
+    for key in ("mean", "max"):
+        assert abs(fixed[key] - real[key]) <= 2**.5 * apart
     assert report["grey_levels_from_float_max"] <= 1
     assert report["straightness_rms_px"] < report["straightness_before_rms_px"] / 5
     assert report["psnr_demosaic_db"] - report["psnr_fast_db"] <= 1.5

@@ -45,7 +45,7 @@ def read_tables(path):
 def test_tables_hold_the_coordinates_of_the_hardware(tmp_path, net, suffix):
     path = tmp_path / f"maps{suffix}"
     assert main(["export", str(tmp_path / "net.toml"), "-o", str(path)]) == 0
-    blank = correct(net, np.zeros((82, 90), np.uint8)).filled
+    blank = correct(net, np.zeros((82, 90), np.uint8)).blank
     assert .02 < blank.mean() < .5
     for table, raw in zip(read_tables(path), frame_coordinates(net)):
         assert table.dtype == np.float32
@@ -62,7 +62,7 @@ def test_remap_with_the_tables_gives_the_corrected_picture(tmp_path, net):
     picture = cv2.remap(cv2.merge([ramp] * 3), map_x, map_y, cv2.INTER_LINEAR,
                         borderMode=cv2.BORDER_CONSTANT, borderValue=(10, 200, 30))
     ours = correct(net, ramp)
-    assert (picture[ours.filled] == (10, 200, 30)).all()
+    assert (picture[ours.blank] == (10, 200, 30)).all()
     # Half a pixel from the sensor's edge the hardware still interpolates, remap fills in.
     inner = (map_x >= .5) & (map_x <= 88.5) & (map_y >= .5) & (map_y <= 80.5)
     assert inner.mean() > .5

@@ -26,7 +26,7 @@ from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.geometry import ValidRows
 from ncdc_model.lens import Camera
 from ncdc_model.plots import plot_error_map
-from ncdc_model.training.backprop import train_backprop
+from ncdc_model.training.backprop import Stop, train_backprop
 from ncdc_model.training.train import TRAINERS
 from ncdc_model.valid import valid_rows
 
@@ -183,7 +183,7 @@ def test_error_map_plot_shows_the_errors(tmp_path):
 
 
 def test_back_propagation_by_name(folder, tmp_path, monkeypatch):
-    monkeypatch.setitem(TRAINERS, "ebp", partial(train_backprop, epochs=40, runs=2))
+    monkeypatch.setitem(TRAINERS, "ebp", partial(train_backprop, stop=Stop(epochs=40), runs=2))
     call(train, folder / "a.json", "--neurons", 3, "--trainer", "ebp", "-o", tmp_path / "e.toml")
     descriptor = Descriptor.load(tmp_path / "e.toml")
     assert descriptor.provenance["trainer"] == "ebp"

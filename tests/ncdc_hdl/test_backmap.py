@@ -154,13 +154,13 @@ def test_host_may_read_the_table_while_scanning():
     async def host(ctx):
         for row in range(16):
             for span in range(2):
-                ctx.set(dut.table.host_row, row)
-                ctx.set(dut.table.host_span, span)
-                ctx.set(dut.table.host_read, 1)
+                ctx.set(dut.table.host.row, row)
+                ctx.set(dut.table.host.span, span)
+                ctx.set(dut.table.host.read, 1)
                 await ctx.tick()
-                ctx.set(dut.table.host_read, 0)
+                ctx.set(dut.table.host.read, 0)
                 await ctx.tick().repeat(ValidTable.latency - 1)
-                got = [ctx.get(dut.table.host_span_start), ctx.get(dut.table.host_span_stop)]
+                got = [ctx.get(dut.table.host.read_start), ctx.get(dut.table.host.read_stop)]
                 assert got == d.valid.spans[row, 2 * span:2 * span + 2].tolist()
 
     async def bench(ctx):

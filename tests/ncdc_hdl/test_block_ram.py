@@ -32,4 +32,4 @@ def test_no_word_is_used_that_was_read_in_the_clock_of_its_write(made, memory):
     raw = np.random.default_rng(3).integers(0, 256, (64, 160), np.uint8)
     result = simulate_correction(d, raw, HARDWARE, verilog=verilog, memory=memory)
     assert result.differing == []
-    assert result.filled.any() and not result.filled.all()
+    assert result.blank.any() and not result.blank.all()

@@ -96,5 +96,5 @@ def test_collisions_are_undefined():
 
 def test_promise_is_in_the_verilog():
     verilog = module_verilog(Fifo(width=16, depth=8), "fifo")
-    assert "(* no_rw_check = 32'd1 *)" in verilog
+    assert "(* no_rw_check = 1 *)" in verilog
     assert '(* ramstyle = "no_rw_check" *)' in verilog

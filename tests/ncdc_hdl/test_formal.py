@@ -14,6 +14,7 @@ from formal.queues import Credits
 from formal.sby import FAIL, PASS, run
 from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.backend.cache.fills import Fills
+from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 
@@ -36,12 +37,20 @@ class TokenKept(Retire):
         return balance > 0
 
 
-class NoInterlock(Tags):
-    """Replaces tiles that pending look-ups need."""
+class NeverInFlight(Interlock):
+    """Takes all look-ups of which the memory tells for read."""
 
     @staticmethod
     def _in_flight(since, before, wrapped):
         return Const(0)
+
+
+class NoInterlock(Tags):
+    """Replaces tiles that pending look-ups need."""
+
+    def __init__(self, f_bits, options):
+        super().__init__(f_bits, options)
+        self.interlock = NeverInFlight(options)
 
 
 class FramesMixed(Tags):

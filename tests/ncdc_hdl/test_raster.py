@@ -40,7 +40,7 @@ class ScannedLayer(Elaboratable):
         m = Module()
         m.submodules.scan = scan = self.scan
         issue, turn = pace(m, scan, self.share, ~self.pause & self.layers[0].ready)
-        m.d.comb += [scan.fresh.eq(1), self.issue.eq(issue)]
+        m.d.comb += [scan.table.fresh.eq(1), self.issue.eq(issue)]
         for k, layer in enumerate(self.layers):
             m.submodules[f"layer{k}"] = layer
             m.d.comb += [layer.active.eq(scan.active), layer.pixel.eq(scan.pixels[k]),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from amaranth import *
+from amaranth.lib import wiring
 
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.valid import ValidTable
@@ -20,7 +21,7 @@ class Dut(Elaboratable):
     def elaborate(self, platform):
         m = Module()
         m.submodules.scan, m.submodules.table = scan, table = self.scan, self.table
-        m.d.comb += [table.row.eq(scan.row), scan.spans.eq(table.spans), scan.fresh.eq(table.fresh)]
+        wiring.connect(m, scan.table, table.scan)
         return m
 
 
@@ -49,8 +50,8 @@ async def frame(ctx, dut, rng, pause=0.0, host=0.0, abort_at=None):
     ctx.set(scan.start, 0)
     while True:
         ctx.set(scan.abort, abort_at is not None and len(got) >= abort_at)
-        ctx.set(dut.table.host_read, int(rng.random() < host))
-        ctx.set(dut.table.host_row, int(rng.integers(1 << dut.table.row_bits)))
+        ctx.set(dut.table.host.read, int(rng.random() < host))
+        ctx.set(dut.table.host.row, int(rng.integers(1 << dut.table.row_bits)))
         await ctx.delay(1e-10)
         ctx.set(scan.go, int(rng.random() >= pause))
         advance = ctx.get(scan.advance)

@@ -54,7 +54,7 @@ def test_strips_equal_golden(fetcher, data_width, hidden, strip, memory):
     assert result.counters["PIXELS"] == 77 * 29
     # Every byte once: what two strips share of a word is enabled in one of its two writes.
     assert result.bytes_written == 4 * 77 * 29
-    assert result.filled.any() and not result.filled.all()
+    assert result.blank.any() and not result.blank.all()
 
 
 class Frames:
@@ -231,4 +231,4 @@ def test_full_size_frames(lanes, strip):
     result = simulate_correction(d, noise(d), Hardware(data_width=128, strip=strip, lanes=lanes),
                                  memory="ddr3")
     assert result.differing == []
-    assert result.filled.any()
+    assert result.blank.any()

@@ -10,6 +10,7 @@ from amaranth import Const
 from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.cache.fills import Fills
+from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_model.fetch.cache_options import CacheOptions
@@ -46,7 +47,7 @@ def test_ten_million_random_windows(data_width, options, lanes, groups):
 
 
 GUARDS = {
-    "interlock": (Tags, "_in_flight", lambda since, before, wrapped: Const(0)),
+    "interlock": (Interlock, "_in_flight", lambda since, before, wrapped: Const(0)),
     "tokens": (Retire, "_enough", lambda balance: balance >= -1),
     "credit": (Fills, "_credit", lambda outstanding, most: outstanding != most + 1),
     "clear": (Tags, "_last", lambda place: Const(0)),

@@ -1,4 +1,4 @@
-"""The planner's prediction against the Verilog: misses exactly, clocks within 1 %."""
+"""The planner's prediction against the Verilog: misses exactly, clocks within 1 %, or to a few."""
 
 from dataclasses import replace
 
@@ -36,7 +36,7 @@ def predicted(corrector, hardware, memory):
     writes = None if hardware.stream else frame_writes(
         geometry, hardware, getattr(memory, "access_bytes", 1), places.target, timing)
     return len(missed), predict_clocks(missed, boxes, hardware, memory, timing, places,
-                                       writes).clocks
+                                       writes)
 
 
 @pytest.fixture(scope="module", params=[("stream", 1, 0), ("memory", 1, 64), ("stream", 2, 0)],
@@ -65,7 +65,27 @@ def test_misses_are_equal_and_clocks_within_a_hundredth(prepared, memory, split)
     assert simulation.differing == []
     assert simulation.counters["FETCHES"] == missed
     assert simulation.bytes_read == 64 * missed
-    assert simulation.counters["CLOCKS"] == pytest.approx(clocks, rel=.01)
+    assert simulation.counters["CLOCKS"] == pytest.approx(clocks.clocks, rel=.01)
+
+
+def small(variant, neurons, **choices):
+    """A corrector of small frames, its hardware, and its Verilog."""
+    descriptor = replace(barrel_descriptor((48, 40), (48, 40), hidden_neurons=neurons),
+                         variant=variant)
+    hardware = Hardware(**{"output": "stream"} | choices)
+    corrector = Corrector(descriptor, hardware)
+    return hardware, corrector, verilog_of(corrector)
+
+
+def check_small(prepared, memory):
+    """A frame's clocks and waits to within 4."""
+    hardware, corrector, verilog = prepared
+    counters = simulate_correction(corrector.descriptor, noise(corrector.descriptor), hardware,
+                                   memory=memory, verilog=verilog).counters
+    _, clocks = predicted(corrector, hardware, memory)
+    assert abs(counters["CLOCKS"] - clocks.clocks) <= 4
+    assert abs(counters["INTERLOCK_STALLS"] - clocks.interlock) <= 4
+    assert abs(counters["CREDIT_STALLS"] - clocks.credit) <= 4
 
 
 @pytest.mark.parametrize("variant,neurons,choices", [
@@ -74,11 +94,24 @@ def test_misses_are_equal_and_clocks_within_a_hundredth(prepared, memory, split)
     ids=["table", "mmhbc", "raster", "two pixels", "memory"])
 def test_the_latency_is_that_of_the_network(variant, neurons, choices):
     """A small frame is mostly latency: networks of other depth, each within a few clocks."""
-    descriptor = replace(barrel_descriptor((48, 40), (48, 40), hidden_neurons=neurons),
-                         variant=variant)
-    hardware = Hardware(**{"output": "stream"} | choices)
-    corrector = Corrector(descriptor, hardware)
-    simulation = simulate_correction(descriptor, noise(descriptor), hardware, memory="ideal",
-                                     verilog=verilog_of(corrector))
-    _, clocks = predicted(corrector, hardware, "ideal")
-    assert abs(simulation.counters["CLOCKS"] - clocks) <= 4
+    check_small(small(variant, neurons, **choices), "ideal")
+
+
+@pytest.fixture(scope="module")
+def prepared_small():
+    return small("mmhbc", 8)
+
+
+def unrefreshed(memory):
+    """A memory without refresh: how far off the next one is when a frame starts nobody knows, and
+    the clocks of a small frame depend on it, by up to 17."""
+    return replace(memory_timing(memory), refresh_interval=1 << 30)
+
+
+@pytest.mark.parametrize("memory", [
+    "ideal", "fixed:20:4", "fixed:20:1.5", "fixed:100:64", unrefreshed("sdram"),
+    unrefreshed("ddr3")], ids=["ideal", "fixed", "slow", "far", "sdram", "ddr3"])
+def test_the_latency_is_that_of_the_memory(prepared_small, memory):
+    """The first tiles wait for the first look-up to be read, see the interlock: that takes a
+    latency of the memory, and so do the windows behind them."""
+    check_small(prepared_small, memory)

@@ -8,7 +8,7 @@ import pytest
 
 from ncdc_model.errors import InputError
 from ncdc_sim import runner, tools
-from ncdc_sim.builds import cached, key_of, without_header
+from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import build, command_of, run
 from ncdc_sim.tools import SimulationError
@@ -56,9 +56,9 @@ def test_two_at_once_build_once():
         second.join(0.2)        # the second is now waiting for the lock
         (folder / "done").write_text("")
 
-    second = threading.Thread(target=lambda: first_inside.wait() and cached("k-1", make))
+    second = threading.Thread(target=lambda: first_inside.wait() and built("k-1", make))
     second.start()
-    folder = cached("k-1", make)
+    folder = built("k-1", make)
     second.join()
     assert len(made) == 1 and (folder / "done").exists()
 
@@ -100,7 +100,7 @@ def test_missing_simulator(monkeypatch):
 def test_cache_that_cannot_be_written(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("NCDC_CACHE", str(tmp_path / "file" / "cache"))
-    with pytest.raises(InputError, match="cannot write the cache folder"):
+    with pytest.raises(InputError, match="cannot write the folder of builds"):
         build_hello()
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from amaranth import *
+from amaranth.lib import wiring
 
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.valid import ValidTable
@@ -27,8 +28,7 @@ class FrontEnd(Elaboratable):
     def elaborate(self, platform):
         m = Module()
         m.submodules.backmap, m.submodules.table = self.backmap, self.table
-        m.d.comb += [self.table.row.eq(self.backmap.row), self.backmap.spans.eq(self.table.spans),
-                     self.backmap.fresh.eq(self.table.fresh)]
+        wiring.connect(m, self.backmap.table, self.table.scan)
         return m
 
 

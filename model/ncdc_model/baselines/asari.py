@@ -52,8 +52,8 @@ def fit_asari(points, order, shared=True):
         return solution[:order + 1], end, solution @ system - wanted
 
     middle = (size - 1) / 2 / unit
-    centre = least_squares(lambda c: solve(c)[2], middle, method="lm", diff_step=1e-5, xtol=1e-13, ftol=1e-13,
-                           gtol=1e-13).x
+    centre = least_squares(lambda c: solve(c)[2], middle, method="lm", diff_step=1e-5,
+                           xtol=1e-13, ftol=1e-13, gtol=1e-13).x
     coefficients, end, _ = solve(centre)
 
     def back_map(u, v):

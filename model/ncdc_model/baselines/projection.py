@@ -46,29 +46,39 @@ def fit_projection(points, project, stages, starts=((1.0, 1e-4),)):
     focal = np.sqrt(abs(np.linalg.det(affine[:2])))
     count = 1 + max(k for stage in stages for k in stage)
 
-    def descend(distance, tolerance):
-        """Parameters at the end of the last stage, and the cost."""
-        parameters = np.concatenate([[0, 0, 0, 0, 0, distance, distance * focal,
-                                      distance * focal, *affine[2]], np.zeros(count)])
-        free = list(range(10))
-        for stage in stages:
-            free = free + [10 + k for k in stage]
+    def projected(values, at=target):
+        return project(at, values[:6], values[6:10], values[10:])
 
-            def evaluate(values, part):
-                trial = parameters.copy()
-                trial[free] = values
-                return project(target, trial[:6], trial[6:10], trial[10:])[part]
-            fit = least_squares(
-                lambda values: (evaluate(values, 0) - wanted).ravel(), parameters[free],
-                jac=lambda values: evaluate(values, 1)[:, free], method="lm", x_scale="jac",
-                ftol=1e-9 if stage is stages[-1] else tolerance, xtol=1e-12, gtol=1e-14,
-                max_nfev=1000)
-            parameters[free] = fit.x
-        return fit.cost, parameters
+    def descend(distance, tolerance):
+        start = np.concatenate([[0, 0, 0, 0, 0, distance, distance * focal, distance * focal,
+                                 *affine[2]], np.zeros(count)])
+        return _descend(projected, wanted, start, stages, tolerance)
 
     parameters = min((descend(*start) for start in starts), key=lambda fit: fit[0])[1]
 
     def back_map(u, v):
-        pixels, _ = project(flat(u, v), parameters[:6], parameters[6:10], parameters[10:])
+        pixels, _ = projected(parameters, flat(u, v))
         return pixels[:, 0].reshape(np.shape(u)), pixels[:, 1].reshape(np.shape(u))
     return back_map
+
+
+def _descend(projected, wanted, start, stages, tolerance):
+    """Cost at the end of the last stage, and the parameters there, from those at the ``start``.
+
+    ``projected(parameters)`` gives pixels and derivatives; the pixels ``wanted`` have shape (N, 2).
+    """
+    parameters, free = start.copy(), list(range(10))
+    for stage in stages:
+        free = free + [10 + k for k in stage]
+
+        def evaluate(values, part):
+            trial = parameters.copy()
+            trial[free] = values
+            return projected(trial)[part]
+        fit = least_squares(
+            lambda values: (evaluate(values, 0) - wanted).ravel(), parameters[free],
+            jac=lambda values: evaluate(values, 1)[:, free], method="lm", x_scale="jac",
+            ftol=1e-9 if stage is stages[-1] else tolerance, xtol=1e-12, gtol=1e-14,
+            max_nfev=1000)
+        parameters[free] = fit.x
+    return fit.cost, parameters

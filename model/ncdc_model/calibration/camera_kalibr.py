@@ -86,7 +86,10 @@ def _bend(projection, own, distortion, k):
 
 
 def _double_sphere(q, xi, alpha):
-    """Depth by which the ideal point of squared radius ``q`` is divided; Usenko, Demmel and Cremers."""
+    """Depth by which the ideal point of squared radius ``q`` is divided.
+
+    Of Usenko, Demmel and Cremers.
+    """
     near = np.sqrt(q + 1)
     shifted = xi * near + 1
     return alpha * np.sqrt(q + shifted * shifted) + (1 - alpha) * shifted

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ncdc_model.calibration.quality import check_share
+from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.relief import find_relief
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
 from ncdc_model.errors import InputError
@@ -39,7 +39,7 @@ class IdealFrame:
     rms : float
         Root mean square distance, in distorted pixels, of the used points from the smooth lens.
     rejected : dict
-        How many points were not used, by reason.
+        How many points were not used, by their reason, a :class:`Dropped`.
     along, relief : ndarray, shape (n, 2)
         Directions in which a dent of the target moves the points, and by how many pixels the
         target's relief had moved them before (x, y) were put right; see
@@ -82,65 +82,97 @@ def ideal_frame(points, size=None, zoom="fit"):
         their neighbours, or ``zoom`` does not suit the lens.
     """
     size = tuple(size or points.size)
-    rejected, numbers = {}, []
-    photos = []
-    for number, photo in enumerate(points.photos):
-        _count(rejected, "cut by the border", int(photo.cut.sum()))
-        photo = photo.whole
-        if len(photo.index) < MIN_POINTS:
-            _count(rejected, "in a photo with too few points", len(photo.index))
-        else:
-            photos.append(photo)
-            numbers.append(number)
-    if not photos:
-        raise InputError(f"no photo has {MIN_POINTS} points")
-    index = [photo.index * (1.0, points.aspect) for photo in photos]
-    xy = [photo.xy for photo in photos]
-    fit = fit_smooth(points.size, list(zip(index, xy)))
-    if points.target in _ROUND:
-        xy = [photo.xy - _eccentricity(fit, number, index[number], photo)
-              for number, photo in enumerate(photos)]
-        fit = fit_smooth(points.size, list(zip(index, xy)))
-    relief = [find_relief(photos[k].index, xy[k] - fit.pixels(k, index[k]), fit.normal(k, index[k]))
-              for k in range(len(photos))]
-    if any(part.found for part in relief):
-        xy = [place - part.shift for place, part in zip(xy, relief)]
-        fit = fit_smooth(points.size, list(zip(index, xy)))
-
-    residual = [fit.pixels(number, index[number]) - xy[number] for number in range(len(photos))]
-    far = [np.linalg.norm(offset, axis=1) for offset in residual]
-    limit = max(_GROSS_PIXELS, _GROSS * float(np.median(np.concatenate(far))))
+    photos, numbers, rejected = _usable_photos(points)
+    fitted = _fit(points, photos)
+    fit = fitted.fit
     frame = choose_frame(fit.camera.undistort, fit.camera.distort, points.size, size, zoom)
-    camera = replace(fit.camera, frame=frame)
-    homographies, kept = [], []
-    for number, distance in enumerate(far):
-        homography = frame.matrix @ fit.planes[number] @ np.diag([1.0, points.aspect, 1.0])
-        homographies.append(homography / homography[2, 2])
-        rays = fit.rays(number, index[number])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            uv = np.stack(frame.pixel(rays[:, 0] / rays[:, 2], rays[:, 1] / rays[:, 2]), axis=1)
-        gross = _against_neighbours(index[number], residual[number]) > limit
-        margin = _MARGIN * np.array(size)
-        inside = ((uv >= -margin) & (uv <= np.array(size) - 1 + margin)).all(axis=1)
-        inside &= rays[:, 2] > 0
-        _count(rejected, "off the smooth lens by more than its neighbours", int(gross.sum()))
-        _count(rejected, "outside the corrected frame", int((~inside & ~gross).sum()))
-        use = inside & ~gross
-        kept.append((uv[use], xy[number][use], photos[number].index[use],
-                     np.full(int(use.sum()), number), distance[use], relief[number].along[use],
-                     relief[number].shift[use]))
-    corrected, distorted, used, photo, distance, along, shift = (
-        np.concatenate(part) for part in zip(*kept))
+    homographies = [frame.matrix @ plane @ np.diag([1.0, points.aspect, 1.0])
+                    for plane in fit.planes]
+    corrected, distorted, used, photo, distance, along, shift = _pairs(fitted, frame, rejected)
     if ruined := check_share(rejected, points.whole):
         raise InputError(ruined)
     if len(used) < MIN_POINTS:
         raise InputError(f"{len(used)} points lie inside the corrected frame, at least "
                          f"{MIN_POINTS} are needed")
-    return IdealFrame(camera=camera, homographies=tuple(homographies), corrected=corrected,
-                      distorted=distorted, index=used, photo=photo,
+    return IdealFrame(camera=replace(fit.camera, frame=frame),
+                      homographies=tuple(matrix / matrix[2, 2] for matrix in homographies),
+                      corrected=corrected, distorted=distorted, index=used, photo=photo,
                       rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected, along=along,
-                      relief=shift, degrees=tuple(part.degree for part in relief),
+                      relief=shift, degrees=tuple(part.degree for part in fitted.relief),
                       names=tuple(photo.name for photo in photos), numbers=tuple(numbers))
+
+
+def _usable_photos(points):
+    """Photos of enough whole points, their numbers, and how many other points there are."""
+    photos, numbers, rejected = [], [], {}
+    for number, photo in enumerate(points.photos):
+        _count(rejected, Dropped.CUT, int(photo.cut.sum()))
+        photo = photo.whole
+        if len(photo.index) < MIN_POINTS:
+            _count(rejected, Dropped.FEW, len(photo.index))
+        else:
+            photos.append(photo)
+            numbers.append(number)
+    if not photos:
+        raise InputError(f"no photo has {MIN_POINTS} points")
+    return photos, numbers, rejected
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """A smooth lens fitted to photos; of each photo its points, put right for dots and relief.
+
+    ``cells``: column and row, as far apart as the target's; ``xy``: distorted pixels.
+    """
+    fit: object
+    photos: list
+    cells: list
+    xy: list
+    relief: list
+
+
+def _fit(points, photos):
+    """:class:`_Fitted` of ``photos``, those of :class:`TargetPoints` that have enough points."""
+    cells = [photo.index * (1.0, points.aspect) for photo in photos]
+    xy = [photo.xy for photo in photos]
+    fit = fit_smooth(points.size, list(zip(cells, xy)))
+    if points.target in _ROUND:
+        xy = [photo.xy - _eccentricity(fit, number, cells[number], photo)
+              for number, photo in enumerate(photos)]
+        fit = fit_smooth(points.size, list(zip(cells, xy)))
+    relief = [find_relief(photos[k].index, xy[k] - fit.pixels(k, cells[k]), fit.normal(k, cells[k]))
+              for k in range(len(photos))]
+    if any(part.found for part in relief):
+        xy = [place - part.shift for place, part in zip(xy, relief)]
+        fit = fit_smooth(points.size, list(zip(cells, xy)))
+    return _Fitted(fit, photos, cells, xy, relief)
+
+
+def _pairs(fitted, frame, rejected):
+    """Points of all photos that are used, as arrays; the others are counted in ``rejected``.
+
+    (u, v), (x, y), index, photo, distance from the smooth lens, direction and shift of the relief.
+    """
+    fit, size, kept = fitted.fit, np.array(frame.size), []
+    residual = [fit.pixels(number, cells) - fitted.xy[number]
+                for number, cells in enumerate(fitted.cells)]
+    far = [np.linalg.norm(offset, axis=1) for offset in residual]
+    limit = max(_GROSS_PIXELS, _GROSS * float(np.median(np.concatenate(far))))
+    for number, (cells, distance) in enumerate(zip(fitted.cells, far)):
+        rays = fit.rays(number, cells)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            uv = np.stack(frame.pixel(rays[:, 0] / rays[:, 2], rays[:, 1] / rays[:, 2]), axis=1)
+        gross = _against_neighbours(cells, residual[number]) > limit
+        margin = _MARGIN * size
+        inside = ((uv >= -margin) & (uv <= size - 1 + margin)).all(axis=1)
+        inside &= rays[:, 2] > 0
+        _count(rejected, Dropped.GROSS, int(gross.sum()))
+        _count(rejected, Dropped.OUTSIDE, int((~inside & ~gross).sum()))
+        use, relief = inside & ~gross, fitted.relief[number]
+        kept.append((uv[use], fitted.xy[number][use], fitted.photos[number].index[use],
+                     np.full(int(use.sum()), number), distance[use], relief.along[use],
+                     relief.shift[use]))
+    return [np.concatenate(part) for part in zip(*kept)]
 
 
 def _against_neighbours(index, residual):

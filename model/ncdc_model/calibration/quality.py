@@ -1,19 +1,28 @@
 """Warnings about points that a network should not be trained on without a second look."""
 
+from enum import Enum
+
 import numpy as np
 
-__all__ = ["check_share", "warnings_of"]
+__all__ = ["Dropped", "check_share", "warnings_of"]
 
 _SCATTER = 0.25        # pixels: a point farther off its line's smooth course than this is noisy
 _LOST = 0.02           # of the places within the target that have no point
 _DROPPED = 0.02        # of the points that disagree with their neighbours
 _RUINED = 0.10         # the same: beyond this it is not a few points that are wrong
-_GROSS = "off the smooth lens by more than its neighbours"
+
+
+class Dropped(Enum):
+    """Why a point is not used. Programs compare the member; its value is the text for people."""
+    CUT = "cut by the border"
+    FEW = "in a photo with too few points"
+    GROSS = "off the smooth lens by more than its neighbours"
+    OUTSIDE = "outside the corrected frame"
 
 
 def check_share(rejected, count):
     """One sentence if so many of ``count`` points disagree that the rest can not be trusted."""
-    wrong = rejected.get(_GROSS, 0)
+    wrong = rejected.get(Dropped.GROSS, 0)
     if wrong > _RUINED * count:
         return (f"{wrong} of {count} points, {100 * wrong / count:.1f} %, disagree with their "
                 f"neighbours, {100 * _RUINED:.0f} % is the limit: indices or points are wrong")
@@ -34,7 +43,7 @@ def warnings_of(points, frame, scatter):
         if lost > _LOST * places:
             found.append(f"{photo.name}: {lost} of {places} places between other points, "
                          f"{100 * lost / places:.1f} %, have no point")
-    wrong, count = frame.rejected.get(_GROSS, 0), points.count
+    wrong, count = frame.rejected.get(Dropped.GROSS, 0), points.count
     if wrong > _DROPPED * count:
         found.append(f"{wrong} of {count} points, {100 * wrong / count:.1f} %, disagree with their "
                      f"neighbours and are not used: indices or points may be wrong")

@@ -16,7 +16,7 @@ _ROWS = 4                           # of tiles, that a cache for a raster scan h
 
 @dataclass(frozen=True)
 class CacheOptions:
-    """A direct-mapped cache of ``tiles`` tiles of 16 x 4 bytes; every choice gives the same windows.
+    """A direct-mapped cache of ``tiles`` tiles of 16 x 4 bytes; all choices give the same windows.
 
     The index rule. Sample (x, y) of the raw frame lies in tile (tx, ty) = (x >> 4, y >> 2), whose
     place is fixed by::
@@ -29,7 +29,8 @@ class CacheOptions:
     windows of all its pixels that are not blank, fit a box: ``(x1 >> 3) - (x0 >> 3) <= 1`` and
     ``y1 - y0 <= 3``. A group that does not is cut in halves, these likewise, from left to right.
 
-    The four tiles that a window, or a box, can touch are in four banks, so no window evicts its own tiles.
+    The four tiles that a window, or a box, can touch are in four banks, so no window evicts its own
+    tiles.
     ``split``, 0..max_split, is chosen at run time (register CACHE_SPLIT): Kx large for a scan along
     the rows of the raw frame, small for one along its columns.
 
@@ -57,7 +58,8 @@ class CacheOptions:
     sequence_bits: int = 12
 
     def __post_init__(self):
-        for name, least, most in (("tiles", _LEAST_TILES, _MAX_TILES), ("pending", 4, _MAX_PENDING)):
+        for name, least, most in (("tiles", _LEAST_TILES, _MAX_TILES),
+                                  ("pending", 4, _MAX_PENDING)):
             value = getattr(self, name)
             if not least <= value <= most or value & (value - 1):
                 raise InputError(f"the cache's {name} is {value}, a power of two from {least} to "

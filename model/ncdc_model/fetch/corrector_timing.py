@@ -9,9 +9,9 @@ __all__ = ["CorrectorTiming"]
 class CorrectorTiming:
     """Clocks between events in a corrector with a tile cache, and what its queues hold.
 
-    The gateware's parts add these up (``ncdc_hdl.corrector.Corrector.timing``); the planner computes
-    with them and knows none of its own. Each is the least number of clocks from one event to the
-    next.
+    The gateware's parts add these up (``ncdc_hdl.corrector.Corrector.timing``); the planner
+    computes with them and knows none of its own. Each is the least number of clocks from one event
+    to the next.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class CorrectorTiming:
     pixel_to_bus : int
         A pixel is at the packer; the first word of the burst that it completes is on the bus.
     row_to_lookup : int
-        A row of the raw frame is in memory; the look-up that waited for it is in the act stage.
+        ``camera_rows`` counts a row; the look-up that waited for it is in the act stage.
     end_to_interrupt : int
         The last pixel is out; the interrupt is high.
     write_burst : int

@@ -123,7 +123,8 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None
     pending = hardware.cache.pending
     behind = number[pending:]
     entered[behind] = np.maximum(behind, free.read.clocks(behind - pending) + 1)
-    written = np.where(needed, (needed - 1) * line + geometry.distorted_width, 0)
+    # `camera_rows` counts a row in the clock after that of its last byte.
+    written = np.where(needed, (needed - 1) * line + geometry.distorted_width + 1, 0)
     begin = np.maximum(written + timing.row_to_lookup, timing.start)
     end = begin + (1 + _ERROR) * (free.clocks - timing.start - entered)
     worst = int(end.argmax())

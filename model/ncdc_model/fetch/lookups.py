@@ -68,8 +68,8 @@ def frame_windows(descriptor, progress=lambda done, total: None):
     width, height = descriptor.geometry.corrected
     x0, y0 = np.empty((2, height, width), np.int32)
     used = np.empty((height, width), bool)
-    for rows, columns, lines, _, _, known in window_bands(descriptor):
-        x0[rows], y0[rows], used[rows] = columns, lines, known
+    for rows, columns, lines, _, _, valid in window_bands(descriptor):
+        x0[rows], y0[rows], used[rows] = columns, lines, valid
         progress(rows.stop, height)
     return Windows(x0, y0, used)
 

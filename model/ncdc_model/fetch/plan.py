@@ -13,7 +13,7 @@ from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.geometry import check_strip_width
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces
-from ncdc_model.memory_timing import memory_timing
+from ncdc_model.memory_timing import memory_at
 
 __all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "Plan", "STRIPS", "choose", "plan"]
 
@@ -83,7 +83,8 @@ class Fixed:
         """
         if self.strip is not None:
             if stream and self.strip:
-                raise InputError(f"the strip width is {self.strip}, a video stream needs 0 (raster)")
+                raise InputError(f"the strip width is {self.strip}, a video stream needs 0 "
+                                 f"(raster)")
             return [self.strip]
         return [0, *(strip for strip in STRIPS if strip < width and not stream)]
 
@@ -234,7 +235,7 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
     InputError
         If a value is outside its limits, or no configuration holds the map at the rate.
     """
-    model = memory_timing(f"{memory}@{clock_mhz:g}" if memory in ("sdram", "ddr3") else memory)
+    model = memory_at(memory, clock_mhz)
     if rate is not None and not rate > 0:
         raise InputError(f"the rate is {rate:g} frames per second, it must be positive")
     geometry = descriptor.geometry

@@ -36,7 +36,7 @@ class _Port:
         self.last = 0               # edge of the last word on the port
         self.writes, self.lags, self.known = writes, lags, 0
         self.total = len(writes.words) if writes else 0
-        self.arrived = []           # edge at which each write access is complete on the bus
+        self.arrived = []           # edge that accepts the last word of each write access
         self.done = 0               # write accesses placed
         self.done_at = deque([], self.queue)
 
@@ -55,14 +55,14 @@ class _Port:
             if last >= self.known:
                 break
             self.lags.settle(last)
-            edge = self.lags.clock(last) + self.read_to_bus + words
+            edge = self.lags.clock(last) + self.read_to_bus + words - 1
             if j:
                 edge = max(edge, self.arrived[-1] + words)
             if j >= self.queue:
                 before = j - self.queue - self.done + len(self.done_at)
                 edge = max(edge, self.done_at[before] + words)
             self.arrived.append(edge)
-            self.lags.hold(writes.held[j], edge - words)
+            self.lags.hold(writes.held[j], edge - words + 1)
         return self.done < len(self.arrived)
 
     def finish(self):

@@ -9,6 +9,11 @@ from ncdc_model.fetch.ports import memory_port
 
 __all__ = ["Clocks", "predict_clocks"]
 
+# Whom an empty place names as its last user: after a reset all entries hold the number 0, which is
+# the first look-up's. In later frames they name the last look-up of the frame before, which has
+# read its window: claims in empty places then wait for nobody.
+_RESET_USER = 0
+
 
 @dataclass(frozen=True)
 class Clocks:
@@ -32,7 +37,7 @@ class Clocks:
 
 def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
                    progress=lambda done, total: None):
-    """:class:`Clocks` of a frame.
+    """:class:`Clocks` of the first frame after a reset.
 
     Jumps from miss to miss: between them one look-up enters and one leaves per clock. Of each
     look-up only two times count: when it leaves the tag stage (push) and when its window is read
@@ -111,6 +116,8 @@ class _Frame:
         claim = self.claimed + 1
         # The place may be replaced once its last user, or the one in flight of the same number
         # modulo the sequence, has read its window.
+        if victim < 0:
+            victim = _RESET_USER
         user = victim + (i - 1 - victim) // self.wrap * self.wrap
         if user >= i - self.pending:
             free = self.read.clock(user) + self.timing.retire_to_claim

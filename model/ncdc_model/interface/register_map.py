@@ -120,7 +120,8 @@ _FIXED = (
             Flag("PENDING", STATUS_PENDING, "ro", "another frame waits"),
             Flag("COMMITTED", STATUS_COMMITTED, "ro", "a commit waits for the frame boundary"),
             Flag("REFUSED", STATUS_REFUSED, "w1c",
-                 "a write was ignored that would have changed a committed set or valid rows in use"),
+                 "a write was ignored that would have changed a committed set or valid rows in "
+                 "use"),
             Flag("BANK", STATUS_BANK, "ro", "bank of the valid rows in use"),
             Flag("ABORTED", STATUS_ABORTED, "ro",
                  "the last frame lacks pixels: it was aborted, or its width or height is 0")),
@@ -143,8 +144,8 @@ _FIXED = (
     Register("DISTORTED_HEIGHT", 0x0E, "shadow", _SIZE,
              f"Raw frame, rows, {MIN_SIZE}..{MAX_SIZE}."),
     Register("FOLLOW", 0x0F, "shadow", Bits(1),
-             "1: a pixel waits until `camera_rows` says that its raw rows are in memory; 0: the raw "
-             "frame is complete when a frame begins."),
+             "1: a pixel waits until `camera_rows` says that its raw rows are in memory; 0: the "
+             "raw frame is complete when a frame begins."),
     Register("SCAN_ORIGIN_X", 0x10, "shadow", Bits(SCAN.width, signed=True),
              f"Normalised x of the first column, {SCAN}."),
     Register("SCAN_STEP_X", 0x11, "shadow", Bits(SCAN.width, signed=True),

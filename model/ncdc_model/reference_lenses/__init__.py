@@ -1,9 +1,9 @@
 """Eight simulated wide-angle lenses with flaws, on which accuracy is compared, and their dots.
 
 PC105 and PC120 are about as hard as the lenses of the paper's Table III must have been. The others
-see 105 or 120 degrees, across the width or (d) across the diagonal; kb and br tell the radial model,
-Kannala-Brandt or rational. ``lenses.json`` holds the parameters of :meth:`Camera.from_dict`, and
-as ``check`` exact values (u, v, x, y) of the back-map.
+see 105 or 120 degrees, across the width or (d) across the diagonal; kb and br tell the radial
+model, Kannala-Brandt or rational. ``lenses.json`` holds the parameters of
+:meth:`Camera.from_dict`, and as ``check`` exact values (u, v, x, y) of the back-map.
 """
 
 import json

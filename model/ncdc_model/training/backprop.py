@@ -1,11 +1,31 @@
 """The paper's trainer: error back-propagation, one pattern after the other."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ncdc_model.descriptor import FloatNetwork
 from ncdc_model.errors import InputError
 
-__all__ = ["BackPropagation", "train_backprop"]
+__all__ = ["BackPropagation", "Stop", "train_backprop"]
+
+
+@dataclass(frozen=True)
+class Stop:
+    """When back-propagation ends, whichever comes first.
+
+    Parameters
+    ----------
+    epochs : int
+        Most passes over the pairs.
+    target_mse : float
+        A network's MSE is at most this, in px^2.
+    patience : int
+        The best MSE has not fallen by 0.1 % in as many epochs.
+    """
+    epochs: int = 5000
+    target_mse: float = 0.0
+    patience: int = 1000
 
 
 class BackPropagation:
@@ -78,8 +98,7 @@ class BackPropagation:
         return total
 
 
-def train_backprop(problem, neurons, seed=0, progress=None, runs=8, rates=(.05, .2), epochs=5000,
-                   target_mse=0.0, patience=1000):
+def train_backprop(problem, neurons, seed=0, progress=None, runs=8, rates=(.05, .2), stop=Stop()):
     """Best of several networks trained by error back-propagation, and its learning curve.
 
     Equations (15)-(22) of the paper with gamma = 1 and no momentum. Initial weights and biases
@@ -97,12 +116,7 @@ def train_backprop(problem, neurons, seed=0, progress=None, runs=8, rates=(.05, 
         Networks trained side by side from different weights.
     rates : sequence of float
         Learning rates, dealt to the runs in turn.
-    epochs : int
-        Most passes over the pairs.
-    target_mse : float
-        Stop when a network's MSE is at most this, in px^2.
-    patience : int
-        Stop when the best MSE has not fallen by 0.1 % in as many epochs.
+    stop : Stop
 
     Returns
     -------
@@ -120,39 +134,49 @@ def train_backprop(problem, neurons, seed=0, progress=None, runs=8, rates=(.05, 
     size = np.array([problem.geometry.distorted]).T
     centre, scale = (size - 1) / 2, size / 2
     targets = (problem.targets - centre) / scale
-    patterns = np.concatenate([problem.inputs, np.ones((1, len(problem)))])
     networks = BackPropagation(random.uniform(-1, 1, (runs, neurons, 3)),
                                random.uniform(-1, 1, (runs, 2, neurons + 1)),
                                np.resize(np.asarray(rates, np.float64), runs))
-    # One MSE in pixels needs the scale of each axis: weigh the squared errors by it.
-    pixels = patterns, targets * scale
-    diverged = 1e3 * (_in_pixels(networks, scale).errors(*pixels) / len(problem)).max()
-    best, curve, last, watched = None, [], 0, np.inf
-    each = np.ascontiguousarray(patterns.T[:, :, None]), np.ascontiguousarray(targets.T[:, :, None])
     with np.errstate(all="ignore"):
-        for epoch in range(1, epochs + 1):
-            for k in random.permutation(len(problem)):
-                networks.learn(each[0][k], each[1][k])
-            mse = _in_pixels(networks, scale).errors(*pixels) / len(problem)
-            mse[~(mse < diverged)] = np.inf
-            k = int(mse.argmin())
-            if mse[k] < (curve[-1][1] if curve else np.inf):
-                best = networks.hidden[k].copy(), networks.output[k].copy()
-                curve.append((epoch, float(mse[k])))
-                if mse[k] < .999 * watched:
-                    last, watched = epoch, mse[k]
-            if progress:
-                progress(epoch / epochs, curve[-1][1] if curve else float("inf"))
-            if curve and (curve[-1][1] <= target_mse or epoch - last >= patience):
-                break
-            if not np.isfinite(mse).any():
-                break
+        best, curve = _epochs(networks, problem, (targets, scale), random, stop,
+                              progress or (lambda done, mse: None))
     if best is None:
         raise InputError(f"error back-propagation diverged at every learning rate of "
                          f"{', '.join(f'{rate:g}' for rate in rates)}; give a smaller one")
     hidden, output = best
     return FloatNetwork(hidden[:, :2].copy(), hidden[:, 2].copy(), output[:, :-1] * scale,
                         output[:, -1] * scale[:, 0] + centre[:, 0]), curve
+
+
+def _epochs(networks, problem, normalised, random, stop, progress):
+    """Epoch after epoch; (hidden, output) weights of the best network or None, learning curve.
+
+    ``normalised``: the targets that the networks learn, and pixels per unit of each axis.
+    """
+    targets, scale = normalised
+    patterns = np.concatenate([problem.inputs, np.ones((1, len(problem)))])
+    # One MSE in pixels needs the scale of each axis: weigh the squared errors by it.
+    pixels = patterns, targets * scale
+    diverged = 1e3 * (_in_pixels(networks, scale).errors(*pixels) / len(problem)).max()
+    best, curve, last, watched = None, [], 0, np.inf
+    each = np.ascontiguousarray(patterns.T[:, :, None]), np.ascontiguousarray(targets.T[:, :, None])
+    for epoch in range(1, stop.epochs + 1):
+        for k in random.permutation(len(problem)):
+            networks.learn(each[0][k], each[1][k])
+        mse = _in_pixels(networks, scale).errors(*pixels) / len(problem)
+        mse[~(mse < diverged)] = np.inf
+        k = int(mse.argmin())
+        if mse[k] < (curve[-1][1] if curve else np.inf):
+            best = networks.hidden[k].copy(), networks.output[k].copy()
+            curve.append((epoch, float(mse[k])))
+            if mse[k] < .999 * watched:
+                last, watched = epoch, mse[k]
+        progress(epoch / stop.epochs, curve[-1][1] if curve else float("inf"))
+        if curve and (curve[-1][1] <= stop.target_mse or epoch - last >= stop.patience):
+            break
+        if not np.isfinite(mse).any():
+            break
+    return best, curve
 
 
 def _in_pixels(networks, scale):

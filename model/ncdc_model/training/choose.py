@@ -6,10 +6,10 @@ import numpy as np
 
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import float_map
-from ncdc_model.formats import Formats
+from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import describe
 from ncdc_model.training.problem import Problem, split
-from ncdc_model.training.train import HELD_OUT, train
+from ncdc_model.training.train import train
 from ncdc_model.valid import valid_mask
 
 __all__ = ["MOST_NEURONS", "choose_camera"]
@@ -17,9 +17,7 @@ __all__ = ["MOST_NEURONS", "choose_camera"]
 MOST_NEURONS = 16
 
 
-def choose_camera(source, max_error, trainer="lm", seed=0, held_out=HELD_OUT, progress=None,
-                  tried=None, *, formats=Formats(), variant="mmhbc", gamma=1.0, weight_bits=None,
-                  **options):
+def choose_camera(source, max_error, choices=TrainingChoices(), progress=None, tried=None):
     """Train networks of 1, 2, ... 16 hidden neurons up to the first that meets ``max_error``.
 
     The error is the largest distance in distorted pixels of float and of integer network: at
@@ -31,12 +29,11 @@ def choose_camera(source, max_error, trainer="lm", seed=0, held_out=HELD_OUT, pr
     source : Source
     max_error : float
         Pixels.
+    choices : TrainingChoices
     progress : callable, optional
         Called with (fraction of the present training done, MSE in px^2).
     tried : callable, optional
         Called with (hidden neurons, largest error in px) of every network.
-    trainer, seed, held_out, formats, variant, gamma, weight_bits, options
-        As of ``train_camera``.
 
     Returns
     -------
@@ -51,15 +48,14 @@ def choose_camera(source, max_error, trainer="lm", seed=0, held_out=HELD_OUT, pr
     """
     if not (math.isfinite(max_error) and max_error > 0):
         raise InputError(f"the maximum error is {max_error:g} px, it must be positive")
-    judge = _judge(source, held_out)
+    judge = _judge(source, choices.held_out)
     rows = []
     for neurons in range(1, MOST_NEURONS + 1):
-        training = train(source.pairs, source.geometry, neurons, trainer, seed, held_out, progress,
-                         source.anchors, **options)
+        training = train(source.pairs, source.geometry, neurons, choices, progress,
+                         source.anchors)
         worst, trained = _worst(float_map(training.network, source.geometry), judge), None
         if worst <= max_error:
-            trained = describe(source, training, trainer, seed, held_out, formats=formats,
-                               variant=variant, gamma=gamma, weight_bits=weight_bits)
+            trained = describe(source, training, choices)
             worst = max(worst, trained.report["map_error_fixed_px"]["max"])
         rows.append({"hidden_neurons": neurons, "max": worst})
         if tried:

@@ -72,8 +72,8 @@ def _pixels(geometry, valid):
     width, height = geometry.corrected
     u, v = (axis.ravel() for axis in np.meshgrid(
         *(np.unique(np.linspace(0, size - 1, SAMPLES).astype(int)) for size in (width, height))))
-    known = valid.mask(width)[v, u]
-    return u[known], v[known]
+    on = valid.mask(width)[v, u]
+    return u[on], v[on]
 
 
 def _round_all(draft, network, x, y):

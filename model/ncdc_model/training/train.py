@@ -7,13 +7,13 @@ import numpy as np
 from ncdc_model.descriptor import MAX_NEURONS, FloatNetwork
 from ncdc_model.errors import InputError
 from ncdc_model.training.backprop import train_backprop
+from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import Problem, errors_of, split
 
-__all__ = ["HELD_OUT", "TRAINERS", "Training", "train"]
+__all__ = ["TRAINERS", "Training", "train"]
 
 TRAINERS = {"lm": train_levenberg, "ebp": train_backprop}
-HELD_OUT = 7       # one point in seven, by hash, is held out
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,7 @@ class Training:
     held_out: dict
 
 
-def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, progress=None,
-          anchors=None, skip=False, **options):
+def train(pairs, geometry, neurons, choices=TrainingChoices(), progress=None, anchors=None):
     """Train a network on calibrated ``pairs`` and measure it.
 
     Parameters
@@ -46,20 +45,11 @@ def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, pro
     geometry : Geometry
     neurons : int
         Hidden neurons HN.
-    trainer : {"lm", "ebp"}
-        Levenberg-Marquardt, or the paper's error back-propagation.
-    seed : int
-        The same seed gives the same network.
-    held_out : int
-        One point in ``held_out`` measures only; 0 trains on all.
+    choices : TrainingChoices
     progress : callable, optional
         Called with (fraction done, MSE in px^2).
     anchors : (u, v, x, y), optional
         Further pairs to train on that no error is measured on.
-    skip : bool
-        With a linear path from the inputs straight to the outputs (trainer lm only).
-    options
-        Further arguments of the trainer.
 
     Returns
     -------
@@ -74,19 +64,20 @@ def train(pairs, geometry, neurons, trainer="lm", seed=0, held_out=HELD_OUT, pro
     if not 1 <= neurons <= MAX_NEURONS:
         raise InputError(f"{neurons} hidden neurons are asked for, "
                          f"the limits are 1 and {MAX_NEURONS}")
+    trainer = choices.trainer
     if trainer not in TRAINERS:
         raise InputError(f"trainer is {trainer!r}, one of {', '.join(TRAINERS)} is needed")
-    if skip:
-        if trainer != "lm":
-            raise InputError(f"trainer is {trainer!r}, a skip path needs lm")
-        options["skip"] = True
+    if choices.skip and trainer != "lm":
+        raise InputError(f"trainer is {trainer!r}, a skip path needs lm")
+    options = choices.options | ({"skip": True} if choices.skip else {})
     problem = Problem(*pairs, geometry)
-    out = split(len(problem), held_out)
+    out = split(len(problem), choices.held_out)
     kept = problem.take(~out)
     kept.check(neurons)
     taught = kept
     if anchors is not None:
         both = zip((kept.u, kept.v, kept.x, kept.y), anchors)
         taught = Problem(*map(np.concatenate, both), geometry)
-    network, curve = TRAINERS[trainer](taught, neurons, seed=seed, progress=progress, **options)
+    network, curve = TRAINERS[trainer](taught, neurons, seed=choices.seed, progress=progress,
+                                       **options)
     return Training(network, curve, errors_of(network, kept), errors_of(network, problem.take(out)))

@@ -1,7 +1,7 @@
 """The network beside other maps: all fitted to the same noisy dots, measured on whole frames."""
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,13 +11,16 @@ from ncdc_model.formats import Formats
 from ncdc_model.geometry import ValidRows
 from ncdc_model.network import coordinates
 from ncdc_model.reference_lenses import ReferenceLens
+from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.rounding import round_network
 from ncdc_model.training.train import train
 
 __all__ = ["MODELS", "Fit", "NETWORKS", "fits_of", "jobs_of", "reliability"]
 
-# How train() is asked for each network.
-NETWORKS = {"ncdc": {}, "ncdc-skip": {"skip": True}, "ebp": {"trainer": "ebp"}}
+_ALL_DOTS = TrainingChoices(held_out=0)
+# By what choices each network is trained; the seed is the job's.
+NETWORKS = {"ncdc": _ALL_DOTS, "ncdc-skip": replace(_ALL_DOTS, skip=True),
+            "ebp": replace(_ALL_DOTS, trainer="ebp")}
 MODELS = (*NETWORKS, *BASELINES)
 
 WITHIN = 1.1           # of the best MSE of all seeds: a seed as good as that is a good one
@@ -69,7 +72,8 @@ def fits_of(name, jobs):
     for model, neurons, seed in jobs:
         start = time.process_time()
         if model in NETWORKS:
-            network, descriptor = _network(dots, truth, neurons, seed, NETWORKS[model])
+            network, descriptor = _network(dots, truth, neurons, replace(NETWORKS[model],
+                                                                         seed=seed))
             real, fixed = float_map(network, dots.geometry), _integer_map(descriptor)
         else:
             real, fixed = BASELINES[model](dots), None
@@ -81,10 +85,10 @@ def fits_of(name, jobs):
         yield Fit(row, fixed or real, real)
 
 
-def _network(dots, truth, neurons, seed, options):
+def _network(dots, truth, neurons, choices):
     """The network trained on ``dots``, and its integers, valid where ``truth`` has a source."""
     pairs = dots.u, dots.v, dots.x, dots.y
-    network = train(pairs, dots.geometry, neurons, seed=seed, held_out=0, **options).network
+    network = train(pairs, dots.geometry, neurons, choices).network
     mask = np.zeros(dots.geometry.corrected[::-1], bool)
     mask[truth.v.astype(int), truth.u.astype(int)] = True
     return network, round_network(network, dots.geometry, ValidRows.of_mask(mask), Formats())

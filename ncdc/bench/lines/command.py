@@ -54,8 +54,8 @@ def run(args):
         raw, pitch, results = board_photo(lens), board_pitch(lens.geometry), []
 
         def measure(row, back_map, real_map, title):
-            picture, known = corrected(back_map, raw, lens.geometry)
-            lines = find_lines(picture, known, pitch, crossings(lens, real_map))
+            picture, valid = corrected(back_map, raw, lens.geometry)
+            lines = find_lines(picture, valid, pitch, crossings(lens, real_map))
             rows.append({**row, **summary(lines)})
             results.append(("{}: {lines_missed} of {lines} lines missed, off straight by "
                             "{straightness_rms_px:.2f} px rms".format(title, **rows[-1]),

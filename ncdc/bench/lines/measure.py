@@ -1,6 +1,6 @@
 """The paper's line test: a board seen by a lens and corrected; which of its lines are still lines.
 
-Fig. 34 to 39 of the paper, with a simulated lens, so that every line of the board is known.
+Fig. 34 to 39 of the paper, with a simulated lens, so that every line of the board is valid.
 """
 
 from dataclasses import dataclass
@@ -91,7 +91,7 @@ def corrected(back_map, raw, geometry):
     coordinate = Formats().coordinate
     width, height = geometry.corrected
     windows = np.lib.stride_tricks.sliding_window_view(raw, (WINDOW, WINDOW))
-    picture, known = np.zeros((height, width, 3), np.uint8), np.zeros((height, width), bool)
+    picture, valid = np.zeros((height, width, 3), np.uint8), np.zeros((height, width), bool)
     for top in range(0, height, 32):
         rows = slice(top, min(top + 32, height))
         v, u = np.mgrid[rows, 0:width].astype(np.float64)
@@ -102,8 +102,8 @@ def corrected(back_map, raw, geometry):
             geometry, coordinate)
         quads = bayer_quads(windows[y0, x0], x0, y0, geometry.phase)
         picture[rows] = np.where(inside[..., None], bilinear(quads, fx, fy, coordinate.f_bits), 0)
-        known[rows] = inside
-    return picture, known
+        valid[rows] = inside
+    return picture, valid
 
 
 def crossings(lens, back_map):
@@ -118,12 +118,12 @@ def crossings(lens, back_map):
     return u + a - x, v + b - y
 
 
-def find_lines(picture, known, pitch, crossing):
+def find_lines(picture, valid, pitch, crossing):
     """Every :class:`Line` of the board that is visible for two squares or more.
 
     Parameters
     ----------
-    picture, known : ndarray
+    picture, valid : ndarray
         Of :func:`corrected`.
     pitch : float
         Pixels between lines.
@@ -132,7 +132,7 @@ def find_lines(picture, known, pitch, crossing):
         straight line through its crossings.
     """
     grey = picture.astype(np.float64).mean(2)
-    inner = cv2.erode(known.astype(np.uint8), np.ones((2 * _RIM + 1,) * 2)).astype(bool)
+    inner = cv2.erode(valid.astype(np.uint8), np.ones((2 * _RIM + 1,) * 2)).astype(bool)
     # Outside of the picture there is no source either.
     inner[:_RIM] = inner[-_RIM:] = inner[:, :_RIM] = inner[:, -_RIM:] = False
     edges = cv2.Canny(np.round(grey).astype(np.uint8), *EDGES) * inner.astype(np.uint8)
@@ -222,7 +222,8 @@ def _straight(along, across):
 
 
 def summary(lines):
-    """``lines``, ``lines_missed``, ``straightness_rms_px``, ``straightness_max_px`` of a picture."""
+    """Of a picture ``lines``, ``lines_missed``, ``straightness_rms_px``, ``straightness_max_px``.
+    """
     every = np.concatenate([line.deviations for line in lines])
     return {"lines": len(lines), "lines_missed": sum(line.missed for line in lines),
             "straightness_rms_px": float(np.sqrt(np.mean(every**2))),

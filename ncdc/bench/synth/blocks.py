@@ -68,7 +68,8 @@ BLOCKS = {
     "front-end": {"HN 4": _front_end(4), "HN 4 raster": _front_end(4, hidden="raster"),
                   "HN 4 table": _front_end(4, "table"), "HN 8": _front_end(8),
                   "HN 4, 2 lanes": _front_end(4, lanes=2)},
-    "fetcher": {"cache 32 KB": lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _CACHE)},
+    "fetcher": {"cache 32 KB":
+                lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _CACHE)},
     "interpolator": {"bayer bilinear":
                      lambda bits: Interpolator(Formats().coordinate.f_bits)},
     "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),

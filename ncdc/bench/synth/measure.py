@@ -5,18 +5,24 @@ import json
 from statistics import median
 
 from ncdc.bench.synth.blocks import component
-from ncdc.bench.synth.ecp5_netlist import adder_inputs, multiplier_registers, output_registers
+from ncdc.bench.synth.ecp5_netlist import (
+    adder_inputs,
+    cells,
+    multiplier_registers,
+    output_registers,
+)
 from ncdc.bench.synth.flows import (
     SCRIPTS,
     Registered,
+    absorbed,
     cyclone_iv,
     cyclone_v,
     ecp5,
-    ecp5_netlist,
+    plain_netlist,
     tool_versions,
 )
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.builds import cached, key_of
+from ncdc_sim.builds import built, key_of
 
 __all__ = ["TARGETS", "WORSE", "block_rows", "regressions"]
 
@@ -25,15 +31,16 @@ WORSE = 0.05            # by which a figure may be worse than the table of the d
 
 _MULTIPLIER_BITS = {"ecp5": 18, "cyclonev": 27, "cycloneiv": 18}
 _FLOWS = {"ecp5": ecp5, "cyclonev": cyclone_v, "cycloneiv": cyclone_iv}
-_NETLIST_PARTS = (ecp5_netlist, output_registers, multiplier_registers, adder_inputs)
+_ABSORB_PARTS = (absorbed, cells, output_registers, multiplier_registers, adder_inputs)
 # Names in rows of what the flows call otherwise.
 _NAMES = {"ecp5": {"dsp": "multipliers_18x18", "ram_blocks": "block_rams"},
           "cyclonev": {"lut": "alut", "ff": "alm_ff", "ram_blocks": "m10k"},
           "cycloneiv": {"dsp": "multipliers_18x18", "ram_blocks": "m9k"}}
+_CLOCKS = ("fmax_mhz", "fmax_seeds_mhz", "fmax_plain_mhz")
 _LARGER_IS_WORSE = ("alm", "lut", "ff", "dsp", "ram_blocks")
 
 
-def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: None):
+def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: None, plain=False):
     """Figures of one block, a row for each target.
 
     Only what depends on changed Verilog, another flow or other tools is run; all else comes from
@@ -50,13 +57,15 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
         Placements on ECP5; the median clock counts.
     progress : callable
         Called with the name of each step.
+    plain : bool
+        Also place the netlist as Yosys leaves it, without the steps of ``ecp5_netlist/``.
 
     Returns
     -------
     list of dict
         ``block``, ``variant``, ``target``, ``multiplier_bits``, ``alm``, ``lut``, ``ff``, ``dsp``,
-        ``ram_blocks``, ``fmax_mhz``, ``fmax_seeds_mhz``, ``seeds``; None for what a flow does
-        not tell.
+        ``ram_blocks``, ``fmax_mhz``, ``fmax_seeds_mhz``, ``fmax_plain_mhz`` (the median of the
+        same seeds, if ``plain``), ``seeds``; None for what a flow does not tell.
 
     Raises
     ------
@@ -72,41 +81,50 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
         part = component(block, variant, bits)
         if target == "ecp5":
             verilog = module_verilog(Registered(part, outputs=True), "block")
-            runs = [_kept(target, verilog, progress, seed) for seed in range(1, seeds + 1)]
+            runs = [_placed(verilog, progress, seed) for seed in range(1, seeds + 1)]
             clocks = [run["fmax_mhz"] for run in runs]
-            figures = runs[0] | {"fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks}
+            plain_clocks = [_placed(verilog, progress, seed, plain=True)["fmax_mhz"]
+                            for seed in range(1, seeds + 1) if plain]
+            figures = runs[0] | {
+                "fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks,
+                "fmax_plain_mhz": round(median(plain_clocks), 1) if plain else None}
         else:
             figures = _kept(target, module_verilog(part, "block"), progress)
         names = _NAMES[target]
         rows.append({"block": block, "variant": variant, "target": target, "multiplier_bits": bits}
                     | {name: figures.get(names.get(name, name))
-                       for name in (*_LARGER_IS_WORSE, "fmax_mhz", "fmax_seeds_mhz")}
+                       for name in (*_LARGER_IS_WORSE, *_CLOCKS)}
                     | {"seeds": seeds if target == "ecp5" else None})
     return rows
 
 
-def _kept(target, verilog, progress, seed=None):
-    """What the flow of ``target`` finds for module ``block`` of ``verilog``, run only once."""
+def _kept(target, verilog, progress):
+    """What the flow of a Cyclone finds for module ``block`` of ``verilog``, run only once."""
     flow = _FLOWS[target]
-    parts = [inspect.getsource(flow), *SCRIPTS.get(target, ())]
-    options = {"progress": progress}
-    if seed is not None:
-        parts += [*map(inspect.getsource, _NETLIST_PARTS), str(seed)]
-        options |= {"seeds": (seed,), "make_netlist": _kept_netlist}
+    return _once(f"synth-{target}", [verilog, inspect.getsource(flow), *SCRIPTS[target]],
+                 lambda: flow(verilog, "block", progress=progress))
 
+
+def _placed(verilog, progress, seed, plain=False):
+    """What the flow of ECP5 finds for one placement of module ``block``, run only once."""
+    flow = _FLOWS["ecp5"]
+    parts = [verilog, inspect.getsource(flow), str(seed),
+             *([] if plain else map(inspect.getsource, _ABSORB_PARTS))]
+
+    def make_netlist(verilog, top, *, progress):
+        netlist = _once("synth-netlist", [verilog, top, inspect.getsource(plain_netlist)],
+                        lambda: plain_netlist(verilog, top, progress=progress))
+        return netlist if plain else absorbed(netlist, top)
+    return _once("synth-ecp5", parts, lambda: flow(
+        verilog, "block", progress=progress, seeds=(seed,), make_netlist=make_netlist))
+
+
+def _once(name, parts, make):
+    """What ``make()`` gives, made once for the strings ``parts`` and the tools' versions."""
     def build(folder):
-        (folder / "figures.json").write_text(json.dumps(flow(verilog, "block", **options)))
-    key = key_of(f"synth-{target}", verilog, repr(tool_versions()), *parts)
-    return json.loads((cached(key, build) / "figures.json").read_text())
-
-
-def _kept_netlist(verilog, top, *, progress):
-    """:func:`ecp5_netlist`, run only once for all seeds."""
-    def build(folder):
-        (folder / "netlist.json").write_text(ecp5_netlist(verilog, top, progress=progress))
-    key = key_of("synth-netlist", verilog, top, repr(tool_versions()),
-                 *map(inspect.getsource, _NETLIST_PARTS))
-    return (cached(key, build) / "netlist.json").read_text()
+        (folder / "result.json").write_text(json.dumps(make()))
+    key = key_of(name, repr(tool_versions()), *parts)
+    return json.loads((built(key, build) / "result.json").read_text())
 
 
 def regressions(rows, baseline):

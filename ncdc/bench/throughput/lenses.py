@@ -1,22 +1,24 @@
 """Cameras of the benches: ideal wide-angle lenses with flaws, turned about their axis."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
+from ncdc.bench.sources import source_digest
 from ncdc_model.calibration.camera_file import training_grid
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.geometry import Geometry
 from ncdc_model.lens import Camera
+from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import Source
-from ncdc_sim.builds import cached, key_of
+from ncdc_sim.builds import built, key_of
 
 __all__ = ["NEURONS", "Lens", "trained"]
 
 NEURONS = 8
-_TRAINING = 2       # part of the key of trained descriptors: another number trains them anew
+_CHOICES = TrainingChoices(options={"starts": 16, "rounds": 1})
 
 
 @dataclass(frozen=True)
@@ -76,10 +78,17 @@ class Lens:
 
 def trained(lens):
     """The descriptor of a lens, of :data:`NEURONS` hidden neurons; trained once and kept with the
-    compiled simulations."""
+    compiled simulations, until a source file or a library that it depends on changes."""
     def train(folder):
         pairs = training_grid(lens.back_map, lens.geometry)
         source = Source(pairs, lens.geometry, back_map=lens.back_map)
-        train_camera(source, NEURONS, starts=16, rounds=1).descriptor.save(folder / "net.toml")
-    folder = cached(key_of("lens", repr(lens), str(NEURONS), str(_TRAINING)), train)
+        train_camera(source, NEURONS, _CHOICES).descriptor.save(folder / "net.toml")
+    folder = built(key_of("lens", repr(lens), _trainer()), train)
     return Descriptor.load(folder / "net.toml")
+
+
+@cache
+def _trainer():
+    """Digest of all that makes a descriptor of a lens: this file, the trainer and what they use."""
+    return source_digest([__name__, "ncdc_model.training.pipeline"], "ncdc_model",
+                         ["numpy", "scipy"])

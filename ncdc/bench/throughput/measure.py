@@ -65,6 +65,14 @@ class Run:
         """The memory that the planner is told: of LiteDRAM's controller it knows no clocks."""
         return "sdram" if self.memory in LITEDRAM else self.memory
 
+    @property
+    def settings(self):
+        """The part of its row that is known before it is planned."""
+        width, height = self.lens.corrected
+        return {"fetch": self.fetch, "memory": self.memory, "width": width, "height": height,
+                "lens": self.lens.degrees, "rotation": self.lens.rotation, "output": self.output,
+                "data_width": self.data_width, "pixels_per_clock": self.lanes}
+
     def __str__(self):
         width, height = self.lens.corrected
         return (f"{self.fetch} on {self.memory} to {self.output}, {width}x{height}, lens "
@@ -144,7 +152,6 @@ def _noise(size):
 
 def _row(run, descriptor, planned, simulation):
     report = simulation.report()
-    width, height = run.lens.corrected
     if planned:
         plans, distinct = planned.report(), planned.distinct
     else:
@@ -152,11 +159,8 @@ def _row(run, descriptor, planned, simulation):
                  "predicted_clocks_per_pixel": None}
         distinct = distinct_bytes(frame_windows(descriptor), descriptor.geometry)
     return {
-        "fetch": run.fetch, "memory": run.memory, "scan": plans["scan"], "width": width,
-        "height": height, "lens": run.lens.degrees, "rotation": run.lens.rotation,
-        "output": run.output, "data_width": run.data_width, "cache_bytes": plans["cache_bytes"],
+        **run.settings, "scan": plans["scan"], "cache_bytes": plans["cache_bytes"],
         "cache_split": plans["cache_split"], "strip": plans["strip"],
-        "pixels_per_clock": run.lanes,
         "clocks_per_pixel": report["clocks_per_pixel"],
         "predicted_clocks_per_pixel": (None if run.memory in LITEDRAM
                                        else plans["predicted_clocks_per_pixel"]),
@@ -199,12 +203,14 @@ GOALS = (
 
 
 def goal_rows(rows):
-    """(name, worst figure, limit, whether it holds) of each of :data:`GOALS` that has rows."""
+    """(name, worst figure, limit, whether it holds) of each of :data:`GOALS`.
+
+    Of a goal that none of ``rows`` measures, figure and whether it holds are None.
+    """
     found = []
     for name, which, figure, limit in GOALS:
-        values = [_figure(row, figure) for row in rows if which(row)]
-        if values:
-            found.append((name, max(values), limit, max(values) <= limit))
+        worst = max((_figure(row, figure) for row in rows if which(row)), default=None)
+        found.append((name, worst, limit, None if worst is None else worst <= limit))
     return found
 
 

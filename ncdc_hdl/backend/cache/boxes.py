@@ -16,8 +16,10 @@ _WORD_BITS = 3          # a word of the tile memory has 8 bytes if there are sev
 
 
 def box_layout(f_bits, lanes):
-    """Samples (x0, y0) to (x1, y1), both included, of the lanes in ``mask`` of ``group``; ``used``
-    unless all of these are blank; ``end``: the group's last box."""
+    """A box: samples (x0, y0) to (x1, y1), both included, of the lanes in ``mask`` of ``group``.
+
+    ``used`` is high unless all of these lanes are blank; ``end`` marks the group's last box.
+    """
     return data.StructLayout({
         "x0": range(MAX_SIZE), "y0": range(MAX_SIZE), "x1": range(MAX_SIZE), "y1": range(MAX_SIZE),
         "used": 1, "mask": lanes, "end": 1, "group": request_layout(f_bits, lanes)})
@@ -87,8 +89,8 @@ class Boxes(wiring.Component):
         for level in range(1, ceil_log2(self.lanes) + 1):
             joined = [self._join(m, edges, left, right)
                       for left, right in zip(tree[-1][::2], tree[-1][1::2])]
-            stage_valid, stage_group = Signal(name=f"valid{level}"), Signal.like(
-                group, name=f"group{level}")
+            stage_valid = Signal(name=f"valid{level}")
+            stage_group = Signal.like(group, name=f"group{level}")
             stage = [[Signal(edges, name=f"box{level}_{k}_{n}") for n in range(len(boxes))]
                      for k, boxes in enumerate([*tree, joined])]
             with m.If(last_ready):
@@ -98,9 +100,11 @@ class Boxes(wiring.Component):
             tree, valid, group = stage, stage_valid, stage_group
 
         # From the lane at hand on, the largest part of the tree that fits.
-        at = Signal(range(self.lanes))
-        part, size = Signal(edges), Signal(range(self.lanes + 1))
-        mask, end = Signal(self.lanes), Signal()
+        at = Signal(range(self.lanes))          # the lane at hand
+        part = Signal(edges)                    # the largest box that fits and begins there
+        size = Signal(range(self.lanes + 1))    # its lanes
+        mask = Signal(self.lanes)               # its lanes, a bit each
+        end = Signal()                          # it is the group's last box
         for level, boxes in enumerate(tree):
             for k, box in enumerate(boxes):
                 with m.If((at == k << level) & box.fits):
@@ -118,7 +122,8 @@ class Boxes(wiring.Component):
 
     def _join(self, m, edges, a, b):
         """The box around two boxes."""
-        both, box = Signal(), Signal(edges)
+        both = Signal()         # both boxes are used
+        box = Signal(edges)     # the box around those that are
         m.d.comb += [both.eq(a.used & b.used), box.used.eq(a.used | b.used)]
         for name, chooses_b in (("x0", b.x0 < a.x0), ("y0", b.y0 < a.y0), ("x1", b.x1 > a.x1),
                                 ("y1", b.y1 > a.y1)):

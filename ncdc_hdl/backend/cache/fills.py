@@ -76,8 +76,8 @@ class Fills(wiring.Component):
         m.submodules.commands = commands = ReadCommands(
             self.data_width, self.burst, limit=most * TILE_HEIGHT * self.burst)
         wiring.connect(m, commands.bus, wiring.flipped(self.bus))
-        claim = Signal()
-        tile = Signal(self.tile.shape(), reset_less=True)
+        claim = Signal()                                    # a tile was claimed a clock ago
+        tile = Signal(self.tile.shape(), reset_less=True)   # that tile
         m.d.sync += [claim.eq(self.claim), tile.eq(self.tile)]
         m.d.comb += [
             claimed.w_data.eq(Value.cast(tile)), claimed.w_en.eq(claim),
@@ -88,8 +88,8 @@ class Fills(wiring.Component):
             commands.i.p.address.eq(requests.o.payload), commands.i.p.words.eq(self.burst),
             commands.i.valid.eq(requests.o.valid), requests.o.ready.eq(commands.i.ready),
         ]
-        outstanding = Signal(range(most + 1))
-        complete = Signal()
+        outstanding = Signal(range(most + 1))   # tiles claimed and not yet complete
+        complete = Signal()                     # the last word of a tile is written
         with m.If(self.claim != complete):
             m.d.sync += [outstanding.eq(Mux(complete, outstanding - 1, outstanding + 1)),
                          self.credit.eq(complete | self._credit(outstanding + 1, most))]
@@ -98,16 +98,22 @@ class Fills(wiring.Component):
 
     @staticmethod
     def _credit(outstanding, most):
-        """Whether one more tile may be claimed."""
+        """Whether one more tile may be claimed.
+
+        A method of its own only so that proofs and tests can break the count.
+        """
         return outstanding != most
 
     def _write(self, m, commands, slots, complete):
-        """Words from the memory to words of the tile memory, and where they go."""
-        came = Signal()
-        arrived = Signal(self.data_width, reset_less=True)
+        """Words from the memory to words of the tile memory, and where they go.
+
+        A method of its own also so that a proof can take places out of their queue too early.
+        """
+        came = Signal()                                     # a word came in the clock before
+        arrived = Signal(self.data_width, reset_less=True)  # that word
         m.d.sync += [came.eq(commands.valid), arrived.eq(commands.word)]
         beats = TILE_HEIGHT * self.burst
-        beat = Signal(range(beats))
+        beat = Signal(range(beats))     # its number among the words of its tile
         with m.If(came):
             m.d.sync += beat.eq(beat + 1)
         m.d.comb += [complete.eq(came & (beat == beats - 1)), slots.r_en.eq(complete)]

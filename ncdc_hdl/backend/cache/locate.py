@@ -46,12 +46,14 @@ class Locate(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # T: tiles.
-        t_valid, t = Signal(), Signal(self.i.payload.shape())
-        t_across, t_down = Signal(), Signal()
-        t_even_x = Signal(PAIR_X_BITS, reset_less=True)
-        t_even_y = Signal(PAIR_Y_BITS, reset_less=True)
-        # S: sets. ``ready`` of what follows ends here.
+        # T: the tiles of the box are known.
+        t_valid = Signal()                              # there is a box in this stage
+        t = Signal(self.i.payload.shape())              # the box
+        t_across = Signal()                             # it reaches into the tile on the right
+        t_down = Signal()                               # it reaches into the tile below
+        t_even_x = Signal(PAIR_X_BITS, reset_less=True)     # the pair of its even tile column
+        t_even_y = Signal(PAIR_Y_BITS, reset_less=True)     # the pair of its even tile row
+        # S: the sets are known. The relay keeps ``ready`` of what follows from going further back.
         m.submodules.sets = sets = Relay(self.o.payload.shape())
         wiring.connect(m, sets.o, wiring.flipped(self.o))
         o, place = sets.i.p, sets.i.p.place

@@ -17,7 +17,8 @@ class TileRequests(wiring.Component):
 
         address = base + (4 y + row) pitch + 16 x
 
-    Timing: ``latency`` clocks from a tile to its first address; tiles follow each other without a gap.
+    Timing: ``latency`` clocks from a tile to its first address; tiles follow each other without a
+    gap.
 
     Parameters
     ----------
@@ -44,23 +45,26 @@ class TileRequests(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # The oldest tile waits in front of registers that always run, as those of multipliers do:
-        # F: factors. P: within the multiplier. M: product. Then A: the address. O: the four rows.
+        # The oldest tile waits in front of registers that always run, as those of multipliers do.
+        # F: the factors of the product, and the tile's column.
         f_x = Signal.like(self.i.p.x, reset_less=True)
         f_y = Signal.like(self.i.p.y, reset_less=True)
         f_pitch = Signal.like(self.pitch, reset_less=True)
         product = f_y * f_pitch
+        # P: the product, in a register within the multiplier.
         p_product = Signal(product.shape(), reset_less=True)
+        # M: the product, and where the tile's column begins in the frame's first row.
         m_product = Signal.like(p_product, reset_less=True)
         m_start = Signal(ADDRESS_BITS, reset_less=True)
         m.d.sync += [f_x.eq(self.i.p.x), f_y.eq(self.i.p.y), f_pitch.eq(self.pitch),
                      p_product.eq(product), m_product.eq(p_product),
                      m_start.eq(self.base + f_x * TILE_WIDTH)]
-        known = Signal(3)               # how far it has come, a bit per stage
-        a_valid = Signal()
-        a_address = Signal(ADDRESS_BITS, reset_less=True)
-        row = Signal(range(TILE_HEIGHT))
-        done = Signal()
+        known = Signal(3)               # how far the tile has come: a bit for each of F, P, M
+        # A: the address of a tile's first row. O: those of its four rows, one after the other.
+        a_valid = Signal()                                  # there is a tile in stage A
+        a_address = Signal(ADDRESS_BITS, reset_less=True)   # the address of its first row
+        row = Signal(range(TILE_HEIGHT))                    # the row whose address is at ``o``
+        done = Signal()                                     # ``o`` takes what is in stage A
         m.d.comb += [self.i.ready.eq(known[-1] & ~a_valid),
                      done.eq(~self.o.valid | (self.o.ready & (row == TILE_HEIGHT - 1)))]
         m.d.sync += known.eq(Mux(self.i.ready, 0, Cat(self.i.valid, known)))

@@ -21,8 +21,8 @@ class Retire(wiring.Component):
     """Queue of pending look-ups; each reads its samples once the tiles it claimed have arrived.
 
     Tiles arrive in the order in which they were claimed, so it is enough to count them: the oldest
-    look-up leaves the queue when as many tiles have arrived, and belong to nobody yet, as it
-    claimed. What it did not claim was claimed before, hence arrived before.
+    look-up leaves the queue when as many tiles have arrived, beyond those of the look-ups before
+    it, as it claimed itself. What it did not claim was claimed before, hence arrived before.
 
     Timing: ``latency`` clocks from the queue's end to ``o``, one look-up per clock; all stages
     stall while ``o`` does.
@@ -37,7 +37,7 @@ class Retire(wiring.Component):
     Members
     -------
     push, place, misses : ``In``
-        From the tag stage.
+        From the tag stage: a look-up is passed on, its place, and the tiles it claimed.
     filled : ``In(1)``
         A tile has arrived.
     retire : ``Out(1)``
@@ -56,66 +56,47 @@ class Retire(wiring.Component):
     retire_to_window = Tiles.latency - 1 + Align.latency + Relay.latency
     """Clocks from ``retire``, which is B, to the window at ``o``: M and S, W and O, the relay."""
     latency = 1 + retire_to_window
+    """Clocks from the oldest look-up to its window at ``o``."""
 
     def __init__(self, f_bits, options, word_bytes, lanes=1):
         self.f_bits, self.options = f_bits, options
         self.word_bytes, self.lanes = word_bytes, lanes
         self.place_shape = window_place_layout(f_bits, options, lanes)
         super().__init__({
-            "push": In(1), "place": In(self.place_shape), "misses": In(range(TAG_BANKS + 1)),
-            "filled": In(1), "retire": Out(1), "waiting": Out(1),
-            "shift": Out(1), "box": Out(box_layout(options, word_bytes)),
+            "push": In(1),
+            "place": In(self.place_shape),
+            "misses": In(range(TAG_BANKS + 1)),
+            "filled": In(1),
+            "retire": Out(1),
+            "waiting": Out(1),
+            "shift": Out(1),
+            "box": Out(box_layout(options, word_bytes)),
             "samples": In(samples_layout(word_bytes)),
             "o": Out(stream.Signature(window_layout(f_bits, lanes))),
         })
 
     def elaborate(self, platform):
         m = Module()
-        push = Signal()
-        place = Signal(self.place_shape, reset_less=True)
-        # Of the tiles that a look-up claimed, the negated number: it is added to the balance.
-        owed, following_owed = (Signal(signed(len(self.misses) + 1), name=name)
-                                for name in ("owed", "following_owed"))
-        m.d.sync += [push.eq(self.push), place.eq(self.place), owed.eq(-self.misses)]
-        m.submodules.queue = queue = Fifo(width=self.place_shape.size + len(owed),
-                                          depth=self.options.pending)
-        oldest_valid = Signal()
-        oldest = Signal(self.place_shape, reset_less=True)
-        following = Signal(self.place_shape)
-        # Arrived tiles less those that the oldest look-up and all before it claimed: below 0 as
-        # long as it has to wait. At most those of all pending look-ups and of the one in the act
-        # stage.
-        balance = Signal(signed(ceil_log2(TAG_BANKS * (self.options.pending + 1) + 1) + 1))
         # All stages move if the windows behind them do; what follows is not asked.
         m.submodules.windows = windows = Relay(self.o.payload.shape())
         wiring.connect(m, windows.o, wiring.flipped(self.o))
-        shift, pop, load, enough = Signal(), Signal(), Signal(), Signal()
+        shift = Signal()                # all stages behind the oldest look-up move
+        enough = Signal()               # all tiles of the oldest look-up have arrived
+        oldest_valid = Signal()         # there is an oldest look-up
+        oldest = Signal(self.place_shape, reset_less=True)
+        pop = Signal()                  # the oldest look-up goes on to the stages
+        load = Signal()                 # the look-up at the queue's end becomes the oldest
         m.d.comb += [
-            queue.w_data.eq(Cat(place, owed)), queue.w_en.eq(push),
-            Cat(following, following_owed).eq(queue.r_data),
-            load.eq(~oldest_valid | (enough & shift)), queue.r_en.eq(load),
             shift.eq(windows.i.ready), self.shift.eq(shift),
-            enough.eq(self._enough(balance)),
-            pop.eq(oldest_valid & enough & shift), self.waiting.eq(oldest_valid & ~enough),
+            load.eq(~oldest_valid | (enough & shift)),
+            pop.eq(oldest_valid & enough & shift),
+            self.waiting.eq(oldest_valid & ~enough),
         ]
+        following_valid, following, following_owed = self._queue(m, load)
         with m.If(load):
-            m.d.sync += [oldest_valid.eq(queue.r_rdy), oldest.eq(following)]
-        with m.If(load & queue.r_rdy):
-            # A tile that arrives goes in as a carry: there is one adder behind the queue.
-            m.d.sync += balance.eq((Cat(1, balance) + Cat(self.filled, following_owed).as_signed()
-                                    )[1:])
-        with m.Else():
-            m.d.sync += balance.eq(balance + self.filled)
-
-        # B: the box's address. M: the memory's output. S: samples. W: words. O: window.
-        stages = [(Signal(name=f"{name}_valid"),
-                   Signal(self.place_shape, name=name, reset_less=True)) for name in "bmsw"]
-        before = (pop, oldest)
-        for stage in stages:
-            with m.If(shift):
-                m.d.sync += [stage[0].eq(before[0]), stage[1].eq(before[1])]
-            before = stage
-        (b_valid, _), _, (_, s), (w_valid, w) = stages
+            m.d.sync += [oldest_valid.eq(following_valid), oldest.eq(following)]
+        self._count(m, load & following_valid, following_owed, enough)
+        (b_valid, _), _, (_, s), (w_valid, w) = self._stages(m, shift, pop, oldest)
         word, row = self._corner(oldest)
         m.d.comb += [
             self.retire.eq(b_valid & shift),
@@ -123,12 +104,68 @@ class Retire(wiring.Component):
             self.box.odd_tile.eq(oldest.odd_tile),
             self.box.word.eq(word), self.box.row.eq(row),
         ]
+        self._windows(m, windows.i, shift, s, w_valid, w)
+        return m
+
+    def _queue(self, m, load):
+        """Keep look-ups in their order; (whether one is at the end, its place, what it owes).
+
+        ``owed`` is the negated number of tiles that a look-up claimed: it is added to the balance.
+        """
+        push = Signal()                 # a look-up came in the clock before
+        place = Signal(self.place_shape, reset_less=True)
+        owed = Signal(signed(len(self.misses) + 1))
+        following = Signal(self.place_shape)            # the place of the look-up at the end
+        following_owed = Signal(owed.shape())           # what it owes
+        m.submodules.queue = queue = Fifo(width=self.place_shape.size + len(owed),
+                                          depth=self.options.pending)
+        m.d.sync += [push.eq(self.push), place.eq(self.place), owed.eq(-self.misses)]
+        m.d.comb += [
+            queue.w_data.eq(Cat(place, owed)), queue.w_en.eq(push), queue.r_en.eq(load),
+            Cat(following, following_owed).eq(queue.r_data),
+        ]
+        return queue.r_rdy, following, following_owed
+
+    def _count(self, m, comes, owed, enough):
+        """Count tiles that arrive, less those that the look-ups up to the oldest one claimed.
+
+        ``comes``: in this clock a look-up becomes the oldest that has claimed ``-owed`` tiles.
+        """
+        # Below 0 as long as the oldest look-up has to wait. At most the tiles of all pending
+        # look-ups and of the one in the act stage.
+        balance = Signal(signed(ceil_log2(TAG_BANKS * (self.options.pending + 1) + 1) + 1))
+        m.d.comb += enough.eq(self._enough(balance))
+        with m.If(comes):
+            # A tile that arrives goes in as a carry: there is one adder behind the queue.
+            m.d.sync += balance.eq((Cat(1, balance) + Cat(self.filled, owed).as_signed())[1:])
+        with m.Else():
+            m.d.sync += balance.eq(balance + self.filled)
+
+    def _stages(self, m, shift, pop, oldest):
+        """Registers of the four stages behind the oldest look-up, each (valid, place).
+
+        B: the tile memory has the box's address. M: its banks put out their words. S: they are
+        samples. W: the rows of each window are chosen; then they are in the output.
+        """
+        stages, before = [], (pop, oldest)
+        for name in "bmsw":
+            valid = Signal(name=f"{name}_valid")
+            place = Signal(self.place_shape, name=name, reset_less=True)
+            with m.If(shift):
+                m.d.sync += [valid.eq(before[0]), place.eq(before[1])]
+            before = valid, place
+            stages.append(before)
+        return stages
+
+    def _windows(self, m, o, shift, s, w_valid, w):
+        """Cut the windows out of the samples; the places ``s`` and ``w`` are in those stages."""
+        several = self.lanes > 1
+        # A group that took several look-ups is gathered in the output: it leaves with the last.
         with m.If(shift):
-            m.d.sync += [windows.i.valid.eq(w_valid & (w.end if self.lanes > 1 else 1)),
-                         windows.i.p.first.eq(w.first), windows.i.p.last.eq(w.last)]
-        for k, out in enumerate(lanes_of(windows.i.p)):
-            # A group that took several look-ups is gathered in the output.
-            take = w_valid & w.mask[k] if self.lanes > 1 else w_valid
+            m.d.sync += [o.valid.eq(w_valid & (w.end if several else 1)),
+                         o.p.first.eq(w.first), o.p.last.eq(w.last)]
+        for k, out in enumerate(lanes_of(o.p)):
+            take = w_valid & w.mask[k] if several else w_valid
             m.submodules[f"align{k}"] = align = Align(self.word_bytes)
             m.d.comb += [
                 align.shift.eq(shift), align.take.eq(take), align.samples.eq(self.samples),
@@ -139,11 +176,13 @@ class Retire(wiring.Component):
                     out.odd_column.eq(w.lane[k].x), out.odd_row.eq(w.lane[k].y),
                     out.fx.eq(w.lane[k].fx), out.fy.eq(w.lane[k].fy),
                     out.blank.eq(w.lane[k].blank)]
-        return m
 
     @staticmethod
     def _enough(balance):
-        """Whether all tiles of the oldest look-up have arrived."""
+        """Whether all tiles of the oldest look-up have arrived.
+
+        A method of its own only so that proofs and tests can break the count.
+        """
         return balance >= 0
 
     def _corner(self, place):

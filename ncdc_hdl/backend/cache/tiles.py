@@ -20,8 +20,11 @@ def _words(word_bytes):
 
 
 def fill_layout(options, word_bytes):
-    """Words to write: ``data`` of the banks side by side, ``enable`` of each, in ``row`` of the
-    tile in ``slot``; ``word`` counts the words of one bank along the row."""
+    """Words to write into ``row`` of the tile in ``slot``.
+
+    ``data`` and ``enable`` have an element for each of the banks side by side; ``word`` counts the
+    words of one bank along the row.
+    """
     return data.StructLayout({
         "enable": COLUMNS, "slot": slot_bits(options), "row": range(TILE_HEIGHT),
         "word": ceil_log2(_words(word_bytes)),
@@ -29,8 +32,12 @@ def fill_layout(options, word_bytes):
 
 
 def box_layout(options, word_bytes):
-    """Where a box begins: set and parities of its first tile, set of the one right of and below
-    it, and in the first one the row and the word of ``word_bytes`` bytes."""
+    """Where a box begins.
+
+    ``set`` and ``odd_tile`` are set and parities of its first tile, ``next_set`` is the set of the
+    tile right of and below it; ``row`` and ``word``, of ``word_bytes`` bytes, are those in
+    the first tile.
+    """
     return data.StructLayout({
         "set": set_bits(options), "next_set": set_bits(options),
         "odd_tile": data.StructLayout({"x": 1, "y": 1}),
@@ -38,8 +45,11 @@ def box_layout(options, word_bytes):
 
 
 def samples_layout(word_bytes):
-    """What is read: rows of which index r holds the one whose y is r modulo 4, bytes of which
-    index k holds the one whose x is k modulo ``2 word_bytes``."""
+    """The samples of a box, as the banks give them.
+
+    Row r is the one of the box whose y is r modulo 4; byte k of a row is the sample whose x is
+    k modulo ``2 word_bytes``.
+    """
     return data.ArrayLayout(data.ArrayLayout(8, COLUMNS * word_bytes), TILE_HEIGHT)
 
 
@@ -56,7 +66,7 @@ class Tiles(wiring.Component):
     Members
     -------
     split : ``In``
-        log2 Kx, constant during a frame.
+        log2 Kx of the index rule, constant during a frame.
     fill : ``In(fill_layout(...))``
     shift : ``In(1)``
         Whether the three stages of the read move.

@@ -27,7 +27,7 @@ def driver_files(corrector, named):
         As :func:`ncdc_hdl.export.registers.lenses.lenses_of`.
     """
     lenses, table = lenses_of(corrector, named), corrector.registers.table
-    host = files("ncdc_hdl.export") / "host"
+    host = files("ncdc_hdl.export.registers") / "host"
     return {
         "ncdc_registers.h": c_header(table),
         "ncdc_lenses.h": c_lenses_header(lenses), "ncdc_lenses.c": c_lenses(lenses),

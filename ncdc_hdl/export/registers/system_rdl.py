@@ -9,14 +9,16 @@ _ACCESS = {"ro": "sw = r; hw = w;", "rw": "sw = rw; hw = r;", "shadow": "sw = rw
 
 
 def system_rdl(agent):
-    """Text of the address map ``ncdc`` of ``agent``, a :class:`ncdc_hdl.registers.agent.Registers`.
+    """Text of the address map ``ncdc`` of ``agent``, a
+    :class:`ncdc_hdl.registers.agent.Registers`.
 
     Offsets are in bytes. Reset values are those after configuration. A signed register is a field
     of its width; on reading its sign extends to 32 bits.
     """
     values = {**agent.values, **agent.constants}
-    lines = ["addrmap ncdc {", '    name = "NCDC corrector";', "    lsb0;", "    addressing = regalign;",
-             "    default regwidth = 32;", "    default accesswidth = 32;", ""]
+    lines = ["addrmap ncdc {", '    name = "NCDC corrector";', "    lsb0;",
+             "    addressing = regalign;", "    default regwidth = 32;",
+             "    default accesswidth = 32;", ""]
     for register in agent.table:
         lines += ["    reg {", f"        desc = {_quoted(_text(register))};"]
         for flag in register.flags:
@@ -28,8 +30,10 @@ def system_rdl(agent):
             lines.append(f"        field {{ {_field_access(register, agent.constants)} }} "
                          f"VALUE[{width - 1}:0] = {width}'h{value:x};")
         lines.append(f"    }} {register.name} @ 0x{4 * register.address:04X};")
-    lines += ["    external mem {", '        desc = "Valid rows: start | stop << 16 of two spans.";',
-              f"        mementries = {(1 << ADDRESS_WORDS_BITS) - TABLE};", "        memwidth = 32;",
+    lines += ["    external mem {",
+              '        desc = "Valid rows: start | stop << 16 of two spans.";',
+              f"        mementries = {(1 << ADDRESS_WORDS_BITS) - TABLE};",
+              "        memwidth = 32;",
               "        sw = rw;", f"    }} VALID_ROWS @ 0x{4 * TABLE:04X};", "};", ""]
     return "\n".join(lines)
 

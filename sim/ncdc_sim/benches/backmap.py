@@ -35,11 +35,12 @@ async def table(dut, spans, busy):
     """Answer the scan with the valid ``spans`` of its row, unless busy with the host."""
     rng = random.Random(8)
     while True:
-        row = int(dut.row.value) % len(spans)
+        row = int(dut.table__row.value) % len(spans)
         fresh = rng.random() >= busy
         answer = dict(zip(("start0", "stop0", "start1", "stop1"), spans[row].tolist()))
-        dut.spans.value = pack(SPANS, answer) if fresh else rng.getrandbits(len(dut.spans))
-        dut.fresh.value = int(fresh)
+        dut.table__spans.value = (pack(SPANS, answer) if fresh
+                                  else rng.getrandbits(len(dut.table__spans)))
+        dut.table__fresh.value = int(fresh)
         await FallingEdge(dut.clk)
 
 
@@ -49,7 +50,7 @@ async def two_frames_equal_model(dut):
     s = settings()
     d = Descriptor.load(s["descriptor"])
     f = d.formats
-    await start(dut, start=0, abort=0, o__ready=0, fresh=0, spans=0,
+    await start(dut, start=0, abort=0, o__ready=0, table__fresh=0, table__spans=0,
                 scan=pack(scan_layout(), scan_of(d)),
                 network=pack(network_layout(d.hidden_neurons, f), network_of(d)))
     cocotb.start_soon(table(dut, d.valid.spans, s["busy"]))

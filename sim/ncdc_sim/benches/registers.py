@@ -27,7 +27,8 @@ __all__ = ["every_bit_is_kept", "frame_boundary", "reset_values", "table_of_vali
 async def prepare(dut):
     """A host, the rows of the register table by name, and the values of the descriptor."""
     d = Descriptor.load(settings()["descriptor"])
-    await start(dut, ended=0, cut=0, counters=0, table_span_start=0, table_span_stop=0,
+    await start(dut, ended=0, cut=0, counters=0, valid_table__read_start=0,
+                valid_table__read_stop=0,
                 bus__read=0, bus__write=0, bus__address=0, bus__writedata=0)
     rows = {r.name: r for r in registers(d.hidden_neurons, d.formats)}
     return Host(dut, "bus"), rows, host_values(d)
@@ -100,15 +101,16 @@ async def table(dut, entries):
     rng, asked = random.Random(2), None
     while True:
         await ReadOnly()
-        place = int(dut.table_row.value), int(dut.table_span.value)
-        write, read = bool(dut.table_write.value), bool(dut.table_read.value)
+        place = int(dut.valid_table__row.value), int(dut.valid_table__span.value)
+        write, read = bool(dut.valid_table__write.value), bool(dut.valid_table__read.value)
         if write:
-            entries[place] = int(dut.table_start.value), int(dut.table_stop.value)
+            entries[place] = (int(dut.valid_table__start.value),
+                              int(dut.valid_table__stop.value))
         await FallingEdge(dut.clk)
         # Between reads the scan uses the table's port: something else stands there.
         answer = entries[asked] if asked else (rng.getrandbits(13), rng.getrandbits(13))
         asked = place if read else None
-        dut.table_span_start.value, dut.table_span_stop.value = answer
+        dut.valid_table__read_start.value, dut.valid_table__read_stop.value = answer
 
 
 @cocotb.test()

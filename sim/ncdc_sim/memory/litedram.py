@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ncdc_model.errors import InputError
-from ncdc_sim.builds import cached, key_of, without_header
+from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import SimulationError, call
 
 __all__ = ["LITEDRAM", "LiteDram", "litedram_sources"]
@@ -86,7 +86,7 @@ def litedram_sources(core, ports):
         call([sys.executable, "-m", "litedram.gen", "--sim", "--no-compile", "--output-dir", "made",
               "--name", "litedram", "core.yml"], folder)
 
-    made = cached(key_of("litedram", config, *versions), generate)
+    made = built(key_of("litedram", config, *versions), generate)
     text = without_header((Path(made) / "made/gateware/litedram.v").read_text())
     return [("litedram.v", text), ("litedram_core.v", _adapter(core, ports, text))]
 

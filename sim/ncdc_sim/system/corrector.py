@@ -24,7 +24,7 @@ class Simulation:
     Parameters
     ----------
     picture, golden : ndarray of uint8, shape (height, width, 3)
-    filled : ndarray of bool, shape (height, width)
+    blank : ndarray of bool, shape (height, width)
         Pixels without a source, of the golden model.
     counters : dict
         The corrector's own counters, by name.
@@ -43,7 +43,7 @@ class Simulation:
     """
     picture: np.ndarray
     golden: np.ndarray
-    filled: np.ndarray
+    blank: np.ndarray
     counters: dict
     fetches_expected: int
     bytes_read: int
@@ -150,7 +150,7 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     golden = correct(descriptor, raw, strip=hardware.strip)
     rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
     return Simulation(
-        picture=picture, golden=golden.picture, filled=golden.filled,
+        picture=picture, golden=golden.picture, blank=golden.blank,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
         fetches_expected=(tiles_fetched(descriptor, hardware) if hardware.cached
                           else golden.fetches),

@@ -196,12 +196,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     memory = simulated_memory(run.memory)
     module = _Module(verilog)
     end = max(source_base + len(source), 0 if module.stream else output_base + output_bytes)
-    if source_base % 16 or output_base % 16 or min(source_base, output_base) < 0 or end > 1 << 31:
-        raise InputError(f"bases {source_base:#x} and {output_base:#x} with frames up to {end:#x} "
-                         "do not fit: multiples of 16 below 0x80000000 are needed")
-    if len(program.operations) >= PROGRAM_LIMIT:
-        raise InputError(f"the program has {len(program.operations)} operations, "
-                         f"the limit is {PROGRAM_LIMIT - 1}")
+    _check(program, source_base, output_base, end)
     binary = _bench(module, memory, run.simulator, end)
     settings = {} if isinstance(memory, LiteDram) else memory_settings(
         memory, module.width, module.readers)
@@ -224,6 +219,15 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     return listener.finish()
 
 
+def _check(program, source_base, output_base, end):
+    if source_base % 16 or output_base % 16 or min(source_base, output_base) < 0 or end > 1 << 31:
+        raise InputError(f"bases {source_base:#x} and {output_base:#x} with frames up to {end:#x} "
+                         "do not fit: multiples of 16 below 0x80000000 are needed")
+    if len(program.operations) >= PROGRAM_LIMIT:
+        raise InputError(f"the program has {len(program.operations)} operations, "
+                         f"the limit is {PROGRAM_LIMIT - 1}")
+
+
 class _Module:
     """The module ``ncdc`` of a Verilog text, as far as the bench depends on it."""
 
@@ -234,9 +238,8 @@ class _Module:
         self.stream = "stream_data" in self.ports
         self.width = self.ports.get("read0_readdata", 0)
         if self.width not in (32, 64, 128) or self.readers not in (1, 3):
-            raise InputError(
-                f"the module {TOP} has {self.readers} read ports of {self.width} bits, "
-                "1 or 3 of 32, 64 or 128 bits are needed")
+            raise InputError(f"the module {TOP} has {self.readers} read ports of {self.width} "
+                             "bits, 1 or 3 of 32, 64 or 128 bits are needed")
 
     def defines(self, end):
         """Macros of the bench around it, with a memory to byte address ``end``."""

@@ -70,70 +70,116 @@ def simulate_lens_change(corrector, verilog, cameras, frames, *, intruder=False,
     options :
         As of :func:`ncdc_sim.system.frame.simulate_frame`.
     """
+    layout = _Layout.of(corrector, cameras, frames)
     rows = {r.name: r for r in corrector.registers.table}
-    lenses = [Lens.of(corrector, camera) for camera, _ in cameras]
-    content, sources = b"", []
-    for (_, raw), lens in zip(cameras, lenses):
-        sources.append(len(content))
-        image = raw_image(raw, lens.values["SOURCE_PITCH"])
-        content += image + bytes(-len(image) % _ALIGN)
-    places, end = [], len(content)
-    for k in range(frames):
-        places.append(end)
-        end += -(-frame_bytes(cameras[k % len(cameras)][0].geometry) // _ALIGN) * _ALIGN
-
-    def prepare(program, k):
-        """Write the set and the valid rows of frame ``k``, commit and start."""
-        turn, bank = k % len(cameras), k % 2
-        changed = lenses[turn].values | {"SOURCE_BASE": sources[turn], "TARGET_BASE": places[k],
-                                         "VALID_BANK": bank}
-        for name, value in changed.items():
-            program.write(rows[name].address, value)
-        program.write(rows["VALID_WINDOW"].address, bank)
-        for row, value in enumerate(lenses[turn].valid_rows):
-            program.write(TABLE + row, value)
-        program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START)
-        if intruder and k:
-            for name, value in changed.items():
-                program.write(rows[name].address, ~value)
-            for row in range(len(lenses[turn].valid_rows)):
-                program.write(TABLE + row, 0)
-            program.compare(rows["STATUS"].address, STATUS_BUSY | STATUS_PENDING | STATUS_COMMITTED
-                            | STATUS_REFUSED | (0 if bank else STATUS_BANK))
-            program.write(rows["STATUS"].address, STATUS_REFUSED)
-
-    program = Program().write(rows["IRQ_ENABLE"].address, 1)
-    prepare(program, 0)
-    for k in range(frames):
-        program.compare(rows["STATUS"].address, STATUS_BUSY | (STATUS_BANK if k % 2 else 0))
-        if k + 1 < frames:
-            prepare(program, k + 1)
-        program.wait_irq().write(rows["STATUS"].address, STATUS_DONE)
-        program.read(rows["CLOCKS"].address)
-    program.compare(rows["FRAMES"].address, frames)
-
-    stream = corrector.hardware.stream
-    sizes = [3 * camera.geometry.corrected_width * camera.geometry.corrected_height
-             for camera, _ in cameras]
-    if stream:
-        places = [sum(sizes[j % len(cameras)] for j in range(k)) for k in range(frames + 1)]
-        base, length = 0, places.pop()
-    else:
-        base, length = places[0], end - places[0]
-    result = simulate_frame(verilog, content, program, source_base=0, output_base=base,
-                            output_bytes=length, **options)
+    result = simulate_frame(verilog, layout.content, _program(layout, rows, intruder),
+                            source_base=0, output_base=layout.base, output_bytes=layout.length,
+                            **options)
     golden = [correct(camera, raw).picture for camera, raw in cameras]
-    differing = []
-    for k, place in enumerate(places):
-        expected = golden[k % len(cameras)]
-        height, width, _ = expected.shape
-        count, step = height * width, 3 if stream else 4
-        got = np.frombuffer(result.output, np.uint8, count * step, place - base)
-        got = got.reshape(height, width, step)
-        got = got if stream else stored_picture(got)
-        differing.append(int((got != expected).any(axis=2).sum()))
     return LensChange(
-        differing=tuple(differing),
+        differing=layout.differing(result.output, golden),
         pixels=sum(golden[k % len(golden)][..., 0].size for k in range(frames)),
         clocks=tuple(value for address, value in result.reads if address == rows["CLOCKS"].address),
         periods=tuple(b - a for a, b in zip(result.ends, result.ends[1:])))
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """Where every camera's raw frame and every corrected frame lies.
+
+    Parameters
+    ----------
+    lenses : list of Lens
+        One of each camera.
+    content : bytes
+        The raw frames, at byte addresses ``sources``.
+    sources : list of int
+    targets : list of int
+        TARGET_BASE of each corrected frame.
+    outputs : list of int
+        Where each corrected frame begins in the run's output.
+    base, length : int
+        What the run keeps as its output: byte address, and bytes.
+    stream : bool
+        The output is a stream, 3 bytes per pixel.
+    """
+    lenses: list
+    content: bytes
+    sources: list
+    targets: list
+    outputs: list
+    base: int
+    length: int
+    stream: bool
+
+    @classmethod
+    def of(cls, corrector, cameras, frames):
+        """The layout of so many frames of the ``cameras`` in turn."""
+        lenses = [Lens.of(corrector, camera) for camera, _ in cameras]
+        content, sources = b"", []
+        for (_, raw), lens in zip(cameras, lenses):
+            sources.append(len(content))
+            image = raw_image(raw, lens.values["SOURCE_PITCH"])
+            content += image + bytes(-len(image) % _ALIGN)
+        turns = [cameras[k % len(cameras)][0].geometry for k in range(frames)]
+        targets = _places(len(content), [-(-frame_bytes(geometry) // _ALIGN) * _ALIGN
+                                         for geometry in turns])
+        outputs, base = [place - targets[0] for place in targets], targets[0]
+        if corrector.hardware.stream:
+            outputs, base = _places(0, [3 * geometry.corrected_width * geometry.corrected_height
+                                        for geometry in turns]), 0
+        return cls(lenses, content, sources, targets[:-1], outputs[:-1], base, outputs[-1],
+                   corrector.hardware.stream)
+
+    def differing(self, output, golden):
+        """Pixels of each frame of the run's ``output`` that differ from its camera's golden one."""
+        counts = []
+        for k, place in enumerate(self.outputs):
+            expected = golden[k % len(golden)]
+            height, width, _ = expected.shape
+            count, step = height * width, 3 if self.stream else 4
+            got = np.frombuffer(output, np.uint8, count * step, place).reshape(height, width, step)
+            got = got if self.stream else stored_picture(got)
+            counts.append(int((got != expected).any(axis=2).sum()))
+        return tuple(counts)
+
+
+def _places(start, sizes):
+    """Where pieces of these sizes begin, one after the other from ``start`` on, and their end."""
+    return np.cumsum([start, *sizes]).tolist()
+
+
+def _program(layout, rows, intruder):
+    """Register accesses of all frames; ``rows``: the registers by name."""
+    program = Program().write(rows["IRQ_ENABLE"].address, 1)
+    _prepare(program, layout, rows, 0, False)
+    frames = len(layout.targets)
+    for k in range(frames):
+        program.compare(rows["STATUS"].address, STATUS_BUSY | (STATUS_BANK if k % 2 else 0))
+        if k + 1 < frames:
+            _prepare(program, layout, rows, k + 1, intruder)
+        program.wait_irq().write(rows["STATUS"].address, STATUS_DONE)
+        program.read(rows["CLOCKS"].address)
+    return program.compare(rows["FRAMES"].address, frames)
+
+
+def _prepare(program, layout, rows, k, intruder):
+    """Write the set and the valid rows of frame ``k``, commit and start."""
+    turn, bank = k % len(layout.lenses), k % 2
+    lens = layout.lenses[turn]
+    changed = lens.values | {"SOURCE_BASE": layout.sources[turn],
+                             "TARGET_BASE": layout.targets[k], "VALID_BANK": bank}
+    for name, value in changed.items():
+        program.write(rows[name].address, value)
+    program.write(rows["VALID_WINDOW"].address, bank)
+    for row, value in enumerate(lens.valid_rows):
+        program.write(TABLE + row, value)
+    program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START)
+    if intruder:
+        for name, value in changed.items():
+            program.write(rows[name].address, ~value)
+        for row in range(len(lens.valid_rows)):
+            program.write(TABLE + row, 0)
+        program.compare(rows["STATUS"].address, STATUS_BUSY | STATUS_PENDING | STATUS_COMMITTED
+                        | STATUS_REFUSED | (0 if bank else STATUS_BANK))
+        program.write(rows["STATUS"].address, STATUS_REFUSED)

@@ -102,7 +102,7 @@ class Places(_Lookups):
     ``one_bank`` has windows within one tile only, of one bank, which allows of longer runs.
     """
 
-    initial = {("tags", "closed"): 0, ("tags", "clearing"): 0}
+    initial = {("tags", "clearing", "closed"): 0, ("tags", "clearing", "clearing"): 0}
 
     def __init__(self, split=0, one_bank=False, **parts):
         self.one_bank = one_bank
@@ -172,14 +172,17 @@ class Tokens(_Lookups):
         balance, push, owed, oldest_valid, b_valid = (
             inner(fragment, "retire", name) for name in
             ("balance", "push", "owed", "oldest_valid", "b_valid"))
-        level, a_valid, a_missing, a_misses, a_hit, a_open, a_final = (
-            inner(fragment, "tags", name) for name in
-            ("level", "a_valid", "a_missing", "a_misses", "a_hit", "a_open", "a_final"))
+        a_valid = inner(fragment, "tags", "a_valid")
+        a_missing, a_misses, a_hit, a_open, a_final = (
+            inner(fragment, "tags", "act", name) for name in
+            ("a_missing", "a_misses", "a_hit", "a_open", "a_final"))
+        level, room, numbers, retirals = (
+            inner(fragment, "tags", "pending", name) for name in
+            ("level", "room", "numbers", "retirals"))
 
         always(m, level == push + queue.level + oldest_valid + b_valid, "pushed_not_read")
         always(m, level <= most, "most_pending")
-        always(m, inner(fragment, "tags", "room") == (level != most), "room_flag")
-        numbers, retirals = inner(fragment, "tags", "numbers"), inner(fragment, "tags", "retirals")
+        always(m, room == (level != most), "room_flag")
         always(m, (numbers - retirals)[:len(numbers)] == level, "numbers")
         claimed = a_misses
         for number, (there, own) in enumerate([(push, owed), *(

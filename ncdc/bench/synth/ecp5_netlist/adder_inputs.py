@@ -1,6 +1,6 @@
 """Conditional subtraction in ECP5's carry chains, before which Yosys leaves a table."""
 
-from collections import Counter
+from ncdc.bench.synth.ecp5_netlist.cells import Wires, of_type
 
 __all__ = ["absorb_inversions"]
 
@@ -29,17 +29,12 @@ def absorb_inversions(netlist, top):
     """
     module = netlist["modules"][top]
     cells = module["cells"]
-    users = Counter(bit for port in module["ports"].values() if port["direction"] == "output"
-                    for bit in port["bits"])
-    gates = {}
+    users, gates = Wires.of(module).users, {}
     for name, cell in cells.items():
-        for port, bits in cell["connections"].items():
-            if cell["port_directions"][port] == "input":
-                users.update(bits)
         if cell["type"] == "LUT4" and (gate := _exclusive_or(cell)):
             gates[cell["connections"]["Z"][0]] = (name, *gate)
     absorbed = 0
-    for adder in [cell for cell in cells.values() if cell["type"] == "CCU2C"]:
+    for adder in of_type(module, "CCU2C"):
         for half in "01":
             absorbed += _absorb(adder, half, gates, users)
     for bit, (name, *_) in gates.items():

@@ -1,8 +1,6 @@
 """Registers of ECP5 multipliers, which Yosys leaves beside the multiplier."""
 
-from collections import Counter
-
-from ncdc.bench.synth.ecp5_netlist.output_registers import plain_flip_flop
+from ncdc.bench.synth.ecp5_netlist.cells import Wires, of_type, plain_flip_flop
 
 __all__ = ["absorb_multiplier_registers"]
 
@@ -31,30 +29,19 @@ def absorb_multiplier_registers(netlist, top):
     """
     module = netlist["modules"][top]
     cells = module["cells"]
-    users, readers, drivers = Counter(), {}, {}
-    for port in module["ports"].values():
-        users.update(bit for bit in port["bits"] if port["direction"] == "output")
-    for name, cell in cells.items():
-        for port, bits in cell["connections"].items():
-            if cell["port_directions"][port] == "input":
-                users.update(bits)
-                readers.update(dict.fromkeys(bits, (name, port)))
-        if cell["type"] == "TRELLIS_FF":
-            drivers[cell["connections"]["Q"][0]] = name
-    used = 0
-    for mult in [cell for cell in cells.values() if cell["type"] == "MULT18X18D"]:
-        used += _Multiplier(mult, cells, users, readers, drivers).absorb()
+    wires = Wires.of(module)
+    used = sum(_Multiplier(mult, cells, wires).absorb() for mult in of_type(module, "MULT18X18D"))
     # Flip-flops that nothing reads any more; those behind a multiplier are gone already.
-    for bit, name in drivers.items():
-        if not users[bit] and name in cells:
+    for bit, name in wires.drivers.items():
+        if not wires.users[bit] and name in cells:
             del cells[name]
     return used
 
 
 class _Multiplier:
-    def __init__(self, cell, cells, users, readers, drivers):
+    def __init__(self, cell, cells, wires):
         self.cell, self.cells = cell, cells
-        self.users, self.readers, self.drivers = users, readers, drivers
+        self.users, self.readers, self.drivers = wires.users, wires.readers, wires.drivers
         self.clock = None
 
     def absorb(self):

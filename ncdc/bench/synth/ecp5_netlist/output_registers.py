@@ -1,8 +1,13 @@
 """Output registers of ECP5 block RAMs, which Yosys leaves beside the RAM."""
 
-from collections import Counter
+from ncdc.bench.synth.ecp5_netlist.cells import (
+    Wires,
+    enable_of,
+    flip_flop_without_reset,
+    of_type,
+)
 
-__all__ = ["absorb_output_registers", "plain_flip_flop"]
+__all__ = ["absorb_output_registers"]
 
 
 def absorb_output_registers(netlist, top):
@@ -27,27 +32,20 @@ def absorb_output_registers(netlist, top):
     """
     module = netlist["modules"][top]
     cells = module["cells"]
-    users, readers = Counter(), {}
-    for port in module["ports"].values():
-        users.update(bit for bit in port["bits"] if port["direction"] == "output")
-    for name, cell in cells.items():
-        for port, bits in cell["connections"].items():
-            if cell["port_directions"][port] == "input":
-                users.update(bits)
-                readers.update(dict.fromkeys(bits, (name, port)))
+    wires = Wires.of(module)
     absorbed = 0
-    for ram in [cell for cell in cells.values() if cell["type"] == "DP16KD"]:
+    for ram in of_type(module, "DP16KD"):
         for data, port in _reads(ram):
             outputs = {output: bits[0] for output, bits in ram["connections"].items()
-                       if output.startswith(data) and bits and users[bits[0]]}
-            behind = {output: readers.get(bit) for output, bit in outputs.items()}
+                       if output.startswith(data) and bits and wires.users[bits[0]]}
+            behind = {output: wires.readers.get(bit) for output, bit in outputs.items()}
             if not outputs or not all(
-                    reader and users[outputs[output]] == 1 and reader[1] == "DI"
+                    reader and wires.users[outputs[output]] == 1 and reader[1] == "DI"
                     and flip_flop_without_reset(cells[reader[0]])
                     and cells[reader[0]]["connections"]["CLK"] == ram["connections"][f"CLK{port}"]
                     for output, reader in behind.items()):
                 continue
-            enables = {_enable(cells[name]) for name, _ in behind.values()}
+            enables = {enable_of(cells[name]) for name, _ in behind.values()}
             if len(enables) > 1:
                 continue
             for output, (name, _) in behind.items():
@@ -66,21 +64,3 @@ def _reads(ram):
     """
     wide = int(ram["parameters"]["DATA_WIDTH_B"], 2) == 36
     return [("DO", "B")] if wide else [("DOA", "A"), ("DOB", "B")]
-
-
-def _enable(cell):
-    """The wire that enables a flip-flop, or "1"."""
-    return "1" if cell["parameters"]["CEMUX"].strip() == "1" else cell["connections"]["CE"][0]
-
-
-def flip_flop_without_reset(cell):
-    """Whether ``cell`` is a flip-flop that takes what its port DI reads, when it is enabled."""
-    parameters, wires = cell["parameters"], cell["connections"]
-    return (cell["type"] == "TRELLIS_FF" and "DI" in wires
-            and parameters["CEMUX"].strip() in ("1", "CE") and wires.get("LSR", ["0"]) == ["0"]
-            and parameters["REGSET"] == "RESET" and parameters["CLKMUX"] == "CLK")
-
-
-def plain_flip_flop(cell):
-    """Whether ``cell`` is a flip-flop that only delays what its port DI reads."""
-    return flip_flop_without_reset(cell) and _enable(cell) == "1"

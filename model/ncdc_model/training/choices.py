@@ -1,0 +1,58 @@
+"""What is chosen of a training, beside its points and the number of hidden neurons."""
+
+from dataclasses import dataclass, field
+
+from ncdc_model.float_network import check_gamma
+from ncdc_model.formats import Formats
+from ncdc_model.training.rounding import check_weight_bits
+
+__all__ = ["HELD_OUT", "TrainingChoices"]
+
+HELD_OUT = 7       # one point in seven, by hash, is held out
+
+
+@dataclass(frozen=True)
+class TrainingChoices:
+    """How a network is trained, and how it becomes integers.
+
+    Parameters
+    ----------
+    trainer : {"lm", "ebp"}
+        Levenberg-Marquardt, or the paper's error back-propagation.
+    seed : int
+        The same seed gives the same network.
+    held_out : int
+        One point in ``held_out`` measures only; 0 trains on all.
+    skip : bool
+        With a linear path from the inputs straight to the outputs (trainer lm only).
+    options : dict
+        Further arguments of the trainer, such as ``starts`` of lm or ``stop`` of ebp.
+    formats : Formats
+        Of the descriptor.
+    weight_bits : int or None
+        Weights and inputs get formats of so many bits that fit the network
+        (:func:`ncdc_model.training.rounding.fitted_formats`); None: those of ``formats``.
+    variant : str
+        Of the descriptor's tan-sigmoid.
+    gamma : float
+        Of equation (17); the hidden weights make good for it.
+
+    Raises
+    ------
+    InputError
+        If ``weight_bits`` or ``gamma`` is out of range.
+    """
+    trainer: str = "lm"
+    seed: int = 0
+    held_out: int = HELD_OUT
+    skip: bool = False
+    options: dict = field(default_factory=dict)
+    formats: Formats = Formats()
+    weight_bits: int | None = None
+    variant: str = "mmhbc"
+    gamma: float = 1.0
+
+    def __post_init__(self):
+        check_gamma(self.gamma)
+        if self.weight_bits is not None:
+            check_weight_bits(self.weight_bits)

@@ -1,0 +1,129 @@
+"""What a look-up learns of its entries from the look-ups ahead of it in the tag stage."""
+
+from amaranth import *
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.backend.cache.layouts import tiles_layout
+from ncdc_model.fetch.cache_options import TAG_BANKS
+
+__all__ = ["AHEAD", "Ahead", "between_layout"]
+
+AHEAD = 4       # look-ups that may be ahead: one in each of the stages R, C, D and A
+
+
+def between_layout():
+    """For each bank, how many look-ups are between this one and the one that touches its entry."""
+    return data.ArrayLayout(range(AHEAD), TAG_BANKS)
+
+
+class Ahead(wiring.Component):
+    """Which look-ups ahead touch the same entries, and what these will hold after them.
+
+    An entry leaves the memory when its look-up enters stage R. What a look-up ahead writes to it
+    later, when it leaves stage A itself, would be missed. So each look-up that enters is compared
+    with those in the stages R, C, D and A: the nearest one that touches an entry decides whether
+    that entry will hold the tile, and the memory is not asked.
+
+    Timing: ``touched`` and ``between`` follow ``entering`` after 2 shifts, ``known`` and ``hit``
+    after 3.
+
+    Parameters
+    ----------
+    options : CacheOptions
+
+    Members
+    -------
+    shift : ``In(1)``
+        All look-ups move on by one stage in this clock.
+    entering : ``In(tiles_layout(options))``
+        Tiles of the look-up that enters stage R with the next shift.
+    r, c, d, a : ``In(tiles_layout(options))``
+        Tiles of the look-ups in these stages; ``need`` is zero where there is none.
+    r_valid, c_valid, d_valid : ``In(1)``
+        Whether there is a look-up in this stage.
+    touched : ``Out(4)``
+        Of the look-up in stage C: whether a look-up ahead touches the entry.
+    between : ``Out(between_layout())``
+        Of the look-up in stage C, where ``touched``: how many look-ups are between the two.
+    known : ``Out(4)``
+        Of the look-up in stage D: ``hit`` holds, whatever the entry in the memory is.
+    hit : ``Out(4)``
+        Of the look-up in stage D, where ``known``: it needs no tile of this bank, or its tile is
+        in the entry when it reaches stage A.
+    """
+
+    def __init__(self, options):
+        self.options = options
+        tiles = tiles_layout(options)
+        super().__init__({
+            "shift": In(1),
+            "entering": In(tiles),
+            "r": In(tiles),
+            "c": In(tiles),
+            "d": In(tiles),
+            "a": In(tiles),
+            "r_valid": In(1),
+            "c_valid": In(1),
+            "d_valid": In(1),
+            "touched": Out(TAG_BANKS),
+            "between": Out(between_layout()),
+            "known": Out(TAG_BANKS),
+            "hit": Out(TAG_BANKS),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        # Of the look-up in R and one ahead of it: `touches`, the entries that the one ahead
+        # touches as well; `present`, whether both mean the same tile there; `between`, how many
+        # look-ups are between the two.
+        relation = data.StructLayout({"touches": TAG_BANKS, "present": TAG_BANKS,
+                                      "between": range(AHEAD)})
+        # R: a relation to each look-up ahead, the nearest one first.
+        r_ahead = Signal(data.ArrayLayout(relation, AHEAD), reset_less=True)
+        self._relate(m, r_ahead)
+
+        # C: whether `hit` does not depend on the memory, and `hit`, as of the members.
+        c_known = Signal(TAG_BANKS)
+        c_hit = Signal(TAG_BANKS)
+        with m.If(self.shift):
+            for bank in range(TAG_BANKS):
+                touched, present, between = self._nearest(r_ahead, bank)
+                m.d.sync += [
+                    self.touched[bank].eq(touched),
+                    self.between[bank].eq(between),
+                    c_known[bank].eq(~self.r.need[bank] | touched),
+                    c_hit[bank].eq(~self.r.need[bank] | present),
+                ]
+            # D: passed on, beside the comparison with the memory.
+            m.d.sync += [self.known.eq(c_known), self.hit.eq(c_hit)]
+        return m
+
+    def _relate(self, m, r_ahead):
+        """Compare the look-up that enters with those in all stages."""
+        nearer = []         # whether there is a look-up, of the stages gone through so far
+        for relation, other, valid in zip(r_ahead, (self.r, self.c, self.d, self.a),
+                                          (self.r_valid, self.c_valid, self.d_valid, None)):
+            with m.If(self.shift):
+                m.d.sync += relation.between.eq(sum(nearer, start=Const(0)))
+                for bank in range(TAG_BANKS):
+                    px, py = bank & 1, bank >> 1
+                    same_set = ((self.entering.set_x[px] == other.set_x[px])
+                                & (self.entering.set_y[py] == other.set_y[py]))
+                    same_pair = ((self.entering.pair_x[px] == other.pair_x[px])
+                                 & (self.entering.pair_y[py] == other.pair_y[py]))
+                    m.d.sync += [relation.touches[bank].eq(other.need[bank] & same_set),
+                                 relation.present[bank].eq(same_pair)]
+            nearer.append(valid)
+
+    @staticmethod
+    def _nearest(r_ahead, bank):
+        """(Whether any look-up ahead touches the entry, ``present`` and ``between`` of the nearest
+        one that does.)"""
+        touched, present, between = Const(0, 1), Const(0, 1), Const(0, 2)
+        for relation in reversed(list(r_ahead)):
+            touches = relation.touches[bank]
+            touched = touched | touches
+            present = Mux(touches, relation.present[bank], present)
+            between = Mux(touches, relation.between, between)
+        return touched, present, between

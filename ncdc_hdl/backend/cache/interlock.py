@@ -1,0 +1,114 @@
+"""The interlock: whether an entry's last user still has to read its samples."""
+
+from amaranth import *
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.backend.cache.ahead import between_layout
+from ncdc_model.fetch.cache_options import TAG_BANKS
+
+__all__ = ["Interlock"]
+
+
+class Interlock(wiring.Component):
+    """Which entries of a look-up are busy: their tile must not be replaced as yet.
+
+    An entry is busy while its last user is among the pending look-ups, which is decided by its
+    number, see ``Pending``. The numbers repeat, so that an old entry may seem busy; it is freed
+    by the next look-ups read. Of an entry that a look-up ahead touches, the memory does not
+    tell the last user: it counts as busy until the look-up has reached stage A, where the last
+    user's number is that look-up's own, less the look-ups between, less one.
+
+    Timing: ``d_busy`` follows ``last_use``, ``touched`` and ``between`` after one shift;
+    ``a_busy`` follows ``d_busy`` with the next shift, and ``retired`` at once.
+
+    Parameters
+    ----------
+    options : CacheOptions
+        ``sequence_bits`` is used.
+
+    Members
+    -------
+    shift : ``In(1)``
+        All look-ups move on by one stage in this clock.
+    touched, between : ``In(4)``, ``In(between_layout())``
+        Of the look-up in stage C, as of ``Ahead``.
+    last_use : ``In(ArrayLayout(sequence_bits, 4))``
+        Of the look-up in stage C, as of ``TagMemory``.
+    number, retired, wrapped : ``In``
+        Numbers of the pending look-ups, as of ``Pending``.
+    d_busy : ``Out(4)``
+        Whether each entry of the look-up in stage D is busy.
+    a_busy : ``Out(4)``
+        Whether each entry of the look-up in stage A is busy.
+    """
+
+    def __init__(self, options):
+        self.options = options
+        number = options.sequence_bits
+        super().__init__({
+            "shift": In(1),
+            "touched": In(TAG_BANKS),
+            "between": In(between_layout()),
+            "last_use": In(data.ArrayLayout(number, TAG_BANKS)),
+            "number": In(number),
+            "retired": In(number),
+            "wrapped": In(1),
+            "d_busy": Out(TAG_BANKS),
+            "a_busy": Out(TAG_BANKS),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        bits = self.options.sequence_bits
+
+        # D: the comparisons with the numbers of pending look-ups, made on the way from stage C.
+        d_touched = Signal(TAG_BANKS)           # a look-up ahead touches the entry
+        d_between = Signal(between_layout())    # look-ups between that one and this one
+        d_last_use = Signal(data.ArrayLayout(bits, TAG_BANKS), reset_less=True)  # by the memory
+        d_since = Signal(TAG_BANKS)             # the last use is not below `retired`
+        d_before = Signal(TAG_BANKS)            # the last use is below `number`
+        d_wrapped = Signal()                    # `wrapped`, when the two were compared
+        with m.If(self.shift):
+            m.d.sync += [
+                d_touched.eq(self.touched),
+                d_between.eq(self.between),
+                d_last_use.eq(self.last_use),
+                d_wrapped.eq(self.wrapped),
+            ]
+            for bank, last_use in enumerate(self.last_use):
+                m.d.sync += [d_since[bank].eq(last_use >= self.retired),
+                             d_before[bank].eq(last_use < self.number)]
+        for bank in range(TAG_BANKS):
+            m.d.comb += self.d_busy[bank].eq(
+                d_touched[bank] | self._in_flight(d_since[bank], d_before[bank], d_wrapped))
+
+        # A: the same for as long as the look-up stays.
+        a_new = Signal()                        # the look-up is in its first clock in stage A
+        a_touched = Signal(TAG_BANKS)           # a look-up that was ahead touched the entry
+        a_between = Signal(between_layout())    # look-ups between that one and this one
+        # The last user: in the first clock that of the memory, later of the look-ups ahead as well.
+        a_last_use = Signal(data.ArrayLayout(bits, TAG_BANKS), reset_less=True)
+        m.d.sync += a_new.eq(self.shift)
+        with m.If(self.shift):
+            m.d.sync += [a_touched.eq(d_touched), a_between.eq(d_between),
+                         a_last_use.eq(d_last_use)]
+        for bank, last_use in enumerate(a_last_use):
+            unknown = a_new & a_touched[bank]
+            with m.If(~self.shift & unknown):
+                # One addition makes `number - 1 - between`: that of the inverted bits.
+                m.d.sync += last_use.eq(
+                    self.number + ~Cat(a_between[bank], Const(0, bits - len(a_between[bank]))))
+            m.d.comb += self.a_busy[bank].eq(unknown | self._in_flight(
+                last_use >= self.retired, last_use < self.number, self.wrapped))
+        return m
+
+    @staticmethod
+    def _in_flight(since, before, wrapped):
+        """Whether a last user is one of the pending look-ups.
+
+        ``since``: its number is not below ``retired``. ``before``: it is below ``number``.
+        ``wrapped``: ``number`` has turned to 0 and ``retired`` has not. A method of its own only
+        so that proofs and tests can break the interlock.
+        """
+        return (since & before) | (wrapped & (since | before))

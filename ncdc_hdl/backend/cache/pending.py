@@ -1,0 +1,80 @@
+"""Look-ups that the tag stage has passed on and that still have to read their samples."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+__all__ = ["Pending"]
+
+
+class Pending(wiring.Component):
+    """Numbers the look-ups passed on, and counts those that still have to read their samples.
+
+    Look-ups are numbered modulo 2**n, n being ``options.sequence_bits``. Numbers from ``retired``
+    up to, but without, ``number`` are those of pending look-ups.
+
+    Timing: all outputs are registers, or one gate behind registers; they follow ``push`` and
+    ``retire`` after one clock.
+
+    Parameters
+    ----------
+    options : CacheOptions
+        ``pending`` and ``sequence_bits`` are used.
+
+    Members
+    -------
+    push : ``In(1)``
+        The look-up in the act stage is passed on in this clock; to be given only while ``room``.
+    retire : ``In(1)``
+        The oldest look-up passed on reads its samples in this clock.
+    number : ``Out(sequence_bits)``
+        The number of the look-up in the act stage, which is also that of the next one passed on.
+    retired : ``Out(sequence_bits)``
+        The number of the oldest look-up that still has to read; ``number`` if there is none.
+    wrapped : ``Out(1)``
+        ``number`` has turned to 0 and ``retired`` has not: the numbers of pending look-ups are
+        those not below ``retired``, and those below ``number``.
+    room : ``Out(1)``
+        One more look-up may be passed on.
+    """
+
+    latency = 1
+    """Clocks from ``retire`` to the ``room`` that it makes, and to ``retired``."""
+
+    def __init__(self, options):
+        self.options = options
+        super().__init__({
+            "push": In(1),
+            "retire": In(1),
+            "number": Out(options.sequence_bits),
+            "retired": Out(options.sequence_bits),
+            "wrapped": Out(1),
+            "room": Out(1, init=1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        most = self.options.pending
+        bits = self.options.sequence_bits
+        # `number` and `retired`, each with one bit more, which tells how often they have turned.
+        numbers = Signal(bits + 1)
+        retirals = Signal(bits + 1)
+        # Look-ups passed on that still have to read: `numbers - retirals`.
+        level = Signal(range(most + 1))
+        m.d.comb += [
+            self.number.eq(numbers),
+            self.retired.eq(retirals),
+            self.wrapped.eq(numbers[-1] != retirals[-1]),
+        ]
+        with m.If(self.push):
+            m.d.sync += numbers.eq(numbers + 1)
+        with m.If(self.retire):
+            m.d.sync += retirals.eq(retirals + 1)
+        # `room` is the register of `level != most`: a retirement always makes room, a push leaves
+        # some unless the level was one below the most.
+        with m.If(self.push != self.retire):
+            m.d.sync += [
+                level.eq(Mux(self.push, level + 1, level - 1)),
+                self.room.eq(self.retire | (level != most - 1)),
+            ]
+        return m

@@ -1,0 +1,141 @@
+"""The tag memory: which tile each place of the cache holds, and which look-up used it last."""
+
+from amaranth import *
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.backend.cache.layouts import (
+    PAIR_X_BITS,
+    PAIR_Y_BITS,
+    bank_tile,
+    set_bits,
+    tiles_layout,
+)
+from ncdc_hdl.lib.memory import block_memory
+from ncdc_model.fetch.cache_options import TAG_BANKS
+
+__all__ = ["TagMemory", "entry_layout"]
+
+_PARTS = 3      # a comparison of two tags is cut into so many, each of few bits
+
+
+def entry_layout(options):
+    """An entry of the tag memory: whether it is valid, the pairs of its tile, its last user.
+
+    The other coordinate bits of the tile are the bank that the entry is in. ``last_use`` is the
+    number, as of ``Pending``, of the last look-up that touched the entry, valid or not.
+    """
+    return data.StructLayout({
+        "valid": 1,
+        "pair_x": PAIR_X_BITS,
+        "pair_y": PAIR_Y_BITS,
+        "last_use": options.sequence_bits,
+    })
+
+
+class TagMemory(wiring.Component):
+    """Four banks of entries, one entry per set; each look-up reads one of each bank.
+
+    The entries of a look-up leave the memory while it is in stage R, and are compared with its
+    tiles while it is in stage C; the result is there in stage D. A look-up in stage A writes all
+    entries that it touches when it leaves. What is written while an entry is on its way from the
+    memory to stage D does not reach it: see ``Ahead``.
+
+    Timing: ``last_use`` follows ``entering`` after 2 shifts, ``same`` after 3.
+
+    Parameters
+    ----------
+    options : CacheOptions
+
+    Members
+    -------
+    shift : ``In(1)``
+        All look-ups move on by one stage in this clock, and the one in stage A leaves.
+    entering : ``In(tiles_layout(options))``
+        Tiles of the look-up that enters stage R with the next shift.
+    compared : ``In(tiles_layout(options))``
+        Tiles of the look-up in stage C.
+    leaving : ``In(tiles_layout(options))``
+        Tiles of the look-up in stage A; ``need`` is zero if there is none.
+    number : ``In(sequence_bits)``
+        The number of the look-up in stage A.
+    push : ``In(1)``
+        A look-up leaves stage A in this clock.
+    clearing, clear_set : ``In(1)``, ``In``
+        The entries of this set are to be made invalid in this clock, as of ``Clearing``.
+    last_use : ``Out(ArrayLayout(sequence_bits, 4))``
+        The last user of each entry of the look-up in stage C.
+    same : ``Out(4)``
+        Whether each entry of the look-up in stage D holds its tile, as far as the memory knows.
+    """
+
+    def __init__(self, options):
+        self.options = options
+        super().__init__({
+            "shift": In(1),
+            "entering": In(tiles_layout(options)),
+            "compared": In(tiles_layout(options)),
+            "leaving": In(tiles_layout(options)),
+            "number": In(options.sequence_bits),
+            "push": In(1),
+            "clearing": In(1),
+            "clear_set": In(set_bits(options)),
+            "last_use": Out(data.ArrayLayout(options.sequence_bits, TAG_BANKS)),
+            "same": Out(TAG_BANKS),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        # The number of the last look-up that was passed on; clearing leaves it in all entries, so
+        # that no tile replaces one that this look-up or an earlier one still has to read.
+        written = Signal(self.options.sequence_bits)
+        with m.If(self.push):
+            m.d.sync += written.eq(self.number)
+        for bank in range(TAG_BANKS):
+            read = self._memory(m, bank, written)
+            self._compare(m, bank, read.data)
+        return m
+
+    def _memory(self, m, bank, written):
+        """Add the entries of one bank, and return the port that reads them.
+
+        A look-up that enters in the clock of a write to its entry reads an undefined word, but it
+        knows from the look-up that writes what is in the entry.
+        """
+        m.submodules[f"entries{bank}"] = memory = block_memory(entry_layout(self.options),
+                                                               self.options.sets)
+        read, write = memory.read_port(), memory.write_port()
+        leaving = bank_tile(self.leaving, bank)
+        m.d.comb += [
+            read.addr.eq(bank_tile(self.entering, bank).set),
+            read.en.eq(self.shift),
+            write.en.eq(self.clearing | (self.shift & self.leaving.need[bank])),
+            write.addr.eq(Mux(self.clearing, self.clear_set, leaving.set)),
+            write.data.valid.eq(~self.clearing),
+            write.data.pair_x.eq(leaving.pair_x),
+            write.data.pair_y.eq(leaving.pair_y),
+            write.data.last_use.eq(Mux(self.clearing, written, self.number)),
+        ]
+        return read
+
+    def _compare(self, m, bank, r_entry):
+        """Compare the entry of one bank with the tile that the look-up needs of it."""
+        # C: the entry of the look-up in this stage.
+        c_entry = Signal(entry_layout(self.options), name=f"c_entry{bank}", reset_less=True)
+        # D: whether each part of the entry's tag was that of the tile sought.
+        d_same = Signal(_PARTS, name=f"d_same{bank}")
+        sought = bank_tile(self.compared, bank)
+        pairs = zip(_parts(Cat(c_entry.pair_x, c_entry.pair_y, c_entry.valid)),
+                    _parts(Cat(sought.pair_x, sought.pair_y, Const(1, 1))))
+        with m.If(self.shift):
+            m.d.sync += [
+                c_entry.eq(r_entry),
+                d_same.eq(Cat(held == wanted for held, wanted in pairs)),
+            ]
+        m.d.comb += [self.last_use[bank].eq(c_entry.last_use), self.same[bank].eq(d_same.all())]
+
+
+def _parts(bits):
+    """``bits`` cut into ``_PARTS`` of nearly the same length."""
+    length = -(-len(bits) // _PARTS)
+    return [bits[at:at + length] for at in range(0, len(bits), length)]
