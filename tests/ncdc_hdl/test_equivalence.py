@@ -1,7 +1,7 @@
 """Every distinct module of ``ncdc.v`` against the netlist that Amaranth's converter made.
 
-The corrector is small in what multiplies: two neurons, sixteen tiles. Each planted error is one that
-a printer could make, in the text alone.
+The corrector is small in what multiplies: two neurons, sixteen tiles. Each planted error is one
+that a printer could make, in the text alone.
 """
 
 import inspect

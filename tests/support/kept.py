@@ -33,9 +33,10 @@ _ROOMS = (ncdc_hdl, ncdc_model)
 
 
 def kept_folder(kind, build, *texts, packages=()):
-    """A folder that ``build(folder)`` fills, of this run or of an earlier one; nobody may change it.
+    """A folder that ``build(folder)`` fills, of this run or of an earlier one.
 
-    ``texts`` and the versions of the Python ``packages`` must be all that it depends on.
+    Nobody may change it: who wants to, copies it. ``texts`` and the versions of the Python
+    ``packages`` must be all that it depends on.
     """
     return built(key_of(kind, *texts, *(f"{name} {version(name)}" for name in packages)), build)
 
