@@ -1,4 +1,5 @@
-"""Who may import whom: the table of rooms, no circles of modules, a model without Amaranth."""
+"""Who may import whom: the table of rooms, no circles of modules, a model without Amaranth; and how
+long a function may be."""
 
 import ast
 import subprocess
@@ -121,3 +122,34 @@ def test_rooms_that_do_without_amaranth(room):
 
 def test_amaranth_is_really_hidden():
     assert "amaranth is hidden" in import_without_amaranth("ncdc_hdl.corrector").stderr
+
+
+LINES, PARAMETERS = 60, 8
+
+
+def too_large(texts):
+    """Functions of more lines or parameters than allowed, as text."""
+    found = []
+    for name, text in texts.items():
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                body = node.body[ast.get_docstring(node) is not None:] or node.body
+                lines = node.end_lineno - body[0].lineno + 1
+                given = node.args
+                parameters = [arg.arg for arg in (*given.posonlyargs, *given.args,
+                                                  *given.kwonlyargs)
+                              if arg.arg not in ("self", "cls")]
+                if lines > LINES or len(parameters) > PARAMETERS:
+                    found.append(f"{name}.{node.name}: {lines} lines, "
+                                 f"{len(parameters)} parameters")
+    return found
+
+
+def test_functions_fit_on_a_screen():
+    assert too_large(modules()) == []
+
+
+def test_large_functions_are_found():
+    long = "def long():\n" + "    pass\n" * (LINES + 1)
+    loose = "def loose(" + ", ".join(f"p{k}" for k in range(PARAMETERS + 1)) + "):\n    pass\n"
+    assert len(too_large({"a": long, "b": loose, "c": "def good(a, b):\n    return a\n"})) == 2

@@ -125,7 +125,11 @@ def test_charuco_boards(columns, rows, family, marker):
     found = find_charuco(picture, columns, rows)
     assert len(found.index) == (columns - 1) * (rows - 1)
     np.testing.assert_allclose(found.xy, 60 * (found.index + 2) - 0.5, atol=0.3)
-    assert detect_points([("board.png", picture)], "auto").target == "charuco"
+
+
+def test_auto_recognises_a_charuco_board():
+    points = detect_points([("board.png", charuco(5, 7, "DICT_6X6_250", 0.6))], "auto")
+    assert points.target == "charuco" and points.count == 4 * 6
 
 
 def test_part_of_a_charuco_board_has_the_numbers_of_the_whole():

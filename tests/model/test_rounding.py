@@ -94,6 +94,5 @@ def test_verilog_takes_formats_of_few_bits(hidden):
     assert max(q.width for name, q in few.formats.items()
                if name in ("input", "hidden_weight", "tansig", "output_weight")) == 18
     raw = np.random.default_rng(1).integers(0, 256, (36, 44), np.uint8)
-    result = simulate_correction(few, raw, Hardware(hidden=hidden, multiplier_bits=18),
-                                 simulator="icarus")
+    result = simulate_correction(few, raw, Hardware(hidden=hidden, multiplier_bits=18))
     assert result.differing == [] and not result.blank.all()

@@ -101,7 +101,7 @@ def test_auto_is_table_only_where_products_are_free():
 def test_the_correctors_verilog_equals_the_golden_model(variant, bits):
     d = requantised(formats=Formats().with_tansig_bits(bits), variant=variant)
     raw = np.random.default_rng(bits).integers(0, 256, d.geometry.distorted[::-1], np.uint8)
-    result = simulate_correction(d, raw, simulator="icarus")
+    result = simulate_correction(d, raw)
     assert len(result.differing) == 0
 
 

@@ -265,8 +265,7 @@ def test_refuses_a_cache_that_there_is_not(folder, options, message, capsys):
 
 
 def test_simulate_multiport(folder, capsys):
-    assert run("simulate net.toml raw.png -o sim.png --json r.json --fetch multiport "
-               "--simulator icarus") == 0
+    assert run("simulate net.toml raw.png -o sim.png --json r.json --fetch multiport") == 0
     report = json.loads((folder / "r.json").read_text())
     assert report["windows_fetched"] == report["windows_fetched_expected"] > 0
     assert (report["pixels_different"], report["fetch"]) == (0, "multiport")

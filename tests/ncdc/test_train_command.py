@@ -1,13 +1,20 @@
 """``ncdc train`` and ``ncdc evaluate``: from points and camera files to descriptors and errors."""
 
+import inspect
 import json
+import shutil
+import sys
 from functools import partial
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
+import ncdc
+import ncdc_model
 from commands import call
+from kept import TRAINING, kept_folder, sources_of
 from lenses import lens
 from ncdc.cli import evaluate, train
 from ncdc_model.against import fitted_view
@@ -39,7 +46,14 @@ def page(turn, tilt, name):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Camera file, points of a page, points of another page, and descriptors of the first two."""
-    folder = tmp_path_factory.mktemp("train")
+    folder = tmp_path_factory.mktemp("train") / "made"
+    kept = kept_folder("train-command", make_folder, sources_of(ncdc, ncdc_model),
+                       Path(__file__).read_text(), inspect.getsource(lens), sys.version,
+                       packages=(*TRAINING, "matplotlib"))
+    return shutil.copytree(kept, folder)
+
+
+def make_folder(folder):
     lens().save(folder / "camera.toml")
     TargetPoints("dots", SIZE, (page(.02, (.05, -.03), "a.png"),)).save(folder / "a.json")
     TargetPoints("dots", SIZE, (page(-.04, (-.04, .06), "b.png"),)).save(folder / "b.json")
@@ -47,7 +61,6 @@ def folder(tmp_path_factory):
          "--json", folder / "camera-report.json")
     call(train, folder / "a.json", "--neurons", 7, "-o", folder / "net.toml", "--bayer", "GBRG",
          "--fill", "9,8,7", "--json", folder / "report.json")
-    return folder
 
 
 def report_of(command, *arguments, capsys):

@@ -1,6 +1,5 @@
 """Front end: coordinates in the scan's order equal the golden model, whatever the back end does."""
 
-
 import numpy as np
 import pytest
 from amaranth import *
@@ -19,10 +18,13 @@ from pipelines import get, run_bench
     ("multiply", 1, 0), ("multiply", 1, .3), ("multiply", 1, .9), ("multiply", 2, .3),
     ("multiply", 3, 0), ("raster", 1, 0), ("raster", 1, .9), ("raster", 2, .3), ("raster", 3, .6)])
 def test_two_frames_equal_model(hidden, share, stall):
-    d = barrel_descriptor((20, 16), (24, 18))
-    for frame in frames(FrontEnd(d, hidden=hidden, share=share), [d, d], stall):
+    d = barrel_descriptor((16, 12), (24, 18))
+    dut = FrontEnd(d, hidden=hidden, share=share)
+    # A frame is longer than all that may be under way: the queue fills, and is emptied.
+    assert 16 * 12 > dut.backmap.under_way + 16
+    for frame in frames(dut, [d, d], stall):
         np.testing.assert_array_equal(frame, expected(d))
-    assert 0 < expected(d)[:, 2].sum() < 320
+    assert 0 < expected(d)[:, 2].sum() < 16 * 12
 
 
 @pytest.mark.parametrize("hidden,share,strip,lanes,stall", [
@@ -38,7 +40,7 @@ def test_strips_and_lanes(hidden, share, strip, lanes, stall):
 
 @pytest.mark.parametrize("hidden,share", [("multiply", 1), ("multiply", 3), ("raster", 1),
                                           ("raster", 2)])
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
 def test_abort_at_any_moment(hidden, share, seed):
     """What comes out of an aborted frame is its beginning and a blank end; the next is whole."""
     d, rng = barrel_descriptor((44, 10), (40, 18)), np.random.default_rng(seed)
@@ -77,7 +79,8 @@ def test_abort_at_any_moment(hidden, share, seed):
 
 @pytest.mark.parametrize("hidden,share,neurons", [
     ("multiply", 1, 1), ("raster", 1, 1), ("multiply", 4, 5), ("raster", 4, 5), ("multiply", 8, 8),
-    ("multiply", 1, 32), ("raster", 1, 32), ("raster", 12, 32), ("multiply", 32, 32)])
+    ("multiply", 1, 32), pytest.param("raster", 1, 32, marks=pytest.mark.regress),
+    ("raster", 12, 32), ("multiply", 32, 32)])
 def test_any_number_of_neurons(hidden, share, neurons):
     d = barrel_descriptor((10, 9), (12, 10), hidden_neurons=neurons)
     frame, = frames(FrontEnd(d, hidden=hidden, share=share), [d], 0)

@@ -98,7 +98,8 @@ def counter(dut, done):
     ((65, 4), 64, 1),           # a strip of one column
     ((40, 3), 64, 1),           # one strip only: rows end all the same
     ((38, 3), 32, 2), ((14, 5), 0, 2), ((36, 4), 32, 4), ((12, 5), 0, 4)])
-@pytest.mark.parametrize("gap,wait", [(0, 0), (.2, .6)])
+@pytest.mark.parametrize("gap,wait", [
+    pytest.param(0, 0, marks=pytest.mark.regress), (.2, .6)])
 def test_two_frames(data_width, size, strip, lanes, gap, wait):
     rng, word = np.random.default_rng(size[0]), data_width // 8
     frames = rng.integers(0, 256, (2, size[1], size[0], 3))

@@ -41,11 +41,15 @@ def misses(x0, y0, blank, options, split):
     return asked
 
 
-@pytest.mark.parametrize("data_width,options,split", [
-    (32, SMALL, 1), (64, SMALL, 0), (128, CacheOptions(tiles=64), 2)])
-@pytest.mark.parametrize("gap,stall,wait,latency,near", [
-    (0, 0, 0, (1, 1), .9), (.3, 0, .5, (1, 20), .7), (0, .5, .3, (8, 8), .5),
-    (.1, .1, .7, (1, 60), 0)])
+CACHES = [(32, SMALL, 1), (64, SMALL, 0), (128, CacheOptions(tiles=64), 2)]
+PAUSES = [(0, 0, 0, (1, 1), .9), (.3, 0, .5, (1, 20), .7), (0, .5, .3, (8, 8), .5),
+          (.1, .1, .7, (1, 60), 0)]
+
+
+# Every second pair: each cache with two kinds of pauses, each kind with one or two caches.
+@pytest.mark.parametrize("data_width,options,split,gap,stall,wait,latency,near", [
+    pytest.param(*cache, *pauses, marks=[pytest.mark.regress] * ((i + j) % 2))
+    for i, cache in enumerate(CACHES) for j, pauses in enumerate(PAUSES)])
 def test_windows_and_misses(data_width, options, split, gap, stall, wait, latency, near):
     rng, count = np.random.default_rng(data_width + split), 250
     word = data_width // 8

@@ -162,8 +162,8 @@ def test_registers():
     assert all(r.access == "shadow" and r.shape.width == 26 and r.shape.signed for r in added)
 
 
-@pytest.mark.parametrize("simulator", ["icarus", pytest.param("verilator",
-                                                              marks=pytest.mark.regress)])
+@pytest.mark.parametrize("simulator", [
+    "verilator", pytest.param("icarus", marks=pytest.mark.regress)])
 def test_verilog_corrects_a_frame_with_it(simulator):
     d = with_skip(barrel_descriptor((40, 32), (44, 36)), SKIP / 100)
     raw = np.random.default_rng(1).integers(0, 256, d.geometry.distorted[::-1], np.uint8)

@@ -68,8 +68,7 @@ def test_a_frame_follows_its_camera(small, verilog):
 
 def test_a_gate_that_opens_a_row_early_is_caught(small, monkeypatch):
     monkeypatch.setattr(row_gate, "WINDOW", row_gate.WINDOW - 1)
-    simulation, _ = followed(small, verilog=corrector_verilog(small, Hardware(output="stream")),
-                             simulator="icarus")
+    simulation, _ = followed(small, verilog=corrector_verilog(small, Hardware(output="stream")))
     assert simulation.follow["follow_early_reads"] > 0
 
 
@@ -85,7 +84,7 @@ def test_two_frames_in_two_buffers(small, verilog):
     program.wait_irq().write(rows["STATUS"], 2).wait_irq()
     result = simulate_frame(
         verilog, first.tobytes() + second.tobytes(), program, source_base=0, output_base=1 << 16,
-        output_bytes=6 * size, memory="sdram", simulator="icarus",
+        output_bytes=6 * size, memory="sdram",
         camera=Camera(*SIZE, SIZE[0], SIZE[0]))
     pictures = np.frombuffer(result.output, np.uint8).reshape(2, SIZE[1], SIZE[0], 3)
     for raw, picture in zip((first, second), pictures):

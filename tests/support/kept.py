@@ -18,25 +18,49 @@ import ncdc_sim
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export import verilog
 from ncdc_hdl.export.verilog import cover
+from ncdc_model.descriptor import Descriptor
 from ncdc_sim import cocotb_run
 from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import version as version_of
 
-__all__ = ["keep_verilog", "kept_result", "run_cocotb", "sources_of"]
+__all__ = ["TRAINING", "keep_verilog", "kept_folder", "kept_result", "kept_training", "run_cocotb",
+           "sources_of"]
+
+# What a training depends on, besides the sources.
+TRAINING = ("numpy", "scipy", "opencv-python-headless")
 
 _ROOMS = (ncdc_hdl, ncdc_model)
 
 
-def kept_result(kind, make, *texts, packages=()):
-    """The text that ``make()`` returns, of this run or of an earlier one.
+def kept_folder(kind, build, *texts, packages=()):
+    """A folder that ``build(folder)`` fills, of this run or of an earlier one.
 
-    ``texts`` and the versions of the Python ``packages`` must be all that it depends on.
+    Nobody may change it: who wants to, copies it. ``texts`` and the versions of the Python
+    ``packages`` must be all that it depends on.
     """
+    return built(key_of(kind, *texts, *(f"{name} {version(name)}" for name in packages)), build)
+
+
+def kept_result(kind, make, *texts, packages=()):
+    """The text that ``make()`` returns, likewise."""
     def build(folder):
         (folder / "result").write_text(make())
 
-    key = key_of(kind, *texts, *(f"{name} {version(name)}" for name in packages))
-    return (built(key, build) / "result").read_text()
+    return (kept_folder(kind, build, *texts, packages=packages) / "result").read_text()
+
+
+def kept_training(make, *about):
+    """The :class:`Descriptor` that ``make()`` trains, likewise.
+
+    ``about``: what is trained, and how, as numbers and texts. Training takes its chances from a
+    seed: the same sources write the same file, which tests of training show.
+    """
+    def build(folder):
+        make().save(folder / "net.toml")
+
+    folder = kept_folder("training", build, repr(about), sources_of(ncdc_model), sys.version,
+                         packages=TRAINING)
+    return Descriptor.load(folder / "net.toml")
 
 
 @cache
