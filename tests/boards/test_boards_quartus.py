@@ -54,7 +54,7 @@ def ports_of(path, module):
     """(direction, width) of each port of a module of a Verilog file, by name."""
     body = re.search(rf"^module {module} \(.*?^\);", path.read_text(), re.M | re.S).group()
     return {name: (flow, int(high or 0) + 1) for flow, high, name in
-            re.findall(r"^  (input|output|inout) +(?:wire|reg) +(?:\[(\d+):0\] )?(\w+)", body, re.M)}
+            re.findall(r"^  (input|output) +(?:wire|reg) +(?:\[(\d+):0\] )?(\w+)", body, re.M)}
 
 
 @pytest.mark.parametrize("name", [None, *WITH_PINS, "faka2"])
