@@ -50,11 +50,15 @@ def run_tcl(path):
     return [line.split("\x1f") for line in done.stdout.splitlines()]
 
 
+# In the list of ports, or behind it as Amaranth's converter declares those of the board's top.
+_PORT = r"^  (input|output|inout) +(?:wire +|reg +)?(?:\[(\d+):0\] )?(\w+)"
+
+
 def ports_of(path, module):
     """(direction, width) of each port of a module of a Verilog file, by name."""
-    body = re.search(rf"^module {module} \(.*?^\);", path.read_text(), re.M | re.S).group()
+    body = re.search(rf"^module {module} ?\(.*?^endmodule", path.read_text(), re.M | re.S).group()
     return {name: (flow, int(high or 0) + 1) for flow, high, name in
-            re.findall(r"^  (input|output) +(?:wire|reg) +(?:\[(\d+):0\] )?(\w+)", body, re.M)}
+            re.findall(_PORT, body, re.M)}
 
 
 @pytest.mark.parametrize("name", [None, *WITH_PINS, "faka2"])

@@ -32,10 +32,8 @@ SHARDS = 8
 # Module, what its text has, what an erring printer would have made of it.
 PLANTED = [
     ("ncdc_ramp_x", r"(\w+) \+ (\w+)", r"\1 - \2"),
-    ("ncdc_quotient", r"(\w+) - (\w+)", r"\1 + \2"),
     ("ncdc_pending", r"if \(([^()]+)\) (\w+) <= ", r"\2 <= "),
     ("ncdc_row_gate", r"if \((.*)\) (\w+) <= ", r"if (~(\1)) \2 <= "),
-    ("ncdc_bilinear", r"o\[15:8\] <= (\w+)\[7:0\]", r"o[15:8] <= \1[8:1]"),
     ("ncdc_fills", r"\.r_en\(r_en\), \.w_en\(w_en\)", ".r_en(w_en), .w_en(r_en)"),
 ]
 
