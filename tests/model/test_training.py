@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lenses import GEOMETRY, equidistant, known_network
+from lenses import GEOMETRY, known_network, lens_problem
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.geometry import ValidRows
@@ -19,12 +19,6 @@ from ncdc_model.training.problem import Problem, errors_of, split, spread
 from ncdc_model.training.train import train
 from ncdc_model.training.varpro import BIAS_LIMIT, WEIGHT_LIMIT, Batch
 from reference_lenses import reference_lens
-
-
-def lens_problem(columns=20, rows=15):
-    u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(4, 315, columns),
-                                                 np.linspace(4, 235, rows)))
-    return Problem(u, v, *equidistant(u, v), GEOMETRY)
 
 
 def test_batch_gradient_is_exact_and_normal_matrix_is_that_of_the_projected_jacobian():
@@ -90,7 +84,7 @@ def test_bounds_hold_and_every_number_fits_the_descriptor():
 def test_same_seed_same_bytes_whatever_the_threads(tmp_path):
     script = tmp_path / "digest.py"
     script.write_text(
-        "import hashlib\nimport numpy as np\nfrom test_training import lens_problem\n"
+        "import hashlib\nimport numpy as np\nfrom lenses import lens_problem\n"
         "from ncdc_model.training.levenberg import train_levenberg\n"
         "n, _ = train_levenberg(lens_problem(40, 30), 12, seed=5, starts=8, rounds=1)\n"
         "layers = [a for a in vars(n).values() if isinstance(a, np.ndarray)]\n"

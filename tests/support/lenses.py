@@ -5,8 +5,9 @@ import numpy as np
 from ncdc_model.descriptor import FloatNetwork
 from ncdc_model.geometry import Geometry
 from ncdc_model.lens import Camera
+from ncdc_model.training.problem import Problem
 
-__all__ = ["GEOMETRY", "equidistant", "known_network", "lens"]
+__all__ = ["GEOMETRY", "equidistant", "known_network", "lens", "lens_problem"]
 
 GEOMETRY = Geometry(320, 240, 320, 240)
 
@@ -18,6 +19,12 @@ def equidistant(u, v):
     x, y = a * np.arctan(r) / r, b * np.arctan(r) / r
     return (190 * (x + .004 * x * y + .002 * (3 * x * x + y * y)) + 160,
             190 * (y + .004 * x * y + .002 * (x * x + 3 * y * y)) + 118)
+
+
+def lens_problem(columns=20, rows=15):
+    u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(4, 315, columns),
+                                                 np.linspace(4, 235, rows)))
+    return Problem(u, v, *equidistant(u, v), GEOMETRY)
 
 
 def known_network(scale=1.0):

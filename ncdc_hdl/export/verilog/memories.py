@@ -16,9 +16,13 @@ def memory_lines(module, write):
     ValueError
         If a port is of a kind that Amaranth does not make.
     """
-    lines = [line for name, memory in module.memories.items() for line in _initial(name, memory)]
+    taken = {*module.wires, *module.memories, *(cell.name for cell in module.cells)}
+    i = next(name for name in ("i", "k", *(f"i{n}" for n in range(1, 1 << 16)))
+             if name not in taken)
+    lines = [line for name, memory in module.memories.items()
+             for line in _initial(name, memory, i)]
     if lines:
-        lines = ["  integer i;", *lines]
+        lines = [f"  integer {i};", *lines]
     for cell in module.cells:
         if cell.kind == "$memwr_v2":
             lines += _write_port(cell, write)
@@ -27,8 +31,8 @@ def memory_lines(module, write):
     return lines
 
 
-def _initial(name, memory):
-    """An initial block: loops over words that are equal or that repeat an earlier half."""
+def _initial(name, memory, i):
+    """An initial block: loops of ``i`` over words that are equal or that repeat an earlier half."""
     if memory.init is None:
         return []
     words = [memory.init[at:at + memory.width]
@@ -37,7 +41,8 @@ def _initial(name, memory):
     half, copied = memory.size // 2, []
     if memory.size % 2 == 0 and half > _RUN and words[:half] == words[half:] and set(words) != {
             words[0]}:
-        copied = [f"    for (i = 0; i < {half}; i = i + 1) {name}[i + {half}] = {name}[i];"]
+        copied = [f"    for ({i} = 0; {i} < {half}; {i} = {i} + 1) "
+                  f"{name}[{i} + {half}] = {name}[{i}];"]
         words = words[:half]
     lines, line, at = [], "", 0
     while at < len(words):
@@ -46,7 +51,7 @@ def _initial(name, memory):
             end += 1
         if end - at >= _RUN:
             lines += [f"    {line.strip()}"] if line else []
-            lines.append(f"    for (i = {at}; i < {end}; i = i + 1) {name}[i] = "
+            lines.append(f"    for ({i} = {at}; {i} < {end}; {i} = {i} + 1) {name}[{i}] = "
                          f"{constant(words[at])};")
             line = ""
         else:
