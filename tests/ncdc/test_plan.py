@@ -1,9 +1,6 @@
 """The planner: what it chooses, what it refuses, and the traffic that it reports."""
 
 import json
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -126,15 +123,6 @@ def test_a_rate_takes_a_larger_cache(barrel):
 def test_what_cannot_be_is_refused(barrel, options, message):
     with pytest.raises(InputError, match=message):
         made(barrel, **options)
-
-
-def test_nothing_but_progress_beside_the_output(barrel, tmp_path):
-    """A corrector whose clocks alone are asked is no mistake of the user's."""
-    barrel.save(tmp_path / "net.toml")
-    done = subprocess.run([Path(sys.executable).with_name("ncdc"), "plan", "net.toml"], cwd=tmp_path,
-                          capture_output=True, text=True)
-    assert done.returncode == 0 and "clocks per pixel" in done.stdout
-    assert {line.partition(":")[0] for line in done.stderr.splitlines()} <= {"planning"}
 
 
 def test_the_command_prints_and_reports(barrel, tmp_path, monkeypatch, capsys):
