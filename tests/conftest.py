@@ -5,14 +5,12 @@ import gc
 import os
 import warnings
 
+import pytest
+from amaranth.hdl import UnusedElaboratable
+
 # Two test processes share two cores: a second thread of the linear algebra finds none, and waits
-# for one at full speed. Read when NumPy is imported.
+# for one at full speed. Read when NumPy is imported, which neither of the above does.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-import pytest  # noqa: E402
-from amaranth.hdl import UnusedElaboratable  # noqa: E402
-
-from kept import keep_verilog  # noqa: E402
 
 # A netlist is a million objects without a cycle to be found: to look for one after every 700 new
 # ones takes a fifth of the time in which it is made.
@@ -21,7 +19,11 @@ gc.set_threshold(100_000, 50, 50)
 # A component that is refused, or whose Verilog is kept, is never elaborated.
 warnings.simplefilter("ignore", UnusedElaboratable)
 
-keep_verilog()
+
+def pytest_configure():
+    """Before any test imports what makes Verilog, and NumPy with it."""
+    from kept import keep_verilog
+    keep_verilog()
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -111,11 +111,10 @@ def import_without_amaranth(*names):
                           capture_output=True, text=True)
 
 
-@pytest.mark.parametrize("room", ["ncdc_model", "ncdc_host"])
-def test_rooms_that_do_without_amaranth(room):
-    names = [name for name in modules() if name.partition(".")[0] == room]
-    if not names:
-        pytest.skip(f"the room {room} is not built yet")
+def test_rooms_that_do_without_amaranth():
+    """The host's belongs to them from the day on which it is built."""
+    names = [name for name in modules() if name.partition(".")[0] in ("ncdc_model", "ncdc_host")]
+    assert any(name.startswith("ncdc_model.") for name in names)
     done = import_without_amaranth(*names)
     assert not done.returncode, done.stderr
 

@@ -25,73 +25,86 @@ TIMING = CorrectorTiming(
     write_burst=16, queued_words=32, queued_pixels=32)
 
 
-def clocked(boxes, missed, options, latency, words):
-    """Clock in which the last window is read; the memory gives a word per clock after ``latency``.
+class ClockedCache:
+    """The cache in plain Python: a call of ``step`` is a clock, its decisions count in the next.
 
-    One turn of the loop is one clock; what is decided in it takes effect in the next one.
+    The memory gives a word per clock after ``latency`` clocks; a row of a tile is ``words`` words.
     """
-    todo = deque(range(len(boxes)))
-    claims = {}
-    for i, victim in zip(missed.lookup.tolist(), missed.victim.tolist()):
-        # What the place's entry holds; that of an empty place 0, from the reset.
-        claims.setdefault(i, deque()).append(0 if victim == -1 else victim)
-    counts = {i: len(of) for i, of in claims.items()}
-    wrap = 1 << options.sequence_bits
-    pushed, pending, retired = 0, deque(), 0
-    commands, words_due = deque(), deque()      # clock of a command's first chance, of a word
-    beats, outstanding, tokens = 0, 0, 0
-    later = {}                                  # clock: events
-    clock = last_word = last_retire = 0
 
-    def at(when, event):
-        later.setdefault(when, []).append(event)
+    def __init__(self, boxes, missed, options, latency, words):
+        self.lookups, self.options, self.latency, self.words = len(boxes), options, latency, words
+        self.todo = deque(range(len(boxes)))
+        self.claims = {}
+        for i, victim in zip(missed.lookup.tolist(), missed.victim.tolist()):
+            # What the place's entry holds; that of an empty place 0, from the reset.
+            self.claims.setdefault(i, deque()).append(0 if victim == -1 else victim)
+        self.counts = {i: len(of) for i, of in self.claims.items()}
+        self.pushed, self.pending, self.retired = 0, deque(), 0
+        self.retired_seen = 0           # what the tag stage's busy flags know
+        self.commands = deque()         # clock of each command's first chance
+        self.words_due = deque()        # clock of each word
+        self.beats, self.outstanding, self.tokens = 0, 0, 0
+        self.later = {}                 # clock: names of the counters that change
+        self.clock = self.last_word = self.last_retire = 0
 
-    retired_seen = 0                            # what the tag stage's busy flags know
-    while retired < len(boxes):
-        for event in later.pop(clock, ()):
-            if event == "credit":
-                outstanding -= 1
-            elif event == "token":
-                tokens += 1
-            elif event == "retired":
-                retired_seen += 1
-        # Memory.
-        if commands and commands[0] <= clock:
-            commands.popleft()
-            for _ in range(words):
-                last_word = max(last_word + 1, clock + latency)
-                words_due.append(last_word)
-        if words_due and words_due[0] == clock:
-            words_due.popleft()
-            beats += 1
-            if beats % (4 * words) == 0:
-                at(clock + 2, "credit")
-                at(clock + 4, "token")
-        # Oldest pending look-up.
-        if pending and pending[0][1] <= clock and tokens >= counts.get(pending[0][0], 0):
-            tokens -= counts.get(pending.popleft()[0], 0)
-            retired += 1
-            last_retire = clock
-            at(clock + 3, "retired")
-            if not todo and retired == len(boxes):
-                break
-        # Tag stage.
-        if todo:
-            i = todo[0]
-            due = claims.get(i)
-            if due and outstanding < options.outstanding:
-                last_use = due[0]
-                window = i - retired_seen
-                if not (last_use - retired_seen) % wrap < window:
-                    due.popleft()
-                    outstanding += 1
-                    commands.extend(clock + 10 + row for row in range(4))
-            if not due and pushed - retired + (last_retire == clock) < options.pending:
-                todo.popleft()
-                pushed += 1
-                pending.append((i, clock + 6))
-        clock += 1
-    return clock
+    def at(self, when, counter, step):
+        self.later.setdefault(when, []).append((counter, step))
+
+    def step(self):
+        for counter, step in self.later.pop(self.clock, ()):
+            setattr(self, counter, getattr(self, counter) + step)
+        self.memory()
+        self.oldest_pending()
+        if self.todo:
+            self.tag_stage()
+        self.clock += 1
+
+    def memory(self):
+        if self.commands and self.commands[0] <= self.clock:
+            self.commands.popleft()
+            for _ in range(self.words):
+                self.last_word = max(self.last_word + 1, self.clock + self.latency)
+                self.words_due.append(self.last_word)
+        if self.words_due and self.words_due[0] == self.clock:
+            self.words_due.popleft()
+            self.beats += 1
+            if self.beats % (4 * self.words) == 0:
+                self.at(self.clock + 2, "outstanding", -1)
+                self.at(self.clock + 4, "tokens", 1)
+
+    def oldest_pending(self):
+        if not self.pending or self.pending[0][1] > self.clock:
+            return
+        needed = self.counts.get(self.pending[0][0], 0)
+        if self.tokens >= needed:
+            self.pending.popleft()
+            self.tokens -= needed
+            self.retired += 1
+            self.last_retire = self.clock
+            self.at(self.clock + 3, "retired_seen", 1)
+
+    def tag_stage(self):
+        i = self.todo[0]
+        due = self.claims.get(i)
+        if due and self.outstanding < self.options.outstanding:
+            age = (due[0] - self.retired_seen) % (1 << self.options.sequence_bits)
+            if age >= i - self.retired_seen:
+                due.popleft()
+                self.outstanding += 1
+                self.commands.extend(self.clock + 10 + row for row in range(4))
+        room = self.options.pending - (self.last_retire == self.clock)
+        if not due and self.pushed - self.retired < room:
+            self.todo.popleft()
+            self.pushed += 1
+            self.pending.append((i, self.clock + 6))
+
+
+def clocked(boxes, missed, options, latency, words):
+    """Clock in which the last window is read."""
+    cache = ClockedCache(boxes, missed, options, latency, words)
+    while cache.retired < len(boxes):
+        cache.step()
+    return cache.last_retire
 
 
 @pytest.mark.parametrize("make", [random_windows, walking_windows])

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from amaranth import *
 
-from ncdc_hdl.lib.fixed import saturate
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron, WeightedSum, hidden_sum, output_sum
 from ncdc_model.descriptor import Formats
 from ncdc_model.errors import InputError
@@ -12,6 +10,7 @@ from ncdc_model.fixed import Q
 from ncdc_model.hardware import MULTIPLIER_BITS
 from ncdc_model.network import hidden_neuron, output_neuron
 from pipelines import run_pipeline
+from saturations import WRONG_SATURATIONS
 
 FORMATS = Formats()
 
@@ -80,22 +79,7 @@ def test_output_neuron(inputs, bits):
     check_output(inputs, bits)
 
 
-def one_below(value, q):
-    """Saturation whose upper limit is one too low."""
-    return Mux(value >= q.hi, q.hi - 1, saturate(value, q))
-
-
-def one_above(value, q):
-    """Saturation whose lower limit is one too high."""
-    return Mux(value <= q.lo, q.lo + 1, saturate(value, q))
-
-
-def wrapped(value, q):
-    """No saturation at all."""
-    return value[:q.width].as_signed()
-
-
-@pytest.mark.parametrize("wrong", [one_below, one_above, wrapped])
+@pytest.mark.parametrize("wrong", WRONG_SATURATIONS)
 @pytest.mark.parametrize("check", [check_hidden, lambda: check_output(2)], ids=["hidden", "output"])
 def test_finds_a_wrong_saturation(check, wrong, monkeypatch):
     monkeypatch.setattr("ncdc_hdl.neural.neuron.saturate", wrong)

@@ -10,7 +10,6 @@ from amaranth import *
 
 from ncdc_hdl.frontend.backmap import pace
 from ncdc_hdl.frontend.scan import Scan
-from ncdc_hdl.lib.fixed import saturate
 from ncdc_hdl.neural.layers import MultiplyLayer
 from ncdc_hdl.neural.neuron import WeightedSum
 from ncdc_hdl.neural.raster import RasterLayer
@@ -19,6 +18,7 @@ from ncdc_model.fixed import requantise
 from ncdc_model.geometry import SCAN, Geometry, scan_order
 from ncdc_model.network import hidden_neuron
 from pipelines import run_bench
+from saturations import WRONG_SATURATIONS
 
 FORMATS = Formats()
 LAYERS = {"multiply": MultiplyLayer, "raster": RasterLayer}
@@ -198,22 +198,7 @@ def test_finds_a_new_strip_that_is_lost():
         check(ScannedLayer("raster", 20, 1, forced=["new_strip"]), frames, strip=32)
 
 
-def one_below(value, q):
-    """Saturation whose upper limit is one too low."""
-    return Mux(value >= q.hi, q.hi - 1, saturate(value, q))
-
-
-def one_above(value, q):
-    """Saturation whose lower limit is one too high."""
-    return Mux(value <= q.lo, q.lo + 1, saturate(value, q))
-
-
-def wrapped(value, q):
-    """No saturation at all."""
-    return value[:q.width].as_signed()
-
-
-@pytest.mark.parametrize("wrong", [one_below, one_above, wrapped])
+@pytest.mark.parametrize("wrong", WRONG_SATURATIONS)
 def test_finds_a_wrong_saturation(wrong, monkeypatch):
     monkeypatch.setattr("ncdc_hdl.neural.raster.saturate", wrong)
     with pytest.raises(AssertionError, match="Arrays are not equal"):

@@ -259,86 +259,123 @@ def test_a_commit_at_the_frame_boundary_is_whole(lead):
     run(bench)
 
 
+SHADOW_ROWS = [r for r in ROWS if r.access == "shadow"]
+
+
+def cut(register, value):
+    """What a register of this shape keeps of a word."""
+    value &= (1 << register.shape.width) - 1
+    return value - (1 << register.shape.width) * (
+        register.shape.signed and value >> register.shape.width - 1)
+
+
+class RandomWrites:
+    """A write of six clocks now and then: CTRL, a valid row, a register of the committed set."""
+
+    CHOSEN = [BY_NAME[name] for name in ("VALID_BANK", "FILL", "BAYER_PHASE", "VALID_WINDOW")]
+
+    def __init__(self, rng):
+        self.rng = rng
+        self.age = 0            # clocks for which the present write has waited
+        self.wanted = False
+        self.address = self.value = 0
+
+    def choose(self, rest):
+        """The next write, unless one is under way; never one, if it should ``rest``."""
+        if self.age:
+            return
+        rng = self.rng
+        self.wanted = not rest and rng.random() < 0.9
+        kind, self.value = rng.integers(10), int(rng.integers(0, 1 << 32))
+        if kind < 2:
+            self.address, self.value = BY_NAME["CTRL"].address, int(rng.integers(0, 4))
+        elif kind < 5:
+            self.address = TABLE + int(rng.integers(0, 4))
+        else:
+            pool = self.CHOSEN if kind < 8 else SHADOW_ROWS
+            self.address = pool[rng.integers(len(pool))].address
+
+    def drive(self, ctx, bus):
+        ctx.set(bus.address, self.address)
+        ctx.set(bus.writedata, self.value)
+        ctx.set(bus.write, self.wanted)
+        assert ctx.get(bus.waitrequest) == (self.age != 5)
+        counts = self.wanted and self.age == 2
+        self.age = (self.age + self.wanted) % 6
+        return counts
+
+
+class Contract:
+    """What registers.md promises, clock by clock."""
+
+    def __init__(self, active):
+        self.active = active
+        self.kept = active | {"VALID_WINDOW": 0}
+        self.busy = self.pending = self.committed = self.refused = self.begin = self.take = False
+        self.commits = self.waits = 0
+
+    def holds_valid_row(self):
+        bank = self.kept["VALID_WINDOW"]
+        return ((self.busy or self.pending) and bank == self.active["VALID_BANK"]
+                or self.committed and bank == self.kept["VALID_BANK"])
+
+    def write_register(self, address, value):
+        register = next((r for r in ROWS if r.address == address), None)
+        if register is None or register.name not in self.kept:
+            return
+        if register.access == "shadow" and self.committed:
+            self.refused = True
+        else:
+            self.kept = self.kept | {register.name: cut(register, value)}
+
+    def step(self, write, address, value, ended):
+        """One clock; whether a valid row was written in it."""
+        control = value if write and address == BY_NAME["CTRL"].address else 0
+        before, row = self.kept, write and address >= TABLE
+        row_taken = row and not self.holds_valid_row()
+        self.refused |= row and not row_taken
+        if write and not row:
+            self.write_register(address, value)
+        if self.take:
+            self.active = {name: before[name] for name in self.active}
+            self.commits += 1
+        self.waits += self.committed and self.busy
+        between = (ended or not self.busy) and not self.begin
+        self.begin, self.take, self.pending, self.committed, self.busy = (
+            self.pending and between,
+            self.committed and between and not self.take,
+            bool(control & CTRL_START) or self.pending and not self.begin,
+            bool(control & CTRL_COMMIT) or self.committed and not self.take,
+            self.begin or self.busy and not ended)
+        return row_taken
+
+
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
 def test_random_host_against_the_contract(seed):
     """Writes, starts, commits and ends of frames in any order: what a frame sees is constant while
     it runs, and is a whole set as it was when committed; no valid row of its bank is written."""
-    shadow_rows = [r for r in ROWS if r.access == "shadow"]
-    rng = np.random.default_rng(seed)
-    chosen = [BY_NAME[name] for name in ("VALID_BANK", "FILL", "BAYER_PHASE", "VALID_WINDOW")]
-    seen = {"commits": 0, "refused": 0, "waits": 0}
-
-    def cut(register, value):
-        value &= (1 << register.shape.width) - 1
-        return value - (1 << register.shape.width) * (
-            register.shape.signed and value >> register.shape.width - 1)
-
     async def bench(ctx, dut, host):
-        bus = dut.bus
-        kept = {r.name: ctx.get(dut.active[r.name]) for r in shadow_rows} | {"VALID_WINDOW": 0}
-        active = {r.name: kept[r.name] for r in shadow_rows}
-        busy = pending = committed = refused = begin = take = False
-        age = 0             # clocks for which the present write has waited
-        wanted = False
+        rng = np.random.default_rng(seed)
+        writes = RandomWrites(rng)
+        contract = Contract({r.name: ctx.get(dut.active[r.name]) for r in SHADOW_ROWS})
         for clock in range(6000):
-            if age == 0:
-                wanted = clock < 5990 and rng.random() < 0.9
-                kind, value = rng.integers(10), int(rng.integers(0, 1 << 32))
-                if kind < 2:
-                    address, value = BY_NAME["CTRL"].address, int(rng.integers(0, 4))
-                elif kind < 5:
-                    address = TABLE + int(rng.integers(0, 4))
-                else:
-                    pool = chosen if kind < 8 else shadow_rows
-                    address = pool[rng.integers(len(pool))].address
-            ended = busy and rng.random() < 0.02
-            ctx.set(bus.address, address)
-            ctx.set(bus.writedata, value)
-            ctx.set(bus.write, wanted)
+            writes.choose(rest=clock >= 5990)
+            ended = contract.busy and rng.random() < 0.02
             ctx.set(dut.ended, ended)
-            assert ctx.get(bus.waitrequest) == (age != 5)
-            write = wanted and age == 2
-            age = (age + wanted) % 6
-            # The contract, clock by clock.
-            assert ctx.get(dut.begin) == begin
-            register = next((r for r in ROWS if r.address == address), None)
-            started = write and address == BY_NAME["CTRL"].address and value & CTRL_START
-            commit = write and address == BY_NAME["CTRL"].address and value & CTRL_COMMIT
-            taken = dict(kept)
-            if write and address >= TABLE:
-                bank = kept["VALID_WINDOW"]
-                held = ((busy or pending) and bank == active["VALID_BANK"]
-                        or committed and bank == kept["VALID_BANK"])
-                assert ctx.get(dut.valid_table.write) != held
-                refused |= held
-            else:
-                assert not ctx.get(dut.valid_table.write)
-                if write and register.name in kept:
-                    if register.access == "shadow" and committed:
-                        refused = True
-                    else:
-                        taken[register.name] = cut(register, value)
-            if take:
-                active = {name: kept[name] for name in active}
-                seen["commits"] += 1
-            seen["waits"] += committed and busy
-            between = (ended or not busy) and not begin
-            begin, take, pending, committed, busy = (
-                pending and between, committed and between and not take,
-                bool(started) or pending and not begin, bool(commit) or committed and not take,
-                begin or busy and not ended)
-            kept = taken
+            write = writes.drive(ctx, dut.bus)
+            assert ctx.get(dut.begin) == contract.begin
+            row_taken = contract.step(write, writes.address, writes.value, ended)
+            assert ctx.get(dut.valid_table.write) == row_taken
             await ctx.tick()
-            assert {name: ctx.get(dut.active[name]) for name in active} == active
-        ctx.set(bus.write, 0)
+            assert {name: ctx.get(dut.active[name]) for name in contract.active} == contract.active
+        ctx.set(dut.bus.write, 0)
         ctx.set(dut.ended, 0)
-        assert bool(await status(host) & STATUS_REFUSED) == refused
-        for name, value in kept.items():
+        assert bool(await status(host) & STATUS_REFUSED) == contract.refused
+        for name, value in contract.kept.items():
             assert await host.read(BY_NAME[name].address) == value & 0xFFFFFFFF, name
-        seen["refused"] = refused
+        assert contract.commits > 10 and contract.refused and contract.waits > 100
 
     run(bench)
-    assert seen["commits"] > 10 and seen["refused"] and seen["waits"] > 100
 
 
 def test_banks_of_the_table_are_separate():
