@@ -49,5 +49,5 @@ def save_tables(path, map_x, map_y, sensor):
         storage = cv2.FileStorage(str(temporary), cv2.FILE_STORAGE_WRITE)
         storage.write("map_x", map_x)
         storage.write("map_y", map_y)
-        storage.write("sensor", np.array(sensor, np.int32))
+        storage.write("sensor", np.array([sensor], np.int32))
         storage.release()

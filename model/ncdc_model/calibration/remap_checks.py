@@ -8,6 +8,7 @@ __all__ = ["check_finite", "check_meaning", "check_smooth", "folded_warning", "s
 
 LEAST_INSIDE = .1      # of the corrected pixels have a source in the sensor
 LEAST_MIDDLE = .5      # likewise, if the middle of the corrected picture has none
+MIRRORED = .9          # of these have a negative area
 LEAST_KEPT = .5        # of these do not fold back and hang together
 SHRUNK = 1 / 16        # area in the sensor of a corrected pixel: less is a fourfold magnification
 MOST_NOISE = .5        # pixels rms
@@ -54,7 +55,7 @@ def check_meaning(x, y, geometry):
         if np.ptp(table[inside]) == 0:
             raise InputError(f"{name} is {table[inside][0]:g} at every pixel whose source lies in "
                              f"the sensor")
-    if np.median(area[inside]) < 0:
+    if (area[inside] < 0).mean() > MIRRORED:
         across = np.abs(np.gradient(x, axis=0)[inside])
         along = np.abs(np.gradient(x, axis=1)[inside])
         raise InputError("the tables hold x and y swapped: the first grows from row to row" if
@@ -70,8 +71,8 @@ def _other_meaning(x, y, geometry):
     if share > .5:
         return None
     small = np.abs(np.median(_area(x, y))) < SHRUNK**2
-    others = {"coordinates of -1 to 1": ((x + 1) / 2 * (width - 1), (y + 1) / 2 * (height - 1)),
-              "coordinates of 0 to 1": (x * (width - 1), y * (height - 1))}
+    others = {"coordinates of 0 to 1": (x * (width - 1), y * (height - 1)),
+              "coordinates of -1 to 1": ((x + 1) / 2 * (width - 1), (y + 1) / 2 * (height - 1))}
     # A real magnification, too, makes small steps: but its sources lie in the sensor.
     if inside < .9 or small:
         others["offsets from the corrected pixel"] = x + u, y + v

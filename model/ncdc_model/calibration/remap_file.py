@@ -251,7 +251,9 @@ def _sensor(subject, tables):
     """(width, height) that one of the files tells under the name sensor, or None."""
     for table in tables:
         if "sensor" in table:
-            value = np.ravel(np.asarray(table["sensor"]))
+            value = table["sensor"]
+            # OpenCV 5 keeps an array of one dimension as a table of its own.
+            value = np.ravel(value["data"] if isinstance(value, dict) else value)
             if len(value) != 2 or value.dtype.kind not in "iuf" or (value != value.round()).any():
                 raise InputError(f"{subject}: sensor is {value.tolist()}, width and height in "
                                  f"pixels are needed")

@@ -1,6 +1,7 @@
 """The smallest network that meets a maximum error."""
 
 import math
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -78,9 +79,9 @@ def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=No
                              f"{best['max']:.3g} px")
         chosen = next(k for k, row in enumerate(rows) if row["max"] <= NEARLY * best["max"])
         trained = describe(source, trainings[chosen], choices)
-    trained.report.update({"max_error_px": limit, "max_error_met": rows[-1]["max"] <= limit,
-                           "tried": rows})
-    return trained
+    facts = {"max_error_px": limit, "max_error_met": rows[-1]["max"] <= limit, "tried": rows}
+    descriptor = replace(trained.descriptor, errors=trained.descriptor.errors | facts)
+    return replace(trained, descriptor=descriptor, report=trained.report | facts)
 
 
 def _most(source, choices):
