@@ -20,8 +20,8 @@ def add_arguments(parser):
     parser.add_argument("source", metavar="FILE",
                         help="descriptor of ncdc train, or points.json of ncdc calibrate")
     parser.add_argument("-o", "--output", required=True, metavar="OUT",
-                        help=f"of a descriptor map_x, map_y and sensor ({', '.join(SUFFIXES)}), of points "
-                             f"a .csv")
+                        help=f"of a descriptor map_x, map_y and sensor "
+                             f"({', '.join(SUFFIXES)}), of points a .csv")
     parser.add_argument("--style", choices=list(STYLES),
                         help="columns of the CSV: opencv: object and image points (default); "
                              "discorpy: line by line")

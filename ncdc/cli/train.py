@@ -139,7 +139,8 @@ def _print_report(args, source, report):
             print(f"  {count} points not used: {reason}")
     if "tried" in report:
         print(f"{report['hidden_neurons']} hidden neurons are proposed, of "
-              f"{len(report['tried'])} numbers tried")
+              f"{len(report['tried'])} numbers tried, by the largest error on "
+              f"{_judged_on(report)}")
     *most, last = report["plots"]
     print(f"{args.output}; look at {', '.join(most)} and {last}")
 
@@ -209,7 +210,7 @@ def plot_training(trained, source, output, held_out=HELD_OUT):
     if "tried" not in report:
         return [errors, learning]
     plot_neurons(neurons, report["tried"], report["hidden_neurons"], report["max_error_px"],
-                 {"frame": "the whole frame"}.get(report["measured_on"], "held-out points"))
+                 _judged_on(report))
     return [errors, learning, neurons]
 
 
@@ -228,6 +229,10 @@ def training_progress():
     """The trainer's progress callback: how far, and the error reached."""
     progress = Progress("training")
     return lambda done, mse: progress(done, f", MSE {mse:.5g} px²")
+
+
+def _judged_on(report):
+    return "the whole frame" if report["measured_on"] == "frame" else "held-out points"
 
 
 def _choosing_progress():

@@ -193,6 +193,8 @@ CARELESS = {
                                                                    "source lies in the sensor"),
     "outside": ((X + 155, Y), r"only [\d.]+ % of the map's pixels have a source in a sensor of "
                               r"160x128, the middle has none; the tables reach from"),
+    "of a larger sensor": ((2 * X, 2 * Y), r"only 2\d\.\d % of the map's pixels have a source in a "
+                                           r"sensor of 160x128, the middle has none"),
     "folded": (FOLDED, "the map is folded: of"),
     "noise": (noisy(.8), "the map is not smooth: from pixel to pixel it scatters by 0.8"),
     "torn": ((TORN, Y), r"the map is torn: between the corrected pixels \(69, \d+\) and \(70, \d+"
@@ -234,8 +236,8 @@ def test_files_of_wrong_content_are_named(tmp_path, arrays, message):
 
 
 def test_files_that_are_none(tmp_path):
-    for name, content in (("a.npz", b""), ("a.npz", b"PK\x03\x04 and more"), ("a.npy", b"\x93NUMPY"),
-                          ("a.tif", b"II*\0junk"), ("a.exr", b"v/1\1junk"), ("a.tif", b"")):
+    for name, content in (("a.npz", b""), ("a.npz", b"PK\x03\x04 and more"),
+                          ("a.npy", b"\x93NUMPY"), ("a.tif", b"II*\0junk"), ("a.exr", b"v/1\1junk"), ("a.tif", b"")):
         path = tmp_path / name
         path.write_bytes(content)
         with pytest.raises(InputError, match=f"{name}.* holds no "):

@@ -87,7 +87,7 @@ def test_the_neurons_of_a_map_are_chosen_by_its_whole_frame(tmp_path, few_starts
     assert np.hypot(a - x[v, u], b - y[v, u]).max() <= 1
     assert (tmp_path / "1.toml").read_bytes() == (tmp_path / "2.toml").read_bytes()
     assert (tmp_path / "1.neurons.png").exists()
-    assert "hidden neurons are proposed" in capsys.readouterr().out
+    assert "numbers tried, by the largest error on the whole frame" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("arguments,message", [

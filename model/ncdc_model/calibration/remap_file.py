@@ -136,7 +136,7 @@ def _numpy(path, content):
 
 
 def _openexr(path):
-    import OpenEXR     # a second when first imported, which few need
+    import OpenEXR  # a second when first imported, which few need
     with OpenEXR.File(str(path), separate_channels=True) as file:
         channels = {name: channel.pixels for name, channel in file.channels().items()}
     if len(channels) != 1:
