@@ -14,9 +14,10 @@ EXAMPLE = "ncdc evaluate net.toml --against points.json"
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
-    parser.add_argument("--against", required=True, nargs="+", metavar="FILE",
+    parser.add_argument("--against", required=True, action="append", metavar="FILE",
                         help="points.json of this camera, the one of training or another, its "
-                             "camera file, or a map for OpenCV's remap, in one file or two")
+                             "camera file, or a map for OpenCV's remap; given twice, for the "
+                             "tables of x and y in a file each")
     add_camera(parser)
     add_json(parser)
 

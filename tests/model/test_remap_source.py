@@ -237,7 +237,8 @@ def test_files_of_wrong_content_are_named(tmp_path, arrays, message):
 
 def test_files_that_are_none(tmp_path):
     for name, content in (("a.npz", b""), ("a.npz", b"PK\x03\x04 and more"),
-                          ("a.npy", b"\x93NUMPY"), ("a.tif", b"II*\0junk"), ("a.exr", b"v/1\1junk"), ("a.tif", b"")):
+                          ("a.npy", b"\x93NUMPY"), ("a.tif", b"II*\0junk"),
+                          ("a.exr", b"v/1\1junk"), ("a.tif", b"")):
         path = tmp_path / name
         path.write_bytes(content)
         with pytest.raises(InputError, match=f"{name}.* holds no "):

@@ -70,7 +70,7 @@ def test_a_camera_of_a_stereo_pair_as_tiff_files(tmp_path, few_starts, capsys):
     assert error.max() == pytest.approx(report["frame"]["map_error_fixed_px"]["max"], abs=1e-3)
     assert error.max() < 3 and .5 < valid.mean() < .8
     assert net.geometry.window_inside(x, y)[valid].all()
-    call(evaluate, out, "--against", *paths)
+    call(evaluate, "--against", paths[0], "--against", paths[1], out)
     assert "measured on frame, map" in capsys.readouterr().out
 
 
@@ -100,7 +100,7 @@ def test_the_neurons_of_a_map_are_chosen_by_its_whole_frame(tmp_path, few_starts
     (["train", "photo.png", "--neurons", "4"], "photo.png holds photo.png 20x30x3: a map has two"),
     (["train", "camera.toml", "--neurons", "4", "--sensor", "320x240"],
      "the sensor's size is given, which camera.toml tells itself: it is no map"),
-    (["evaluate", "net.toml", "--against", "x.tif", "y.tif"],
+    (["evaluate", "net.toml", "--against", "x.tif", "--against", "y.tif"],
      "x.tif and y.tif is the map of a corrected picture with 192x144 pixels, the descriptor is "
      "for 96x80"),
     (["evaluate", "net.toml", "--against", "other.npz"],
