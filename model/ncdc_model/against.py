@@ -1,4 +1,4 @@
-"""An existing descriptor against points of photos or a camera file."""
+"""An existing descriptor against points of photos, a camera file or a map."""
 
 from dataclasses import replace
 
@@ -10,11 +10,14 @@ from scipy.spatial import cKDTree
 from ncdc_model.calibration.camera_file import load_camera_map
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.calibration.remap_file import are_remap_files
+from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
 from ncdc_model.lens import Frame
 from ncdc_model.lens.inverse import planar_inverse
 from ncdc_model.training.source import is_points_file
+from ncdc_model.valid import valid_mask
 
 __all__ = ["corrected_points", "evaluate_against", "fitted_view"]
 
@@ -22,7 +25,10 @@ _WIDE = 0.01       # zoom at which no point of a photo falls outside the frame
 
 
 def evaluate_against(descriptor, path, camera=None):
-    """Errors of ``descriptor`` against a points or camera file (``camera``: which of a camchain).
+    """Errors of ``descriptor`` against a points or camera file or remap tables.
+
+    ``path``: a path, or two of the tables x and y; ``camera``: which of a camchain, or which of
+    several maps in a file. A map is compared at every pixel that is valid in both.
 
     A camera file is compared at every valid pixel: in the corrected frame of training
     (``trained``) if the descriptor is from a camera file. Points leave open from which direction
@@ -35,13 +41,18 @@ def evaluate_against(descriptor, path, camera=None):
     dict
         ``hidden_neurons``, ``measured_on`` (frame and its view, points and their pose, trained
         or fitted), ``map_error_float_px``, ``map_error_fixed_px``,
-        ``fixed_minus_float_max_px``, and ``valid_pixels`` or ``points``.
+        ``fixed_minus_float_max_px``, and ``valid_pixels`` or ``points``; of a map
+        ``valid_pixels_differ``, those that have a source in one of the two only.
 
     Raises
     ------
     InputError
         If the file is bad, of a camera of another image size, or no point is inside the frame.
     """
+    paths, tables = are_remap_files(path)
+    if tables:
+        return _against_map(descriptor, paths, camera)
+    path, = paths
     if not is_points_file(path):
         back_map, view = _true_map(descriptor, path, camera)
         return {"measured_on": f"frame, view {view}", **evaluate_frame(descriptor, back_map)}
@@ -55,6 +66,21 @@ def evaluate_against(descriptor, path, camera=None):
     return {"measured_on": f"points, pose {pose}", "hidden_neurons": descriptor.hidden_neurons,
             "fixed_minus_float_max_px": evaluate_frame(descriptor)["fixed_minus_float_max_px"],
             **report}
+
+
+def _against_map(descriptor, paths, camera):
+    geometry, subject = descriptor.geometry, " and ".join(map(str, paths))
+    tables = load_remap(paths, geometry.distorted, camera)
+    if tables.geometry.corrected != geometry.corrected:
+        raise InputError("{} is the map of a corrected picture with {}x{} pixels, the descriptor "
+                         "is for {}x{}".format(subject, *tables.geometry.corrected,
+                                               *geometry.corrected))
+    theirs = valid_mask(tables.back_map, geometry)
+    ours = descriptor.valid.mask(geometry.corrected_width)
+    if not (theirs & ours).any():
+        raise InputError(f"no pixel has a source both in {subject} and in the descriptor")
+    return {"measured_on": "frame, map", **evaluate_frame(descriptor, tables.back_map),
+            "valid_pixels_differ": int((theirs != ours).sum())}
 
 
 def _true_map(descriptor, path, name):

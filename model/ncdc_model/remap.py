@@ -29,8 +29,10 @@ def remap_tables(descriptor):
                  for raw in frame_coordinates(descriptor))
 
 
-def save_tables(path, map_x, map_y):
+def save_tables(path, map_x, map_y, sensor):
     """Write the arrays map_x and map_y: NumPy (.npz) or OpenCV's FileStorage, by suffix.
+
+    ``sensor``: width and height of the distorted image, written as the array sensor.
 
     Raises
     ------
@@ -42,9 +44,10 @@ def save_tables(path, map_x, map_y):
         raise InputError(f"{path}: tables are written as one of {', '.join(SUFFIXES)}")
     with replace_file(path) as temporary:
         if suffix == ".npz":
-            np.savez_compressed(temporary, map_x=map_x, map_y=map_y)
+            np.savez_compressed(temporary, map_x=map_x, map_y=map_y, sensor=sensor)
             return
         storage = cv2.FileStorage(str(temporary), cv2.FILE_STORAGE_WRITE)
         storage.write("map_x", map_x)
         storage.write("map_y", map_y)
+        storage.write("sensor", np.array([sensor], np.int32))
         storage.release()

@@ -53,8 +53,11 @@ def _files(args):
     outputs = [given["json"]] if given.get("json") not in (None, "-") else []
     if args.command not in _TO_FOLDER and given.get("output"):
         outputs.append(given["output"])
-    inputs = [given[name] for name in ("descriptor", "image", "source", "against") if name in given]
-    return outputs, inputs + given.get("photos", [])
+    inputs = []
+    for name in ("descriptor", "image", "source", "against", "photos"):
+        value = given.get(name, [])
+        inputs += value if isinstance(value, list) else [value]
+    return outputs, inputs
 
 
 def main(arguments=None):

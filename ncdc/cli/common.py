@@ -36,7 +36,8 @@ def straightness_text(report, points):
 def add_camera(parser):
     """Declare the option --camera."""
     parser.add_argument("--camera", metavar="NAME",
-                        help="which camera of a Kalibr camchain, as in cam1")
+                        help="which camera of a Kalibr camchain, as in cam1, or which of "
+                             "several maps in a file, as in left")
 
 
 def add_json(parser):

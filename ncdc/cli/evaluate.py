@@ -14,9 +14,10 @@ EXAMPLE = "ncdc evaluate net.toml --against points.json"
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
-    parser.add_argument("--against", required=True, metavar="FILE",
-                        help="points.json of this camera, the one of training or another, or its "
-                             "camera file")
+    parser.add_argument("--against", required=True, action="append", metavar="FILE",
+                        help="points.json of this camera, the one of training or another, its "
+                             "camera file, or a map for OpenCV's remap; given twice, for the "
+                             "tables of x and y in a file each")
     add_camera(parser)
     add_json(parser)
 
@@ -31,5 +32,7 @@ def run(args):
              else f"{report['valid_pixels']} pixels")
     print(f"{report['hidden_neurons']} hidden neurons, "
           f"measured on {report['measured_on']}: {count}")
+    if "valid_pixels_differ" in report:
+        print(f"{report['valid_pixels_differ']} pixels have a source in one of the two only")
     print(error_table({"": report}))
     print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")

@@ -20,8 +20,8 @@ def add_arguments(parser):
     parser.add_argument("source", metavar="FILE",
                         help="descriptor of ncdc train, or points.json of ncdc calibrate")
     parser.add_argument("-o", "--output", required=True, metavar="OUT",
-                        help=f"of a descriptor map_x and map_y ({', '.join(SUFFIXES)}), of points "
-                             f"a .csv")
+                        help=f"of a descriptor map_x, map_y and sensor "
+                             f"({', '.join(SUFFIXES)}), of points a .csv")
     parser.add_argument("--style", choices=list(STYLES),
                         help="columns of the CSV: opencv: object and image points (default); "
                              "discorpy: line by line")
@@ -38,6 +38,7 @@ def run(args):
         return
     if args.style:
         raise InputError(f"style {args.style} is for points, {args.source} holds none")
-    map_x, map_y = remap_tables(Descriptor.load(args.source))
-    save_tables(args.output, map_x, map_y)
+    descriptor = Descriptor.load(args.source)
+    map_x, map_y = remap_tables(descriptor)
+    save_tables(args.output, map_x, map_y, descriptor.geometry.distorted)
     print(f"{args.output}: map_x and map_y, {map_x.shape[1]}x{map_x.shape[0]}")

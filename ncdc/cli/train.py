@@ -1,4 +1,4 @@
-"""``ncdc train``: from points or a camera file to a descriptor."""
+"""``ncdc train``: from points, a camera file or a map to a descriptor."""
 
 import argparse
 import sys
@@ -14,6 +14,7 @@ from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
 from ncdc_model.formats import MAX_NEURONS, Formats
 from ncdc_model.geometry import BAYER_PHASE
+from ncdc_model.neurons_plot import plot_neurons
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
 from ncdc_model.tansig import FRACTION_BITS, VARIANTS, choose_variant
 from ncdc_model.training.backprop import Stop
@@ -33,15 +34,22 @@ EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
 
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
-    parser.add_argument("source", metavar="FILE",
-                        help="points.json of ncdc calibrate, or a camera file: OpenCV, ROS, "
-                             "Kalibr, BoofCV (YAML, XML, JSON), or our own (TOML)")
+    parser.add_argument("source", metavar="FILE", nargs="+",
+                        help="points.json of ncdc calibrate; a camera file: OpenCV, ROS, "
+                             "Kalibr, BoofCV (YAML, XML, JSON), or our own (TOML); or a map for "
+                             "OpenCV's remap: one file with both tables (.npz, YAML, XML, JSON), "
+                             "or one each (.npy, TIFF, OpenEXR too)")
     parser.add_argument("--neurons", type=_neurons, required=True, metavar="N",
                         help="hidden neurons, 4 to 12 are usual; auto: the fewest, up to 16, that "
-                             "meet --max-error")
+                             "meet --max-error, or 0.1 px without it")
     parser.add_argument("--max-error", type=float, metavar="PX",
                         help="with --neurons auto: largest error, on the whole frame where a "
-                             "camera file is the source, else at the held-out points")
+                             "camera file or a map is the source, else at the held-out points; "
+                             "without this option 0.1 is the goal, and if none of the networks "
+                             "meets it, the smallest of the best ones is taken")
+    parser.add_argument("--sensor", metavar="WxH",
+                        help="of a map: size of the distorted picture, where the file does not "
+                             "tell it as `sensor`")
     parser.add_argument("--skip", action="store_true",
                         help="add a linear path from the inputs straight to the outputs: four "
                              "products that save about one hidden neuron")
@@ -86,14 +94,18 @@ def add_arguments(parser):
 
 def run(args):
     """Train, quantise, measure; write the descriptor, the plots and the report."""
-    if Path(args.output).resolve() == Path(args.source).resolve():
+    if Path(args.output).resolve() in [Path(path).resolve() for path in args.source]:
         raise InputError(f"the output {args.output} would replace the input")
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
-    if (args.neurons == "auto") != (args.max_error is not None):
-        raise InputError("--neurons auto and --max-error belong together, one of them is missing")
-    source = load_source(args.source, _size(args.size) if args.size else None, args.zoom,
-                         args.bayer, _colour(args.fill), args.camera)
+    if args.neurons != "auto" and args.max_error is not None:
+        raise InputError(f"--max-error is an option of --neurons auto, {args.neurons} are asked "
+                         f"for")
+    size, sensor = (_size(text, name) if text else None
+                    for text, name in ((args.size, "size"), (args.sensor, "sensor")))
+    source = load_source(args.source, size, args.zoom, args.bayer, _colour(args.fill),
+                         args.camera, sensor)
+    _tell_map(source)
     trained = _train(args, source)
     trained.descriptor.save(args.output)
     plots = plot_training(trained, source, args.output, args.held_out)
@@ -101,10 +113,16 @@ def run(args):
                                "plots": plots}
     lost = report["valid_pixels_lost"]
     if lost:
-        print(f"warning: {lost} pixels with a source are left blank, because their row has more "
-              f"than two spans", file=sys.stderr)
-    if write_report(report, args.json):
-        return
+        _warn(f"{lost} pixels with a source are left blank, because their row has more than two "
+              f"spans")
+    if not report.get("max_error_met", True):
+        _warn(f"no network of 1 to {len(report['tried'])} hidden neurons has a largest error of "
+              f"{report['max_error_px']:g} px or less: the smallest of the best ones is taken")
+    if not write_report(report, args.json):
+        _print_report(args, source, report)
+
+
+def _print_report(args, source, report):
     width, height = source.geometry.corrected
     skip = ", skip path" if args.skip else ""
     print(f"{report['hidden_neurons']} hidden neurons{skip}, {width}x{height} corrected pixels, "
@@ -119,13 +137,33 @@ def run(args):
         print(straightness_text(report, "held-out points" if args.held_out else "points"))
         for reason, count in report["points_dropped"].items():
             print(f"  {count} points not used: {reason}")
-    print(f"{args.output}; look at {' and '.join(plots)}")
+    if "tried" in report:
+        print(f"{report['hidden_neurons']} hidden neurons are proposed, of "
+              f"{len(report['tried'])} numbers tried, by the largest error on "
+              f"{_judged_on(report)}")
+    *most, last = report["plots"]
+    print(f"{args.output}; look at {', '.join(most)} and {last}")
+
+
+def _tell_map(source):
+    """What of the sensor a map reads, and what is odd about it, before the training takes time."""
+    if "source_columns" in source.facts:
+        width, height = source.geometry.distorted
+        (left, right), (top, bottom) = source.facts["source_columns"], source.facts["source_rows"]
+        print(f"the map reads columns {left:.1f} to {right:.1f} of 0 to {width - 1} and rows "
+              f"{top:.1f} to {bottom:.1f} of 0 to {height - 1}", file=sys.stderr)
+    for sentence in source.facts.get("warnings", ()):
+        _warn(sentence)
+
+
+def _warn(sentence):
+    print(f"warning: {sentence}", file=sys.stderr)
 
 
 def _train(args, source):
     choices = _choices(args)
     if args.neurons == "auto":
-        return choose_camera(source, args.max_error, choices, training_progress(), _tried)
+        return choose_camera(source, args.max_error, choices, _choosing_progress(), _tried)
     return train_camera(source, args.neurons, choices, training_progress())
 
 
@@ -148,10 +186,13 @@ def _tried(neurons, worst):
 
 
 def plot_training(trained, source, output, held_out=HELD_OUT):
-    """Write OUTPUT.errors.png and OUTPUT.learning.png beside ``output``; return their names."""
+    """Write OUTPUT.errors.png and OUTPUT.learning.png beside ``output``; return their names.
+
+    If several numbers of hidden neurons were tried, also OUTPUT.neurons.png.
+    """
     output = Path(output)
-    errors, learning = (str(output.with_name(f"{output.stem}.{name}.png"))
-                        for name in ("errors", "learning"))
+    errors, learning, neurons = (str(output.with_name(f"{output.stem}.{name}.png"))
+                                 for name in ("errors", "learning", "neurons"))
     report = trained.report
     title = f"integer network, {report['hidden_neurons']} hidden neurons, "
     if trained.error_maps:
@@ -166,7 +207,11 @@ def plot_training(trained, source, output, held_out=HELD_OUT):
     steps = {"lm": "iterations, all starts together", "ebp": "epochs"}[report["trainer"]]
     plot_learning_curve(learning, trained.training.curve,
                         f"{report['trainer']}, seed {report['seed']}", steps)
-    return [errors, learning]
+    if "tried" not in report:
+        return [errors, learning]
+    plot_neurons(neurons, report["tried"], report["hidden_neurons"], report["max_error_px"],
+                 _judged_on(report))
+    return [errors, learning, neurons]
 
 
 def error_table(parts):
@@ -186,6 +231,21 @@ def training_progress():
     return lambda done, mse: progress(done, f", MSE {mse:.5g} px²")
 
 
+def _judged_on(report):
+    return "the whole frame" if report["measured_on"] == "frame" else "held-out points"
+
+
+def _choosing_progress():
+    """The same of a row of trainings, called with the number of hidden neurons first."""
+    shown = {}
+
+    def progress(neurons, done, mse):
+        if neurons not in shown:
+            shown[neurons] = Progress(f"training {neurons} hidden neurons")
+        shown[neurons](done, f", MSE {mse:.5g} px²")
+    return progress
+
+
 def _neurons(text):
     if text == "auto" or text.removeprefix("-").isdecimal():
         return text if text == "auto" else int(text)
@@ -197,10 +257,10 @@ def _formats(args):
     return replace(formats, coordinate=Q(formats.coordinate.i_bits, args.coordinate_bits))
 
 
-def _size(text):
+def _size(text, name):
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.isdecimal() for part in parts):
-        raise InputError(f"size is {text!r}, WxH is needed, as in 1280x1024")
+        raise InputError(f"{name} is {text!r}, WxH is needed, as in 1280x1024")
     return tuple(map(int, parts))
 
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import partial
 
+import cv2
 import numpy as np
 import pytest
 
@@ -12,6 +13,7 @@ from ncdc.cli import train as command
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, evaluate_points
+from ncdc_model.neurons_plot import plot_neurons
 from ncdc_model.training import choose
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.levenberg import train_levenberg
@@ -67,6 +69,45 @@ def test_integers_that_miss_the_error_do_not_count(camera_file, monkeypatch):
     assert trained.report["tried"][2]["max"] == 9 and trained.descriptor.hidden_neurons == 4
 
 
+def test_without_a_limit_a_tenth_of_a_pixel_is_tried_for(camera_file, monkeypatch, capsys):
+    monkeypatch.setattr(choose, "MOST_NEURONS", 3)
+    out = camera_file.with_name("net.toml")
+    call(command, camera_file, "--neurons", "auto", "-o", out)
+    d, text = Descriptor.load(out), capsys.readouterr()
+    rows = [row["max"] for row in d.errors["tried"]]
+    assert d.errors["max_error_px"] == .1 and d.errors["max_error_met"] is False
+    assert len(rows) == 3 and rows[d.hidden_neurons - 1] <= 1.1 * min(rows)
+    assert all(row > 1.1 * min(rows) for row in rows[:d.hidden_neurons - 1])
+    assert "no network of 1 to 3 hidden neurons has a largest error of 0.1 px" in text.err
+    assert f"{d.hidden_neurons} hidden neurons are proposed, of 3 numbers tried" in text.out
+    assert out.with_name("net.neurons.png").exists()
+
+
+def test_a_smaller_network_is_preferred_to_one_that_is_hardly_better(camera_file, monkeypatch):
+    monkeypatch.setattr(choose, "MOST_NEURONS", 3)
+    errors = iter([{"max": 3.0, "mean": 1}, {"max": 2.1, "mean": 1}, {"max": 2.0, "mean": 1}])
+    monkeypatch.setattr(choose, "_errors", lambda back_map, pairs: next(errors))
+    assert choose.choose_camera(load_source(camera_file)).descriptor.hidden_neurons == 2
+
+
+def test_points_too_few_for_many_neurons_end_the_row(camera_file):
+    source, seen = load_source(camera_file), []
+    few = replace(source, pairs=tuple(part[::180] for part in source.pairs))
+    taught = (~split(len(few.pairs[0]), 7)).sum()
+    choose.choose_camera(few, tried=lambda n, worst: seen.append(n))
+    assert 3 <= taught // 3 < 8 and seen == list(range(1, taught // 3 + 1))
+
+
+def test_the_error_is_drawn_against_the_neurons(tmp_path):
+    tried = [{"hidden_neurons": n, "max": 10.0 / n, "mean": 1.0 / n} for n in (1, 2, 3)]
+    for name, rows, chosen in (("a", tried, 3), ("b", [*tried[:2], tried[2] | {"max": 8.0}], 3),
+                               ("c", tried, 2)):
+        plot_neurons(tmp_path / f"{name}.png", rows, chosen, 4, "the whole frame")
+    first, *others = (cv2.imread(str(tmp_path / f"{name}.png")) for name in "abc")
+    assert first.shape[0] > 300
+    assert all((first != other).mean() > .002 for other in others)
+
+
 def test_none_that_meets_it_is_one_sentence_and_no_file(camera_file, monkeypatch, capsys):
     monkeypatch.setattr(choose, "MOST_NEURONS", 2)
     out = camera_file.with_name("net.toml")
@@ -87,8 +128,7 @@ def test_descriptor_of_the_command_carries_what_was_tried(camera_file):
 
 
 @pytest.mark.parametrize("options,message", [
-    (["--neurons", "auto"], "--neurons auto and --max-error belong together"),
-    (["--neurons", 4, "--max-error", 1], "--neurons auto and --max-error belong together"),
+    (["--neurons", 4, "--max-error", 1], "--max-error is an option of --neurons auto, 4 are asked"),
     (["--neurons", 4, "--epochs", 9], "--epochs is an option of the trainer ebp"),
     (["--neurons", 4, "--trainer", "ebp", "--epochs", 0], "0 epochs are asked for, the least is 1"),
     (["--neurons", "auto", "--max-error", -1], "the maximum error is -1 px, it must be positive"),

@@ -9,6 +9,7 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc.cli import main
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
+from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.corrector import correct
 from ncdc_model.network import frame_coordinates
 from ncdc_model.remap import SUFFIXES
@@ -52,6 +53,13 @@ def test_tables_hold_the_coordinates_of_the_hardware(tmp_path, net, suffix):
         scaled = table * 2**net.formats.coordinate.f_bits
         np.testing.assert_array_equal(scaled[~blank], raw[~blank])
         assert (table[blank] == -16).all()
+    read = load_remap([path])
+    assert read.geometry.distorted == (90, 82)
+    for table, raw in zip((read.x, read.y), frame_coordinates(net)):
+        on = np.isfinite(table)
+        # A source within half a pixel of the sensor's edge is corrected, but not trained on.
+        assert on.mean() > .9 and not (on & blank).any()
+        np.testing.assert_array_equal(table[on], raw[on] / 2**net.formats.coordinate.f_bits)
 
 
 def test_remap_with_the_tables_gives_the_corrected_picture(tmp_path, net):

@@ -7,7 +7,7 @@ import yaml
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
 
-__all__ = ["read_table"]
+__all__ = ["file_storage", "read_table"]
 
 
 def read_table(path):
@@ -25,7 +25,7 @@ def read_table(path):
     try:
         text = content.decode()
         if text.startswith(("%YAML", "<?xml")):
-            table = _file_storage(text)
+            table = file_storage(text)
         else:
             table = yaml.safe_load(text)
     except (UnicodeDecodeError, yaml.YAMLError, cv2.error, SystemError) as error:
@@ -36,7 +36,14 @@ def read_table(path):
     return table
 
 
-def _file_storage(text):
+def file_storage(text):
+    """Content of OpenCV's FileStorage in ``text``: dict, its matrices as arrays.
+
+    Raises
+    ------
+    cv2.error, SystemError
+        If OpenCV cannot read it.
+    """
     storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
     try:
         return _plain(storage.root())

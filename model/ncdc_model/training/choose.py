@@ -1,6 +1,8 @@
 """The smallest network that meets a maximum error."""
 
 import math
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -8,65 +10,84 @@ from ncdc_model.errors import InputError
 from ncdc_model.evaluate import float_map
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import describe
-from ncdc_model.training.problem import Problem, split
+from ncdc_model.training.problem import MIN_POINTS_PER_NEURON, Problem, split
 from ncdc_model.training.train import train
 from ncdc_model.valid import valid_mask
 
-__all__ = ["MOST_NEURONS", "choose_camera"]
+__all__ = ["GOAL", "MOST_NEURONS", "choose_camera"]
 
 MOST_NEURONS = 16
+GOAL = .1              # pixels: the largest error that is wanted if none is asked for
+NEARLY = 1.1           # of the best largest error: a smaller network is preferred up to that
 
 
-def choose_camera(source, max_error, choices=TrainingChoices(), progress=None, tried=None):
+def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=None, tried=None):
     """Train networks of 1, 2, ... 16 hidden neurons up to the first that meets ``max_error``.
 
     The error is the largest distance in distorted pixels of float and of integer network: at
     every valid pixel where the source has the exact map, else at the held-out points inside the
-    frame. Each network is that of :func:`ncdc_model.training.pipeline.train_camera`.
+    frame. Each network is that of :func:`ncdc_model.training.pipeline.train_camera`: none depends
+    on those before it. Points too few for 16 neurons end the row earlier.
 
     Parameters
     ----------
     source : Source
-    max_error : float
-        Pixels.
+    max_error : float, optional
+        Pixels that must be met. Without it :data:`GOAL` is tried for, and if no network meets it,
+        the smallest is taken whose largest error is at most :data:`NEARLY` times the least.
     choices : TrainingChoices
     progress : callable, optional
-        Called with (fraction of the present training done, MSE in px^2).
+        Called with (hidden neurons, fraction of their training done, MSE in px^2).
     tried : callable, optional
         Called with (hidden neurons, largest error in px) of every network.
 
     Returns
     -------
     TrainedCamera
-        Its report also has ``max_error_px`` and ``tried``: ``hidden_neurons`` and ``max`` of
-        every network.
+        Its report also has ``max_error_px``, ``max_error_met`` and ``tried``: ``hidden_neurons``,
+        ``max`` and ``mean`` error of every network. Of a network whose float error is above the
+        limit these are the float errors.
 
     Raises
     ------
     InputError
-        If no network meets it, no point is held out, or the request is bad.
+        If no network meets ``max_error``, no point is held out, or the request is bad.
     """
-    if not (math.isfinite(max_error) and max_error > 0):
-        raise InputError(f"the maximum error is {max_error:g} px, it must be positive")
+    limit = GOAL if max_error is None else max_error
+    if not (math.isfinite(limit) and limit > 0):
+        raise InputError(f"the maximum error is {limit:g} px, it must be positive")
     judge = _judge(source, choices.held_out)
-    rows = []
-    for neurons in range(1, MOST_NEURONS + 1):
-        training = train(source.pairs, source.geometry, neurons, choices, progress,
-                         source.anchors)
-        worst, trained = _worst(float_map(training.network, source.geometry), judge), None
-        if worst <= max_error:
-            trained = describe(source, training, choices)
-            worst = max(worst, trained.report["map_error_fixed_px"]["max"])
-        rows.append({"hidden_neurons": neurons, "max": worst})
+    rows, trainings = [], []
+    for neurons in range(1, _most(source, choices) + 1):
+        training = train(source.pairs, source.geometry, neurons, choices,
+                         partial(progress, neurons) if progress else None, source.anchors)
+        errors = _errors(float_map(training.network, source.geometry), judge)
+        trained = describe(source, training, choices) if errors["max"] <= limit else None
+        if trained:
+            errors["max"] = max(errors["max"], trained.report["map_error_fixed_px"]["max"])
+        trainings.append(training)
+        rows.append({"hidden_neurons": neurons, **errors})
         if tried:
-            tried(neurons, worst)
-        if trained and worst <= max_error:
-            trained.report.update({"max_error_px": max_error, "tried": rows})
-            return trained
-    best = min(rows, key=lambda row: row["max"])
-    raise InputError(f"no network of 1 to {MOST_NEURONS} hidden neurons has a maximum error of "
-                     f"{max_error:g} px or less; the best, of {best['hidden_neurons']}, has "
-                     f"{best['max']:.3g} px")
+            tried(neurons, errors["max"])
+        if trained and errors["max"] <= limit:
+            break
+    else:
+        best = min(rows, key=lambda row: row["max"])
+        if max_error is not None:
+            raise InputError(f"no network of 1 to {len(rows)} hidden neurons has a maximum error "
+                             f"of {limit:g} px or less; the best, of {best['hidden_neurons']}, has "
+                             f"{best['max']:.3g} px")
+        chosen = next(k for k, row in enumerate(rows) if row["max"] <= NEARLY * best["max"])
+        trained = describe(source, trainings[chosen], choices)
+    facts = {"max_error_px": limit, "max_error_met": rows[-1]["max"] <= limit, "tried": rows}
+    descriptor = replace(trained.descriptor, errors=trained.descriptor.errors | facts)
+    return replace(trained, descriptor=descriptor, report=trained.report | facts)
+
+
+def _most(source, choices):
+    """The most hidden neurons that are tried: no more than the points can determine."""
+    taught = len(source.pairs[0]) - int(split(len(source.pairs[0]), choices.held_out).sum())
+    return max(1, min(MOST_NEURONS, taught // MIN_POINTS_PER_NEURON))
 
 
 def _judge(source, held_out):
@@ -84,6 +105,8 @@ def _judge(source, held_out):
     return Problem(u[on], v[on], x[on], y[on], source.geometry)
 
 
-def _worst(back_map, pairs):
+def _errors(back_map, pairs):
+    """``max`` and ``mean`` distance of a map from ``pairs`` in pixels."""
     x, y = back_map(pairs.u, pairs.v)
-    return float(np.hypot(x - pairs.x, y - pairs.y).max())
+    distance = np.hypot(x - pairs.x, y - pairs.y)
+    return {"max": float(distance.max()), "mean": float(distance.mean())}

@@ -39,7 +39,8 @@ class TrainedCamera:
         row cannot hold; of points ``extrapolated_percent``, valid pixels that lie beyond
         the points, where the network follows the smooth lens, ``points_dropped``, points that
         were not used by reason, and the values of
-        :func:`ncdc_model.calibration.measure.measure_map`, on held-out points if there are any.
+        :func:`ncdc_model.calibration.measure.measure_map`, on held-out points if there are any;
+        the ``facts`` of the source.
     error_maps : dict
         ``float`` and ``fixed``: distance to the true map in pixels, float32 (height, width),
         ``nan`` where a pixel has no source; empty if the true map is not known.
@@ -117,7 +118,7 @@ def describe(source, training, choices):
         dropped = {reason.value: count for reason, count in source.frame.rejected.items()}
         report = report | {"points_dropped": dropped} | measure_map(
             source.frame, float_map(network, source.geometry), out if out.any() else None)
-    return TrainedCamera(descriptor, training, report, maps)
+    return TrainedCamera(descriptor, training, report | source.facts, maps)
 
 
 def _regions(source, network):

@@ -7,7 +7,7 @@ import numpy as np
 from ncdc_model.errors import InputError
 from ncdc_model.geometry import Geometry
 
-__all__ = ["Problem", "errors_of", "split", "spread"]
+__all__ = ["MIN_POINTS_PER_NEURON", "Problem", "errors_of", "split", "spread"]
 
 MIN_POINTS_PER_NEURON = 3      # 5 parameters a neuron, two equations a point
 

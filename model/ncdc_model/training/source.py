@@ -1,4 +1,4 @@
-"""What a network is trained on: a points file of photos, or the file of a calibrated camera."""
+"""What a network is trained on: points of photos, the file of a calibrated camera, or a map."""
 
 import json
 from dataclasses import dataclass, field
@@ -9,6 +9,8 @@ import numpy as np
 from ncdc_model.calibration.camera_file import load_camera_map, training_grid
 from ncdc_model.calibration.frame import IdealFrame, ideal_frame
 from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.calibration.remap_file import are_remap_files
+from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
 from ncdc_model.geometry import Geometry
@@ -30,7 +32,8 @@ class Source:
         Corrected pixels and their sources in the distorted image.
     geometry : Geometry
     back_map : callable or None
-        The exact map (u, v) -> (x, y) over the whole frame, where a camera file gives it.
+        The exact map (u, v) -> (x, y) over the whole frame, where a camera file or remap tables
+        give it.
     calibrated : Calibrated or None
         Where points cover the map, where no exact one is known.
     smooth_map : callable or None
@@ -43,6 +46,9 @@ class Source:
         (focal length and centre of the corrected image in pixels), and of points ``homography``.
     frame : IdealFrame or None
         The points' rows and columns, whose straightness measures a network.
+    facts : dict
+        Of remap tables, for the report: ``source_columns`` and ``source_rows``, the least and the
+        largest that they read, and ``warnings``, sentences on what is odd about them.
     """
     pairs: tuple
     geometry: Geometry
@@ -52,6 +58,7 @@ class Source:
     anchors: tuple | None = None
     provenance: dict = field(default_factory=dict)
     frame: IdealFrame | None = None
+    facts: dict = field(default_factory=dict)
 
 
 def is_points_file(path):
@@ -63,20 +70,24 @@ def is_points_file(path):
     return isinstance(table, dict) and table.get("format") == "ncdc points"
 
 
-def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None):
-    """Read a points or camera file and choose the corrected frame.
+def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None,
+                sensor=None):
+    """Read a points or camera file and choose the corrected frame, or read remap tables.
 
     Parameters
     ----------
-    path : path
+    path : path or sequence of path
+        Two are the tables x and y of a map.
     size : (int, int), optional
-        Corrected width and height; default that of the photos.
+        Corrected width and height; default that of the photos. A map has its own.
     zoom : str or float, optional
         As in :func:`ncdc_model.lens.choose_frame`; default fit.
     bayer, fill
         As in :class:`Geometry`.
     camera : str, optional
-        Which camera of a camchain.
+        Which camera of a camchain, or which of several maps in a file.
+    sensor : (int, int), optional
+        Width and height of the distorted image, of remap tables that do not tell.
 
     Raises
     ------
@@ -84,6 +95,12 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
         If the file or an option is bad.
     """
     options = dict(bayer=bayer, fill=tuple(fill))
+    paths, tables = are_remap_files(path)
+    if tables:
+        return _of_remap(paths, size or zoom, sensor, camera, options)
+    path, = paths
+    if sensor is not None:
+        raise InputError(f"the sensor's size is given, which {path} tells itself: it is no map")
     if not is_points_file(path):
         return _of_camera(path, size, zoom, camera, options)
     if camera is not None:
@@ -97,6 +114,20 @@ def _of_camera(path, size, zoom, camera, options):
                   "source_hash": camera.digest, "frame": _numbers(camera.frame)}
     return Source(training_grid(camera.back_map, camera.geometry()), camera.geometry(**options),
                   back_map=camera.back_map, provenance=provenance)
+
+
+def _of_remap(paths, frame, sensor, camera, options):
+    if frame is not None:
+        raise InputError(f"size and zoom choose the frame of points and camera files, the map of "
+                         f"{paths[0]} has its own")
+    tables = load_remap(paths, sensor, camera, **options)
+    columns, rows = tables.reach
+    provenance = {"source": " ".join(Path(path).name for path in paths),
+                  "source_kind": tables.model, "source_hash": tables.digest}
+    facts = {"source_columns": list(columns), "source_rows": list(rows),
+             "warnings": list(tables.warnings)}
+    return Source(training_grid(tables.back_map, tables.geometry), tables.geometry,
+                  back_map=tables.back_map, provenance=provenance, facts=facts)
 
 
 def _of_points(path, size, zoom, options):
