@@ -12,6 +12,7 @@ from amaranth.hdl import UnusedElaboratable
 
 from ncdc_model.errors import InputError
 from ncdc_model.files import check_outputs
+from ncdc_model.threads import one_thread
 from ncdc_sim.tools import SimulationError
 
 __all__ = ["COMMANDS", "main", "parser"]
@@ -65,7 +66,7 @@ def main(arguments=None):
     try:
         check_outputs(*_files(args))
         # What overflows becomes not-a-number, which the checks of the commands name.
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), one_thread():
             return args.run(args) or 0
     except InputError as error:
         print(f"ncdc {args.command}: {error}", file=sys.stderr)

@@ -10,6 +10,7 @@ from ncdc_model.calibration.relief import find_relief
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
 from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera, choose_frame
+from ncdc_model.threads import one_thread
 
 __all__ = ["IdealFrame", "ideal_frame"]
 
@@ -64,6 +65,7 @@ class IdealFrame:
     numbers: tuple
 
 
+@one_thread()
 def ideal_frame(points, size=None, zoom="fit"):
     """Training pairs of :class:`TargetPoints` for a corrected picture of ``size`` at ``zoom``.
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ncdc_model.descriptor import MAX_NEURONS, FloatNetwork
 from ncdc_model.errors import InputError
+from ncdc_model.threads import one_thread
 from ncdc_model.training.backprop import train_backprop
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.levenberg import train_levenberg
@@ -35,6 +36,7 @@ class Training:
     held_out: dict
 
 
+@one_thread()
 def train(pairs, geometry, neurons, choices=TrainingChoices(), progress=None, anchors=None):
     """Train a network on calibrated ``pairs`` and measure it.
 
