@@ -49,13 +49,14 @@ def parser():
 
 
 def _files(args):
-    """Output and input files among a command's arguments."""
+    """Output and input files among a command's arguments, and outputs that may be streams."""
     given = vars(args)
-    outputs = [given["json"]] if given.get("json") not in (None, "-") else []
+    streams = [given["json"]] if given.get("json") not in (None, "-") else []
+    outputs = []
     if args.command not in _TO_FOLDER and given.get("output"):
         outputs.append(given["output"])
     inputs = [given[name] for name in ("descriptor", "image", "source", "against") if name in given]
-    return outputs, inputs + given.get("photos", [])
+    return outputs, inputs + given.get("photos", []), streams
 
 
 def main(arguments=None):
@@ -74,6 +75,9 @@ def main(arguments=None):
     except SimulationError as error:
         print(f"ncdc {args.command}: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print(f"\nncdc {args.command}: interrupted", file=sys.stderr)
+        return 130
     except BrokenPipeError:
         # The reader of our output has left; nothing more can be said to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

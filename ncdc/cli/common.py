@@ -3,10 +3,13 @@
 import json
 import math
 
-from ncdc_model.files import write_text
+from ncdc_model.files import write_stream
 from ncdc_model.images import is_raw, mosaic, read_image
 
 __all__ = ["add_camera", "add_json", "raw_frame", "straightness_text", "write_report"]
+
+
+_RELIEF = 0.005        # px rms: less would be told as a relief of 0.00 px
 
 
 def raw_frame(path, geometry):
@@ -27,7 +30,7 @@ def straightness_text(report, points):
     text = f"rows and columns straight to {report['straightness_rms_px']:.3f} px rms on {points}"
     if math.isfinite(report["straightness_floor_rms_px"]):
         text += f", their own scatter is worth {report['straightness_floor_rms_px']:.3f}"
-    if report["relief_rms_px"]:
+    if report["relief_rms_px"] >= _RELIEF:
         text += (f"\nthe target is not flat: its relief, {report['relief_rms_px']:.2f} px rms, is "
                  f"taken off; taken as flat: {report['straightness_as_flat_rms_px']:.3f} px rms")
     return text
@@ -51,7 +54,7 @@ def write_report(report, target):
         print(text, end="")
         return True
     if target:
-        write_text(target, text)
+        write_stream(target, text)
     return False
 
 

@@ -10,7 +10,7 @@ from ncdc_model.calibration.camera_file import load_camera_map, training_grid
 from ncdc_model.calibration.frame import IdealFrame, ideal_frame
 from ncdc_model.calibration.points import TargetPoints
 from ncdc_model.errors import InputError
-from ncdc_model.files import read_bytes
+from ncdc_model.files import parse_text, read_bytes
 from ncdc_model.geometry import Geometry
 from ncdc_model.valid import REACH, Calibrated, grid_pitch
 
@@ -66,10 +66,18 @@ class Source:
 
 
 def is_points_file(path):
-    """Whether ``path`` is a file of ``ncdc calibrate``; :class:`InputError` if unreadable."""
+    """Whether ``path`` is a file of ``ncdc calibrate``.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or says that it is one and is no JSON.
+    """
     try:
-        table = json.loads(read_bytes(path))
-    except ValueError:
+        table = parse_text(path, "points file", json.loads)
+    except InputError:
+        if b'"ncdc points"' in read_bytes(path):
+            raise
         return False
     return isinstance(table, dict) and table.get("format") == "ncdc points"
 
