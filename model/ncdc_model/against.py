@@ -24,11 +24,13 @@ __all__ = ["corrected_points", "evaluate_against", "fitted_view"]
 _WIDE = 0.01       # zoom at which no point of a photo falls outside the frame
 
 
-def evaluate_against(descriptor, path, camera=None):
+def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: None):
     """Errors of ``descriptor`` against a points or camera file or remap tables.
 
     ``path``: a path, or two of the tables x and y; ``camera``: which of a camchain, or which of
     several maps in a file. A map is compared at every pixel that is valid in both.
+
+    ``progress`` is called with the fraction done.
 
     A camera file is compared at every valid pixel: in the corrected frame of training
     (``trained``) if the descriptor is from a camera file. Points leave open from which direction
@@ -55,7 +57,8 @@ def evaluate_against(descriptor, path, camera=None):
     path, = paths
     if not is_points_file(path):
         back_map, view = _true_map(descriptor, path, camera)
-        return {"measured_on": f"frame, view {view}", **evaluate_frame(descriptor, back_map)}
+        return {"measured_on": f"frame, view {view}",
+                **evaluate_frame(descriptor, back_map, progress=progress)}
     if camera is not None:
         raise InputError(f"camera {camera} is asked for, {path} holds points")
     points = TargetPoints.load(path)
@@ -63,8 +66,9 @@ def evaluate_against(descriptor, path, camera=None):
     report = evaluate_points(descriptor, u, v, x, y)
     if not report["points"]:
         raise InputError(f"no point of {path} is inside the corrected frame")
+    frame = evaluate_frame(descriptor, progress=progress)
     return {"measured_on": f"points, pose {pose}", "hidden_neurons": descriptor.hidden_neurons,
-            "fixed_minus_float_max_px": evaluate_frame(descriptor)["fixed_minus_float_max_px"],
+            "fixed_minus_float_max_px": frame["fixed_minus_float_max_px"],
             **report}
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ncdc_model.errors import InputError, reading
-from ncdc_model.files import read_bytes, write_text
+from ncdc_model.files import parse_text, write_text
 from ncdc_model.fixed import Q
 from ncdc_model.float_network import FloatNetwork, check_gamma
 from ncdc_model.formats import MAX_NEURONS, Formats
@@ -161,10 +161,7 @@ class Descriptor:
             If the file cannot be read, is truncated, is of another version, lacks a value, or
             holds one that does not fit.
         """
-        try:
-            table = tomllib.loads(read_bytes(path).decode())
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise InputError(f"{path} is no descriptor: {error}") from error
+        table = parse_text(path, "descriptor", tomllib.loads)
         if table.get("version") != VERSION:
             raise InputError(f"{path} has descriptor version {table.get('version')}, "
                              f"version {VERSION} is needed")

@@ -60,7 +60,7 @@ def evaluate_points(descriptor, u, v, x, y):
             "map_error_fixed_px": map_error(fixed_map(descriptor)(u, v), truth)}
 
 
-def evaluate_frame(descriptor, back_map=None, maps=None):
+def evaluate_frame(descriptor, back_map=None, maps=None, progress=lambda fraction: None):
     """Errors at every valid pixel of the corrected frame.
 
     Parameters
@@ -71,6 +71,8 @@ def evaluate_frame(descriptor, back_map=None, maps=None):
     maps : dict, optional
         Filled with ``float`` and ``fixed``, the Euclidean distances to the truth in pixels,
         float32 of shape (height, width), ``nan`` where a pixel is not valid.
+    progress : callable, optional
+        Called with the fraction of the rows done.
 
     Returns
     -------
@@ -87,6 +89,7 @@ def evaluate_frame(descriptor, back_map=None, maps=None):
     for name in tallies if maps is not None else ():
         maps[name] = np.full((height, width), np.nan, np.float32)
     for top in range(0, height, _ROWS):
+        progress(min(top + _ROWS, height) / height)
         v, u = np.nonzero(valid[top:top + _ROWS])
         v += top
         if not len(u):

@@ -8,6 +8,7 @@ import numpy as np
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes, replace_file
 from ncdc_model.geometry import BAYER_PHASE
+from ncdc_model.samples import eight_bits
 
 __all__ = ["check_suffix", "demosaic", "is_raw", "mosaic", "read_image", "write_image"]
 
@@ -17,10 +18,11 @@ _OPENCV = {"RGGB": cv2.COLOR_BayerBG2RGB, "GRBG": cv2.COLOR_BayerGB2RGB,
            "GBRG": cv2.COLOR_BayerGR2RGB, "BGGR": cv2.COLOR_BayerRG2RGB}
 
 
-def read_image(path):
+def read_image(path, bits=None, told=lambda sentence: None):
     """The image file ``path`` as uint8: (height, width) if single-channel, else (h, w, 3) RGB.
 
-    Sixteen-bit files keep their upper eight bits; an alpha channel is dropped.
+    Of the ``bits`` bits of a sample the upper eight are kept; None guesses them of a 16-bit file
+    and says so by ``told`` (:func:`ncdc_model.samples.eight_bits`). An alpha channel is dropped.
 
     Raises
     ------
@@ -34,10 +36,9 @@ def read_image(path):
         image = None
     if image is None:
         raise InputError(f"{path} holds no image that can be decoded")
-    if image.dtype == np.uint16:
-        image = (image >> 8).astype(np.uint8)
-    if image.dtype != np.uint8:
+    if image.dtype not in (np.uint8, np.uint16):
         raise InputError(f"{path} holds {image.dtype} samples, 8 or 16 bit integers are needed")
+    image = eight_bits(image, bits, path, told)
     if image.ndim == 3 and image.shape[2] == 1:
         return image[:, :, 0]
     if image.ndim == 3:

@@ -82,7 +82,9 @@ def _histogram(axes, values, unit):
             axes.axvline(value, color="tab:red", linestyle=style,
                          label=f"{level} %: {value:.3g} px" if level < 100 else
                          f"largest: {value:.3g} px")
-        axes.legend(fontsize="small")
+        # Inside the axes it would cover the lines and the tail of the histogram.
+        axes.legend(loc="upper center", bbox_to_anchor=(.5, -.16), ncols=3, fontsize="small",
+                    handlelength=1.4, columnspacing=1)
 
 
 def _save(figure, path):

@@ -12,6 +12,7 @@ from amaranth.hdl import UnusedElaboratable
 
 from ncdc_model.errors import InputError
 from ncdc_model.files import check_outputs
+from ncdc_model.threads import one_thread
 from ncdc_sim.tools import SimulationError
 
 __all__ = ["COMMANDS", "main", "parser"]
@@ -48,16 +49,17 @@ def parser():
 
 
 def _files(args):
-    """Output and input files among a command's arguments."""
+    """Output and input files among a command's arguments, and outputs that may be streams."""
     given = vars(args)
-    outputs = [given["json"]] if given.get("json") not in (None, "-") else []
+    streams = [given["json"]] if given.get("json") not in (None, "-") else []
+    outputs = []
     if args.command not in _TO_FOLDER and given.get("output"):
         outputs.append(given["output"])
     inputs = []
     for name in ("descriptor", "image", "source", "against", "photos"):
         value = given.get(name, [])
         inputs += value if isinstance(value, list) else [value]
-    return outputs, inputs
+    return outputs, inputs, streams
 
 
 def main(arguments=None):
@@ -68,7 +70,7 @@ def main(arguments=None):
     try:
         check_outputs(*_files(args))
         # What overflows becomes not-a-number, which the checks of the commands name.
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), one_thread():
             return args.run(args) or 0
     except InputError as error:
         print(f"ncdc {args.command}: {error}", file=sys.stderr)
@@ -76,6 +78,9 @@ def main(arguments=None):
     except SimulationError as error:
         print(f"ncdc {args.command}: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print(f"\nncdc {args.command}: interrupted", file=sys.stderr)
+        return 130
     except BrokenPipeError:
         # The reader of our output has left; nothing more can be said to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from ncdc.cli.common import add_json, straightness_text, write_report
+from ncdc.cli.common import add_json, add_samples, photo, straightness_text, write_report
 from ncdc.terminal import Progress
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
@@ -11,7 +11,7 @@ from ncdc_model.calibration.measure import measure_smooth
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.calibration.quality import warnings_of
 from ncdc_model.errors import InputError
-from ncdc_model.images import read_image, write_image
+from ncdc_model.images import write_image
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
@@ -31,12 +31,13 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
                              "drawn over it goes beside it as a PNG")
+    add_samples(parser)
     add_json(parser)
 
 
 def run(args):
     """Detect, write the points file and the overlays, report."""
-    points = detect_points(_photos(args.photos), args.target)
+    points = detect_points(_photos(args), args.target)
     output = Path(args.output)
     used = [name for name in dict.fromkeys(args.photos) if name not in points.rejected_photos]
     tags = [""] if len(used) == 1 else [f"-{k}-{Path(name).stem}" for k, name in enumerate(used, 1)]
@@ -48,21 +49,21 @@ def run(args):
                              f"another -o")
     measured, frame, warnings = _measured(points)
     points.save(output)
-    for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
-        write_image(overlay, draw_points(read_image(name), photo, frame, number))
+    for number, (name, overlay, part) in enumerate(zip(used, overlays, points.photos)):
+        write_image(overlay, draw_points(photo(name, args), part, frame, number))
     rejected = {}
-    for photo in points.photos:
-        for reason, count in photo.rejected.items():
+    for part in points.photos:
+        for reason, count in part.rejected.items():
             rejected[reason] = rejected.get(reason, 0) + count
-    whole = max(len(photo.index) for photo in points.photos)
+    whole = max(len(part.index) for part in points.photos)
     report = {
         "target": points.target, "columns": points.columns, "rows": points.rows,
         "points_found": points.count, "points_cut": points.count - points.whole,
         "points_rejected": sum(rejected.values()),
         "points_rejected_by_reason": rejected, "photos_used": len(points.photos),
         "photos_rejected": points.rejected_photos, "photos_in_part": {
-            photo.name: f"{len(photo.index)} of {whole} points" for photo in points.photos
-            if points.target != "dots" and len(photo.index) < whole},
+            part.name: f"{len(part.index)} of {whole} points" for part in points.photos
+            if points.target != "dots" and len(part.index) < whole},
         **measured, "warnings": warnings, "points": str(output), "overlays": overlays,
     }
     for name, reason in points.rejected_photos.items():
@@ -84,11 +85,12 @@ def run(args):
     print(f"{output}; look at {overlays[0]}" + (" and the others" if overlays[1:] else ""))
 
 
-def _photos(names):
+def _photos(args):
     """The photos, one after the other; with progress, if there are several."""
+    names = args.photos
     progress = Progress("photos") if len(names) > 1 else lambda *args: None
     for done, name in enumerate(names):
-        image = read_image(name)
+        image = photo(name, args)
         progress(done / len(names), f" {Path(name).name}")
         yield name, image
     progress(1)

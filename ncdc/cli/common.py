@@ -2,22 +2,66 @@
 
 import json
 import math
+import sys
 
-from ncdc_model.files import write_text
+from ncdc_model.errors import InputError
+from ncdc_model.files import read_bytes, write_stream
 from ncdc_model.images import is_raw, mosaic, read_image
+from ncdc_model.samples import RawDump, check_bits
 
-__all__ = ["add_camera", "add_json", "raw_frame", "straightness_text", "write_report"]
+__all__ = ["add_camera", "add_json", "add_samples", "photo", "raw_frame",
+           "straightness_text", "write_report"]
 
 
-def raw_frame(path, geometry):
-    """The raw Bayer frame of the image file ``path``, and a note if it had to be made.
+_RELIEF = 0.005        # px rms: less would be told as a relief of 0.00 px
+
+
+def add_samples(parser):
+    """Declare the options --bits and --raw."""
+    parser.add_argument("--bits", type=int, metavar="N",
+                        help="bits of a sample in 16-bit files, 8 to 16 (default: the least usual "
+                             "number that holds the brightest sample)")
+    parser.add_argument("--raw", metavar="WxH:PATTERN:BITS",
+                        help="the file is a dump of bare samples, as in 1280x1024:RGGB:12: bytes, "
+                             "or from 9 bits on two bytes each, lower first")
+
+
+def photo(path, args):
+    """Picture of the file ``path`` by the options of :func:`add_samples`; a guess goes to stderr.
+
+    Raises
+    ------
+    InputError
+        If an option is bad or does not suit the file.
+    """
+    if args.raw is not None:
+        if args.bits is not None:
+            raise InputError("--bits and --raw are given, --raw says the bits itself")
+        return RawDump.parse(args.raw).read(path)
+    if args.bits is not None:
+        check_bits(args.bits)
+    return read_image(path, args.bits, lambda sentence: print(sentence, file=sys.stderr))
+
+
+def raw_frame(args, geometry):
+    """The raw Bayer frame of the file ``args.image``, and a note on what it was taken for.
 
     A picture of one channel is taken for the raw frame itself; of a colour picture, each pixel
-    keeps the colour that the filter would have passed.
+    keeps the colour that the filter would have passed. A grey JPEG is refused: it cannot be a raw
+    frame, and the hardware knows no other.
     """
-    image = read_image(path)
-    if is_raw(image):
+    path, image = args.image, photo(args.image, args)
+    if args.raw is not None:
+        bayer = RawDump.parse(args.raw).bayer
+        if bayer != geometry.bayer:
+            raise InputError(f"the raw frame has the pattern {bayer}, the descriptor "
+                             f"{geometry.bayer}")
         return image, None
+    if is_raw(image):
+        if read_bytes(path)[:2] == b"\xff\xd8":
+            raise InputError(f"{path} is a grey JPEG, a raw {geometry.bayer} frame or a colour "
+                             f"picture is needed")
+        return image, f"{path} has one channel: taken as the raw {geometry.bayer} frame"
     note = f"{path} is a colour picture: mosaiced as {geometry.bayer}"
     return mosaic(image, geometry.bayer), note
 
@@ -27,7 +71,7 @@ def straightness_text(report, points):
     text = f"rows and columns straight to {report['straightness_rms_px']:.3f} px rms on {points}"
     if math.isfinite(report["straightness_floor_rms_px"]):
         text += f", their own scatter is worth {report['straightness_floor_rms_px']:.3f}"
-    if report["relief_rms_px"]:
+    if report["relief_rms_px"] >= _RELIEF:
         text += (f"\nthe target is not flat: its relief, {report['relief_rms_px']:.2f} px rms, is "
                  f"taken off; taken as flat: {report['straightness_as_flat_rms_px']:.3f} px rms")
     return text
@@ -52,7 +96,7 @@ def write_report(report, target):
         print(text, end="")
         return True
     if target:
-        write_text(target, text)
+        write_stream(target, text)
     return False
 
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from ncdc.cli.common import add_json, raw_frame, write_report
+from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.terminal import Progress, percent
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
@@ -20,6 +20,7 @@ def add_arguments(parser):
     parser.add_argument("image", metavar="IMAGE",
                         help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="corrected picture")
+    add_samples(parser)
     add_json(parser)
 
 
@@ -27,7 +28,7 @@ def run(args):
     """Correct, write, report."""
     check_suffix(args.output)
     descriptor = Descriptor.load(args.descriptor)
-    raw, note = raw_frame(args.image, descriptor.geometry)
+    raw, note = raw_frame(args, descriptor.geometry)
     corrected = correct(descriptor, raw, percent(Progress("correcting")))
     write_image(args.output, corrected.picture)
     if note:

@@ -112,7 +112,8 @@ def _photograph(folder, camera):
     write_image(folder / "photo.png", demosaic(raw, BAYER))
     points = detect_points([("photo.raw.png", raw)], "dots")
     points.save(folder / "points.json")
-    write_image(folder / "points.png", draw_points(demosaic(raw, BAYER), points.photos[0]))
+    write_image(folder / "points.png", draw_points(
+        demosaic(raw, BAYER), points.photos[0], ideal_frame(points)))
     _say(f"{points.count} dots found")
     return raw, points
 

@@ -2,6 +2,7 @@
 
 from ncdc.cli.common import add_camera, add_json, write_report
 from ncdc.cli.train import error_table
+from ncdc.terminal import Progress
 from ncdc_model.against import evaluate_against
 from ncdc_model.descriptor import Descriptor
 
@@ -24,8 +25,8 @@ def add_arguments(parser):
 
 def run(args):
     """Measure and report."""
-    report = evaluate_against(Descriptor.load(args.descriptor), args.against,
-                              args.camera)
+    report = evaluate_against(Descriptor.load(args.descriptor), args.against, args.camera,
+                              Progress("measuring"))
     if write_report(report, args.json):
         return
     count = (f"{report['points']} points" if "points" in report

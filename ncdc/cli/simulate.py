@@ -2,7 +2,7 @@
 
 import sys
 
-from ncdc.cli.common import add_json, raw_frame, write_report
+from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
 from ncdc.terminal import Progress
@@ -38,6 +38,7 @@ def add_arguments(parser):
     parser.add_argument("--seed", type=int, default=1, metavar="S",
                         help="of the memory's random behaviour (default: 1)")
     add_follow(parser)
+    add_samples(parser)
     add_json(parser)
 
 
@@ -49,7 +50,7 @@ def run(args):
     simulated_memory(args.memory)
     descriptor = Descriptor.load(args.descriptor)
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
-    raw, note = raw_frame(args.image, descriptor.geometry)
+    raw, note = raw_frame(args, descriptor.geometry)
     hardware, _ = planned(hardware_of(args), fixed, descriptor)
     line = camera_line(args.camera_line, descriptor.geometry) if args.follow else None
     simulation = simulate_correction(

@@ -13,7 +13,8 @@ from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
 from ncdc_model.formats import MAX_NEURONS, Formats
-from ncdc_model.geometry import BAYER_PHASE
+from ncdc_model.geometry import BAYER_PHASE, MIN_SIZE, Geometry
+from ncdc_model.lens import parse_zoom
 from ncdc_model.neurons_plot import plot_neurons
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
 from ncdc_model.tansig import FRACTION_BITS, VARIANTS, choose_variant
@@ -23,7 +24,7 @@ from ncdc_model.training.choose import choose_camera
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
-from ncdc_model.training.train import TRAINERS
+from ncdc_model.training.train import TRAINERS, check_request
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "error_table", "plot_training", "run",
            "training_progress"]
@@ -101,12 +102,15 @@ def run(args):
     if args.neurons != "auto" and args.max_error is not None:
         raise InputError(f"--max-error is an option of --neurons auto, {args.neurons} are asked "
                          f"for")
+    choices, fill = _choices(args), _colour(args.fill)
     size, sensor = (_size(text, name) if text else None
                     for text, name in ((args.size, "size"), (args.sensor, "sensor")))
-    source = load_source(args.source, size, args.zoom, args.bayer, _colour(args.fill),
-                         args.camera, sensor)
+    check_request(1 if args.neurons == "auto" else args.neurons, choices)
+    if args.zoom is not None:
+        parse_zoom(args.zoom)
+    source = load_source(args.source, size, args.zoom, args.bayer, fill, args.camera, sensor)
     _tell_map(source)
-    trained = _train(args, source)
+    trained = _train(args, source, choices)
     trained.descriptor.save(args.output)
     plots = plot_training(trained, source, args.output, args.held_out)
     report = trained.report | {"descriptor": str(args.output), "digest": trained.descriptor.digest,
@@ -160,8 +164,7 @@ def _warn(sentence):
     print(f"warning: {sentence}", file=sys.stderr)
 
 
-def _train(args, source):
-    choices = _choices(args)
+def _train(args, source, choices):
     if args.neurons == "auto":
         return choose_camera(source, args.max_error, choices, _choosing_progress(), _tried)
     return train_camera(source, args.neurons, choices, training_progress())
@@ -261,7 +264,9 @@ def _size(text, name):
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.isdecimal() for part in parts):
         raise InputError(f"{name} is {text!r}, WxH is needed, as in 1280x1024")
-    return tuple(map(int, parts))
+    size = tuple(map(int, parts))
+    Geometry(*size, MIN_SIZE, MIN_SIZE)     # names the side that is out of range
+    return size
 
 
 def _colour(text):

@@ -26,7 +26,7 @@ def test_colours_are_in_rgb_order(tmp_path):
 
 def test_sixteen_bits_and_alpha(tmp_path):
     cv2.imwrite(str(tmp_path / "deep.png"), np.full((8, 8), 0x1234, np.uint16))
-    assert read_image(tmp_path / "deep.png")[0, 0] == 0x12
+    assert read_image(tmp_path / "deep.png", 16)[0, 0] == 0x12
     cv2.imwrite(str(tmp_path / "alpha.png"), np.full((8, 8, 4), (1, 2, 3, 4), np.uint8))
     np.testing.assert_array_equal(read_image(tmp_path / "alpha.png")[0, 0], (3, 2, 1))
 

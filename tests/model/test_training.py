@@ -27,7 +27,7 @@ def test_batch_gradient_is_exact_and_normal_matrix_is_that_of_the_projected_jaco
     theta = np.random.default_rng(3).uniform(-1, 1, (1, 3, 3))
 
     def at(theta):
-        return Batch(theta, problem.inputs, targets, 1e-8)
+        return Batch(theta, problem.inputs, targets, 1e-8, precise=True)
     gradient, normal = at(theta).gauss_newton()
     for k in range(9):
         step = np.zeros(9)

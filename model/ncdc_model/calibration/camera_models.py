@@ -62,7 +62,7 @@ def lens_of_table(table, camera=None):
         raise InputError(f"the camera lacks the value {error.args[0]}") from error
     except InputError:
         raise
-    except (TypeError, ValueError, AttributeError) as error:
+    except (TypeError, ValueError, AttributeError, OverflowError) as error:
         raise InputError(f"the camera holds a value of the wrong kind: {error}") from error
     return file_lens(size, matrix, bend, model)
 

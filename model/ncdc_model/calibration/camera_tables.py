@@ -23,12 +23,15 @@ def read_table(path):
     """
     content = read_bytes(path)
     try:
-        text = content.decode()
+        text = content.decode("utf-8-sig")
         if text.startswith(("%YAML", "<?xml")):
             table = file_storage(text)
         else:
             table = yaml.safe_load(text)
-    except (UnicodeDecodeError, yaml.YAMLError, cv2.error, SystemError) as error:
+    except (UnicodeDecodeError, yaml.YAMLError, cv2.error, SystemError, ValueError,
+            RecursionError) as error:
+        if isinstance(error, RecursionError):
+            raise InputError("it is no camera file: it is nested too deep") from error
         reason = str(error.__cause__ or error).strip().splitlines()[-1].strip()
         raise InputError(f"it is no camera file: {reason}") from error
     if not isinstance(table, dict):

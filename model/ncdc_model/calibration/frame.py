@@ -10,10 +10,12 @@ from ncdc_model.calibration.relief import find_relief
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
 from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera, choose_frame
+from ncdc_model.threads import one_thread
 
 __all__ = ["IdealFrame", "ideal_frame"]
 
 _MARGIN = 0.05         # of the corrected size: points farther outside do not help to train
+_LINES = 3             # rows and columns: with two, nothing tells a lens from a tilted page
 _ROUND = "dots", "circles", "acircles"
 _GROSS = 8.0           # times the usual residual, but at least 3 pixels: farther from the smooth
 _GROSS_PIXELS = 3.0    # lens than its neighbours are, a point was numbered or detected wrongly
@@ -64,6 +66,7 @@ class IdealFrame:
     numbers: tuple
 
 
+@one_thread()
 def ideal_frame(points, size=None, zoom="fit"):
     """Training pairs of :class:`TargetPoints` for a corrected picture of ``size`` at ``zoom``.
 
@@ -83,7 +86,12 @@ def ideal_frame(points, size=None, zoom="fit"):
     """
     size = tuple(size or points.size)
     photos, numbers, rejected = _usable_photos(points)
-    fitted = _fit(points, photos)
+    try:
+        fitted = _fit(points, photos)
+    except (np.linalg.LinAlgError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"no smooth lens explains the points: {error}") from error
     fit = fitted.fit
     frame = choose_frame(fit.camera.undistort, fit.camera.distort, points.size, size, zoom)
     homographies = [frame.matrix @ plane @ np.diag([1.0, points.aspect, 1.0])
@@ -108,14 +116,23 @@ def _usable_photos(points):
     for number, photo in enumerate(points.photos):
         _count(rejected, Dropped.CUT, int(photo.cut.sum()))
         photo = photo.whole
-        if len(photo.index) < MIN_POINTS:
+        if len(photo.index) < MIN_POINTS or not _spread(photo.index):
             _count(rejected, Dropped.FEW, len(photo.index))
         else:
             photos.append(photo)
             numbers.append(number)
     if not photos:
-        raise InputError(f"no photo has {MIN_POINTS} points")
+        raise InputError(f"no photo has {MIN_POINTS} whole points on at least {_LINES} rows and "
+                         f"{_LINES} columns")
     return photos, numbers, rejected
+
+
+def _spread(index):
+    """Whether the points ``index`` (n, 2) have enough rows and columns, and not on one line."""
+    if min(len(np.unique(part)) for part in index.T) < _LINES:
+        return False
+    (a, b), (_, d) = np.cov(index.T)
+    return a * d > b * b * (1 + 1e-9)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ncdc_model.errors import InputError, reading
-from ncdc_model.files import read_bytes, write_text
+from ncdc_model.files import parse_text, write_text
 from ncdc_model.geometry import MAX_SIZE
 
 __all__ = ["PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
@@ -168,10 +168,7 @@ class TargetPoints:
             If the file cannot be read, is no points file, is of another version, or fails a
             check of this class.
         """
-        try:
-            table = json.loads(read_bytes(path))
-        except (json.JSONDecodeError, UnicodeDecodeError) as error:
-            raise InputError(f"{path} is no points file: {error}") from error
+        table = parse_text(path, "points file", json.loads)
         if not isinstance(table, dict) or table.get("format") != "ncdc points":
             raise InputError(f"{path} is no points file: it lacks the format 'ncdc points'")
         if table.get("version") != VERSION:

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from ncdc_model.calibration.settle import settle
 from ncdc_model.errors import InputError
 from ncdc_model.lens import AsymmetricSurface, BrownWeng, Camera, Frame, KannalaBrandt, TiltedSensor
 
@@ -111,7 +112,7 @@ def fit_smooth(size, photos):
                                max_nfev=200)
         if best is None or result.cost < best.cost:
             best = result
-    camera, planes = _unpack(best.x, size)
+    camera, planes = _unpack(settle(residuals, best.x, _ROBUST), size)
     typical = np.median(np.abs(best.fun))
     if not typical < 0.02 * max(size):
         raise InputError(f"no smooth lens explains the points: half of them are off by more than "

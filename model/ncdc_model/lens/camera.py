@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.files import read_bytes, write_text
+from ncdc_model.files import parse_text, write_text
 from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.lens.flaws import AsymmetricSurface, BrownWeng, TiltedSensor
 from ncdc_model.lens.frame import Frame, choose_frame
@@ -16,6 +16,8 @@ from ncdc_model.lens.radial import AsariPolynomial, KannalaBrandt, Rational
 __all__ = ["Camera"]
 
 _RADIAL = {"kb": KannalaBrandt, "brown": Rational, "asari": AsariPolynomial}
+_NAMES = ("width", "height", "radial", "k", "p", "s", "tilt_rad", "centre", "f_distorted",
+          "f_corrected", "corrected_size", "corrected_centre", "residual")
 _SURFACE = ("scale", "bump_centres", "bump_sigmas", "bump_vectors", "poly")
 
 
@@ -126,30 +128,28 @@ class Camera:
             raise InputError(f"the camera lacks the value {error}") from error
         except InputError:
             raise
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise InputError(f"the camera holds a value of the wrong kind: {error}") from error
 
     @classmethod
     def _of_table(cls, table):
+        _known(table, _NAMES, "camera")
         size = _vector(table, "corrected_size", None, 2)
         width, height = _number(table, "width"), _number(table, "height")
-        for name, value in (("width", width), ("height", height)):
+        sides = [("width", width), ("height", height)]
+        for name, value in sides + [("corrected_size", value) for value in size or ()]:
             if value != int(value) or not 8 <= value <= MAX_SIZE:
-                raise InputError(f"the camera's {name} is {value:g}, the limits are 8 and "
-                                 f"{MAX_SIZE}")
-        focal = _number(table, "f_distorted")
-        if focal <= 0:
-            raise InputError(f"the camera's f_distorted is {focal:g}, it must be positive")
+                raise InputError(f"the camera's {name} is {value:g}, a whole number of 8 to "
+                                 f"{MAX_SIZE} is needed")
+        focal = _positive(table, "f_distorted")
         kind = table.get("radial", "kb")
         if kind not in _RADIAL:
             raise InputError(f"the camera's radial model is {kind!r}, one of {', '.join(_RADIAL)} "
                              f"is needed")
         p = _vector(table, "p", (0.0, 0.0))
-        residual = table.get("residual", {})
-        surface = AsymmetricSurface(
-            size=(int(width), int(height)),
-            **{name: _frozen(residual[name], f"residual {name}")
-               for name in _SURFACE if name in residual})
+        if len(p) < 2:
+            raise InputError(f"the camera's p is {table['p']!r}, at least 2 numbers are needed")
+        surface = _surface(table.get("residual", {}), (int(width), int(height)))
         camera = cls(
             size=(int(width), int(height)), radial=_RADIAL[kind](_vector(table, "k", ())),
             focal=focal, centre=_vector(table, "centre", None, 2), frame=None,
@@ -159,7 +159,7 @@ class Camera:
         if "f_corrected" not in table:
             return camera.framed(size)
         middle = (size[0] - 1) / 2, (size[1] - 1) / 2
-        return replace(camera, frame=Frame(size, _number(table, "f_corrected"),
+        return replace(camera, frame=Frame(size, _positive(table, "f_corrected"),
                                            _vector(table, "corrected_centre", middle, 2)))
 
     def save(self, path):
@@ -176,14 +176,50 @@ class Camera:
     @classmethod
     def load(cls, path):
         """Read and check a camera file; raises :class:`InputError` as :meth:`from_dict`."""
-        try:
-            table = tomllib.loads(read_bytes(path).decode())
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise InputError(f"{path} is no camera file: {error}") from error
+        table = parse_text(path, "camera file", tomllib.loads)
         try:
             return cls.from_dict(table)
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
+
+
+def _surface(table, size):
+    """The :class:`AsymmetricSurface` of the part ``residual``, every bump complete."""
+    _known(table, _SURFACE, "camera's residual")
+    surface = AsymmetricSurface(size=size, **{name: _frozen(table[name], f"residual {name}")
+                                              for name in _SURFACE if name in table})
+    if table and "scale" not in table:
+        raise InputError("the camera's residual lacks the value 'scale'")
+    counts = [len(getattr(surface, name)) for name in _SURFACE[1:4]]
+    if len(set(counts)) > 1:
+        raise InputError(f"the camera's residual has {counts[0]} bump_centres, {counts[1]} "
+                         f"bump_sigmas and {counts[2]} bump_vectors, as many of each are needed")
+    for name in ("bump_centres", "bump_vectors"):
+        for pair in getattr(surface, name):
+            if np.shape(pair) != (2,):
+                raise InputError(f"the camera's residual {name} holds {pair}, pairs are needed")
+    for sigma in surface.bump_sigmas:
+        if not sigma > 0:
+            raise InputError(f"the camera's residual bump_sigmas holds {sigma:g}, positive numbers "
+                             f"are needed")
+    if surface.poly and [np.shape(row) for row in surface.poly] != [(9,), (9,)]:
+        raise InputError("the camera's residual poly needs two rows of nine numbers")
+    return surface
+
+
+def _known(table, names, what):
+    if not isinstance(table, dict):
+        raise InputError(f"the {what} is {table!r}, names and values are needed")
+    for name in table:
+        if name not in names:
+            raise InputError(f"the {what} has the unknown value {name!r}")
+
+
+def _positive(table, name):
+    number = _number(table, name)
+    if number <= 0:
+        raise InputError(f"the camera's {name} is {number:g}, it must be positive")
+    return number
 
 
 def _frozen(value, name):

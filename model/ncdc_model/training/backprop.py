@@ -52,6 +52,7 @@ class BackPropagation:
         self._row = self._a.transpose(0, 2, 1)
         self._active = self._a[:, :-1]
         self._back = self.output[:, :, :-1].transpose(0, 2, 1)
+        self._terms = np.empty_like(hidden), np.empty_like(output), np.empty((runs, neurons, 2))
         self._n, self._slope, self._delta = (np.empty((runs, neurons, 1)) for _ in range(3))
         self._error = np.empty((runs, 2, 1))
         self._change_hidden, self._change_output = np.empty_like(hidden), np.empty_like(output)
@@ -63,14 +64,14 @@ class BackPropagation:
         call.
         """
         # (15)-(18): feed-forward; f(n) = tanh(n / 2).
-        np.matmul(self.hidden, pattern, out=self._n)
+        _product(self.hidden, pattern[:, 0], self._terms[0], self._n)
         np.multiply(self._n, .5, out=self._n)
         np.tanh(self._n, out=self._active)
-        np.matmul(self.output, self._a, out=self._error)
+        _product(self.output, self._row, self._terms[1], self._error)
         # (19): error of the output layer, whose gradient (20) is the error itself.
         np.subtract(target, self._error, out=self._error)
         # (19), (20): error of the hidden layer through the output weights, times f'(n).
-        np.matmul(self._back, self._error, out=self._delta)
+        _product(self._back, self._error.transpose(0, 2, 1), self._terms[2], self._delta)
         np.multiply(self._active, self._active, out=self._slope)
         np.subtract(1, self._slope, out=self._slope)
         np.multiply(self._slope, .5, out=self._slope)
@@ -96,6 +97,12 @@ class BackPropagation:
                     result += weight * activation
                 total[run] += ((target - result)**2).sum()
         return total
+
+
+def _product(matrix, row, terms, out):
+    """Matrix times vector, the vector as a row; not by the BLAS, whose sums differ by machine."""
+    np.multiply(matrix, row, out=terms)
+    np.add.reduce(terms, axis=2, keepdims=True, out=out)
 
 
 def train_backprop(problem, neurons, seed=0, progress=None, runs=8, rates=(.05, .2), stop=Stop()):

@@ -30,7 +30,7 @@ def train_levenberg(problem, neurons, seed=0, starts=64, rounds=6, skip=False, p
     neurons : int
         Hidden neurons HN.
     seed : int
-        Same seed, same network, bit for bit, whatever the number of threads.
+        Same seed, same network, bit for bit, whatever library and threads add the sums.
     starts : int
         Random starts.
     rounds : int
@@ -136,7 +136,8 @@ class _Search:
     def _polish(self, batch):
         ridge = RIDGE
         while True:
-            final = Batch(batch.theta, self.inputs, self.targets, ridge, self.skip)
+            final = Batch(batch.theta, self.inputs, self.targets, ridge, self.skip,
+                          precise=True)
             for _ in range(200):
                 if not final.step().any() and (final.damping > 1e3).all():
                     break

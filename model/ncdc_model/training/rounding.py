@@ -6,6 +6,7 @@ import numpy as np
 
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
+from ncdc_model.exact import least_squares, triangular
 from ncdc_model.fixed import Q
 from ncdc_model.network import hidden_neuron, normalised_scan
 from ncdc_model.tansig import tansig
@@ -80,7 +81,8 @@ def _round_all(draft, network, x, y):
     """``draft`` with the hidden layer that a rounding of all numbers together gives."""
     f = draft.formats
     ones = np.ones_like(x)
-    nets = network.hidden_weights @ [x, y] + network.hidden_biases[:, None]
+    wx, wy = network.hidden_weights.T[:, :, None]
+    nets = wx * x + wy * y + network.hidden_biases[:, None]
     active = np.tanh(nets / 2)
     slope = .5 * (1 - active**2)
     hn = draft.hidden_neurons
@@ -103,7 +105,7 @@ def _round_all(draft, network, x, y):
         add([both[k] * ones], network.output_biases[k], f.output_bias)
         if f.skip_weight is not None:
             add([both[k] * x, both[k] * y], network.skip_weights[k], f.skip_weight)
-    matrix = np.array(columns).reshape(len(columns), -1).T
+    matrix = np.array(columns).reshape(len(columns), -1)
     raw = _nearest_plane(matrix, np.array(reals), formats)
     return replace(draft, hidden_weights=raw[:2 * hn].reshape(2, hn).T.copy(),
                    hidden_biases=raw[2 * hn:3 * hn])
@@ -120,26 +122,26 @@ def _round_output(draft, u, v, goal):
     if f.skip_weight is not None:
         columns += [f.input.real(x), f.input.real(y)]
         formats += [f.skip_weight] * 2
-    matrix, hn = np.array(columns).T, draft.hidden_neurons
-    raw = np.array([_nearest_plane(matrix, np.linalg.lstsq(matrix, wanted, rcond=None)[0], formats)
+    matrix, hn = np.array(columns), draft.hidden_neurons
+    raw = np.array([_nearest_plane(matrix, least_squares(matrix, wanted), formats)
                     for wanted in goal])
     about = {} if f.skip_weight is None else {"skip_weights": raw[:, hn + 1:]}
     return replace(draft, output_weights=raw[:, :hn], output_biases=raw[:, hn], **about)
 
 
 def _nearest_plane(matrix, reals, formats):
-    """Integers z in ``formats`` that make |matrix (z - reals)| small; shape (numbers,).
+    """Integers z in ``formats`` that make |(z - reals) matrix| small; shape (numbers,).
 
-    ``matrix``: effect of each number, in units of its value, on every output.
+    ``matrix``, (numbers, outputs): effect of each number, in units of its value, on every output.
     """
     step = np.array([2.0**-q.f_bits for q in formats])
-    effect = matrix * step
-    order = np.argsort((effect**2).sum(0), kind="stable")
-    upper = np.linalg.qr(effect[:, order], mode="r")
+    effect = matrix * step[:, None]
+    order = np.argsort((effect**2).sum(1), kind="stable")
+    upper = triangular(effect[order])
     wanted = (reals / step)[order]
     error = np.zeros(len(order))
     for k in range(len(order) - 1, -1, -1):
-        pull = upper[k, k + 1:] @ error[k + 1:] / upper[k, k] if upper[k, k] else 0.0
+        pull = (upper[k, k + 1:] * error[k + 1:]).sum() / upper[k, k] if upper[k, k] else 0.0
         q = formats[order[k]]
         error[k] = np.clip(np.floor(wanted[k] - pull + .5), q.lo, q.hi) - wanted[k]
     raw = np.empty(len(order), np.int64)

@@ -12,19 +12,23 @@ from ncdc_model.calibration.points import TargetPoints
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.errors import InputError
-from ncdc_model.files import read_bytes
+from ncdc_model.files import parse_text, read_bytes
 from ncdc_model.geometry import Geometry
 from ncdc_model.valid import REACH, Calibrated, grid_pitch
 
 __all__ = ["Source", "is_points_file", "load_source"]
 
 
+_GRAIN = 2.0**20       # parts of a pixel to which pairs are rounded
 _ANCHORS = 31, 21      # columns and rows of the grid of anchors over the whole frame
 
 
 @dataclass(frozen=True)
 class Source:
     """Training pairs and what else is known of the map.
+
+    The pairs are rounded to 2**-20 pixels: the last bit of a lens's arctangent differs from one
+    processor to the next, and a training amplifies any difference.
 
     Parameters
     ----------
@@ -60,12 +64,27 @@ class Source:
     frame: IdealFrame | None = None
     facts: dict = field(default_factory=dict)
 
+    def __post_init__(self):
+        for name in ("pairs", "anchors"):
+            if getattr(self, name) is not None:
+                rounded = tuple(np.rint(np.asarray(values, np.float64) * _GRAIN) / _GRAIN
+                                for values in getattr(self, name))
+                object.__setattr__(self, name, rounded)
+
 
 def is_points_file(path):
-    """Whether ``path`` is a file of ``ncdc calibrate``; :class:`InputError` if unreadable."""
+    """Whether ``path`` is a file of ``ncdc calibrate``.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or says that it is one and is no JSON.
+    """
     try:
-        table = json.loads(read_bytes(path))
-    except ValueError:
+        table = parse_text(path, "points file", json.loads)
+    except InputError:
+        if b'"ncdc points"' in read_bytes(path):
+            raise
         return False
     return isinstance(table, dict) and table.get("format") == "ncdc points"
 
@@ -136,7 +155,7 @@ def _of_points(path, size, zoom, options):
     geometry = Geometry(*frame.camera.frame.size, *points.size, **options)
     (u, v), (x, y) = frame.corrected.T, frame.distorted.T
     pitch = grid_pitch([(u[frame.photo == k], v[frame.photo == k]) for k in np.unique(frame.photo)])
-    matrices = [matrix.ravel().tolist() for matrix in frame.homographies]
+    matrices = [_digits(matrix.ravel()) for matrix in frame.homographies]
     provenance = {"source": Path(path).name, "source_kind": f"{points.target} points",
                   "source_hash": points.digest, "frame": _numbers(frame.camera.frame),
                   "points_dropped": sum(frame.rejected.values()),
@@ -150,4 +169,9 @@ def _of_points(path, size, zoom, options):
 
 
 def _numbers(frame):
-    return [float(frame.focal), *map(float, frame.centre)]
+    return _digits([frame.focal, *frame.centre])
+
+
+def _digits(values):
+    """As floats of twelve digits: what follows is the processor's."""
+    return [float(f"{value:.12g}") for value in values]

@@ -6,12 +6,13 @@ import numpy as np
 
 from ncdc_model.descriptor import MAX_NEURONS, FloatNetwork
 from ncdc_model.errors import InputError
+from ncdc_model.threads import one_thread
 from ncdc_model.training.backprop import train_backprop
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import Problem, errors_of, split
 
-__all__ = ["TRAINERS", "Training", "train"]
+__all__ = ["TRAINERS", "Training", "check_request", "train"]
 
 TRAINERS = {"lm": train_levenberg, "ebp": train_backprop}
 
@@ -35,6 +36,20 @@ class Training:
     held_out: dict
 
 
+def check_request(neurons, choices):
+    """Raise :class:`InputError` for what can be told before any point is known."""
+    if not 1 <= neurons <= MAX_NEURONS:
+        raise InputError(f"{neurons} hidden neurons are asked for, "
+                         f"the limits are 1 and {MAX_NEURONS}")
+    trainer = choices.trainer
+    if trainer not in TRAINERS:
+        raise InputError(f"trainer is {trainer!r}, one of {', '.join(TRAINERS)} is needed")
+    if choices.skip and trainer != "lm":
+        raise InputError(f"trainer is {trainer!r}, a skip path needs lm")
+    split(1, choices.held_out)
+
+
+@one_thread()
 def train(pairs, geometry, neurons, choices=TrainingChoices(), progress=None, anchors=None):
     """Train a network on calibrated ``pairs`` and measure it.
 
@@ -61,14 +76,7 @@ def train(pairs, geometry, neurons, choices=TrainingChoices(), progress=None, an
         If the number of neurons is out of range, the trainer unknown or unable to train the skip
         path, or the points are too few.
     """
-    if not 1 <= neurons <= MAX_NEURONS:
-        raise InputError(f"{neurons} hidden neurons are asked for, "
-                         f"the limits are 1 and {MAX_NEURONS}")
-    trainer = choices.trainer
-    if trainer not in TRAINERS:
-        raise InputError(f"trainer is {trainer!r}, one of {', '.join(TRAINERS)} is needed")
-    if choices.skip and trainer != "lm":
-        raise InputError(f"trainer is {trainer!r}, a skip path needs lm")
+    check_request(neurons, choices)
     options = choices.options | ({"skip": True} if choices.skip else {})
     problem = Problem(*pairs, geometry)
     out = split(len(problem), choices.held_out)
@@ -78,6 +86,6 @@ def train(pairs, geometry, neurons, choices=TrainingChoices(), progress=None, an
     if anchors is not None:
         both = zip((kept.u, kept.v, kept.x, kept.y), anchors)
         taught = Problem(*map(np.concatenate, both), geometry)
-    network, curve = TRAINERS[trainer](taught, neurons, seed=choices.seed, progress=progress,
-                                       **options)
+    network, curve = TRAINERS[choices.trainer](taught, neurons, seed=choices.seed,
+                                               progress=progress, **options)
     return Training(network, curve, errors_of(network, kept), errors_of(network, problem.take(out)))

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ncdc_model.exact import cut, eliminate, products, scale_of, slices, solve
+
 __all__ = ["BIAS_LIMIT", "WEIGHT_LIMIT", "Batch"]
 
 # Inside the formats Q4.20 and Q5.27 of the descriptor by more than their rounding.
@@ -26,42 +28,60 @@ class Batch:
         Both about -1..1.
     ridge : float
     skip : bool
+    precise : bool
+        Hidden outputs in two slices of 22 bits (:mod:`ncdc_model.exact`) instead of one:
+        enough for the last step of a training; the search gets by with one.
     """
 
     _STATE = ("theta", "hidden", "gram", "output", "residual", "cost", "damping", "growth")
 
-    def __init__(self, theta, inputs, targets, ridge, skip=False):
-        self.neurons = theta.shape[1]
+    def __init__(self, theta, inputs, targets, ridge, skip=False, precise=False):
+        self.neurons, self.count = theta.shape[1], 2 if precise else 1
         ones = np.ones((1, inputs.shape[1]))
         # What the output layer sums besides the hidden outputs: x, y (skip path), 1.
-        self.linear = np.concatenate([inputs, ones]) if skip else ones
+        linear = np.concatenate([inputs, ones]) if skip else ones
+        self.linear = slices(linear, scale_of(linear, 1), self.count)
         self.inputs, self.targets, self.ridge = inputs, targets, ridge * inputs.shape[1]
+        self.fan = np.concatenate([inputs, ones])
+        self.reach = scale_of(self.fan)
+        self.target_slices = slices(targets[None], scale_of(targets), self.count)
         self.limit = np.array([WEIGHT_LIMIT, WEIGHT_LIMIT, BIAS_LIMIT])
         self.theta = np.clip(theta, -self.limit, self.limit)
         self.damping = np.full(len(theta), 1e-2)
         self.growth = np.full(len(theta), 2.0)
         self.hidden, self.gram, self.output, self.residual, self.cost = self._evaluate(self.theta)
 
-    def _evaluate(self, theta):
+    def _hidden(self, theta):
+        """Terms of the output layer, as slices (count, S, terms, N)."""
         x, y = self.inputs
         neurons = self.neurons
-        hidden = np.empty((len(theta), neurons + len(self.linear), len(x)))
-        hidden[:, neurons:] = self.linear
-        net = hidden[:, :neurons]
+        hidden = np.empty((self.count, len(theta), neurons + self.linear[0].shape[0], len(x)))
+        for part, linear in zip(hidden, self.linear):
+            part[:, neurons:] = linear
+        net = hidden[0, :, :neurons]
         np.multiply(theta[:, :, 0:1], x, out=net)
         net += theta[:, :, 1:2] * y
         net += theta[:, :, 2:3]
         net *= .5
         np.tanh(net, out=net)
-        gram = _products(hidden, hidden)
+        if self.count == 1:
+            cut(net, out=net)
+        else:
+            hidden[:, :, :neurons] = slices(net, 1.0, self.count)
+        return hidden
+
+    def _evaluate(self, theta):
+        neurons = self.neurons
+        hidden = self._hidden(theta)
+        gram = products(hidden, hidden)
         diagonal = np.arange(neurons)
         gram[:, diagonal, diagonal] += self.ridge
-        output = np.linalg.solve(gram, _products(hidden, self.targets[None]))
+        output = solve(gram, products(hidden, self.target_slices))
         residual = self.targets - _apply(output, hidden)
         # One step of refinement: the normal equations square the condition number.
-        rest = _products(hidden, residual)
+        rest = products(hidden, [cut(residual, scale_of(residual, (1, 2)))])
         rest[:, :neurons] -= self.ridge * output[:, :neurons]
-        output = output + np.linalg.solve(gram, rest)
+        output = output + solve(gram, rest)
         residual = self.targets - _apply(output, hidden)
         cost = (residual**2).sum((1, 2)) + self.ridge * (output[:, :neurons]**2).sum((1, 2))
         return hidden, gram, output, residual, cost
@@ -69,17 +89,28 @@ class Batch:
     def gauss_newton(self):
         """Descent direction (S, 3 HN), half the cost's negative gradient, and normal matrix."""
         starts, neurons, _ = self.theta.shape
-        active = self.hidden[:, :neurons]
-        slope = .5 * (1 - active**2)
-        fan = np.concatenate([self.inputs, np.ones((1, self.inputs.shape[1]))])
-        derivative = (slope[:, :, None, :] * fan).reshape(starts, 3 * neurons, -1)
+        derivative = np.empty((starts, neurons, 3, self.fan.shape[1]))
+        slope = derivative[:, :, 2]
+        np.multiply(*[self.hidden[0, :, :neurons]] * 2, out=slope)
+        np.subtract(1, slope, out=slope)
+        slope *= .5
+        for k, values in enumerate(self.fan[:2]):
+            np.multiply(slope, values, out=derivative[:, :, k])
+        cut(derivative, self.reach, out=derivative)
+        derivative = [derivative.reshape(starts, 3 * neurons, -1)]
         weights = np.repeat(self.output[:, :neurons], 3, axis=1)                   # (S, 3 HN, 2)
-        gradient = (weights * _products(derivative, self.residual)).sum(2)
+        residual = [cut(self.residual, scale_of(self.residual, (1, 2)))]
+        gradient = (weights * products(derivative, residual)).sum(2)
         # Kaufman's approximation: derivatives less their projection on the hidden outputs.
-        mixed = _products(self.hidden, derivative)
-        normal = _products(derivative, derivative) - mixed.mT @ np.linalg.solve(self.gram, mixed)
-        normal *= weights @ weights.mT
-        return gradient, normal
+        terms = self.gram.shape[1]
+        joint = np.empty((starts, terms + 3 * neurons, terms + 3 * neurons))
+        joint[:, :terms, :terms] = self.gram
+        joint[:, :terms, terms:] = products(self.hidden, derivative)
+        joint[:, terms:, :terms] = joint[:, :terms, terms:].mT
+        joint[:, terms:, terms:] = products(derivative, derivative)
+        first, second = np.moveaxis(weights, 2, 0)
+        return gradient, eliminate(joint, terms) * (first[:, :, None] * first[:, None]
+                                                    + second[:, :, None] * second[:, None])
 
     def step(self):
         """One iteration of every network; returns which of them improved, shape (S,)."""
@@ -91,17 +122,18 @@ class Batch:
         damped = normal.copy()
         damped[:, diagonal, diagonal] += (self.damping[:, None]
                                           * (scale + 1e-6 * scale.max(1, keepdims=True) + 1e-30))
-        move = np.linalg.solve(damped, gradient[:, :, None])[:, :, 0]
+        move = solve(damped, gradient[:, :, None])[:, :, 0]
         trial = np.clip(self.theta + move.reshape(self.theta.shape), -self.limit, self.limit)
         actual = (trial - self.theta).reshape(starts, -1)
         expected = (2 * (actual * gradient).sum(1)
-                    - (actual[:, None, :] @ normal @ actual[:, :, None])[:, 0, 0])
+                    - ((normal * actual[:, None]).sum(2) * actual).sum(1))
         hidden, gram, output, residual, cost = self._evaluate(trial)
         gain = (self.cost - cost) / np.maximum(np.abs(expected), 1e-300)
         better = cost < self.cost
         self._replace(better, trial, hidden, gram, output, residual, cost)
         # Nielsen's rule: shrink by how well the quadratic model predicted, grow ever faster.
-        shrink = np.clip(1 - (2 * gain - 1)**3, 1 / 5, 2)
+        off = 2 * gain - 1
+        shrink = np.clip(1 - off * off * off, 1 / 5, 2)     # a power's last bit may differ
         self.damping = np.clip(np.where(better, self.damping * shrink,
                                         self.damping * self.growth), 1e-10, 1e10)
         self.growth = np.where(better, 2.0, np.minimum(self.growth * 2, 64))
@@ -113,6 +145,8 @@ class Batch:
             old = getattr(self, name)
             if better.all():
                 setattr(self, name, new)
+            elif name == "hidden":
+                old[:, better] = new[:, better]
             else:
                 old[better] = new[better]
 
@@ -142,28 +176,15 @@ class Batch:
     def join(self, other):
         """Take in the networks of the batch ``other``, trained on the same points."""
         for name in self._STATE:
-            setattr(self, name, np.concatenate([getattr(self, name), getattr(other, name)]))
+            axis = 1 if name == "hidden" else 0
+            setattr(self, name, np.concatenate([getattr(self, name), getattr(other, name)], axis))
 
     def _select(self, which):
         for name in self._STATE:
-            setattr(self, name, getattr(self, name)[which])
-
-
-def _products(a, b):
-    """Sums over the last axis, a @ b.mT, of stacks (S, m, N) and (S or 1, n, N).
-
-    In blocks so small that the linear algebra library never splits one over its threads: the
-    result must not depend on their number.
-    """
-    block = max(8, 60000 // (a.shape[1] * b.shape[1]))
-    total = 0
-    for start in range(0, a.shape[2], block):
-        total = total + a[:, :, start:start + block] @ b[:, :, start:start + block].mT
-    return total
+            setattr(self, name, np.take(getattr(self, name), which, 1 if name == "hidden" else 0))
 
 
 def _apply(output, hidden):
-    """Network outputs (S, 2, N), in blocks for the reason of :func:`_products`."""
-    block = max(8, 60000 // (2 * hidden.shape[1]))
-    return np.concatenate([output.mT @ hidden[:, :, start:start + block]
-                           for start in range(0, hidden.shape[2], block)], axis=2)
+    """Network outputs (S, 2, N) of (S, terms, 2) and slices (S, terms, N)."""
+    wanted = slices(output.mT, scale_of(output, (1, 2)), 2)
+    return products(wanted, [part.mT for part in hidden])

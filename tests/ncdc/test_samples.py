@@ -1,0 +1,113 @@
+"""Raw frames of more than eight bits, in 16-bit files and as dumps."""
+
+import cv2
+import numpy as np
+import pytest
+
+from lenses import GEOMETRY, known_network
+from ncdc.cli import main
+from ncdc_model.corrector import correct
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.geometry import ValidRows
+from ncdc_model.images import read_image
+
+SHAPE = GEOMETRY.distorted[::-1]
+
+
+@pytest.fixture
+def corrected(tmp_path, monkeypatch, capsys):
+    """Run ncdc correct on a file; what it said, having compared the picture with the model's."""
+    monkeypatch.chdir(tmp_path)
+    Descriptor.quantise(known_network(), GEOMETRY, ValidRows.everything(320, 240)).save("net.toml")
+
+    def run(*arguments, expected=None):
+        status = main(["correct", "net.toml", *arguments, "-o", "out.png"])
+        if expected is not None:
+            golden = correct(Descriptor.load("net.toml"), expected)
+            np.testing.assert_array_equal(read_image("out.png"), golden.picture)
+        return status, capsys.readouterr().err
+    return run
+
+
+def samples(bits):
+    values = np.random.default_rng(bits).integers(0, 1 << bits, SHAPE)
+    values[0, 0] = (1 << bits) - 1
+    return values.astype(np.uint16)
+
+
+@pytest.mark.parametrize("bits", [8, 10, 12, 14, 16])
+def test_bits_are_guessed_and_told(corrected, bits):
+    raw = samples(bits)
+    cv2.imwrite("raw.png", raw)
+    status, said = corrected("raw.png", expected=(raw >> (bits - 8)).astype(np.uint8))
+    assert status == 0
+    assert (f"raw.png has 16-bit samples, the brightest is {(1 << bits) - 1}: taken as "
+            f"{bits}-bit; --bits says otherwise") in said
+
+
+def test_bits_are_those_given(corrected):
+    cv2.imwrite("raw.png", samples(10))
+    wanted = (samples(10) >> 4).astype(np.uint8)
+    status, said = corrected("raw.png", "--bits", "12", expected=wanted)
+    assert status == 0 and "taken as 1" not in said
+    assert corrected("raw.png", "--bits", "9")[1] == (
+        "ncdc correct: raw.png holds a sample of 1023, 9 bits end at 511\n")
+    assert "samples of 17 bits are asked for, the limits are 8 and 16" in corrected(
+        "raw.png", "--bits", "17")[1]
+
+
+@pytest.mark.parametrize("bits,kind", [(8, "<u1"), (10, "<u2"), (12, "<u2"), (16, "<u2")])
+def test_a_dump_is_read(corrected, tmp_path, bits, kind):
+    raw = samples(bits)
+    (tmp_path / "frame.raw").write_bytes(raw.astype(kind).tobytes())
+    status, _ = corrected("frame.raw", "--raw", f"320x240:RGGB:{bits}",
+                          expected=(raw >> (bits - 8)).astype(np.uint8))
+    assert status == 0
+
+
+@pytest.mark.parametrize("option,sentence", [
+    ("320x240:RGGB:8", "frame.raw has 153600 bytes, 320x240 samples of 1 byte need 76800"),
+    ("320x241:RGGB:12", "320x241 samples of 2 bytes need 154240; packed samples are not read"),
+    ("320x240:BGGR:12", "the raw frame has the pattern BGGR, the descriptor RGGB"),
+    ("320x240:RGGB:11", "frame.raw holds a sample of 4095, 11 bits end at 2047"),
+    ("320x240:RGGB", "raw is '320x240:RGGB', WxH:PATTERN:BITS is needed, as in 1280x1024:RGGB:12"),
+    ("320x240:RGB:12", "the patterns are RGGB, GRBG, GBRG, BGGR"),
+    ("4x240:RGGB:12", "a side of the raw frame is 4, the limits are 8 and 4096"),
+    ("320x240:RGGB:7", "samples of 7 bits are asked for, the limits are 8 and 16"),
+])
+def test_a_dump_that_does_not_fit_is_refused(corrected, tmp_path, option, sentence):
+    (tmp_path / "frame.raw").write_bytes(samples(12).tobytes())
+    status, said = corrected("frame.raw", "--raw", option)
+    assert status == 2 and sentence in said and said.count("\n") == 1
+
+
+def test_both_options_are_refused(corrected, tmp_path):
+    (tmp_path / "frame.raw").write_bytes(samples(12).tobytes())
+    assert "--raw says the bits itself" in corrected("frame.raw", "--raw", "320x240:RGGB:12",
+                                                     "--bits", "12")[1]
+
+
+def test_what_a_picture_is_taken_for_is_told(corrected):
+    grey = (samples(16) >> 8).astype(np.uint8)
+    cv2.imwrite("grey.png", grey)
+    assert "grey.png has one channel: taken as the raw RGGB frame" in corrected("grey.png")[1]
+    cv2.imwrite("colour.png", np.repeat(grey[:, :, None], 3, 2))
+    assert "colour.png is a colour picture: mosaiced as RGGB" in corrected("colour.png")[1]
+    cv2.imwrite("grey.jpg", grey)
+    assert corrected("grey.jpg") == (2, "ncdc correct: grey.jpg is a grey JPEG, a raw RGGB frame "
+                                        "or a colour picture is needed\n")
+
+
+def test_calibrate_takes_the_same_options(tmp_path, capsys):
+    photo = cv2.imread("tests/data/opencv/left01.jpg", cv2.IMREAD_GRAYSCALE)
+    deep = tmp_path / "left.png"
+    cv2.imwrite(str(deep), photo.astype(np.uint16) << 2)
+    arguments = ["--target", "chessboard:9x6", "-o", str(tmp_path / "points.json")]
+    assert main(["calibrate", str(deep), *arguments]) == 0
+    assert "taken as 10-bit" in capsys.readouterr().err
+    (tmp_path / "left.raw").write_bytes((photo.astype("<u2") << 2).tobytes())
+    first = (tmp_path / "points.json").read_text()
+    height, width = photo.shape
+    assert main(["calibrate", str(tmp_path / "left.raw"), *arguments,
+                 "--raw", f"{width}x{height}:RGGB:10"]) == 0
+    assert (tmp_path / "points.json").read_text() == first.replace("left.png", "left.raw")
