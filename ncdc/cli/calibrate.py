@@ -13,7 +13,7 @@ from ncdc_model.calibration.quality import warnings_of
 from ncdc_model.errors import InputError
 from ncdc_model.images import read_image, write_image
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "judged", "run"]
 
 HELP = "find a target's points in photos of it"
 EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
@@ -46,7 +46,7 @@ def run(args):
         if Path(path).resolve() in inputs:
             raise InputError(f"the output {path} would replace the photo of that name, choose "
                              f"another -o")
-    measured, frame, warnings = _measured(points)
+    measured, frame, warnings = judged(points)
     points.save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         write_image(overlay, draw_points(read_image(name), photo, frame, number))
@@ -94,7 +94,7 @@ def _photos(names):
     progress(1)
 
 
-def _measured(points):
+def judged(points):
     """Straightness with a smooth lens, the frame it was measured in, and warnings.
 
     Without a lens that explains the points the first is empty, the second None, and the
