@@ -185,13 +185,18 @@ def _checked(xy, found):
     judged by the steps of the lines beside it; without those it is taken out.
     """
     found = dict(found)
-    while found:
-        scores = {key: _misfit(xy, found, key) for key in found}
+    scores = {key: _misfit(xy, found, key) for key in found}
+    while scores:
         worst = max(scores, key=scores.get)
         if scores[worst] <= _AGREE:
             return found
-        for key in [key for key, score in scores.items() if np.isinf(score)] or [worst]:
-            del found[key]
+        out = [key for key, score in scores.items() if np.isinf(score)] or [worst]
+        for key in out:
+            del found[key], scores[key]
+        # A point is judged by others up to two columns and rows away.
+        for key in {(i + di, j + dj) for i, j in out for di in range(-2, 3) for dj in range(-2, 3)}:
+            if key in found:
+                scores[key] = _misfit(xy, found, key)
     return found
 
 

@@ -55,11 +55,11 @@ class Held:
 def hold(index, xy, area=None, smooth=None):
     """Tell which numbered points of one lattice are where, and as large as, the others say.
 
-    A polynomial in column and row, or ``smooth``, takes off most of the lens. What is left at a point is predicted
-    by its neighbours alone, up to two columns and rows away, by least squares of a parabola; a
-    point farther off than usual is dropped, the worst of its surroundings first, and the
-    others are judged anew. Points whose area differs from their neighbours' by more than usual are
-    dropped likewise, and so is what lies apart from the largest connected part.
+    A polynomial in column and row, or ``smooth``, takes off most of the lens. What is left at a
+    point is predicted by its neighbours alone, up to two columns and rows away, by least squares of
+    a parabola; a point farther off than usual is dropped, the worst of its surroundings first, and
+    the others are judged anew. Points whose area differs from their neighbours' by more than usual
+    are dropped likewise, and so is what lies apart from the largest connected part.
 
     Parameters
     ----------

@@ -111,7 +111,7 @@ def judge(photo, points):
         off = np.array([np.linalg.norm(place[tuple(key)] - xy) if tuple(key) in place else np.inf
                         for key, xy in zip(index.tolist(), points.xy)])
         result = int(truth.visible.sum()), int((off > FALSE).sum()), float(
-            off[off <= FALSE].max(initial=np.nan) if (off <= FALSE).any() else np.nan)
+            off[off <= FALSE].max() if (off <= FALSE).any() else np.nan)
         if result[1] < best[1]:
             best = result
     return best
