@@ -20,6 +20,7 @@ _CONTRAST = 0.12       # of the usual corner's contrast: fainter ones are textur
 _MOST = 4000           # candidates
 _LEAST = 9             # corners of a lattice
 _ALIKE = 0.8           # of a board's squares and corners must be as a chessboard's
+_HALF = 5, 7           # pixels to either side that the place of a corner is told from, at most
 _INSET = 0.22          # of a square, from its rim: where its brightness is looked at
 
 
@@ -215,7 +216,8 @@ def trimmed(index, keep):
 def refine(grey, index, xy, scale):
     """Sub-pixel places (n, 2): where the brightness' gradient points past the corner all around.
 
-    The window reaches a third of the way to the nearest corner. A corner that moves by more than
+    The window reaches a third of the way to the nearest corner, and not so far that a mark on a
+    square would pull much. A corner that moves by more than
     ``scale`` and a pixel keeps its first place.
     """
     if len(xy) < 2:
@@ -226,7 +228,7 @@ def refine(grey, index, xy, scale):
         gaps += [np.linalg.norm(place[key] - point) for key in ((i + 1, j), (i, j + 1))
                  if key in place]
     closest = float(np.percentile([gap for gap in gaps if np.isfinite(gap)] or [12], 2))
-    half = int(np.clip(closest / 3, 2, max(5, 2 * scale + 2)))
+    half = int(np.clip(closest / 3, 2, np.clip(2 * scale + 2, *_HALF)))
     stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-3)
     corners = xy.astype(np.float32).reshape(-1, 1, 2).copy()
     inside = ((xy > half + 1) & (xy < np.array(grey.shape[::-1]) - half - 2)).all(axis=1)

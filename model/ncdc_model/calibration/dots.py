@@ -7,7 +7,9 @@ from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.belief import believed, place_of
 from ncdc_model.calibration.blobs import Blobs, find_blobs
+from ncdc_model.calibration.ground import on_one_ground
 from ncdc_model.calibration.lattice import find_lattices
+from ncdc_model.calibration.neighbours import fits_in
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.rim import recover_cut_dots
 from ncdc_model.errors import InputError
@@ -43,7 +45,7 @@ def find_spots(image):
     lattices = []
     for lattice in find_lattices(blobs.xy, (np.array(size) - 1) / 2):
         try:
-            lattices.append(_of_lattice(size, blobs, lattice))
+            lattices.append(on_one_ground(image, _of_lattice(size, blobs, lattice)))
         except InputError as error:
             doubt = doubt or str(error)
     lattices = [photo for photo in lattices if len(photo.index) >= 9]
@@ -86,7 +88,8 @@ def dots_of(spots, image):
         raise InputError(spots.doubt or f"{count} dots on one lattice were found, at least "
                                         f"{_ENOUGH} are needed")
     page = spots.lattices[0]
-    cut_xy, cut_index, cut_area = recover_cut_dots(image, page.xy, page.index, page.area)
+    cut_xy, cut_index, cut_area = _believed_cut(page, *recover_cut_dots(
+        image, page.xy, page.index, page.area))
     rejected = dict(page.rejected)
     cut = _without(spots.blobs.cut, cut_xy, page.area)
     if cut:
@@ -99,6 +102,14 @@ def dots_of(spots, image):
         cut=np.arange(len(index)) >= len(page.xy), remarks=tuple(
             f"another page, {len(other.index)} dots {place_of(other)}, is not used"
             for other in others))
+
+
+def _believed_cut(page, xy, index, area):
+    """Of the dots that the border cuts those that the whole ones of ``page`` predict."""
+    if not len(xy):
+        return xy, index, area
+    good = fits_in(page.index, page.xy, index, xy, page.agreement)
+    return xy[good], index[good], area[good]
 
 
 def _without(cut, recovered, area):

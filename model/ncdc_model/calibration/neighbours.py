@@ -6,14 +6,21 @@ from enum import Enum
 import numpy as np
 from scipy import ndimage
 
-__all__ = ["Doubt", "Held", "hold"]
+__all__ = ["Doubt", "Held", "fits_in", "hold"]
 
 _WINDOW = 2            # columns and rows to either side that predict a point
 # How much the change of a step, and the change of that change, are held back where few neighbours
 # tell them, in points' worth.
 _RIDGE = np.array([1e-6, 0.02, 0.02, 0.2, 0.2, 0.2])
-_SIGMAS = 9.0          # times the usual distance from the predicted place: farther is wrong
+# Times the usual distance from the predicted place: farther is wrong. A lens leaves less than a
+# polynomial, and a photo of few points can spare none of the care.
+_SIGMAS, _SIGMAS_LENS = 9.0, 5.0
 _FLOOR = 0.60, 0.012   # pixels and parts of a step that a point may be off in any case
+_SIZE_SIGMAS = 5.0     # times the usual difference of sizes: more is another thing than a dot
+_RIM_FLOOR = 0.80      # pixels that a whole line at the rim may be off in any case
+_RIM_WIDER = 1.6       # times what is allowed of places within: the lens bends most at the rim
+_RIM_SIZE = 1.7        # times what is allowed of sizes within: the light falls off to the rim
+_CUT_FLOOR = 1.0       # pixels that a dot which the border cuts may be off in any case
 _SIZE = 0.35           # relative difference of sizes that is allowed in any case
 _ROUNDS = 60
 _LEAST = 4             # neighbours within the window that a point needs
@@ -25,6 +32,7 @@ class Doubt(Enum):
     """Why a numbered point is not believed; the value is the text for people."""
     PLACE = "not where its neighbours predict it"
     SIZE = "of another size than its neighbours"
+    RIM = "at the rim, and not where the lines further in predict it"
     LONELY = "with too few neighbours to tell"
     APART = "apart from the rest of the target"
 
@@ -59,7 +67,8 @@ def hold(index, xy, area=None, smooth=None):
     point is predicted by its neighbours alone, up to two columns and rows away, by least squares of
     a parabola; a point farther off than usual is dropped, the worst of its surroundings first, and
     the others are judged anew. Points whose area differs from their neighbours' by more than usual
-    are dropped likewise, and so is what lies apart from the largest connected part.
+    are dropped likewise, and so are lines at the rim that those further in do not predict, and what
+    lies apart from the largest connected part.
 
     Parameters
     ----------
@@ -84,8 +93,9 @@ def hold(index, xy, area=None, smooth=None):
         far = np.linalg.norm(rest - predicted, axis=1)
         usual = np.sqrt(1 + gain)
         sigma = float(np.median((far / usual)[keep]) / 1.1774) if keep.any() else 0.0
-        limit = np.maximum(max(_FLOOR[0], _SIGMAS * sigma), _FLOOR[1] * step)
-        score = np.where(keep, far / (limit * usual), 0)
+        sigmas = _SIGMAS if smooth is None else _SIGMAS_LENS
+        limit = np.maximum(np.maximum(_FLOOR[0], sigmas * sigma * usual), _FLOOR[1] * step)
+        score = np.where(keep, far / limit, 0)
         bad = window.worst(score) & (score > 1)
         lonely = keep & (count < _LEAST)
         if area is not None and not bad.any():
@@ -97,14 +107,31 @@ def hold(index, xy, area=None, smooth=None):
                 continue
         _note(doubts, bad, Doubt.PLACE)
         _note(doubts, lonely & ~bad, Doubt.LONELY)
-        if not (bad | lonely).any():
-            break
         keep &= ~(bad | lonely)
+        if not (bad | lonely).any():
+            rim = keep & _rim_is_off(window, rest, area, keep, (sigmas * sigma, step))
+            _note(doubts, rim, Doubt.RIM)
+            keep &= ~rim
+            if not rim.any():
+                break
     apart = keep & ~window.largest(keep)
     _note(doubts, apart, Doubt.APART)
     keep &= ~apart
     return Held(keep, doubts, sigma, float(np.median(step)) if len(step) else 0.0,
                 float(far[keep].max(initial=0.0)))
+
+
+def fits_in(index, xy, more_index, more_xy, sigma):
+    """Which of further points, (k, 2) each, are where the held points ``index``, ``xy`` predict
+    them; ``sigma`` as of :class:`Held`."""
+    window = _Window(np.vstack([index, more_index]))
+    places = np.vstack([xy, more_xy])
+    keep = np.arange(len(places)) < len(index)
+    rest = places - _smooth(window, places, keep)
+    predicted, gain, _ = _predicted(window, rest, keep)
+    off = np.linalg.norm(rest - predicted, axis=1)
+    limit = max(_CUT_FLOOR, _SIGMAS * sigma) * np.sqrt(1 + gain)
+    return (off <= limit)[len(index):]
 
 
 def _note(doubts, which, doubt):
@@ -175,26 +202,50 @@ def _smooth(window, xy, keep):
     return smooth
 
 
-def _predicted(window, values, keep):
+def _rim_is_off(window, rest, area, keep, allowed):
+    """Points of lines at the rim that the lines further in do not predict: neither place nor size.
+
+    A line of dots that something cuts lengthwise agrees with itself. ``allowed``: pixels before
+    the gain, and the step.
+    """
+    wrong = np.zeros(len(rest), bool)
+    there = (window.near >= 0) & keep[window.near]
+    for axis in (0, 1):
+        for sign in (1, -1):
+            beyond = sign * window.offsets[:, axis]
+            edge = keep & ~there[:, beyond > 0].any(axis=1)
+            predicted, gain, count = _predicted(window, rest, keep, beyond < 0)
+            off = np.linalg.norm(rest - predicted, axis=1)
+            limit = np.maximum(_RIM_FLOOR, _RIM_WIDER * allowed[0] * np.sqrt(1 + gain))
+            told = edge & (count >= 2 * _LEAST)
+            wrong |= told & (off > np.maximum(limit, 2 * _FLOOR[1] * allowed[1]))
+            if area is not None:
+                score = _size_score(window, area, keep, beyond < 0)
+                wrong |= told & (score > _RIM_SIZE)
+    return wrong
+
+
+def _predicted(window, values, keep, which=slice(None)):
     """Prediction (n, d) of ``values`` (n, d) at each point by the others in ``keep``, with its gain
-    and how many tell it."""
-    i, j = window.offsets.T.astype(float)
+    and how many tell it; ``which`` of the window's offsets may."""
+    near_ones = window.near[:, which]
+    i, j = window.offsets[which].T.astype(float)
     terms = np.stack([np.ones_like(i), i, j, i * i, i * j, j * j], axis=1)
     near = (1 + i * i + j * j)**-0.5
-    there = (window.near >= 0) & keep[window.near]
+    there = (near_ones >= 0) & keep[near_ones]
     weight = there * near
     product = (terms[:, :, None] * terms[:, None, :]).reshape(len(i), 36)
     matrix = (weight @ product).reshape(-1, 6, 6) + np.diag(_RIDGE)
     first = np.linalg.solve(matrix, np.broadcast_to(np.eye(6)[:, :1], (len(matrix), 6, 1)))[:, :, 0]
     share = (first @ terms.T) * weight
-    return (np.einsum("nk,nkd->nd", share, values[window.near]), (share**2).sum(axis=1),
+    return (np.einsum("nk,nkd->nd", share, values[near_ones]), (share**2).sum(axis=1),
             there.sum(axis=1))
 
 
-def _size_score(window, area, keep):
+def _size_score(window, area, keep, which=slice(None)):
     """By how much, in what is allowed, each area differs from what its neighbours predict."""
     size = np.log(np.maximum(area, 1e-9))[:, None]
-    predicted, gain, _ = _predicted(window, size - np.median(size), keep)
+    predicted, gain, _ = _predicted(window, size - np.median(size), keep, which)
     off = np.abs(size - np.median(size) - predicted)[:, 0] / np.sqrt(1 + gain)
     usual = 1.4826 * float(np.median(off[keep])) if keep.any() else 0.0
-    return off / max(_SIZE, _SIGMAS * usual)
+    return off / max(_SIZE, _SIZE_SIGMAS * usual)

@@ -9,12 +9,15 @@ from ncdc_model.calibration.boards import find_boards
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco
 from ncdc_model.calibration.dots import dots_of, find_spots
 from ncdc_model.calibration.grids import corners_touch, read_grid
+from ncdc_model.calibration.smooth import misfit
 from ncdc_model.errors import InputError
 
 __all__ = ["MIN_DOTS", "Look", "Sight"]
 
 MIN_DOTS = 49          # dots that make ``auto`` take a photo for that of a dot page
 _WHOLE_GRID = 0.999    # of the rectangle's places filled: circles that are all of a grid
+_SQUARE_PAGE = 1.5     # pixels, median: a lens that leaves more does not explain a square lattice
+_TRIED = 300           # dots that a lens is tried on
 _BOARD_LIKE = 800      # spots on a lattice beyond which nobody takes a page for a chessboard
 
 
@@ -81,7 +84,7 @@ class Look:
     def page(self):
         """The page of dots as PhotoPoints; raises :class:`InputError` if there is none."""
         count = len(self.spots.lattices[0].index) if self.spots.lattices else 0
-        if count < _BOARD_LIKE and self.boards and 2 * len(self.boards[0].index) > count:
+        if count < _BOARD_LIKE and self.boards and len(self.boards[0].index) >= count:
             raise InputError(f"it shows a chessboard of {len(self.boards[0].index)} corners, no "
                              f"page of dots")
         return dots_of(self.spots, self.image)
@@ -91,7 +94,8 @@ class Look:
         return find_charuco(self.image, columns, rows, self.boards)
 
     def _recognise(self):
-        board = self.boards[0] if self.boards else None
+        many = self.spots.lattices and len(self.spots.lattices[0].index) >= _BOARD_LIKE
+        board = self.boards[0] if not many and self.boards else None
         span = np.ptp(board.index, axis=0) + 1 if board is not None else (0, 0)
         whole = board is not None and len(board.index) == np.prod(span)
         seen = len(self.spots.lattices[0].index) if not whole and self.spots.lattices else 0
@@ -111,6 +115,10 @@ class Look:
             f"{MIN_DOTS} dots, a chessboard nor a ChArUco board was found"
             + (f"; of what looks like dots, {doubt}" if doubt else ""))
 
+    def _thin(self):
+        """Each how many dots are enough to try a lens on."""
+        return max(1, len(self.spots.lattices[0].index) // _TRIED)
+
     def _round(self):
         """The grid of circles or page of dots that the photo shows, or None."""
         if not self.spots.lattices:
@@ -127,6 +135,10 @@ class Look:
             if whole and min(columns, rows) >= 3 and (page is None or not page.cut.any()):
                 return Sight("circles", columns, rows)
             return Sight("dots") if page is not None else None
+        if not whole and len(lattice.index) >= MIN_DOTS:
+            # A page that lies askew, or a part of it: if a lens explains its steps as square ones.
+            off = misfit(self.size, [(lattice.index[::self._thin()], lattice.xy[::self._thin()])])
+            return Sight("dots") if off < _SQUARE_PAGE and self.page is not None else None
         if whole and not corners_touch(self.image, grid):
             if columns % 2:
                 columns, rows = rows, columns
