@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ncdc_model.calibration.belief import believed, place_of
+from ncdc_model.calibration.belief import believed, place_of, separated
 from ncdc_model.calibration.blobs import Blobs, find_blobs
 from ncdc_model.calibration.ground import on_one_ground
 from ncdc_model.calibration.lattice import find_lattices
@@ -16,6 +16,7 @@ from ncdc_model.errors import InputError
 
 __all__ = ["Spots", "dots_of", "find_dots", "find_spots"]
 
+_JOINED = 0.90         # of a lattice's points must be believed, else it may be two that join
 _ENOUGH = 25           # numbered dots below which a photo does not show a page of dots
 
 
@@ -44,24 +45,32 @@ def find_spots(image):
     blobs, size, doubt = find_blobs(image), image.shape[1::-1], ""
     lattices = []
     for lattice in find_lattices(blobs.xy, (np.array(size) - 1) / 2):
+        walked = on_one_ground(image, _of_lattice(blobs, lattice))
         try:
-            lattices.append(on_one_ground(image, _of_lattice(size, blobs, lattice)))
+            whole = believed(size, walked)
+            if len(whole.index) > _JOINED * len(walked.index):
+                lattices.append(whole)
+                continue
         except InputError as error:
             doubt = doubt or str(error)
+        for part in separated(walked):
+            try:
+                lattices.append(believed(size, part))
+            except InputError as error:
+                doubt = doubt or str(error)
     lattices = [photo for photo in lattices if len(photo.index) >= 9]
     return Spots(size, blobs, tuple(sorted(lattices, key=lambda photo: -len(photo.index))), doubt)
 
 
-def _of_lattice(size, blobs, lattice):
+def _of_lattice(blobs, lattice):
     dropped = tuple((float(x), float(y), "out of line with its neighbours")
                     for x, y in blobs.xy[lattice.dropped])
     rejected = {**blobs.rejected, **({dropped[0][2]: len(dropped)} if dropped else {})}
     other = len(blobs.xy) - len(lattice.where) - len(lattice.dropped)
     if other:
         rejected["not on the lattice"] = other
-    return believed(size, PhotoPoints(
-        index=lattice.index, xy=blobs.xy[lattice.where], area=blobs.area[lattice.where],
-        rejected=rejected, dropped=dropped), square=False)
+    return PhotoPoints(index=lattice.index, xy=blobs.xy[lattice.where],
+                       area=blobs.area[lattice.where], rejected=rejected, dropped=dropped)
 
 
 def find_dots(image):

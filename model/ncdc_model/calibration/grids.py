@@ -124,7 +124,7 @@ def read_grid(size, lattice, staggered=None):
     index = index[keep] - index[keep].min(axis=0)
     photo = replace(lattice, index=index, xy=lattice.xy[keep], area=lattice.area[keep],
                     cut=lattice.cut[keep], rejected=rejected, dropped=dropped)
-    if not kind:
+    if not kind and len(photo.index) >= 9:
         photo = believed(size, photo)
     if len(photo.index) < _ENOUGH:
         return None

@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 __all__ = ["on_one_ground"]
 
 _STEP = 0.75           # brightness of one cell over that of the next: less is an edge
+_ACROSS = 3            # cells to either side that are compared
 _REASON = "on ground of another brightness: a reflection, or beyond a shadow's edge"
 
 
@@ -35,7 +36,9 @@ def on_one_ground(image, photo):
     cell = np.full(whole.shape, -1)
     cell[whole] = np.arange(whole.sum())
     pairs = []
-    for one, other in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
+    # A stroke of a pen darkens a line of cells, but not what lies beyond it.
+    for one, other in [pair for far in range(1, _ACROSS + 1) for pair in (
+            (np.s_[:-far], np.s_[far:]), (np.s_[:, :-far], np.s_[:, far:]))]:
         same = whole[one] & whole[other]
         low, high = (which(light[one], light[other]) for which in (np.minimum, np.maximum))
         same &= low >= _STEP * high

@@ -1,12 +1,13 @@
 """Holds each numbered point against the place and size that its neighbours predict."""
 
+import warnings
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 from scipy import ndimage
 
-__all__ = ["Doubt", "Held", "fits_in", "hold"]
+__all__ = ["Doubt", "Held", "fits_in", "hold", "parts"]
 
 _WINDOW = 2            # columns and rows to either side that predict a point
 # How much the change of a step, and the change of that change, are held back where few neighbours
@@ -15,8 +16,10 @@ _RIDGE = np.array([1e-6, 0.02, 0.02, 0.2, 0.2, 0.2])
 # Times the usual distance from the predicted place: farther is wrong. A lens leaves less than a
 # polynomial, and a photo of few points can spare none of the care.
 _SIGMAS, _SIGMAS_LENS = 9.0, 5.0
+_MANY = 300            # points: more are not few
 _FLOOR = 0.60, 0.012   # pixels and parts of a step that a point may be off in any case
 _SIZE_SIGMAS = 5.0     # times the usual difference of sizes: more is another thing than a dot
+_KINK = 0.6, 6.0       # pixels, and times the usual: a line that bends more than nearby lines do
 _RIM_FLOOR = 0.80      # pixels that a whole line at the rim may be off in any case
 _RIM_WIDER = 1.6       # times what is allowed of places within: the lens bends most at the rim
 _RIM_SIZE = 1.7        # times what is allowed of sizes within: the light falls off to the rim
@@ -88,13 +91,15 @@ def hold(index, xy, area=None, smooth=None):
     step = _step(window, xy)
     far, sigma = np.zeros(len(index)), 0.0
     for _ in range(_ROUNDS):
-        rest = xy - (_smooth(window, xy, keep) if smooth is None else smooth)
+        rest = xy if smooth is None else xy - smooth
+        if smooth is None or keep.sum() >= _DEGREES[0][0]:
+            rest = rest - _smooth(window, rest, keep)
         predicted, gain, count = _predicted(window, rest, keep)
         far = np.linalg.norm(rest - predicted, axis=1)
         usual = np.sqrt(1 + gain)
         sigma = float(np.median((far / usual)[keep]) / 1.1774) if keep.any() else 0.0
-        sigmas = _SIGMAS if smooth is None else _SIGMAS_LENS
-        limit = np.maximum(np.maximum(_FLOOR[0], sigmas * sigma * usual), _FLOOR[1] * step)
+        sigmas = _SIGMAS if smooth is None or len(index) > _MANY else _SIGMAS_LENS
+        limit = np.maximum(max(_FLOOR[0], sigmas * sigma), _FLOOR[1] * step) * usual
         score = np.where(keep, far / limit, 0)
         bad = window.worst(score) & (score > 1)
         lonely = keep & (count < _LEAST)
@@ -119,6 +124,30 @@ def hold(index, xy, area=None, smooth=None):
     keep &= ~apart
     return Held(keep, doubts, sigma, float(np.median(step)) if len(step) else 0.0,
                 float(far[keep].max(initial=0.0)))
+
+
+def parts(index, xy):
+    """Number (n,) of the part, -1 for none, that each point of a lattice belongs to when it is cut
+    where its lines have a kink: where two targets, or one and its mirror image, happen to join."""
+    window = _Window(index)
+    place = {tuple(offset): k for k, offset in enumerate(window.offsets.tolist())}
+    kink = np.zeros(len(index))
+    for before, after in (((-1, 0), (1, 0)), ((0, -1), (0, 1))):
+        first, second = window.near[:, place[before]], window.near[:, place[after]]
+        both = (first >= 0) & (second >= 0)
+        bend = np.where(both[:, None], xy[first] + xy[second] - 2 * xy, np.nan)
+        # The lens bends lines too, but those nearby alike.
+        near = np.where((window.near >= 0)[:, :, None], bend[window.near], np.nan)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            usual = np.nanmedian(near, axis=1)
+        kink = np.fmax(kink, np.linalg.norm(bend - usual, axis=1))
+    limit = max(_KINK[0], _KINK[1] * float(np.nanmedian(kink)))
+    smooth = kink <= limit
+    there = np.zeros(window.grid.shape, bool)
+    there[tuple(window.index[smooth].T)] = True
+    labels, _ = ndimage.label(there)
+    return np.where(smooth, labels[tuple(window.index.T)] - 1, -1)
 
 
 def fits_in(index, xy, more_index, more_xy, sigma):
