@@ -3,17 +3,28 @@
 import sys
 from pathlib import Path
 
-from ncdc.cli.common import add_json, add_samples, photo, straightness_text, write_report
+import numpy as np
+
+from ncdc.cli.common import (
+    add_json,
+    add_samples,
+    read_photo,
+    straightness_text,
+    write_report,
+)
 from ncdc.terminal import Progress
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.measure import measure_smooth
 from ncdc_model.calibration.overlay import draw_points
-from ncdc_model.calibration.quality import warnings_of
+from ncdc_model.calibration.quality import Dropped, warnings_of
 from ncdc_model.errors import InputError
 from ncdc_model.images import write_image
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "judged", "run"]
+
+_LENS, _DRAWN = 0.7, 0.9    # parts of the work done before the lens, and before the pictures
+_LISTED = 20                # dropped points that are printed
 
 HELP = "find a target's points in photos of it"
 EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
@@ -37,9 +48,31 @@ def add_arguments(parser):
 
 def run(args):
     """Detect, write the points file and the overlays, report."""
-    points = detect_points(_photos(args), args.target)
+    progress = Progress("calibrate")
+    points = detect_points(_photos(args, progress), args.target)
     output = Path(args.output)
     used = [name for name in dict.fromkeys(args.photos) if name not in points.rejected_photos]
+    overlays = _overlays(output, used, args)
+    progress(_LENS, " smooth lens")
+    measured, frame, warnings = judged(points)
+    points.save(output)
+    for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
+        progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
+        image = read_photo(name, args, tell=None)
+        write_image(overlay, draw_points(image, photo, frame, number))
+    progress(1)
+    report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),
+              "overlays": overlays}
+    for name, reason in points.rejected_photos.items():
+        print(f"{name}: not used: {reason}", file=sys.stderr)
+    for warning in warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    if not write_report(report, args.json):
+        _print(report, len(args.photos), measured)
+
+
+def _overlays(output, used, args):
+    """Where the pictures go, beside ``output``; no file may replace a photo."""
     tags = [""] if len(used) == 1 else [f"-{k}-{Path(name).stem}" for k, name in enumerate(used, 1)]
     overlays = [str(output.with_name(f"{output.stem}{tag}.png")) for tag in tags]
     inputs = {Path(name).resolve() for name in args.photos}
@@ -47,56 +80,86 @@ def run(args):
         if Path(path).resolve() in inputs:
             raise InputError(f"the output {path} would replace the photo of that name, choose "
                              f"another -o")
-    measured, frame, warnings = _measured(points)
-    points.save(output)
-    for number, (name, overlay, part) in enumerate(zip(used, overlays, points.photos)):
-        write_image(overlay, draw_points(photo(name, args), part, frame, number))
+    return overlays
+
+
+def _report(points, frame):
+    """What was found, what was not believed and why, and how sure it is."""
     rejected = {}
-    for part in points.photos:
-        for reason, count in part.rejected.items():
+    for photo in points.photos:
+        for reason, count in photo.rejected.items():
             rejected[reason] = rejected.get(reason, 0) + count
-    whole = max(len(part.index) for part in points.photos)
-    report = {
-        "target": points.target, "columns": points.columns, "rows": points.rows,
-        "points_found": points.count, "points_cut": points.count - points.whole,
-        "points_rejected": sum(rejected.values()),
-        "points_rejected_by_reason": rejected, "photos_used": len(points.photos),
-        "photos_rejected": points.rejected_photos, "photos_in_part": {
-            part.name: f"{len(part.index)} of {whole} points" for part in points.photos
-            if points.target != "dots" and len(part.index) < whole},
-        **measured, "warnings": warnings, "points": str(output), "overlays": overlays,
-    }
-    for name, reason in points.rejected_photos.items():
-        print(f"{name}: not used: {reason}", file=sys.stderr)
-    for warning in warnings:
-        print(f"warning: {warning}", file=sys.stderr)
-    if write_report(report, args.json):
-        return
-    print(f"{points.count} points ({points.target}, {points.columns} columns x {points.rows} rows) "
-          f"in {len(points.photos)} of {len(args.photos)} photos")
+    dropped = [{"photo": photo.name, "x": round(x, 1), "y": round(y, 1), "reason": reason}
+               for photo in points.photos for x, y, reason in photo.dropped]
+    for number, index in () if frame is None else frame.gross:
+        photo = points.photos[frame.numbers[number]]
+        x, y = photo.xy[(photo.index == index).all(axis=1)][0]
+        dropped.append({"photo": photo.name, "x": round(float(x), 1), "y": round(float(y), 1),
+                        "reason": Dropped.GROSS.value})
+    return {
+        "target": points.target, "target_chosen": points.choice, "columns": points.columns,
+        "rows": points.rows, "points_found": points.count,
+        "points_cut": points.count - points.whole, "points_rejected": sum(rejected.values()),
+        "points_rejected_by_reason": rejected, "points_dropped": dropped,
+        "agreement_px": {photo.name: photo.agreement for photo in points.photos},
+        "photos_used": len(points.photos), "photos_rejected": points.rejected_photos,
+        "photos_in_part": _parts(points),
+        "remarks": [f"{photo.name}: {text}" for photo in points.photos for text in photo.remarks]}
+
+
+def _parts(points):
+    """Which photos show a part of the target only, and which part."""
+    if points.target == "dots":
+        return {}
+    columns, rows = points.target_size or (points.columns, points.rows)
+    if points.target == "charuco":
+        columns, rows = columns - 1, rows - 1
+    whole, parts = columns * rows, {}
+    for photo in points.photos:
+        if len(photo.index) < whole:
+            across, down = np.ptp(photo.index, axis=0) + 1
+            parts[photo.name] = (f"{len(photo.index)} of {whole} points, on {across} columns and "
+                                 f"{down} rows")
+    return parts
+
+
+def _print(report, photos, measured):
+    """The report as text."""
+    print(f"{report['points_found']} points ({report['target']}, {report['columns']} columns x "
+          f"{report['rows']} rows) in {report['photos_used']} of {photos} photos")
+    if report["target_chosen"]:
+        print(f"  target: {report['target_chosen']}; --target names another one")
     if report["points_cut"]:
         print(f"  {report['points_cut']} of them are cut by the border: numbered, not used")
-    for reason, count in rejected.items():
+    for reason, count in report["points_rejected_by_reason"].items():
         print(f"  {count} rejected: {reason}")
+    for point in report["points_dropped"][:_LISTED]:
+        print(f"  {point['photo']}: point at ({point['x']:g}, {point['y']:g}) dropped: "
+              f"{point['reason']}")
+    if len(report["points_dropped"]) > _LISTED:
+        print(f"  and {len(report['points_dropped']) - _LISTED} more points dropped: --json lists "
+              f"all")
     for name, part in report["photos_in_part"].items():
         print(f"  {name}: {part}")
+    for remark in report["remarks"]:
+        print(f"  {remark}")
+    worst = max(report["agreement_px"], key=lambda name: report["agreement_px"][name])
+    print(f"points lie {report['agreement_px'][worst]:.2f} px or less, on each axis, from where "
+          f"their neighbours predict them ({worst}, the least sure photo)")
     if measured:
         print(straightness_text(measured, "points that the lens was not fitted to"))
-    print(f"{output}; look at {overlays[0]}" + (" and the others" if overlays[1:] else ""))
+    first, *others = report["overlays"]
+    print(f"{report['points']}; look at {first}" + (" and the others" if others else ""))
 
 
-def _photos(args):
-    """The photos, one after the other; with progress, if there are several."""
-    names = args.photos
-    progress = Progress("photos") if len(names) > 1 else lambda *args: None
-    for done, name in enumerate(names):
-        image = photo(name, args)
-        progress(done / len(names), f" {Path(name).name}")
-        yield name, image
-    progress(1)
+def _photos(args, progress):
+    """The photos, one after the other, with progress."""
+    for done, name in enumerate(args.photos):
+        progress(_LENS * done / len(args.photos), f" {Path(name).name}")
+        yield name, read_photo(name, args)
 
 
-def _measured(points):
+def judged(points):
     """Straightness with a smooth lens, the frame it was measured in, and warnings.
 
     Without a lens that explains the points the first is empty, the second None, and the
@@ -111,4 +174,4 @@ def _measured(points):
     except InputError as error:
         return {}, None, [str(error)]
     measured = measure_smooth(frame)
-    return measured, frame, warnings_of(points, frame, measured["repeatability_px"])
+    return measured, frame, warnings_of(points, frame, measured)

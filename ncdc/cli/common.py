@@ -9,7 +9,7 @@ from ncdc_model.files import read_bytes, write_stream
 from ncdc_model.images import is_raw, mosaic, read_image
 from ncdc_model.samples import RawDump, check_bits
 
-__all__ = ["add_camera", "add_json", "add_samples", "photo", "raw_frame",
+__all__ = ["add_camera", "add_json", "add_samples", "raw_frame", "read_photo",
            "straightness_text", "write_report"]
 
 
@@ -26,8 +26,14 @@ def add_samples(parser):
                              "or from 9 bits on two bytes each, lower first")
 
 
-def photo(path, args):
-    """Picture of the file ``path`` by the options of :func:`add_samples`; a guess goes to stderr.
+def _to_stderr(sentence):
+    print(sentence, file=sys.stderr)
+
+
+def read_photo(path, args, tell=_to_stderr):
+    """Picture of the file ``path`` by the options of :func:`add_samples`.
+
+    ``tell`` is called with a sentence if the number of bits is a guess; None tells nobody.
 
     Raises
     ------
@@ -40,7 +46,7 @@ def photo(path, args):
         return RawDump.parse(args.raw).read(path)
     if args.bits is not None:
         check_bits(args.bits)
-    return read_image(path, args.bits, lambda sentence: print(sentence, file=sys.stderr))
+    return read_image(path, args.bits, tell)
 
 
 def raw_frame(args, geometry):
@@ -50,7 +56,7 @@ def raw_frame(args, geometry):
     keeps the colour that the filter would have passed. A grey JPEG is refused: it cannot be a raw
     frame, and the hardware knows no other.
     """
-    path, image = args.image, photo(args.image, args)
+    path, image = args.image, read_photo(args.image, args)
     if args.raw is not None:
         bayer = RawDump.parse(args.raw).bayer
         if bayer != geometry.bayer:

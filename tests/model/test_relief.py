@@ -112,13 +112,17 @@ def spoilt(points, shuffled=0, lost=0):
         cut=photo.cut[keep]),))
 
 
+def measured(scatter):
+    return {"repeatability_px": scatter, "straightness_rms_px": 0.1}
+
+
 def test_wrong_indices_are_dropped_or_refused():
     points, _ = page(np.zeros((ROWS, COLUMNS)))
     few = spoilt(points, shuffled=18)
     frame = ideal_frame(few)
     assert frame.rejected[Dropped.GROSS] == 18
     assert any("18 of" in text and "disagree with their neighbours" in text
-               for text in warnings_of(few, frame, 0.02))
+               for text in warnings_of(few, frame, measured(0.02)))
     with pytest.raises(InputError, match="10 % is the limit: indices or points are wrong"):
         ideal_frame(spoilt(points, shuffled=90))
 
@@ -126,11 +130,11 @@ def test_wrong_indices_are_dropped_or_refused():
 def test_lost_points_and_noise_are_told():
     points, _ = page(np.zeros((ROWS, COLUMNS)))
     frame = ideal_frame(points)
-    assert warnings_of(points, frame, 0.02) == []
+    assert warnings_of(points, frame, measured(0.02)) == []
     holes = spoilt(points, lost=40)
-    (text,) = warnings_of(holes, frame, 0.02)
+    (text,) = warnings_of(holes, frame, measured(0.02))
     assert "places between other points" in text and "have no point" in text
-    (text,) = warnings_of(points, frame, 0.4)
+    (text,) = warnings_of(points, frame, measured(0.4))
     assert "scatter by 0.40 px rms about their lines, more than 0.25 px" in text
 
 

@@ -1,44 +1,78 @@
-"""Finds chessboards with OpenCV."""
+"""Finds chessboards, whole or in part, several in one photo, of known size or not."""
+
+from dataclasses import replace
 
 import cv2
 import numpy as np
 
+from ncdc_model.calibration.belief import believed, place_of
 from ncdc_model.calibration.blobs import flat_field
+from ncdc_model.calibration.corners import check_squares, find_corner_lattices
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.errors import InputError
 
-__all__ = ["find_any_chessboard", "find_chessboard", "grey_picture"]
+__all__ = ["board_of_size", "find_any_chessboard", "find_boards", "find_chessboard",
+           "grey_picture"]
 
-_SQUARES = ((3, 3), (4, 3), (6, 4), (9, 6))   # inner corners that a board of unknown size may have
+_ENOUGH = 12           # corners of a part of a board
+
+
+def find_boards(image):
+    """All chessboards in the picture, PhotoPoints each, the one of most corners first.
+
+    i grows to the right and j downwards; the smallest of each is 0.
+    """
+    grey, boards = grey_picture(image), []
+    for board in find_corner_lattices(grey):
+        try:
+            boards.append(_held(image, board.index, board.xy))
+        except InputError:
+            pass
+    boards = [board for board in boards if len(board.index) >= 9]
+    return sorted(boards, key=lambda board: -len(board.index))
 
 
 def find_chessboard(image, columns, rows):
-    """Inner corners of a chessboard, ``columns`` x ``rows``, as PhotoPoints.
+    """Inner corners of a chessboard, ``columns`` x ``rows``, as PhotoPoints; a part will do.
 
     Raises
     ------
     InputError
-        If the whole board is not found.
+        If no such board, no 12 corners of one, or a larger one is found.
+    """
+    return board_of_size(find_boards(image), columns, rows, image)
+
+
+def board_of_size(boards, columns, rows, image=None):
+    """The one of ``boards``, as of :func:`find_boards`, that is ``columns`` x ``rows`` or a part.
+
+    Where none is whole and the ``image`` is given, OpenCV looks for it too; it takes more time.
+    Raises :class:`InputError` as :func:`find_chessboard`.
     """
     for side, count in (("columns", columns), ("rows", rows)):
         if count < 3:
             raise InputError(f"the chessboard has {count} {side} of inner corners, at least 3 "
                              f"are needed")
-    grey = grey_picture(image)
-    flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
-    for effort in (0, cv2.CALIB_CB_EXHAUSTIVE):
-        found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags | effort)
-        if found:
-            return _points(corners, columns, rows)
-    found, corners = cv2.findChessboardCorners(
-        grey, (columns, rows), flags=cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE)
-    if not found:
-        raise InputError(f"no chessboard of {columns}x{rows} inner corners was found")
-    grid = corners.reshape(rows, columns, 2)
-    closest = min(np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in (0, 1))
-    half = int(np.clip(closest / 3, 2, 11))
-    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-3)
-    return _points(cv2.cornerSubPix(grey, corners, (half, half), (-1, -1), stop), columns, rows)
+    fitting = [board for board in boards if _fits(board, columns, rows)]
+    larger = [board for board in boards if not _fits(board, columns, rows)]
+    if larger and (not fitting or len(larger[0].index) > 2 * len(fitting[0].index)):
+        across, down = sorted(np.ptp(larger[0].index, axis=0) + 1, reverse=True)
+        raise InputError(f"it shows a chessboard of at least {across}x{down} inner corners, not of "
+                         f"{columns}x{rows}")
+    whole = [board for board in fitting if len(board.index) == columns * rows]
+    if not whole and image is not None:
+        other = _by_opencv(image, columns, rows)
+        whole = [other] if other is not None else []
+    best = (whole or fitting or [None])[0]
+    if best is None or len(best.index) < _ENOUGH:
+        if best is None:
+            raise InputError(f"no chessboard of {columns}x{rows} inner corners was found")
+        raise InputError(f"{len(best.index)} corners of a chessboard were found, at least "
+                         f"{_ENOUGH} are needed")
+    others = [board for board in boards if not _overlap(board, best)]
+    return _turned(replace(best, remarks=tuple(
+        f"another chessboard, {len(board.index)} corners {place_of(board)}, is not used"
+        for board in others)), columns, rows)
 
 
 def find_any_chessboard(image):
@@ -49,15 +83,11 @@ def find_any_chessboard(image):
     InputError
         If no board of at least 3x3 inner corners is found.
     """
-    grey, best = grey_picture(image), None
-    for columns, rows in _SQUARES:
-        found, _, meta = cv2.findChessboardCornersSBWithMeta(
-            grey, (columns, rows), cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_LARGER)
-        if found and (best is None or meta.size > best[0] * best[1]):
-            best = meta.shape[1], meta.shape[0]
-    if best is None:
+    boards = [board for board in find_boards(image) if np.ptp(board.index, axis=0).min() >= 2]
+    if not boards:
         raise InputError("no chessboard was found")
-    return best
+    across, down = np.ptp(boards[0].index, axis=0) + 1
+    return int(across), int(down)
 
 
 def grey_picture(image):
@@ -67,14 +97,56 @@ def grey_picture(image):
     return np.clip(110 * flat_field(image), 0, 255).astype(np.uint8)
 
 
-def _points(found, columns, rows):
-    """PhotoPoints of a grid found in order, turned by half a turn if its last point comes first.
+def _held(image, index, xy):
+    order = np.lexsort(index.T)
+    return believed(image.shape[1::-1], PhotoPoints(index=index[order], xy=xy[order],
+                                                    area=np.zeros(len(xy))))
 
-    Half a turn, not a flip: the target must not be seen as if from behind.
-    """
-    grid = np.asarray(found, np.float64).reshape(rows, columns, 2)
+
+def _fits(board, columns, rows):
+    across, down = np.ptp(board.index, axis=0) + 1
+    return (across <= columns and down <= rows) or (across <= rows and down <= columns)
+
+
+def _overlap(first, second):
+    """Whether two boards are one: the middle of one lies within the other."""
+    middle = first.xy.mean(axis=0)
+    return bool(((middle > second.xy.min(axis=0)) & (middle < second.xy.max(axis=0))).all())
+
+
+def _turned(board, columns, rows):
+    """``board`` numbered along ``columns``, where it fits only so: by a quarter turn, no flip."""
+    across, down = np.ptp(board.index, axis=0) + 1
+    index = board.index
+    if not (across <= columns and down <= rows):
+        index = np.stack([index[:, 1], -index[:, 0]], axis=1)
+        index = index - index.min(axis=0)
+        # Of both quarter turns the one whose first point lies further to the top left.
+        first, last = (index.sum(axis=1) == value for value in
+                       (index.sum(axis=1).min(), index.sum(axis=1).max()))
+        if board.xy[first].sum(axis=1).mean() > board.xy[last].sum(axis=1).mean():
+            index = index.max(axis=0) - index
+    order = np.lexsort(index.T)
+    return replace(board, index=index[order], xy=board.xy[order], area=board.area[order],
+                   cut=board.cut[order])
+
+
+def _by_opencv(image, columns, rows):
+    """OpenCV's board if its corners are a chessboard's, all of them, and agree; else None."""
+    grey = grey_picture(image)
+    found, corners = cv2.findChessboardCornersSB(
+        grey, (columns, rows), flags=cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY)
+    if not found:
+        return None
+    grid = np.asarray(corners, np.float64).reshape(rows, columns, 2)
     if (grid[-1, -1] - grid[0, 0]).sum() < 0:
         grid = grid[::-1, ::-1]
     i, j = np.meshgrid(np.arange(columns), np.arange(rows))
-    return PhotoPoints(index=np.stack([i.ravel(), j.ravel()], axis=1), xy=grid.reshape(-1, 2),
-                       area=np.zeros(columns * rows))
+    index, xy = np.stack([i.ravel(), j.ravel()], axis=1), grid.reshape(-1, 2)
+    if not check_squares(cv2.GaussianBlur(grey, (0, 0), 1).astype(np.float32), index, xy).all():
+        return None
+    try:
+        board = _held(image, index, xy)
+    except InputError:
+        return None
+    return board if len(board.index) == columns * rows else None

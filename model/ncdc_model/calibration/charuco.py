@@ -1,9 +1,13 @@
 """Finds ChArUco boards: chessboards whose white squares carry numbered markers."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
+from scipy.spatial import cKDTree
 
-from ncdc_model.calibration.boards import grey_picture
+from ncdc_model.calibration.belief import believed
+from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.errors import InputError
 
@@ -14,29 +18,94 @@ _FAMILIES = ("DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000",
              "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h11")
 _MARKERS = 4           # that a board shows at least
 _CORNERS = 12
+_AGREEING = 4          # corners whose numbers by markers are those of the lattice, at least
+_SAME = 0.15           # of a step: OpenCV's corner and the lattice's are one
 _SIDES = range(3, 25)  # squares that a board of unknown size may have in a row
 
 
-def find_charuco(image, columns, rows):
+def find_charuco(image, columns, rows, boards=None):
     """Inner corners of a board of ``columns`` x ``rows`` squares, as far as they are seen.
 
-    The family of the markers and their size are told from the picture. Corners are numbered by
-    the markers beside them, so that part of a board has the numbers of the whole one.
+    The family of the markers and their size are told from the picture. OpenCV numbers corners by
+    the markers beside them, so that part of a board has the numbers of the whole one; the corners
+    themselves are those of the lattice of squares, which must have the same numbers up to a turn.
+
+    Parameters
+    ----------
+    image : ndarray of uint8
+    columns, rows : int
+        Squares.
+    boards : list of PhotoPoints, optional
+        :func:`ncdc_model.calibration.boards.find_boards` of the picture, if known.
 
     Raises
     ------
     InputError
-        If fewer than 12 corners are found.
+        If fewer than 12 corners are found, or markers of a larger board.
     """
     grey = grey_picture(image)
     family, corners, ids = _markers(grey)
+    foreign = ids[ids >= columns * rows // 2]
+    if len(foreign) > 1:
+        raise InputError(f"it shows markers up to number {int(ids.max())}, a ChArUco board of "
+                         f"{columns}x{rows} squares has {columns * rows // 2} from 0")
     found = _corners(grey, family, corners, ids, columns, rows) if family else (None, None)
-    if found[0] is None or len(found[0]) < _CORNERS:
-        raise InputError(f"{0 if found[0] is None else len(found[0])} corners of a ChArUco board "
-                         f"of {columns}x{rows} squares were found, at least {_CORNERS} are needed")
-    xy, number = found
-    index = np.stack([number % (columns - 1), number // (columns - 1)], axis=1)
-    return PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy)))
+    photo = None
+    if found[0] is not None and len(found[0]):
+        index = np.stack([found[1] % (columns - 1), found[1] // (columns - 1)], axis=1)
+        photo = _numbered(image, index, found[0], (columns - 1, rows - 1),
+                          find_boards(image) if boards is None else boards)
+    count = 0 if photo is None else len(photo.index)
+    if count < _CORNERS:
+        raise InputError(f"{count} corners of a ChArUco board of {columns}x{rows} squares were "
+                         f"found, at least {_CORNERS} are needed")
+    return photo
+
+
+def _numbered(image, index, xy, size, boards):
+    """PhotoPoints of the board's ``index`` and ``xy`` by markers, on the lattice that agrees best.
+
+    None if a lattice is seen and the markers' numbers are not those of its corners.
+    """
+    best, votes = None, 0
+    for board in boards:
+        away, nearest = cKDTree(board.xy).query(xy)
+        same = away < _SAME * _step(board)
+        if same.sum() < _AGREEING:
+            continue
+        turned, agree = _renumbered(board.index, board.index[nearest[same]], index[same])
+        if agree > votes:
+            inside = ((turned >= 0) & (turned < size)).all(axis=1)
+            best, votes = replace(board, index=turned[inside], xy=board.xy[inside],
+                                  area=board.area[inside], cut=board.cut[inside]), agree
+    if best is None:
+        if boards and len(boards[0].index) >= len(index):
+            return None
+        best = PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy)))
+        low = index.min(axis=0)
+        best = believed(image.shape[1::-1], best)
+        return replace(best, index=best.index + low)
+    if votes < _AGREEING or votes < len(index) / 2:
+        return None
+    order = np.lexsort(best.index.T)
+    return replace(best, index=best.index[order], xy=best.xy[order])
+
+
+def _step(board):
+    """Distance of neighbouring corners, pixels."""
+    distance, _ = cKDTree(board.xy).query(board.xy, 2)
+    return float(np.median(distance[:, 1]))
+
+
+def _renumbered(index, seen, wanted):
+    """``index`` turned and shifted so that most of ``seen`` become ``wanted``, and how many do."""
+    best = index, 0
+    for turn in (np.array([[1, 0], [0, 1]]), np.array([[0, 1], [-1, 0]]),
+                 np.array([[-1, 0], [0, -1]]), np.array([[0, -1], [1, 0]])):
+        shifts, counts = np.unique(wanted - seen @ turn, axis=0, return_counts=True)
+        if counts.max() > best[1]:
+            best = index @ turn + shifts[counts.argmax()], int(counts.max())
+    return best
 
 
 def find_any_charuco(image):

@@ -1,24 +1,22 @@
 """From photos to numbered points: the target's name, and one photo after the other."""
 
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.calibration.boards import find_any_chessboard, find_chessboard
-from ncdc_model.calibration.charuco import find_any_charuco, find_charuco
-from ncdc_model.calibration.dots import find_dots
-from ncdc_model.calibration.grids import corners_touch, find_circles, find_grid
+from ncdc_model.calibration.boards import board_of_size
+from ncdc_model.calibration.grids import grid_of_size
 from ncdc_model.calibration.points import TARGETS, TargetPoints
+from ncdc_model.calibration.sight import MIN_DOTS, Look
 from ncdc_model.calibration.smooth import MIN_POINTS, misfit
 from ncdc_model.errors import InputError
 from ncdc_model.geometry import MIN_SIZE
 
 __all__ = ["MIN_DOTS", "detect_points", "parse_target"]
 
-MIN_DOTS = 49          # dots that make ``auto`` take a photo for that of a dot page
 _MAX_SIDE = 200        # columns or rows of a target
-_WHOLE_GRID = 0.999    # of the rectangle's places filled: circles that are all of a grid
 _SAME = 0.05           # pixels: two photos whose points differ by less are one photo
 # Rows' distance over that of columns in a staggered grid: OpenCV's, and of equal distances between
 # all neighbours, lines lying or standing.
@@ -49,10 +47,10 @@ def parse_target(text):
 def detect_points(images, target="auto"):
     """Points of the target on every one of ``images``, pairs (name, uint8 image).
 
-    ``images`` may be an iterator. ``auto`` settles on what the first photo shows that shows any
-    target. A photo without the target, of another size than the first one, or with the very
-    points of an earlier one, is left out with its reason; of a target that is seen in part, the
-    part is used.
+    ``images`` may be an iterator. ``auto`` settles on the kind and size of target that most photos
+    show; parts of it do not count against the whole. A photo without the target, of another size
+    in pixels than most, or with the very points of an earlier one, is left out with its reason; of
+    a target that is seen in part, the part is used.
 
     Raises
     ------
@@ -60,80 +58,101 @@ def detect_points(images, target="auto"):
         If ``target`` is not understood or no photo is usable.
     """
     kind, columns, rows = parse_target(target)
-    size, photos, rejected, seen = None, [], {}, set()
-    for name, image in images:
-        name = f"{name} (again)" if str(name) in seen else str(name)
-        seen.add(name)
-        shape = image.shape[1], image.shape[0]
+    looks, rejected = _looks(images, kind)
+    choice = ""
+    if kind == "auto":
+        kind, columns, rows, choice = _agreed(looks, rejected)
+    size = _common_size(looks, rejected)
+    photos = []
+    for look in looks:
+        if look.name in rejected:
+            continue
         try:
-            if min(shape) < MIN_SIZE:
-                raise InputError(f"it is {shape[0]}x{shape[1]}, {MIN_SIZE} pixels on a side are "
-                                 f"the limit")
-            if size is not None and shape != size:
-                raise InputError(f"it is {shape[0]}x{shape[1]}, the first photo is "
-                                 f"{size[0]}x{size[1]}")
-            if kind == "auto":
-                kind, columns, rows = _recognise(image)
-            found = _find(image, kind, columns, rows)
+            found = _find(look, kind, columns, rows)
             twin = next((photo.name for photo in photos if _same(photo, found)), None)
             if twin:
                 raise InputError(f"it shows the same as {twin}: points within {_SAME} pixels of "
                                  f"each other")
         except InputError as error:
-            rejected[name] = str(error)
+            rejected[look.name] = str(error)
             continue
-        size = size or shape
-        photos.append(replace(found, name=Path(name).name))
+        photos.append(replace(found, name=Path(look.name).name))
     if not photos:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
         raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")
     return TargetPoints(target=kind, size=size, photos=tuple(photos), rejected_photos=rejected,
-                        aspect=_aspect(size, photos) if kind == "acircles" else 1.0)
+                        aspect=_aspect(size, photos) if kind == "acircles" else 1.0, choice=choice,
+                        target_size=None if columns is None else (columns, rows))
 
 
-def _find(image, kind, columns, rows):
-    if kind == "dots":
-        return find_dots(image)
-    if kind in ("circles", "acircles"):
-        return find_circles(image, columns, rows, kind == "acircles")
-    return (find_charuco if kind == "charuco" else find_chessboard)(image, columns, rows)
+def _looks(images, kind):
+    """A :class:`Look` at each photo, and why some are of no use. With ``auto`` each is
+    recognised; a photo is kept in memory only as long as something may still be looked for."""
+    looks, rejected, seen = [], {}, set()
+    for name, image in images:
+        name = f"{name} (again)" if str(name) in seen else str(name)
+        seen.add(name)
+        look = Look(name, image)
+        looks.append(look)
+        if min(look.size) < MIN_SIZE:
+            rejected[name] = (f"it is {look.size[0]}x{look.size[1]}, {MIN_SIZE} pixels on a side "
+                              f"are the limit")
+        else:
+            look.prepare(kind)
+    return looks, rejected
 
 
-def _recognise(image):
-    """Kind, columns and rows of the target that ``image`` shows."""
-    grid = find_grid(image)
-    whole = grid is not None and grid.filled > _WHOLE_GRID
-    columns, rows = np.ptp(grid.photo.index, axis=0) + 1 if whole else (0, 0)
-    if grid is not None and not grid.staggered:
-        page = _page(image)
-        # A grid that goes on beyond the border is a page, however whole its rectangle is.
-        if whole and min(columns, rows) >= 3 and (page is None or not page.cut.any()):
-            return "circles", int(columns), int(rows)
-        # The dark squares of a chessboard form a lattice too, but a small one.
-        if page is not None and len(page.index) >= MIN_DOTS:
-            return "dots", None, None
-    round_ones = whole and grid.staggered and not corners_touch(image, grid)
-    for kind, find in (("charuco", find_any_charuco), ("chessboard", find_any_chessboard)):
-        try:
-            if not round_ones:
-                return kind, *find(image)
-        except InputError:
-            pass
-    if round_ones:
-        if columns % 2:
-            columns, rows = rows, columns
-        if not columns % 2 and min(columns // 2, rows) >= 3:
-            return "acircles", int(columns) // 2, int(rows)
-    raise InputError(f"neither a whole grid of circles, a page of at least {MIN_DOTS} dots, a "
-                     f"chessboard nor a ChArUco board was found")
-
-
-def _page(image):
-    """The dots that the picture shows, or None."""
-    try:
-        return find_dots(image)
-    except InputError:
+def _common_size(looks, rejected):
+    """Width and height of most photos, of the first of these if as many have another; the others
+    are rejected by name."""
+    sizes = Counter(look.size for look in looks if look.name not in rejected)
+    if not sizes:
         return None
+    size = sizes.most_common(1)[0][0]
+    for look in looks:
+        if look.size != size and look.name not in rejected:
+            most = "most photos are" if sizes[size] > 1 else "the first photo is"
+            rejected[look.name] = (f"it is {look.size[0]}x{look.size[1]}, {most} "
+                                   f"{size[0]}x{size[1]}")
+    return size
+
+
+def _agreed(looks, rejected):
+    """Kind, columns and rows that most photos show, and a sentence on how many do."""
+    sights = {}
+    for look in looks:
+        if look.name in rejected:
+            continue
+        if look.sight is None:
+            rejected[look.name] = look.doubt
+        else:
+            sights[look.name] = look.sight
+    if not sights:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
+        raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")
+    votes = Counter((sight.kind, *sorted((sight.columns or 0, sight.rows or 0), reverse=True))
+                    for sight in sights.values())
+    # Of sizes that as many photos show the largest: a part of a target is no other target.
+    winner = max(votes, key=lambda key: (votes[key], key[1] * key[2]))
+    first = next(sight for sight in sights.values()
+                 if (sight.kind, *sorted((sight.columns or 0, sight.rows or 0), reverse=True))
+                 == winner)
+    name = first.kind if first.columns is None else f"{first.kind}:{first.columns}x{first.rows}"
+    choice = f"{name}, which {votes[winner]} of {len(looks)} photos show"
+    for photo, sight in sights.items():
+        if sight.kind != first.kind and not {sight.kind, first.kind} <= {"dots", "circles"}:
+            rejected[photo] = f"it shows {sight}, most photos show {name}"
+    return first.kind, first.columns, first.rows, choice
+
+
+def _find(look, kind, columns, rows):
+    if kind == "dots":
+        return look.page
+    if kind in ("circles", "acircles"):
+        return grid_of_size(look.spots, columns, rows, kind == "acircles")
+    if kind == "charuco":
+        return look.charuco(columns, rows)
+    return board_of_size(look.boards, columns, rows, look.image)
 
 
 def _same(first, second):

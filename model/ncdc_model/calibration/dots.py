@@ -1,17 +1,76 @@
 """Finds and numbers the dots of a page of black dots on white."""
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ncdc_model.calibration.blobs import find_blobs
-from ncdc_model.calibration.lattice import number_lattice
+from ncdc_model.calibration.belief import believed, place_of, separated
+from ncdc_model.calibration.blobs import Blobs, find_blobs
+from ncdc_model.calibration.ground import on_one_ground
+from ncdc_model.calibration.lattice import find_lattices
+from ncdc_model.calibration.neighbours import fits_in
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.rim import recover_cut_dots
 from ncdc_model.errors import InputError
 
-__all__ = ["find_dots"]
+__all__ = ["Spots", "dots_of", "find_dots", "find_spots"]
 
+_JOINED = 0.90         # of a lattice's points must be believed, else it may be two that join
 _ENOUGH = 25           # numbered dots below which a photo does not show a page of dots
+
+
+@dataclass(frozen=True)
+class Spots:
+    """Round spots of a photo and their lattices.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Of the photo.
+    blobs : Blobs
+    lattices : tuple of PhotoPoints
+        Those that are believed, the one of most points first; steps may be oblique.
+    doubt : str
+        Why no lattice is believed, if one was seen.
+    """
+    size: tuple
+    blobs: Blobs
+    lattices: tuple
+    doubt: str = ""
+
+
+def find_spots(image):
+    """:class:`Spots` of the uint8 ``image``, (h, w) raw or grey, or (h, w, 3) RGB."""
+    blobs, size, doubt = find_blobs(image), image.shape[1::-1], ""
+    lattices = []
+    for lattice in find_lattices(blobs.xy, (np.array(size) - 1) / 2):
+        walked = on_one_ground(image, _of_lattice(blobs, lattice))
+        try:
+            whole = believed(size, walked)
+            if len(whole.index) > _JOINED * len(walked.index):
+                lattices.append(whole)
+                continue
+        except InputError as error:
+            doubt = doubt or str(error)
+        for part in separated(walked):
+            try:
+                lattices.append(believed(size, part))
+            except InputError as error:
+                doubt = doubt or str(error)
+    lattices = [photo for photo in lattices if len(photo.index) >= 9]
+    return Spots(size, blobs, tuple(sorted(lattices, key=lambda photo: -len(photo.index))), doubt)
+
+
+def _of_lattice(blobs, lattice):
+    dropped = tuple((float(x), float(y), "out of line with its neighbours")
+                    for x, y in blobs.xy[lattice.dropped])
+    rejected = {**blobs.rejected, **({dropped[0][2]: len(dropped)} if dropped else {})}
+    other = len(blobs.xy) - len(lattice.where) - len(lattice.dropped)
+    if other:
+        rejected["not on the lattice"] = other
+    return PhotoPoints(index=lattice.index, xy=blobs.xy[lattice.where],
+                       area=blobs.area[lattice.where], rejected=rejected, dropped=dropped)
 
 
 def find_dots(image):
@@ -26,26 +85,40 @@ def find_dots(image):
     Raises
     ------
     InputError
-        If fewer than 25 dots form one lattice.
+        If fewer than 25 dots form one lattice, or its points scatter.
     """
-    blobs = find_blobs(image)
-    height, width = image.shape[:2]
-    where, index, dropped = number_lattice(blobs.xy, ((width - 1) / 2, (height - 1) / 2))
-    if len(where) < _ENOUGH:
-        raise InputError(f"{len(where)} dots on one lattice were found, at least {_ENOUGH} are "
-                         f"needed")
-    xy, area = blobs.xy[where], blobs.area[where]
-    cut_xy, cut_index, cut_area = recover_cut_dots(image, xy, index, area)
-    rejected = dict(blobs.rejected)
-    for reason, count in (("out of line with its neighbours", dropped),
-                          ("not on the lattice", len(blobs.xy) - len(where) - dropped),
-                          ("cut by the border", _without(blobs.cut, cut_xy, area))):
-        if count:
-            rejected[reason] = count
-    index = np.vstack([index, cut_index])
-    return PhotoPoints(index=index - index.min(axis=0), xy=np.vstack([xy, cut_xy]),
-                       area=np.concatenate([area, cut_area]), rejected=rejected,
-                       cut=np.arange(len(index)) >= len(xy))
+    return dots_of(find_spots(image), image)
+
+
+def dots_of(spots, image):
+    """:func:`find_dots` from the :class:`Spots` of the same ``image``."""
+    count = len(spots.lattices[0].index) if spots.lattices else 0
+    if count < _ENOUGH:
+        raise InputError(spots.doubt or f"{count} dots on one lattice were found, at least "
+                                        f"{_ENOUGH} are needed")
+    page = spots.lattices[0]
+    cut_xy, cut_index, cut_area = _believed_cut(page, *recover_cut_dots(
+        image, page.xy, page.index, page.area))
+    rejected = dict(page.rejected)
+    cut = _without(spots.blobs.cut, cut_xy, page.area)
+    if cut:
+        rejected["cut by the border"] = cut
+    index = np.vstack([page.index, cut_index])
+    others = [other for other in spots.lattices[1:] if len(other.index) >= _ENOUGH]
+    return replace(
+        page, index=index - index.min(axis=0), xy=np.vstack([page.xy, cut_xy]),
+        area=np.concatenate([page.area, cut_area]), rejected=rejected,
+        cut=np.arange(len(index)) >= len(page.xy), remarks=tuple(
+            f"another page, {len(other.index)} dots {place_of(other)}, is not used"
+            for other in others))
+
+
+def _believed_cut(page, xy, index, area):
+    """Of the dots that the border cuts those that the whole ones of ``page`` predict."""
+    if not len(xy):
+        return xy, index, area
+    good = fits_in(page.index, page.xy, index, xy, page.agreement)
+    return xy[good], index[good], area[good]
 
 
 def _without(cut, recovered, area):

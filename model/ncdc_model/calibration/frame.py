@@ -50,6 +50,8 @@ class IdealFrame:
         Of the polynomial that the smooth lens lacks, for each photo.
     names, numbers : tuple
         Of the photos: their names, and which of the points' photos they are.
+    gross : tuple of (int, (int, int))
+        Photo and index of the points that are off the smooth lens by more than their neighbours.
     """
     camera: Camera
     homographies: tuple
@@ -64,6 +66,7 @@ class IdealFrame:
     degrees: tuple
     names: tuple
     numbers: tuple
+    gross: tuple = ()
 
 
 @one_thread()
@@ -96,7 +99,8 @@ def ideal_frame(points, size=None, zoom="fit"):
     frame = choose_frame(fit.camera.undistort, fit.camera.distort, points.size, size, zoom)
     homographies = [frame.matrix @ plane @ np.diag([1.0, points.aspect, 1.0])
                     for plane in fit.planes]
-    corrected, distorted, used, photo, distance, along, shift = _pairs(fitted, frame, rejected)
+    gross, pairs = _pairs(fitted, frame, rejected)
+    corrected, distorted, used, photo, distance, along, shift = pairs
     if ruined := check_share(rejected, points.whole):
         raise InputError(ruined)
     if len(used) < MIN_POINTS:
@@ -107,7 +111,8 @@ def ideal_frame(points, size=None, zoom="fit"):
                       corrected=corrected, distorted=distorted, index=used, photo=photo,
                       rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected, along=along,
                       relief=shift, degrees=tuple(part.degree for part in fitted.relief),
-                      names=tuple(photo.name for photo in photos), numbers=tuple(numbers))
+                      names=tuple(photo.name for photo in photos), numbers=tuple(numbers),
+                      gross=gross)
 
 
 def _usable_photos(points):
@@ -166,11 +171,12 @@ def _fit(points, photos):
 
 
 def _pairs(fitted, frame, rejected):
-    """Points of all photos that are used, as arrays; the others are counted in ``rejected``.
+    """Points of all photos that are used, as arrays, after those that are gross; the others are
+    counted in ``rejected``.
 
     (u, v), (x, y), index, photo, distance from the smooth lens, direction and shift of the relief.
     """
-    fit, size, kept = fitted.fit, np.array(frame.size), []
+    fit, size, kept, wrong = fitted.fit, np.array(frame.size), [], []
     residual = [fit.pixels(number, cells) - fitted.xy[number]
                 for number, cells in enumerate(fitted.cells)]
     far = [np.linalg.norm(offset, axis=1) for offset in residual]
@@ -184,12 +190,13 @@ def _pairs(fitted, frame, rejected):
         inside = ((uv >= -margin) & (uv <= size - 1 + margin)).all(axis=1)
         inside &= rays[:, 2] > 0
         _count(rejected, Dropped.GROSS, int(gross.sum()))
+        wrong += [(number, tuple(key)) for key in fitted.photos[number].index[gross].tolist()]
         _count(rejected, Dropped.OUTSIDE, int((~inside & ~gross).sum()))
         use, relief = inside & ~gross, fitted.relief[number]
         kept.append((uv[use], fitted.xy[number][use], fitted.photos[number].index[use],
                      np.full(int(use.sum()), number), distance[use], relief.along[use],
                      relief.shift[use]))
-    return [np.concatenate(part) for part in zip(*kept)]
+    return tuple(wrong), [np.concatenate(part) for part in zip(*kept)]
 
 
 def _against_neighbours(index, residual):

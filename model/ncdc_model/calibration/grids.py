@@ -1,20 +1,22 @@
 """Finds and numbers grids of dark circles, in lines or staggered, whole or in part."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from ncdc_model.calibration.blobs import find_blobs, flat_field
-from ncdc_model.calibration.lattice import number_lattice
+from ncdc_model.calibration.belief import believed, place_of
+from ncdc_model.calibration.blobs import flat_field
+from ncdc_model.calibration.dots import find_spots
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.errors import InputError
 
-__all__ = ["Grid", "corners_touch", "find_circles", "find_grid"]
+__all__ = ["Grid", "corners_touch", "find_circles", "find_grid", "grid_of_size", "read_grid"]
 
 _ENOUGH = 12           # circles of a grid
 _TOUCH = 0.75          # of the brightness between circles: less is the corner of two squares
 _LINE = 0.5            # of a line's places must be filled, else it is a stray or two
+_STRAY = "not on the grid"
 
 
 @dataclass(frozen=True)
@@ -51,61 +53,83 @@ def find_circles(image, columns, rows, staggered=False):
     Raises
     ------
     InputError
-        If no such grid is found.
+        If no such grid is found, or a larger one.
     """
+    return grid_of_size(find_spots(image), columns, rows, staggered)
+
+
+def grid_of_size(spots, columns, rows, staggered=False):
+    """:func:`find_circles` from a photo's :class:`ncdc_model.calibration.dots.Spots`."""
     size = (2 * columns, rows) if staggered else (columns, rows)
-    grid = find_grid(image, staggered, size)
-    if grid is None:
-        raise InputError(f"no {'staggered ' * staggered}grid of {columns}x{rows} circles was found")
-    return grid.photo
+    grids = [grid for grid in (read_grid(spots.size, lattice, staggered)
+                               for lattice in spots.lattices) if grid is not None]
+    fitting = [grid for grid in grids if _fits(grid, size)]
+    larger = [grid for grid in grids if not _fits(grid, size)]
+    if larger and (not fitting or len(larger[0].photo.index) > 2 * len(fitting[0].photo.index)):
+        across, down = np.ptp(larger[0].photo.index, axis=0) + 1
+        raise InputError(f"it shows {len(larger[0].photo.index)} circles or dots, {across} columns "
+                         f"by {down} rows{' of half steps' * staggered}, not a grid of "
+                         f"{columns}x{rows}")
+    if not fitting:
+        raise InputError(spots.doubt or f"no {'staggered ' * staggered}grid of {columns}x{rows} "
+                                        f"circles was found")
+    best = max(fitting, key=lambda grid: (len(grid.photo.index) == columns * rows,
+                                          len(grid.photo.index)))
+    return replace(best.photo, remarks=tuple(
+        f"another grid, {len(grid.photo.index)} circles {place_of(grid.photo)}, is not used"
+        for grid in grids if grid is not best))
 
 
-def find_grid(image, staggered=None, size=None):
-    """The grid of dark circles that the picture shows, or None.
+def _fits(grid, size):
+    across, down = np.ptp(grid.photo.index, axis=0) + 1
+    return (across <= size[0] and down <= size[1]) or (across <= size[1] and down <= size[0])
 
-    The lattice of the circles is walked without knowing whether it is a square one, or a
+
+def find_grid(image, staggered=None):
+    """The grid of most dark circles that the picture shows, a :class:`Grid`, or None.
+
+    ``staggered``: which kind is looked for; default both.
+    """
+    spots = find_spots(image)
+    return read_grid(spots.size, spots.lattices[0], staggered) if spots.lattices else None
+
+
+def read_grid(size, lattice, staggered=None):
+    """The :class:`Grid` that a ``lattice``, PhotoPoints of a photo of ``size``, is; or None.
+
+    The lattice of the circles was walked without knowing whether it is a square one, or a
     staggered one, which is a lattice too: one with oblique steps. Of all ways to read it that one
     is taken whose circles fill their surrounding rectangle best.
-
-    Parameters
-    ----------
-    image : ndarray of uint8
-    staggered : bool, optional
-        Which kind is looked for; default both.
-    size : (int, int), optional
-        Largest extent of the indices, in this order or the other: circles beyond it are strays.
     """
-    blobs = find_blobs(image)
-    if len(blobs.xy) < _ENOUGH:
-        return None
-    where, walked, dropped = number_lattice(blobs.xy, np.median(blobs.xy, axis=0))
-    if len(where) < _ENOUGH:
-        return None
-    xy, best = blobs.xy[where], None
+    best = None
     for kind in (False, True) if staggered is None else (staggered,):
         for turn in _readings(kind):
-            index = walked @ turn
-            for extent in {size, size and size[::-1]}:
-                keep = _inside(index, kind, extent)
-                if keep.sum() < _ENOUGH:
-                    continue
-                span = np.ptp(index[keep], axis=0) + 1
-                places = np.prod(span) / (2 if kind else 1)
-                score = keep.sum() * keep.sum() / places, _upright(index[keep], xy[keep])
-                if best is None or score > best[0]:
-                    best = score, kind, index, keep, keep.sum() / places
+            index = lattice.index @ turn
+            keep = _inside(index)
+            if keep.sum() < _ENOUGH:
+                continue
+            span = np.ptp(index[keep], axis=0) + 1
+            places = np.prod(span) / (2 if kind else 1)
+            score = keep.sum() * keep.sum() / places, _upright(index[keep], lattice.xy[keep])
+            if best is None or score > best[0]:
+                best = score, kind, index, keep
     if best is None:
         return None
-    _, kind, index, keep, filled = best
-    rejected = dict(blobs.rejected)
-    for reason, count in (("out of line with its neighbours", dropped),
-                          ("not on the grid", len(blobs.xy) - dropped - int(keep.sum())),
-                          ("cut by the border", len(blobs.cut))):
-        if count:
-            rejected[reason] = count
+    _, kind, index, keep = best
+    rejected = dict(lattice.rejected)
+    dropped = lattice.dropped
+    if not keep.all():
+        rejected[_STRAY] = int((~keep).sum())
+        dropped += tuple((float(x), float(y), _STRAY) for x, y in lattice.xy[~keep])
     index = index[keep] - index[keep].min(axis=0)
-    return Grid(PhotoPoints(index=index, xy=xy[keep], area=blobs.area[where][keep],
-                            rejected=rejected), kind, float(filled))
+    photo = replace(lattice, index=index, xy=lattice.xy[keep], area=lattice.area[keep],
+                    cut=lattice.cut[keep], rejected=rejected, dropped=dropped)
+    if not kind and len(photo.index) >= 9:
+        photo = believed(size, photo)
+    if len(photo.index) < _ENOUGH:
+        return None
+    places = np.prod(np.ptp(photo.index, axis=0) + 1) / (2 if kind else 1)
+    return Grid(photo, kind, float(len(photo.index) / places))
 
 
 def corners_touch(image, grid):
@@ -143,8 +167,8 @@ def _readings(staggered):
                 yield np.array([first, second])
 
 
-def _inside(index, staggered, extent):
-    """Which points belong to lines that are filled well enough, or to the fullest ``extent``."""
+def _inside(index):
+    """Which points belong to lines that are filled well enough."""
     keep = np.ones(len(index), bool)
     while True:
         before = keep.sum()
@@ -158,15 +182,7 @@ def _inside(index, staggered, extent):
                 if line in (lines[0], lines[-1]) and count < _LINE * usual:
                     keep &= index[:, axis] != line
         if keep.sum() == before:
-            break
-    if extent is not None:
-        for axis in (0, 1):
-            low, high = index[keep, axis].min(), index[keep, axis].max()
-            if high - low + 1 > extent[axis]:
-                start = max(range(low, high - extent[axis] + 2), key=lambda s: np.sum(
-                    keep & (index[:, axis] >= s) & (index[:, axis] < s + extent[axis])))
-                keep &= (index[:, axis] >= start) & (index[:, axis] < start + extent[axis])
-    return keep
+            return keep
 
 
 def _upright(index, xy):

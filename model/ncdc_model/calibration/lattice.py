@@ -1,22 +1,33 @@
-"""Walks a distorted square lattice of points from its middle and numbers them."""
+"""Walks distorted square lattices of points, each from a point of its own, and numbers them."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-__all__ = ["number_lattice"]
+__all__ = ["Lattice", "find_lattices", "number_lattice"]
 
 _REACH = 0.30          # of a step: farthest that a point may lie from where it is expected
 _AGREE = 0.20          # of a step: farthest from the mean of its two neighbours in a line
 _SEEDS = 12            # points nearest the middle that a walk may start from
+_SPREAD = 150          # more of them all over the picture, if those lead nowhere
+_CROSSES = 24          # of which that many, with neighbours on four sides, are tried
+_SMALL = 9             # points that a lattice has at least
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Points of one lattice: ``where`` (m,) says which of those given, ``index`` (m, 2) their (i,
+    j) from 0, ``dropped`` which had a number but failed the check."""
+    where: np.ndarray
+    index: np.ndarray
+    dropped: np.ndarray
 
 
 def number_lattice(xy, middle):
-    """Index (i, j) of the points ``xy`` (n, 2) that lie on one square lattice.
+    """Index (i, j) of the points ``xy`` (n, 2) that lie on the largest lattice among them.
 
-    A walk starts at a point near ``middle``, (x, y). Each step expects the next point where the
-    step vectors of its nearest numbered neighbours put it; so the vectors follow the distortion
-    all over the picture. Afterwards every number is checked against the neighbours on either
-    side. i grows to the right and j downwards; the smallest of each is 0.
+    Arguments and results as of :func:`find_lattices`.
 
     Returns
     -------
@@ -27,24 +38,64 @@ def number_lattice(xy, middle):
     dropped : int
         Points that had a number but failed the check.
     """
-    if len(xy) < 9:
+    found = find_lattices(xy, middle, 1)
+    if not found:
         return np.empty(0, int), np.empty((0, 2), int), 0
-    tree, best = cKDTree(xy), {}
-    for seed in tree.query(middle, min(_SEEDS, len(xy)))[1]:
+    return found[0].where, found[0].index, len(found[0].dropped)
+
+
+def find_lattices(xy, middle, most=3):
+    """The square lattices, at most ``most``, that the points ``xy`` (n, 2) lie on, largest first.
+
+    A walk starts at a point near ``middle``, (x, y), or, if that has no neighbours on four sides
+    or leads nowhere, anywhere in the picture: the middle may be covered. Each step expects the next
+    point where the step vectors of its nearest numbered neighbours put it; so the vectors follow
+    the distortion all over the picture, and around a hole. Afterwards every number is checked
+    against the neighbours on either side. i grows to the right and j downwards; the smallest of
+    each is 0.
+
+    Returns
+    -------
+    list of :class:`Lattice`
+    """
+    free, found = np.arange(len(xy)), []
+    while len(free) >= _SMALL and len(found) < most:
+        best = _largest_walk(xy[free], middle)
+        if len(best) < _SMALL:
+            break
+        numbered = _checked(xy[free], best)
+        index = np.array(sorted(numbered), int).reshape(-1, 2)
+        where = np.array([numbered[tuple(key)] for key in index.tolist()], int)
+        walked = np.array(sorted(best.values()), int)
+        if len(index) >= _SMALL:
+            found.append(Lattice(free[where], index - index.min(axis=0),
+                                 free[np.setdiff1d(walked, where)]))
+        free = np.delete(free, walked)
+    return sorted(found, key=lambda lattice: -len(lattice.where))
+
+
+def _largest_walk(xy, middle):
+    """Numbers {(i, j): point} of the longest of the walks from several points."""
+    tree, best, crosses = cKDTree(xy), {}, 0
+    near = tree.query(middle, min(_SEEDS, len(xy)))[1]
+    spread = np.random.default_rng(1).permutation(len(xy))[:_SPREAD]
+    tried = np.zeros(len(xy), bool)
+    for number, seed in enumerate(np.concatenate([np.atleast_1d(near), spread])):
+        if tried[seed] or len(best) > 0.5 * len(xy):
+            continue
+        # Near the middle is tried first; that is enough if it leads far.
+        if number >= len(near) and (crosses >= _CROSSES or len(best) > 0.3 * len(xy)):
+            break
+        tried[seed] = True
         steps = _first_steps(xy, tree, seed)
         if steps is None:
             continue
+        crosses += 1
         found = _walk(xy, tree, seed, *steps)
+        tried[list(found.values())] = True
         if len(found) > len(best):
             best = found
-        if len(best) > 0.5 * len(xy):
-            break
-    numbered = _checked(xy, best)
-    index = np.array(sorted(numbered), int).reshape(-1, 2)
-    where = np.array([numbered[tuple(key)] for key in index.tolist()], int)
-    if len(index):
-        index = index - index.min(axis=0)
-    return where, index, len(best) - len(numbered)
+    return best
 
 
 def _first_steps(xy, tree, seed):
@@ -134,13 +185,18 @@ def _checked(xy, found):
     judged by the steps of the lines beside it; without those it is taken out.
     """
     found = dict(found)
-    while found:
-        scores = {key: _misfit(xy, found, key) for key in found}
+    scores = {key: _misfit(xy, found, key) for key in found}
+    while scores:
         worst = max(scores, key=scores.get)
         if scores[worst] <= _AGREE:
             return found
-        for key in [key for key, score in scores.items() if np.isinf(score)] or [worst]:
-            del found[key]
+        out = [key for key, score in scores.items() if np.isinf(score)] or [worst]
+        for key in out:
+            del found[key], scores[key]
+        # A point is judged by others up to two columns and rows away.
+        for key in {(i + di, j + dj) for i, j in out for di in range(-2, 3) for dj in range(-2, 3)}:
+            if key in found:
+                scores[key] = _misfit(xy, found, key)
     return found
 
 

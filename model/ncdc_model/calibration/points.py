@@ -34,6 +34,13 @@ class PhotoPoints:
         File name of the photo.
     cut : ndarray of bool, shape (n,), optional
         Dots that the picture's border cuts: numbered, but too uncertain to fit a lens to.
+    dropped : tuple of (float, float, str)
+        Place and reason of points that had a number and were not believed. Not in the file.
+    agreement : float
+        How far, in pixels on one axis, a point usually is from where its neighbours predict it;
+        not-a-number if not known. Not in the file.
+    remarks : tuple of str
+        What else there is to say of the photo. Not in the file.
     """
     index: np.ndarray
     xy: np.ndarray
@@ -41,6 +48,9 @@ class PhotoPoints:
     rejected: dict = field(default_factory=dict)
     name: str = ""
     cut: np.ndarray | None = None
+    dropped: tuple = ()
+    agreement: float = float("nan")
+    remarks: tuple = ()
 
     def __post_init__(self):
         if self.cut is None:
@@ -71,6 +81,10 @@ class TargetPoints:
         Why a photo was not used, by its name.
     aspect : float
         Distance of two rows over that of two columns on the target.
+    choice : str
+        What was chosen, and how many photos show it, if nobody said which target. Not in the file.
+    target_size : (int, int), optional
+        Columns and rows of the target, whether seen or not. Not in the file.
 
     Raises
     ------
@@ -83,6 +97,8 @@ class TargetPoints:
     photos: tuple
     rejected_photos: dict = field(default_factory=dict)
     aspect: float = 1.0
+    choice: str = ""
+    target_size: tuple | None = None
 
     def __post_init__(self):
         if self.target not in TARGETS:

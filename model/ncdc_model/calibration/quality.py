@@ -9,6 +9,9 @@ __all__ = ["Dropped", "check_share", "warnings_of"]
 _SCATTER = 0.25        # pixels: a point farther off its line's smooth course than this is noisy
 _LOST = 0.02           # of the places within the target that have no point
 _DROPPED = 0.02        # of the points that disagree with their neighbours
+_UNSURE = 0.35         # pixels on an axis: of points that scatter so 1.7 % are off by a pixel
+_BENT = 1.0            # pixels: lines that are straight only to this, rms, are none
+_ODD = 5.0             # times the usual distance from the lens: a photo beyond is not like others
 _RUINED = 0.10         # the same: beyond this it is not a few points that are wrong
 
 
@@ -29,12 +32,22 @@ def check_share(rejected, count):
     return None
 
 
-def warnings_of(points, frame, scatter):
+def warnings_of(points, frame, measured):
     """What is odd about :class:`TargetPoints` and their :class:`IdealFrame`, a sentence each.
 
-    ``scatter`` is how far a point is from its line's smooth course, rms, in distorted pixels.
+    ``measured`` is what :func:`ncdc_model.calibration.measure.measure_smooth` says of the frame.
     """
-    found = []
+    found, scatter = [], measured["repeatability_px"]
+    for photo in points.photos:
+        if photo.agreement > _UNSURE:
+            found.append(f"{photo.name}: points usually lie {photo.agreement:.2f} px from where "
+                         f"their neighbours predict them, more than {_UNSURE} px: some are off "
+                         f"by more than a pixel")
+    found += _odd_photos(frame)
+    if measured["straightness_rms_px"] > _BENT:
+        found.append(f"rows and columns are straight to {measured['straightness_rms_px']:.1f} px "
+                     f"rms only, {_BENT} px is the limit: points are wrong, or no smooth lens "
+                     f"describes this one")
     if scatter > _SCATTER:
         found.append(f"the points scatter by {scatter:.2f} px rms about their lines, more than "
                      f"{_SCATTER} px: noise, blur or motion")
@@ -48,6 +61,19 @@ def warnings_of(points, frame, scatter):
         found.append(f"{wrong} of {count} points, {100 * wrong / count:.1f} %, disagree with their "
                      f"neighbours and are not used: indices or points may be wrong")
     return found
+
+
+def _odd_photos(frame):
+    """Photos whose points are off the lens that all photos share by far more than the others."""
+    off = np.linalg.norm(np.stack(frame.camera.back_map(*frame.corrected.T), axis=1)
+                         - frame.distorted, axis=1)
+    medians = [float(np.median(off[frame.photo == k])) if (frame.photo == k).any() else 0.0
+               for k in range(len(frame.names))]
+    usual = float(np.median(medians))
+    return [f"{name}: its points lie {value:.1f} px from the lens that all photos share, other "
+            f"photos' {usual:.1f} px: the target moved, bent, or is another one"
+            for name, value in zip(frame.names, medians)
+            if len(medians) > 2 and value > max(_ODD * usual, 1.0)]
 
 
 def _places(index):

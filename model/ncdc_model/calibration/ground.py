@@ -1,0 +1,69 @@
+"""Tells spots on the target's own ground from those beyond an edge of brightness."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from scipy.ndimage import map_coordinates
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+__all__ = ["on_one_ground"]
+
+_STEP = 0.75           # brightness of one cell over that of the next: less is an edge
+_ACROSS = 3            # cells to either side that are compared
+_REASON = "on ground of another brightness: a reflection, or beyond a shadow's edge"
+
+
+def on_one_ground(image, photo):
+    """``photo``, PhotoPoints on a lattice, without those beyond an edge of brightness.
+
+    The middle of each four points is page. Where it is darker by a quarter from one such cell to
+    the next there is an edge: of a shadow, or of the page, in whose shiny frame its dots are seen
+    again at nearly the same distances. Only points of the largest part without an edge are kept.
+    """
+    if len(photo.index) < 9:
+        return photo
+    origin = photo.index.min(axis=0)
+    number = np.full(np.ptp(photo.index, axis=0) + 2, -1)
+    number[tuple((photo.index - origin).T)] = np.arange(len(photo.index))
+    corners = np.stack([number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]], axis=2)
+    whole = (corners >= 0).all(axis=2)
+    if not whole.any():
+        return photo
+    light = np.zeros(whole.shape)
+    light[whole] = _brightness(image, photo.xy[corners[whole]].mean(axis=1))
+    cell = np.full(whole.shape, -1)
+    cell[whole] = np.arange(whole.sum())
+    pairs = []
+    # A stroke of a pen darkens a line of cells, but not what lies beyond it.
+    for one, other in [pair for far in range(1, _ACROSS + 1) for pair in (
+            (np.s_[:-far], np.s_[far:]), (np.s_[:, :-far], np.s_[:, far:]))]:
+        same = whole[one] & whole[other]
+        low, high = (which(light[one], light[other]) for which in (np.minimum, np.maximum))
+        same &= low >= _STEP * high
+        pairs.append(np.stack([cell[one][same], cell[other][same]]))
+    first, second = np.hstack(pairs)
+    count = int(whole.sum())
+    _, part = connected_components(coo_matrix((np.ones(len(first)), (first, second)),
+                                              shape=(count, count)), directed=False)
+    main = np.bincount(part).argmax()
+    inside, outside = np.zeros((2, len(photo.index)), bool)
+    inside[corners[whole][part == main].ravel()] = True
+    outside[corners[whole][part != main].ravel()] = True
+    drop = outside & ~inside
+    if not drop.any():
+        return photo
+    keep = ~drop
+    return replace(
+        photo, index=photo.index[keep] - photo.index[keep].min(axis=0), xy=photo.xy[keep],
+        area=photo.area[keep], cut=photo.cut[keep],
+        rejected={**photo.rejected, _REASON: int(drop.sum())},
+        dropped=photo.dropped + tuple((float(x), float(y), _REASON) for x, y in photo.xy[drop]))
+
+
+def _brightness(image, places):
+    """Of the picture, blurred over some pixels, at ``places`` (n, 2)."""
+    grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    smooth = cv2.blur(grey, (4, 4)).astype(np.float32) + 1
+    return map_coordinates(smooth, [places[:, 1], places[:, 0]], order=1, mode="nearest")

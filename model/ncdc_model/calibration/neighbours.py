@@ -1,0 +1,280 @@
+"""Holds each numbered point against the place and size that its neighbours predict."""
+
+import warnings
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from scipy import ndimage
+
+__all__ = ["Doubt", "Held", "fits_in", "hold", "parts"]
+
+_WINDOW = 2            # columns and rows to either side that predict a point
+# How much the change of a step, and the change of that change, are held back where few neighbours
+# tell them, in points' worth.
+_RIDGE = np.array([1e-6, 0.02, 0.02, 0.2, 0.2, 0.2])
+# Times the usual distance from the predicted place: farther is wrong. A lens leaves less than a
+# polynomial, and a photo of few points can spare none of the care.
+_SIGMAS, _SIGMAS_LENS = 9.0, 5.0
+_MANY = 300            # points: more are not few
+_FLOOR = 0.60, 0.012   # pixels and parts of a step that a point may be off in any case
+_SIZE_SIGMAS = 5.0     # times the usual difference of sizes: more is another thing than a dot
+_KINK = 0.6, 6.0       # pixels, and times the usual: a line that bends more than nearby lines do
+_RIM_FLOOR = 0.80      # pixels that a whole line at the rim may be off in any case
+_RIM_WIDER = 1.6       # times what is allowed of places within: the lens bends most at the rim
+_RIM_SIZE = 1.7        # times what is allowed of sizes within: the light falls off to the rim
+_CUT_FLOOR = 1.0       # pixels that a dot which the border cuts may be off in any case
+_SIZE = 0.35           # relative difference of sizes that is allowed in any case
+_ROUNDS = 60
+_LEAST = 4             # neighbours within the window that a point needs
+# Terms of the polynomial for that many points at least: it takes off most of the lens.
+_DEGREES = (150, 5), (60, 4), (24, 3), (0, 2)
+
+
+class Doubt(Enum):
+    """Why a numbered point is not believed; the value is the text for people."""
+    PLACE = "not where its neighbours predict it"
+    SIZE = "of another size than its neighbours"
+    RIM = "at the rim, and not where the lines further in predict it"
+    LONELY = "with too few neighbours to tell"
+    APART = "apart from the rest of the target"
+
+
+@dataclass(frozen=True)
+class Held:
+    """What is left of numbered points.
+
+    Parameters
+    ----------
+    keep : ndarray of bool, shape (n,)
+    doubts : dict of int to Doubt
+        Of the points that are not kept.
+    sigma : float
+        Usual distance of a kept point from its prediction on one axis, in pixels.
+    step : float
+        Usual distance of neighbours in pixels.
+    worst : float
+        The largest distance of a kept point from its prediction, in pixels.
+    """
+    keep: np.ndarray
+    doubts: dict
+    sigma: float
+    step: float
+    worst: float
+
+
+def hold(index, xy, area=None, smooth=None):
+    """Tell which numbered points of one lattice are where, and as large as, the others say.
+
+    A polynomial in column and row, or ``smooth``, takes off most of the lens. What is left at a
+    point is predicted by its neighbours alone, up to two columns and rows away, by least squares of
+    a parabola; a point farther off than usual is dropped, the worst of its surroundings first, and
+    the others are judged anew. Points whose area differs from their neighbours' by more than usual
+    are dropped likewise, and so are lines at the rim that those further in do not predict, and what
+    lies apart from the largest connected part.
+
+    Parameters
+    ----------
+    index : ndarray of int, shape (n, 2)
+        Column and row on a square lattice, each pair once.
+    xy : ndarray, shape (n, 2)
+    area : ndarray, shape (n,), optional
+    smooth : ndarray, shape (n, 2), optional
+        Where a smooth lens has the points: what too few points for a polynomial are held against.
+
+    Returns
+    -------
+    Held
+    """
+    window = _Window(index)
+    keep, doubts = np.ones(len(index), bool), {}
+    step = _step(window, xy)
+    far, sigma = np.zeros(len(index)), 0.0
+    for _ in range(_ROUNDS):
+        rest = xy if smooth is None else xy - smooth
+        if smooth is None or keep.sum() >= _DEGREES[0][0]:
+            rest = rest - _smooth(window, rest, keep)
+        predicted, gain, count = _predicted(window, rest, keep)
+        far = np.linalg.norm(rest - predicted, axis=1)
+        usual = np.sqrt(1 + gain)
+        sigma = float(np.median((far / usual)[keep]) / 1.1774) if keep.any() else 0.0
+        sigmas = _SIGMAS if smooth is None or len(index) > _MANY else _SIGMAS_LENS
+        limit = np.maximum(max(_FLOOR[0], sigmas * sigma), _FLOOR[1] * step) * usual
+        score = np.where(keep, far / limit, 0)
+        bad = window.worst(score) & (score > 1)
+        lonely = keep & (count < _LEAST)
+        if area is not None and not bad.any():
+            score = np.where(keep, _size_score(window, area, keep), 0)
+            sized = window.worst(score) & (score > 1)
+            _note(doubts, sized, Doubt.SIZE)
+            keep &= ~sized
+            if sized.any():
+                continue
+        _note(doubts, bad, Doubt.PLACE)
+        _note(doubts, lonely & ~bad, Doubt.LONELY)
+        keep &= ~(bad | lonely)
+        if not (bad | lonely).any():
+            rim = keep & _rim_is_off(window, rest, area, keep, (sigmas * sigma, step))
+            _note(doubts, rim, Doubt.RIM)
+            keep &= ~rim
+            if not rim.any():
+                break
+    apart = keep & ~window.largest(keep)
+    _note(doubts, apart, Doubt.APART)
+    keep &= ~apart
+    return Held(keep, doubts, sigma, float(np.median(step)) if len(step) else 0.0,
+                float(far[keep].max(initial=0.0)))
+
+
+def parts(index, xy):
+    """Number (n,) of the part, -1 for none, that each point of a lattice belongs to when it is cut
+    where its lines have a kink: where two targets, or one and its mirror image, happen to join."""
+    window = _Window(index)
+    place = {tuple(offset): k for k, offset in enumerate(window.offsets.tolist())}
+    kink = np.zeros(len(index))
+    for before, after in (((-1, 0), (1, 0)), ((0, -1), (0, 1))):
+        first, second = window.near[:, place[before]], window.near[:, place[after]]
+        both = (first >= 0) & (second >= 0)
+        bend = np.where(both[:, None], xy[first] + xy[second] - 2 * xy, np.nan)
+        # The lens bends lines too, but those nearby alike.
+        near = np.where((window.near >= 0)[:, :, None], bend[window.near], np.nan)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            usual = np.nanmedian(near, axis=1)
+        kink = np.fmax(kink, np.linalg.norm(bend - usual, axis=1))
+    limit = max(_KINK[0], _KINK[1] * float(np.nanmedian(kink)))
+    smooth = kink <= limit
+    there = np.zeros(window.grid.shape, bool)
+    there[tuple(window.index[smooth].T)] = True
+    labels, _ = ndimage.label(there)
+    return np.where(smooth, labels[tuple(window.index.T)] - 1, -1)
+
+
+def fits_in(index, xy, more_index, more_xy, sigma):
+    """Which of further points, (k, 2) each, are where the held points ``index``, ``xy`` predict
+    them; ``sigma`` as of :class:`Held`."""
+    window = _Window(np.vstack([index, more_index]))
+    places = np.vstack([xy, more_xy])
+    keep = np.arange(len(places)) < len(index)
+    rest = places - _smooth(window, places, keep)
+    predicted, gain, _ = _predicted(window, rest, keep)
+    off = np.linalg.norm(rest - predicted, axis=1)
+    limit = max(_CUT_FLOOR, _SIGMAS * sigma) * np.sqrt(1 + gain)
+    return (off <= limit)[len(index):]
+
+
+def _note(doubts, which, doubt):
+    doubts.update(dict.fromkeys(np.flatnonzero(which).tolist(), doubt))
+
+
+class _Window:
+    """The neighbours of the points ``index`` (n, 2): ``near`` (n, k), -1 where there is none, at
+    the ``offsets`` (k, 2)."""
+
+    def __init__(self, index):
+        self.index = index - index.min(axis=0) + _WINDOW if len(index) else index
+        shape = self.index.max(axis=0) + _WINDOW + 1 if len(index) else (5, 5)
+        self.grid = np.full(tuple(shape), -1)
+        self.grid[tuple(self.index.T)] = np.arange(len(index))
+        side = np.arange(-_WINDOW, _WINDOW + 1)
+        offsets = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+        self.offsets = offsets[(offsets != 0).any(axis=1)]
+        i, j = (self.index[:, None] + self.offsets).transpose(2, 0, 1)
+        self.near = self.grid[i, j]
+
+    def worst(self, score):
+        """Which points have the largest ``score`` (n,) of their window, themselves included."""
+        around = np.where(self.near >= 0, score[self.near], 0).max(axis=1, initial=0)
+        return (score > 0) & (score >= around)
+
+    def largest(self, keep):
+        """Which points belong to the largest part of ``keep``; a gap of one point joins."""
+        there = np.zeros(self.grid.shape, bool)
+        there[tuple(self.index[keep].T)] = True
+        wide = ndimage.binary_dilation(there, np.ones((2, 2)))
+        labels, count = ndimage.label(wide)
+        if count < 2:
+            return keep
+        mine = labels[tuple(self.index.T)]
+        sizes = np.bincount(mine[keep], minlength=count + 1)
+        return keep & (mine == sizes.argmax())
+
+
+def _step(window, xy):
+    """Distance (n,) of each point from its nearest neighbours in a line, the usual one if none."""
+    sides = np.abs(window.offsets).sum(axis=1) == 1
+    near = window.near[:, sides]
+    away = np.linalg.norm(xy[near] - xy[:, None], axis=2)
+    away = np.where(near >= 0, away, np.nan)
+    usual = np.nanmedian(away) if np.isfinite(away).any() else 1.0
+    away = np.where(np.isfinite(away), away, usual)
+    return np.median(away, axis=1)
+
+
+def _terms(index, degree):
+    """Powers of column and row, scaled to -1..1, up to ``degree`` together."""
+    low, high = index.min(axis=0), index.max(axis=0)
+    i, j = ((2 * index - low - high) / np.maximum(high - low, 1)).T
+    return np.stack([i**a * j**b for a in range(degree + 1) for b in range(degree + 1 - a)], axis=1)
+
+
+def _smooth(window, xy, keep):
+    """Places (n, 2) by a polynomial in column and row, robustly fitted to the points ``keep``."""
+    degree = next(degree for count, degree in _DEGREES if keep.sum() >= count)
+    terms, weight = _terms(window.index, degree), keep.astype(float)
+    for _ in range(4):
+        root = np.sqrt(weight)[:, None]
+        smooth = terms @ np.linalg.lstsq(terms * root, xy * root, rcond=1e-9)[0]
+        rest = np.linalg.norm(xy - smooth, axis=1)
+        usual = max(3 * np.median(rest[keep]), 0.1) if keep.any() else 1.0
+        weight = keep / (1 + (rest / usual)**2)
+    return smooth
+
+
+def _rim_is_off(window, rest, area, keep, allowed):
+    """Points of lines at the rim that the lines further in do not predict: neither place nor size.
+
+    A line of dots that something cuts lengthwise agrees with itself. ``allowed``: pixels before
+    the gain, and the step.
+    """
+    wrong = np.zeros(len(rest), bool)
+    there = (window.near >= 0) & keep[window.near]
+    for axis in (0, 1):
+        for sign in (1, -1):
+            beyond = sign * window.offsets[:, axis]
+            edge = keep & ~there[:, beyond > 0].any(axis=1)
+            predicted, gain, count = _predicted(window, rest, keep, beyond < 0)
+            off = np.linalg.norm(rest - predicted, axis=1)
+            limit = np.maximum(_RIM_FLOOR, _RIM_WIDER * allowed[0] * np.sqrt(1 + gain))
+            told = edge & (count >= 2 * _LEAST)
+            wrong |= told & (off > np.maximum(limit, 2 * _FLOOR[1] * allowed[1]))
+            if area is not None:
+                score = _size_score(window, area, keep, beyond < 0)
+                wrong |= told & (score > _RIM_SIZE)
+    return wrong
+
+
+def _predicted(window, values, keep, which=slice(None)):
+    """Prediction (n, d) of ``values`` (n, d) at each point by the others in ``keep``, with its gain
+    and how many tell it; ``which`` of the window's offsets may."""
+    near_ones = window.near[:, which]
+    i, j = window.offsets[which].T.astype(float)
+    terms = np.stack([np.ones_like(i), i, j, i * i, i * j, j * j], axis=1)
+    near = (1 + i * i + j * j)**-0.5
+    there = (near_ones >= 0) & keep[near_ones]
+    weight = there * near
+    product = (terms[:, :, None] * terms[:, None, :]).reshape(len(i), 36)
+    matrix = (weight @ product).reshape(-1, 6, 6) + np.diag(_RIDGE)
+    first = np.linalg.solve(matrix, np.broadcast_to(np.eye(6)[:, :1], (len(matrix), 6, 1)))[:, :, 0]
+    share = (first @ terms.T) * weight
+    return (np.einsum("nk,nkd->nd", share, values[near_ones]), (share**2).sum(axis=1),
+            there.sum(axis=1))
+
+
+def _size_score(window, area, keep, which=slice(None)):
+    """By how much, in what is allowed, each area differs from what its neighbours predict."""
+    size = np.log(np.maximum(area, 1e-9))[:, None]
+    predicted, gain, _ = _predicted(window, size - np.median(size), keep, which)
+    off = np.abs(size - np.median(size) - predicted)[:, 0] / np.sqrt(1 + gain)
+    usual = 1.4826 * float(np.median(off[keep])) if keep.any() else 0.0
+    return off / max(_SIZE, _SIZE_SIGMAS * usual)

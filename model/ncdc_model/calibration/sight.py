@@ -1,0 +1,147 @@
+"""What one photo shows: each kind of target is looked for at most once."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ncdc_model.calibration.boards import find_boards
+from ncdc_model.calibration.charuco import find_any_charuco, find_charuco
+from ncdc_model.calibration.dots import dots_of, find_spots
+from ncdc_model.calibration.grids import corners_touch, read_grid
+from ncdc_model.calibration.smooth import misfit
+from ncdc_model.errors import InputError
+
+__all__ = ["MIN_DOTS", "Look", "Sight"]
+
+MIN_DOTS = 49          # dots that make ``auto`` take a photo for that of a dot page
+_WHOLE_GRID = 0.999    # of the rectangle's places filled: circles that are all of a grid
+_SQUARE_PAGE = 1.5     # pixels, median: a lens that leaves more does not explain a square lattice
+_TRIED = 300           # dots that a lens is tried on
+_BOARD_LIKE = 800      # spots on a lattice beyond which nobody takes a page for a chessboard
+
+
+@dataclass(frozen=True)
+class Sight:
+    """Kind, columns and rows of the target that a photo shows best; None both for dots."""
+    kind: str
+    columns: int | None = None
+    rows: int | None = None
+
+    def __str__(self):
+        return self.kind if self.columns is None else f"{self.kind}:{self.columns}x{self.rows}"
+
+
+class Look:
+    """One photo, and what was found on it.
+
+    Parameters
+    ----------
+    name : str
+    image : ndarray of uint8
+        Dropped by :meth:`prepare` when nothing more is to be looked for.
+    """
+
+    def __init__(self, name, image):
+        self.name, self.image, self.size = name, image, image.shape[1::-1]
+        self.sight, self.doubt = None, ""
+
+    def prepare(self, kind):
+        """Look for targets of ``kind``; with ``auto`` for all, and settle on the best, ``sight``,
+        or say in ``doubt`` why there is none."""
+        if kind == "auto":
+            try:
+                self.sight = self._recognise()
+            except InputError as error:
+                self.doubt = str(error)
+            kind = self.sight.kind if self.sight else "none"
+        if kind in ("circles", "acircles"):
+            self.spots
+        elif kind == "dots":
+            try:
+                self.page
+            except InputError:
+                return
+        elif kind == "none":
+            pass
+        else:
+            # OpenCV may have to look again, for a size that only all photos together tell.
+            self.boards
+            return
+        self.image = None
+
+    @cached_property
+    def boards(self):
+        """Chessboards, PhotoPoints each."""
+        return find_boards(self.image)
+
+    @cached_property
+    def spots(self):
+        """Round spots and their lattices."""
+        return find_spots(self.image)
+
+    @cached_property
+    def page(self):
+        """The page of dots as PhotoPoints; raises :class:`InputError` if there is none."""
+        count = len(self.spots.lattices[0].index) if self.spots.lattices else 0
+        if count < _BOARD_LIKE and self.boards and len(self.boards[0].index) >= count:
+            raise InputError(f"it shows a chessboard of {len(self.boards[0].index)} corners, no "
+                             f"page of dots")
+        return dots_of(self.spots, self.image)
+
+    def charuco(self, columns, rows):
+        """The ChArUco board as PhotoPoints."""
+        return find_charuco(self.image, columns, rows, self.boards)
+
+    def _recognise(self):
+        many = self.spots.lattices and len(self.spots.lattices[0].index) >= _BOARD_LIKE
+        board = self.boards[0] if not many and self.boards else None
+        span = np.ptp(board.index, axis=0) + 1 if board is not None else (0, 0)
+        whole = board is not None and len(board.index) == np.prod(span)
+        seen = len(self.spots.lattices[0].index) if not whole and self.spots.lattices else 0
+        if board is None or len(board.index) <= seen:
+            sight = self._round()
+            if sight is not None:
+                return sight
+        try:
+            return Sight("charuco", *find_any_charuco(self.image))
+        except InputError:
+            pass
+        if board is not None and min(span) >= 3:
+            return Sight("chessboard", *map(int, span))
+        doubt = self.spots.doubt
+        raise InputError(
+            "neither a whole grid of circles, a page of at least "
+            f"{MIN_DOTS} dots, a chessboard nor a ChArUco board was found"
+            + (f"; of what looks like dots, {doubt}" if doubt else ""))
+
+    def _thin(self):
+        """Each how many dots are enough to try a lens on."""
+        return max(1, len(self.spots.lattices[0].index) // _TRIED)
+
+    def _round(self):
+        """The grid of circles or page of dots that the photo shows, or None."""
+        if not self.spots.lattices:
+            return None
+        lattice = self.spots.lattices[0]
+        grid = read_grid(self.size, lattice)
+        if grid is None:
+            return None
+        whole = grid.filled > _WHOLE_GRID
+        columns, rows = map(int, np.ptp(grid.photo.index, axis=0) + 1)
+        if not grid.staggered:
+            page = self.page if len(lattice.index) >= MIN_DOTS else None
+            # A grid that goes on beyond the border is a page, however whole its rectangle is.
+            if whole and min(columns, rows) >= 3 and (page is None or not page.cut.any()):
+                return Sight("circles", columns, rows)
+            return Sight("dots") if page is not None else None
+        if not whole and len(lattice.index) >= MIN_DOTS:
+            # A page that lies askew, or a part of it: if a lens explains its steps as square ones.
+            off = misfit(self.size, [(lattice.index[::self._thin()], lattice.xy[::self._thin()])])
+            return Sight("dots") if off < _SQUARE_PAGE and self.page is not None else None
+        if whole and not corners_touch(self.image, grid):
+            if columns % 2:
+                columns, rows = rows, columns
+            if not columns % 2 and min(columns // 2, rows) >= 3:
+                return Sight("acircles", columns // 2, rows)
+        return None
