@@ -58,7 +58,7 @@ def run(args):
     points.save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
-        image = read_photo(name, args, tell=None)
+        image = read_photo(name, args, tell=lambda sentence: None)      # it was told before
         write_image(overlay, draw_points(image, photo, frame, number))
     progress(1)
     report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),

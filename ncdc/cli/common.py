@@ -33,7 +33,7 @@ def _to_stderr(sentence):
 def read_photo(path, args, tell=_to_stderr):
     """Picture of the file ``path`` by the options of :func:`add_samples`.
 
-    ``tell`` is called with a sentence if the number of bits is a guess; None tells nobody.
+    ``tell`` is called with a sentence if the number of bits is a guess.
 
     Raises
     ------
