@@ -61,6 +61,10 @@ class Corrector(wiring.Component):
     stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
         video stream, red in the top byte of 24 bits per pixel, the leftmost pixel in the lowest
         (output "stream")
+    memory_rst : ``In(1)``
+        The memory is in reset, or what is between the two, and forgets what it has accepted. To be
+        high together with the corrector's own reset; either may come and go first, as long as
+        nothing of what was accepted until the last clock of ``memory_rst`` is answered.
     irq : ``Out(1)``
         Frame complete.
     camera_rows : ``In(SIZE)``
@@ -101,7 +105,8 @@ class Corrector(wiring.Component):
         else:
             ports |= {"stream_valid": Out(1), "stream_ready": In(1), "stream_data": Out(24 * lanes),
                       "stream_startofpacket": Out(1), "stream_endofpacket": Out(1)}
-        super().__init__(ports | {"irq": Out(1), "camera_rows": In(SIZE), "front_end_idle": Out(1)})
+        super().__init__(ports | {"memory_rst": In(1), "irq": Out(1), "camera_rows": In(SIZE),
+                                  "front_end_idle": Out(1)})
 
     @property
     def start_latency(self):
@@ -159,6 +164,7 @@ class Corrector(wiring.Component):
         m.d.comb += [self.row_gate.start.eq(begun), self.row_gate.abort.eq(registers.abort),
                      self.row_gate.camera_rows.eq(self.camera_rows)]
         wiring.connect(m, self.fetch.o, self.interpolator.i)
+        m.d.comb += self.fetch.memory_rst.eq(self.memory_rst)
         pixels = self.interpolator.o
         if not self.hardware.stream:
             m.submodules.packer = packer = Packer(self.hardware.data_width, self.hardware.lanes)
@@ -166,6 +172,7 @@ class Corrector(wiring.Component):
             wiring.connect(m, pixels, packer.i)
             wiring.connect(m, packer.o, writer.i)
             self._join(m, "write", writer.bus)
+            m.d.comb += writer.memory_rst.eq(self.memory_rst)
             m.d.comb += [
                 packer.start.eq(begun), packer.base.eq(active.TARGET_BASE),
                 packer.order.width.eq(active.CORRECTED_WIDTH),

@@ -27,7 +27,8 @@ class BurstWriter(wiring.Component):
 
     A burst that has begun is completed, whatever happens: a reset in its middle forgets the words
     and the bursts that have not begun, but not how many words the bus still expects; those go with
-    no byte enabled.
+    no byte enabled. A memory that is reset itself expects none: ``memory_rst`` ends the burst, and
+    keeps others from beginning. It goes with a reset of the writer, earlier or later by some clocks.
 
     Parameters
     ----------
@@ -41,6 +42,8 @@ class BurstWriter(wiring.Component):
     i : ``In(stream.Signature(word_layout(data_width)))``
         Addresses are multiples of the word, ascending by a word up to an ``end``; the frame's last
         word is one.
+    memory_rst : ``In(1)``
+        The memory forgets the burst that has begun.
     done : ``Out(1)``
         High for one clock when the memory has accepted the last word.
     bus : ``Out(WriteHost(data_width, burst))``
@@ -53,6 +56,7 @@ class BurstWriter(wiring.Component):
         self.data_width, self.burst = data_width, burst
         super().__init__({
             "i": In(stream.Signature(word_layout(data_width))),
+            "memory_rst": In(1),
             "done": Out(1),
             "bus": Out(WriteHost(data_width, burst)),
         })
@@ -109,7 +113,9 @@ class BurstWriter(wiring.Component):
             self.bus.address.eq(command.address), self.bus.burstcount.eq(command.count),
             self.done.eq(write & ~self.bus.waitrequest & (left == 0) & frame_end),
         ]
-        with m.If(~write | ~self.bus.waitrequest):
+        with m.If(self.memory_rst):
+            m.d.sync += [write.eq(0), left.eq(0), frame_end.eq(0)]
+        with m.Elif(~write | ~self.bus.waitrequest):
             m.d.sync += [write.eq(0), beat.eq(word)]
             with m.If(left == 0):
                 m.d.comb += burst_queue.r_en.eq(1)

@@ -40,6 +40,8 @@ class Multiport(wiring.Component):
     -------
     base, pitch : ``In``
         Of the raw frame in bytes, multiples of the word, constant during a frame.
+    memory_rst : ``In(1)``
+        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits)))``
     o : ``Out(stream.Signature(window_layout(f_bits)))``
     bus0, bus1, bus2 : ``Out(ReadHost(...))``
@@ -54,7 +56,7 @@ class Multiport(wiring.Component):
     def __init__(self, f_bits, data_width, *, in_flight=4):
         self.f_bits, self.data_width, self.in_flight = f_bits, data_width, in_flight
         super().__init__({
-            "base": In(ADDRESS_BITS), "pitch": In(SIZE),
+            "base": In(ADDRESS_BITS), "pitch": In(SIZE), "memory_rst": In(1),
             "i": In(stream.Signature(request_layout(f_bits))),
             "o": Out(stream.Signature(window_layout(f_bits))),
             **{f"bus{r}": Out(ReadHost(data_width, _MAX_BURST)) for r in range(WINDOW)},
@@ -72,6 +74,7 @@ class Multiport(wiring.Component):
                                  max_burst=_MAX_BURST)
             m.submodules[f"reader{r}"] = reader
             wiring.connect(m, reader.bus, wiring.flipped(getattr(self, f"bus{r}")))
+            m.d.comb += reader.memory_rst.eq(self.memory_rst)
             readers.append(reader)
 
         token_layout = data.StructLayout({

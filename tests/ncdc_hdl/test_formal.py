@@ -117,9 +117,9 @@ LONG = {
     "places of one bank": (lambda: Places(one_bank=True), "bmc", 17),
 }
 COVERS = {
-    "commands": (Commands, 12, {"full", "dropped"}),
-    "reader": (Reader, 16, {"full", "dropped"}),
-    "writer": (Writer, 16, {"across_reset", "full"}),
+    "commands": (Commands, 14, {"full", "dropped", "forgotten", "memory_first"}),
+    "reader": (Reader, 16, {"full", "dropped", "memory_first"}),
+    "writer": (Writer, 16, {"across_reset", "full", "forgotten"}),
     "credits": (Credits, 20, {"full", "restart", "at_rest"}),
     "fill room": (FillRoom, 34, {"all_owed", "claim_while_filled"}),
     "fill order": (FillOrder, 32, {"second_tile"}),
@@ -133,6 +133,9 @@ PLANTED = {
     "words of before a reset": (lambda: Commands(StaleWords), 10, "asked_for"),
     "reset forgets words owed": (lambda: planted(Commands(), forgotten=[("due",)]), 10,
                                  "all_handed_on"),
+    "words that the memory forgot": (lambda: Commands(deaf=True), 10, "owed_is_known"),
+    "words that never come": (lambda: Commands(deaf=True), 12, "never_locked_up"),
+    "burst that the memory forgot": (lambda: Writer(deaf=True), 12, "left"),
     "reader's queue too small": (lambda: planted(Reader(), places_missing=1), 12, "no_overflow"),
     "word dropped under waitrequest": (lambda: Writer(forget=True), 10, "word_held"),
     "reset forgets the burst": (lambda: planted(Writer(), forgotten=[("left",)]), 12,

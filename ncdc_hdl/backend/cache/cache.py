@@ -49,6 +49,8 @@ class Cache(wiring.Component):
         Of the raw frame in bytes, multiples of the word, constant during a frame.
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
+    memory_rst : ``In(1)``
+        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits, lanes)))``
     o : ``Out(stream.Signature(window_layout(f_bits, lanes)))``
     bus0 : ``Out(ReadHost(...))``
@@ -72,7 +74,8 @@ class Cache(wiring.Component):
         self.tiles = Tiles(options, width)
         self.retire = Retire(f_bits, options, width, lanes)
         super().__init__({
-            "base": In(ADDRESS_BITS), "pitch": In(SIZE), "split": In(range(set_bits(options) + 1)),
+            "base": In(ADDRESS_BITS), "pitch": In(SIZE), "memory_rst": In(1),
+            "split": In(range(set_bits(options) + 1)),
             "i": In(stream.Signature(request_layout(f_bits, lanes))),
             "o": Out(stream.Signature(window_layout(f_bits, lanes))),
             "bus0": Out(ReadHost(data_width, self.fills.burst)),
@@ -98,6 +101,7 @@ class Cache(wiring.Component):
         m.d.comb += [
             locate.split.eq(self.split), tiles.split.eq(self.split),
             fills.base.eq(self.base), fills.pitch.eq(self.pitch),
+            fills.memory_rst.eq(self.memory_rst),
             fills.claim.eq(tags.claim), fills.tile.eq(tags.tile), tags.credit.eq(fills.credit),
             tiles.fill.eq(fills.fill), retire.filled.eq(fills.filled),
             retire.push.eq(tags.push), retire.place.eq(tags.place), retire.misses.eq(tags.misses),

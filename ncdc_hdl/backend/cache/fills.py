@@ -39,6 +39,8 @@ class Fills(wiring.Component):
     -------
     base, pitch : ``In``
         Of the raw frame in bytes, constant during a frame.
+    memory_rst : ``In(1)``
+        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     claim, tile : ``In(1)``, ``In(tile_layout(options))``
         A tile is to be read; only while ``credit``.
     credit : ``Out(1)``
@@ -60,7 +62,7 @@ class Fills(wiring.Component):
         self.options, self.data_width, self.word_bytes = options, data_width, word_bytes
         self.burst = 8 * TILE_WIDTH // data_width
         super().__init__({
-            "base": In(ADDRESS_BITS), "pitch": In(SIZE),
+            "base": In(ADDRESS_BITS), "pitch": In(SIZE), "memory_rst": In(1),
             "claim": In(1), "tile": In(tile_layout(options)), "credit": Out(1, init=1),
             "fill": Out(fill_layout(options, word_bytes)), "filled": Out(1),
             "bus": Out(ReadHost(data_width, self.burst)),
@@ -76,6 +78,7 @@ class Fills(wiring.Component):
         m.submodules.commands = commands = ReadCommands(
             self.data_width, self.burst, limit=most * TILE_HEIGHT * self.burst)
         wiring.connect(m, commands.bus, wiring.flipped(self.bus))
+        m.d.comb += commands.memory_rst.eq(self.memory_rst)
         claim = Signal()                                    # a tile was claimed a clock ago
         tile = Signal(self.tile.shape(), reset_less=True)   # that tile
         m.d.sync += [claim.eq(self.claim), tile.eq(self.tile)]

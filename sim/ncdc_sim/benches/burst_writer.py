@@ -26,7 +26,7 @@ async def two_frames(dut):
             done.extend([1] * bool(dut.done.value))
             await FallingEdge(dut.clk)
 
-    await start(dut, i__valid=0)
+    await start(dut, i__valid=0, memory_rst=0)
     cocotb.start_soon(write_memory(dut, "bus", content, wait=s["wait"], log=log))
     cocotb.start_soon(watch())
     for frame, (base, count) in enumerate(((256, s["count"]), (4096, s["count"] + s["burst"]))):

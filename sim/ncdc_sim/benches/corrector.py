@@ -33,6 +33,7 @@ async def two_frames_equal_model(dut):
 
     readers = [f"read{r}" for r in range(3) if hasattr(dut, f"read{r}_read")]
     await start(dut, csr_read=0, csr_write=0, csr_address=0, csr_writedata=0, write_waitrequest=0,
+                memory_rst=0,
                 **{f"{reader}_{name}": 0 for reader in readers
                    for name in ("waitrequest", "readdata", "readdatavalid")})
     logs = [[] for _ in readers]

@@ -98,7 +98,7 @@ class Bench {
 public:
     Bench(std::uint64_t seed, int resets) : random{seed * 0x9E3779B97F4A7C15 + 1}, resets(resets) {
         held.assign(4 * kSets, -1);
-        dut->clk = 0, dut->rst = 1;
+        dut->clk = 0, dut->rst = 1, dut->memory_rst = 0;
         dut->PORT(i, valid) = 0, dut->PORT(o, ready) = 0;
         dut->PORT(bus0, waitrequest) = 0, dut->PORT(bus0, readdatavalid) = 0;
         for (int k = 0; k < 4; k++) clock();
@@ -255,8 +255,14 @@ private:
             command = dut->PORT(bus0, address);
             command_held = dut->PORT(bus0, waitrequest);
             if (!command_held) accept();
-        } else if (command_held) {
+        } else if (command_held && !dut->memory_rst) {
             fail("command withdrawn", clocks);
+        }
+        if (dut->memory_rst) {
+            // Reset as well, it forgets what it has accepted.
+            command_held = false;
+            left_over = -1;
+            due.clear();
         }
         if (!dut->rst) take();
         if (clocks - moved > 100000) fail("hang", clocks);
@@ -320,17 +326,18 @@ private:
         flying.pop_front();
     }
 
-    // The memory goes on; what it owes must not reach the next frame.
+    // The memory goes on, and what it owes must not reach the next frame; or it is reset as well.
     void reset() {
         dut->rst = 1;
+        dut->memory_rst = random.chance(128);
         dut->PORT(i, valid) = 0;
         const int length = random.between(1, 60);
         clock();
         // A command that is on the bus by now stays there.
-        left_over = expected.empty() ? -1 : static_cast<std::int64_t>(expected.front());
+        left_over = dut->memory_rst || expected.empty() ? -1 : static_cast<std::int64_t>(expected.front());
         expected.clear();
         for (int k = 1; k < length; k++) clock();
-        dut->rst = 0;
+        dut->rst = dut->memory_rst = 0;
         flying.clear();
         offered = refused = false;
         moved = clocks;

@@ -7,8 +7,11 @@
 //
 // Operations: 00 end, 01 write, 02 read and compare, 03 wait for irq, 04 read and report, 05 wait
 // for some clocks, 06 wait until so many bytes are out, 07 reset the module for some clocks,
-// 08 read until the value comes, 09 the camera begins a frame at the byte address. The clocks of a frame run from the last register write before a
-// wait to the irq. A reset leaves memory and sink as they are: words under way still come.
+// 08 read until the value comes, 09 the camera begins a frame at the byte address, 0a reset the
+// module and the memory. The clocks of a frame run from the last register write before a wait to the
+// irq. A reset of the module alone leaves memory and sink as they are: words under way still come.
+// One of both has its clocks in bits 15:0, and in bits 31:16, signed, by how many clocks the
+// memory's trails the module's; the memory forgets what it owes.
 //
 // With a camera (camera_line > 0) the source is not there from the start: the camera writes it into
 // the memory, past the ports, a byte per clock and a row every `camera_line` clocks; `camera_rows`
@@ -16,7 +19,7 @@
 // is not, are counted.
 //
 // Settings are decimal plusargs, read below and by the memory. Lines printed: PROGRESS bytes; FRAME
-// clocks end; READ address data; RESET output-bytes; RESULT name value;
+// clocks end output-bytes; READ address data; RESET output-bytes; RESULT name value;
 // AVALON-ERROR port rule time; FAILED reason.
 //
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH,
@@ -36,10 +39,11 @@ module frame_bench (
     localparam POISON = 8'hA5;          // bytes that nobody wrote
 
     localparam END = 0, WRITE = 1, COMPARE = 2, WAIT_IRQ = 3, REPORT = 4, WAIT = 5, WAIT_OUTPUT = 6,
-        RESET = 7, POLL = 8, CAMERA = 9;
+        RESET = 7, POLL = 8, CAMERA = 9, RESET_ALL = 10;
 
     reg rst = 1;
-    reg module_rst = 1;                 // of the module under test alone
+    reg module_rst = 1;                 // of the module under test
+    reg memory_rst = 1;                 // of the memory
 
     // Settings of this run.
     reg [31:0] source_base, source_bytes, output_base, output_bytes, output_pixels;
@@ -102,7 +106,7 @@ module frame_bench (
         .read``k``_readdatavalid(read_readdatavalid[k])
 
     ncdc dut (
-        .clk(clk), .rst(module_rst),
+        .clk(clk), .rst(module_rst), .memory_rst(memory_rst),
         .csr_address(csr_address), .csr_read(csr_read), .csr_write(csr_write),
         .csr_writedata(csr_writedata), .csr_readdata(csr_readdata),
         .csr_readdatavalid(csr_readdatavalid), .csr_waitrequest(csr_waitrequest),
@@ -127,7 +131,7 @@ module frame_bench (
         .PORTS(PORTS), .DATA_WIDTH(DW), .BURST_WIDTH(BW), .WRITE_BURST_WIDTH(WBW),
         .BYTES(`NCDC_MEMORY_BYTES)
     ) memory (
-        .clk(clk), .rst(rst),
+        .clk(clk), .rst(memory_rst),
         .errors(memory_errors),
         .read_address(read_address), .read_read(read_read), .read_burstcount(read_burstcount),
         .read_waitrequest(read_waitrequest), .read_readdata(read_readdata),
@@ -148,7 +152,7 @@ module frame_bench (
                 .DATA_WIDTH(DW), .BURST_WIDTH(BW), .MAX_BURST(1 << (BW - 1))
             ) checker_of_port (
                 .clk(clk), .rst(rst), .host_rst(module_rst),
-                .address(read_address[32*g +: 32]), .read(read_read[g]),
+                .memory_rst(memory_rst), .address(read_address[32*g +: 32]), .read(read_read[g]),
                 .write(1'b0), .burstcount(read_burstcount[BW*g +: BW]), .writedata({DW{1'b0}}),
                 .byteenable({DW/8{1'b0}}), .waitrequest(read_waitrequest[g]),
                 .readdatavalid(read_readdatavalid[g]), .errors(read_errors[g]),
@@ -159,7 +163,8 @@ module frame_bench (
     endgenerate
 
     avalon_checker #(.NAME("csr"), .DATA_WIDTH(32), .BURST_WIDTH(2), .MAX_BURST(1)) checker_of_csr (
-        .clk(clk), .rst(rst), .host_rst(1'b0), .address({csr_address, 2'b00}), .read(csr_read),
+        .clk(clk), .rst(rst), .host_rst(1'b0), .memory_rst(1'b0),
+        .address({csr_address, 2'b00}), .read(csr_read),
         .write(csr_write), .burstcount(2'd1), .writedata(csr_writedata), .byteenable(4'hF),
         .waitrequest(csr_waitrequest), .readdatavalid(csr_readdatavalid),
         .errors(), .commands(), .beats(), .bytes(), .waits()
@@ -207,7 +212,8 @@ module frame_bench (
     avalon_checker #(
         .NAME("write"), .DATA_WIDTH(DW), .BURST_WIDTH(WBW), .MAX_BURST(1 << (WBW - 1))
     ) write_checker (
-        .clk(clk), .rst(rst), .host_rst(module_rst), .address(write_address), .read(1'b0),
+        .clk(clk), .rst(rst), .host_rst(module_rst), .memory_rst(memory_rst),
+        .address(write_address), .read(1'b0),
         .write(write_write), .burstcount(write_burstcount), .writedata(write_writedata),
         .byteenable(write_byteenable), .waitrequest(write_waitrequest), .readdatavalid(1'b0),
         .errors(output_errors), .commands(write_commands), .beats(write_beats),
@@ -256,6 +262,7 @@ module frame_bench (
     // The register program.
     reg        reading = 0;
     reg [31:0] waited = 0;              // clocks of the present operation
+    integer    lead;                    // by which the module's reset precedes the memory's
     reg [63:0] now;
     wire [7:0] operation = now[63:56];
     assign csr_address = now[32 +: `NCDC_CSR_ADDRESS_WIDTH];
@@ -311,6 +318,7 @@ module frame_bench (
         clocks = clocks + 1;
         rst <= clocks < 8;
         module_rst <= clocks < 8;
+        memory_rst <= clocks < 8;
         if (clocks == 8)
             now <= instructions[0];
         if (camera_line != 0) begin
@@ -390,9 +398,21 @@ module frame_bench (
                     if (waited >= csr_writedata)
                         next;
                 end
+                RESET_ALL: begin
+                    if (waited == 0)
+                        $display("RESET %0d", output_done);
+                    lead = $signed(csr_writedata[31:16]);
+                    module_rst <= waited >= (lead < 0 ? -lead : 0)
+                                  && waited < (lead < 0 ? -lead : 0) + csr_writedata[15:0];
+                    memory_rst <= waited >= (lead > 0 ? lead : 0)
+                                  && waited < (lead > 0 ? lead : 0) + csr_writedata[15:0];
+                    waited = waited + 1;
+                    if (waited > (lead < 0 ? -lead : lead) + csr_writedata[15:0])
+                        next;
+                end
                 WAIT_IRQ:
                     if (irq) begin
-                        $display("FRAME %0d %0d", clocks - started, clocks);
+                        $display("FRAME %0d %0d %0d", clocks - started, clocks, output_done);
                         next;
                     end
                 default: begin

@@ -71,6 +71,13 @@ class Program:
         """Reset the module, not the memory, for so many clocks, whatever it is doing."""
         return self._add(7, 0, clocks)
 
+    def reset_all(self, clocks=1, trails=0):
+        """Reset the module, and the memory, which forgets its reads, for so many clocks each.
+
+        The memory's reset trails the module's by ``trails`` clocks, or leads if negative.
+        """
+        return self._add(10, 0, clocks | (trails & 0xFFFF) << 16)
+
     def poll(self, address, value):
         """Read until ``value`` is read."""
         return self._add(8, address, value & 0xFFFFFFFF)
@@ -101,6 +108,8 @@ class FrameResult:
         Clocks of each frame, from the register write before the wait to the interrupt.
     ends : tuple of int
         Clock, counted from the start of the run, in which each interrupt was seen.
+    outputs : tuple of int
+        Bytes of output that were out when each interrupt was seen.
     resets : tuple of int
         Bytes of output that were out when each reset of the module began.
     total_clocks : int
@@ -122,6 +131,7 @@ class FrameResult:
     output: bytes = b""
     clocks: tuple = ()
     ends: tuple = ()
+    outputs: tuple = ()
     resets: tuple = ()
     total_clocks: int = 0
     bytes_read: tuple = ()
@@ -300,6 +310,7 @@ class _Listener:
         elif kind == "FRAME":
             result.clocks += (int(values[0]),)
             result.ends += (int(values[1]),)
+            result.outputs += (int(values[2]),)
         elif kind == "READ":
             # A register that reads X keeps the text of its digits, so that it equals no number.
             address, value = int(values[0]), int(values[1]) if values[1].isdigit() else values[1]
