@@ -17,14 +17,16 @@ from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_hdl.lib.pipeline import register
+from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.registers.agent import Registers
+from ncdc_hdl.registers.checks import Checks
 from ncdc_model.fetch.corrector_timing import CorrectorTiming
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values
 from ncdc_model.interface.register_map import (
     ADDRESS_WORDS_BITS,
     COUNTERS,
+    capabilities,
     network_registers,
     registers,
 )
@@ -95,7 +97,10 @@ class Corrector(wiring.Component):
         self.registers = Registers(
             registers(descriptor.hidden_neurons, formats),
             host_values(descriptor, self.hardware),
-            digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons)
+            digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons,
+            capabilities=capabilities(self.hardware, *self.table.largest))
+        self.checks = Checks(self.hardware, *self.table.largest,
+                             self.registers.active.shape())
         ports = _flat("csr", Agent(ADDRESS_WORDS_BITS), In)
         for r in range(self.fetch.ports):
             ports |= _flat(f"read{r}", getattr(self.fetch, f"bus{r}").signature, Out)
@@ -142,7 +147,7 @@ class Corrector(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         for name in ("backmap", "table", "window", "row_gate", "fetch", "interpolator",
-                     "registers"):
+                     "registers", "checks"):
             m.submodules[name] = getattr(self, name)
         registers, active = self.registers, self.registers.active
         begun = Signal()
@@ -156,7 +161,8 @@ class Corrector(wiring.Component):
         wiring.connect(m, scan=self.backmap.table, table=self.table.scan)
         wiring.connect(m, host=registers.valid_table, table=self.table.host)
         self._parameters(m, active)
-        m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort),
+        refuse = self._refuse(m, begun)
+        m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort | refuse),
                      registers.cut.eq(self.backmap.cut)]
         wiring.connect(m, self.backmap.o, self.window.i)
         wiring.connect(m, self.window.o, self.row_gate.i)
@@ -175,6 +181,8 @@ class Corrector(wiring.Component):
             m.d.comb += writer.memory_rst.eq(self.memory_rst)
             m.d.comb += [
                 packer.start.eq(begun), packer.base.eq(active.TARGET_BASE),
+                packer.limit.eq(active.TARGET_LIMIT), packer.refuse.eq(refuse),
+                registers.faults.target.eq(packer.outside),
                 packer.order.width.eq(active.CORRECTED_WIDTH),
                 packer.order.height.eq(active.CORRECTED_HEIGHT),
                 packer.order.strip.eq(active.STRIP_WIDTH), registers.ended.eq(writer.done),
@@ -189,6 +197,19 @@ class Corrector(wiring.Component):
             ]
         self._counters(m, begun, pixels)
         return m
+
+    def _refuse(self, m, begun):
+        """Whether the active set is refused: the frame then is one blank group, not written."""
+        checks, faults = self.checks, self.registers.faults
+        refuse = Signal()
+        m.d.comb += [checks.active.eq(self.registers.active),
+                     refuse.eq(checks.faults.as_value().any() | self.fetch.empty)]
+        # The fetcher needs two clocks to tell.
+        begins = delay(m, begun, 2, "begun", reset_less=False)
+        m.d.comb += [faults.alignment.eq(begins & checks.faults.alignment),
+                     faults.size.eq(begins & checks.faults.size),
+                     faults.source.eq(begins & self.fetch.empty | self.fetch.outside)]
+        return refuse
 
     def _join(self, m, prefix, interface):
         """Connect the ports prefix_member with the members of ``interface``."""
@@ -209,7 +230,9 @@ class Corrector(wiring.Component):
             self.window.height.eq(active.DISTORTED_HEIGHT),
             self.row_gate.height.eq(active.DISTORTED_HEIGHT),
             self.row_gate.follow.eq(active.FOLLOW),
-            self.fetch.base.eq(active.SOURCE_BASE), self.fetch.pitch.eq(active.SOURCE_PITCH),
+            self.fetch.base.eq(active.SOURCE_BASE), self.fetch.limit.eq(active.SOURCE_LIMIT),
+            self.fetch.pitch.eq(active.SOURCE_PITCH),
+            self.fetch.height.eq(active.DISTORTED_HEIGHT),
             self.interpolator.phase.eq(active.BAYER_PHASE), self.interpolator.fill.eq(active.FILL),
         ]
         if self.hardware.cached:

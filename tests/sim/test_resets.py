@@ -40,8 +40,9 @@ def raws():
 
 
 def reset(frames, corrector, verilog, forgets, memory="hostile", seed=1):
-    return simulate_resets(corrector, verilog, raws(), frames, forgets=forgets, longest=LONGEST[memory],
-                           memory=memory, seed=seed, clock_limit=20_000 * frames)
+    return simulate_resets(corrector, verilog, raws(), frames, forgets=forgets,
+                           longest=LONGEST[memory], memory=memory, seed=seed,
+                           clock_limit=20_000 * frames)
 
 
 @pytest.mark.parametrize("memory", LONGEST)
@@ -56,8 +57,8 @@ def test_the_next_frame_is_right(name, forgets, memory):
 
 @pytest.mark.parametrize("tied_to,forgets", [("1'b0", True), ("rst", False)])
 def test_the_corrector_must_know_what_its_memory_does(tied_to, forgets):
-    """Not told that its memory forgot, it hangs; told so of a memory that answers, it shows samples
-    of the frame before, or breaks a command off."""
+    """Not told that its memory forgot, it hangs; told so of a memory that answers, it breaks a
+    command off, and shows samples of the frame before."""
     corrector, verilog = built("cache, memory")
     wrong = verilog.replace(".memory_rst(memory_rst)", f".memory_rst({tied_to})")
     try:

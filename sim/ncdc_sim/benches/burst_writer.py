@@ -39,7 +39,7 @@ async def two_frames(dut):
             expected[addresses[k]:addresses[k] + kept] = data[k, :kept].tobytes()
         words = [{"data": int.from_bytes(data[k].tobytes(), "little"), "enable": enable[k],
                   "address": addresses[k], "end": k in (jump - 1, count - 1),
-                  "last": k == count - 1} for k in range(count)]
+                  "last": k == count - 1, "void": 0} for k in range(count)]
         await put(dut, "i", [pack(word_layout(width), fields) for fields in words], s["gap"])
         for _ in range(2000):
             if len(done) > frame:

@@ -82,7 +82,7 @@ struct Pixel { std::uint32_t x = 0, y = 0; bool blank = false; };
 struct Group { Pixel lane[kLanes]; bool first, last; std::uint32_t number; };
 
 struct Frame {
-    std::uint32_t base, pitch, split, width, height, area_x, area_y, area_w, area_h;
+    std::uint32_t base, limit, pitch, split, width, height, area_x, area_y, area_w, area_h;
     int pattern, blank, gap, stall, wait, latency, pause;
     std::uint64_t groups, reset_after;
 };
@@ -108,6 +108,7 @@ public:
     void frame(std::uint64_t limit) {
         choose(limit);
         dut->base = f.base, dut->pitch = f.pitch, dut->split = f.split;
+        dut->limit = f.limit, dut->height = f.height;
         held.assign(4 * kSets, -1);
         sent = done = 0;
         x = f.area_x, y = f.area_y;
@@ -143,6 +144,8 @@ private:
         // Half of the frames are where the one before was, at another base.
         if (f.groups == 0 || random.chance(128)) place();
         f.base = 16 * random.below(1 << 26);
+        // Half of the places hold the frame and no more: no byte behind it is read.
+        f.limit = f.base + f.pitch * f.height + (random.chance(128) ? 0 : 4 * f.pitch);
         f.pattern = random.below(4);
         f.blank = random.chance(64) ? random.below(256) : 20;
         f.gap = random.chance(128) ? 0 : random.below(200);
@@ -209,8 +212,10 @@ private:
             if (held[slot] == tile) continue;
             held[slot] = tile;
             tiles++;
-            for (std::uint32_t row = 0; row < 4; row++)
-                expected.push_back(f.base + (4 * ty + row) * f.pitch + 16 * tx);
+            for (std::uint32_t row = 0; row < 4; row++) {
+                const std::uint32_t at = f.base + (4 * ty + row) * f.pitch + 16 * tx;
+                expected.push_back(at + 16 > f.limit ? f.base : at);
+            }
         }
     }
 
@@ -264,6 +269,7 @@ private:
             left_over = -1;
             due.clear();
         }
+        if (dut->outside && !dut->rst) fail("a row of the frame taken for one outside", clocks);
         if (!dut->rst) take();
         if (clocks - moved > 100000) fail("hang", clocks);
 

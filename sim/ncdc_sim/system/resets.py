@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import place_values
 from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE
 from ncdc_sim.system.frame import Program, simulate_frame
 
@@ -65,7 +66,7 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
     program = Program()
     for k in range(frames):
         # The frame that is cut short goes to the first place, the others each to its own.
-        _begin(program, rows, sources[0], base)
+        _begin(program, rows, corrector, FramePlaces(sources[0], base, pitch))
         program.wait(int(rng.integers(1, longest)))
         clocks = int(rng.integers(1, 60))
         if forgets:
@@ -74,7 +75,7 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
         else:
             program.reset(clocks)
         program.write(rows["IRQ_ENABLE"], 1)
-        _begin(program, rows, sources[1], base + (k + 1) * step)
+        _begin(program, rows, corrector, FramePlaces(sources[1], base + (k + 1) * step, pitch))
         program.wait_irq().write(rows["STATUS"], STATUS_DONE)
         program.write(rows["IRQ_ENABLE"], 0)
     kept = (frames + 1) * step
@@ -95,6 +96,8 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
                                         for reset, out in zip(result.resets, before)))
 
 
-def _begin(program, rows, source, target):
-    program.write(rows["SOURCE_BASE"], source).write(rows["TARGET_BASE"], target)
+def _begin(program, rows, corrector, places):
+    for name, value in place_values(corrector.descriptor.geometry, corrector.hardware.data_width,
+                                    places).items():
+        program.write(rows[name], value)
     program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)

@@ -47,7 +47,8 @@ def check_read_host(m, bus, memory, *, limit):
 
     held = Signal(reset_less=True)
     command = Signal(len(bus.address) + len(bus.burstcount), reset_less=True)
-    m.d.sync += [held.eq(bus.read & waitrequest & ~memory.memory_rst), command.eq(Cat(bus.address, bus.burstcount))]
+    m.d.sync += [held.eq(bus.read & waitrequest & ~memory.memory_rst),
+                 command.eq(Cat(bus.address, bus.burstcount))]
     always(m, ~held | (bus.read & (command == Cat(bus.address, bus.burstcount))),
                    "command_held")
     always(m, ~bus.read | (bus.burstcount != 0), "burst_not_empty")
@@ -155,7 +156,7 @@ class Reader(Wrapper):
 
 
 class Writer(Wrapper):
-    """``BurstWriter`` with any words and any memory, reset at any time, with the memory or without.
+    """``BurstWriter`` with any words and any memory, reset at any time, the memory too or not.
 
     Asserts the protocol: a word and its command are held while the memory waits; a burst has as
     many words as its first one said, one address and one count, also across a reset. Asserts that

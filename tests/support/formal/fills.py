@@ -34,12 +34,13 @@ class _Fills(Wrapper):
         fragment = self.design(m, dut)
         owed = check_read_host(m, dut.bus, self, limit=self.limit)
         given(m, ~self.claim | dut.credit)
-        m.d.comb += [dut.memory_rst.eq(self.memory_rst), dut.claim.eq(self.claim), dut.tile.eq(self.tile)]
+        m.d.comb += [dut.memory_rst.eq(self.memory_rst),
+                     dut.claim.eq(self.claim), dut.tile.eq(self.tile)]
         return fragment, owed
 
 
 class FillRoom(_Fills):
-    """Reset at any time, with the memory or without it: no more tiles outstanding than allowed, and room for all of them.
+    """Reset at any time, the memory too or not: no more tiles than allowed, and room for all.
 
     Asserts that no queue overflows, that each word comes for a tile that was claimed, and that
     the memory never owes more than ``outstanding`` tiles.
