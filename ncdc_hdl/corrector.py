@@ -199,13 +199,16 @@ class Corrector(wiring.Component):
         return m
 
     def _refuse(self, m, begun):
-        """Whether the active set is refused: the frame then is one blank group, not written."""
+        """Whether the frame's set is refused: the frame then is one blank group, not written."""
         checks, faults = self.checks, self.registers.faults
         refuse = Signal()
-        m.d.comb += [checks.active.eq(self.registers.active),
-                     refuse.eq(checks.faults.as_value().any() | self.fetch.empty)]
-        # The fetcher needs two clocks to tell.
+        m.d.comb += checks.active.eq(self.registers.active)
+        # The fetcher needs two clocks to tell; the scan needs to know some clocks later.
         begins = delay(m, begun, 2, "begun", reset_less=False)
+        with m.If(begun):
+            m.d.sync += refuse.eq(0)
+        with m.Elif(begins):
+            m.d.sync += refuse.eq(checks.faults.as_value().any() | self.fetch.empty)
         m.d.comb += [faults.alignment.eq(begins & checks.faults.alignment),
                      faults.size.eq(begins & checks.faults.size),
                      faults.source.eq(begins & self.fetch.empty | self.fetch.outside)]

@@ -23,8 +23,8 @@ class Packer(wiring.Component):
     word of its own, and begins with one: bytes of pixels of other strips are not enabled. The
     frame's last word is sent as soon as the last pixel has come.
 
-    Nothing is sent that is not inside ``base`` .. ``limit`` - 1, in whole words. From the first word on
-    that is not, nothing more of the frame is sent but a void word for its end.
+    Nothing is sent that is not inside ``base`` .. ``limit`` - 1, in whole words. From the first
+    word on that is not, nothing more of the frame is sent but a void word for its end.
 
     Timing: latency 1; one group per clock, or as many clocks as it has words; the first one
     ``Strips.latency`` clocks after ``start`` at the earliest.

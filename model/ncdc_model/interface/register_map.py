@@ -7,8 +7,8 @@ from ncdc_model.interface.frames import ADDRESS_BITS
 
 __all__ = ["ADDRESS_WORDS_BITS", "Bits", "CONSTANTS", "COUNTERS", "CTRL_ABORT", "CTRL_COMMIT",
            "CTRL_START", "FAULT_ALIGNMENT", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag",
-           "ID", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY",
-           "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
+           "ID", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
+           "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
            "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
            "registers"]
 

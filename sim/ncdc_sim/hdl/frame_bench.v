@@ -8,7 +8,8 @@
 // Operations: 00 end, 01 write, 02 read and compare, 03 wait for irq, 04 read and report, 05 wait
 // for some clocks, 06 wait until so many bytes are out, 07 reset the module for some clocks,
 // 08 read until the value comes, 09 the camera begins a frame at the byte address, 0a reset the
-// module and the memory. The clocks of a frame run from the last register write before a wait to the
+// module and the memory, 0b the places in memory that may be used: the address is 0, 1 for begin and
+// end of what may be read, 2, 3 of what may be written. The clocks of a frame run from the last register write before a wait to the
 // irq. A reset of the module alone leaves memory and sink as they are: words under way still come.
 // One of both has its clocks in bits 15:0, and in bits 31:16, signed, by how many clocks the
 // memory's trails the module's; the memory forgets what it owes.
@@ -39,7 +40,8 @@ module frame_bench (
     localparam POISON = 8'hA5;          // bytes that nobody wrote
 
     localparam END = 0, WRITE = 1, COMPARE = 2, WAIT_IRQ = 3, REPORT = 4, WAIT = 5, WAIT_OUTPUT = 6,
-        RESET = 7, POLL = 8, CAMERA = 9, RESET_ALL = 10;
+        RESET = 7, POLL = 8, CAMERA = 9, RESET_ALL = 10,
+        PLACE = 11;
 
     reg rst = 1;
     reg module_rst = 1;                 // of the module under test
@@ -259,6 +261,41 @@ module frame_bench (
         end
     endtask
 
+    // What is read and written outside the places.
+    reg [31:0] place [0:3];
+    reg [31:0] outside = 0;             // bytes
+    reg [31:0] write_at, write_left = 0;
+    integer    lane_of;
+    initial begin
+        place[0] = 0;
+        place[1] = 32'hFFFFFFFF;
+        place[2] = 0;
+        place[3] = 32'hFFFFFFFF;
+    end
+
+    always @(posedge clk) begin
+        for (lane_of = 0; lane_of < PORTS; lane_of = lane_of + 1)
+            if (read_read[lane_of] && !read_waitrequest[lane_of]
+                    && (read_address[32*lane_of +: 32] < place[0]
+                        || read_address[32*lane_of +: 32]
+                           + DW / 8 * read_burstcount[BW*lane_of +: BW] > place[1]))
+                outside = outside + DW / 8 * read_burstcount[BW*lane_of +: BW];
+        if (write_write && !write_waitrequest) begin
+            if (write_left == 0) begin
+                write_at = write_address;
+                write_left = write_burstcount;
+            end
+            for (lane_of = 0; lane_of < DW / 8; lane_of = lane_of + 1)
+                if (write_byteenable[lane_of] && (write_at + lane_of < place[2]
+                                                  || write_at + lane_of >= place[3]))
+                    outside = outside + 1;
+            write_at = write_at + DW / 8;
+            write_left = write_left - 1;
+        end
+        if (memory_rst)
+            write_left = 0;
+    end
+
     // The register program.
     reg        reading = 0;
     reg [31:0] waited = 0;              // clocks of the present operation
@@ -300,6 +337,7 @@ module frame_bench (
             $fclose(file);
 `endif
             $display("RESULT output_bytes %0d", output_done);
+            $display("RESULT outside_bytes %0d", outside);
             $display("RESULT memory_errors %0d", memory_errors);
             if (camera_line != 0) begin
                 $display("RESULT camera_end %0d", camera_end);
@@ -385,6 +423,10 @@ module frame_bench (
                     camera_y = 0;
                     camera_rows <= 0;
                     camera_sends = 1;
+                    next;
+                end
+                PLACE: begin
+                    place[now[33:32]] = csr_writedata;
                     next;
                 end
                 WAIT_OUTPUT:

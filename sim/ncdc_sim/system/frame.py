@@ -86,6 +86,12 @@ class Program:
         """Let the camera begin its next frame, the next of the source, at the byte address."""
         return self._add(9, 0, address)
 
+    def place(self, source, target):
+        """From here on only these byte addresses, (begin, end) each, may be read and written."""
+        for k, address in enumerate((*source, *target)):
+            self._add(11, k, address)
+        return self
+
     def text(self):
         """The program as the bench reads it."""
         return "".join(f"{op:02x}{address:06x}{value:08x}\n"
@@ -123,6 +129,7 @@ class FrameResult:
         Word address and value of every read, in order.
     counters : dict
         Commands, beats and wait clocks of each port: ``read0_commands``, ``output_waits`` ...;
+        ``outside_bytes`` that were read or written outside the places that the program named;
         with a camera ``camera_end``, the clock in which its last byte was in memory, and
         ``early_reads``, read commands for rows of its frame that were not.
     errors : tuple of str

@@ -175,6 +175,7 @@ class Writer(Wrapper):
         dut, bus = self.dut, self.dut.bus
         fragment = self.design(m, dut)
         words, bursts = self.queues
+        given(m, ~self.word.void | (self.word.end & self.word.last))
         m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(self.word),
                      bus.waitrequest.eq(0 if self.forget else self.waitrequest),
                      dut.memory_rst.eq(0 if self.deaf else self.memory_rst)]
@@ -206,7 +207,8 @@ class Writer(Wrapper):
         for number, (there, item) in enumerate(places(m, bursts)):
             size = data.View(layout, item).count
             queued = queued + Mux(there, size, 0)
-            always(m, ~there | ((size != 0) & (size <= self.burst)), f"size{number}")
+            last = data.View(layout, item).last
+            always(m, ~there | (((size != 0) | last) & (size <= self.burst)), f"size{number}")
         always(m, lost | (words.level == queued + count + Mux(known, left, 0)), "words_for_bursts")
         always(m, ~lost | ~bus.write, "lost_is_over")
         always(m, count < self.burst, "gathered")

@@ -34,6 +34,8 @@ class _Fills(Wrapper):
         fragment = self.design(m, dut)
         owed = check_read_host(m, dut.bus, self, limit=self.limit)
         given(m, ~self.claim | dut.credit)
+        # A place of 64 kbytes; what is outside is moved to its begin.
+        m.d.comb += [dut.limit.eq(1 << 16), dut.height.eq(64)]
         m.d.comb += [dut.memory_rst.eq(self.memory_rst),
                      dut.claim.eq(self.claim), dut.tile.eq(self.tile)]
         return fragment, owed
