@@ -17,14 +17,16 @@ from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_hdl.lib.pipeline import register
+from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.registers.agent import Registers
+from ncdc_hdl.registers.checks import Checks
 from ncdc_model.fetch.corrector_timing import CorrectorTiming
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values
 from ncdc_model.interface.register_map import (
     ADDRESS_WORDS_BITS,
     COUNTERS,
+    capabilities,
     network_registers,
     registers,
 )
@@ -61,6 +63,10 @@ class Corrector(wiring.Component):
     stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
         video stream, red in the top byte of 24 bits per pixel, the leftmost pixel in the lowest
         (output "stream")
+    memory_rst : ``In(1)``
+        The memory is in reset, or what is between the two, and forgets what it has accepted. To be
+        high together with the corrector's own reset; either may come and go first, as long as
+        nothing of what was accepted until the last clock of ``memory_rst`` is answered.
     irq : ``Out(1)``
         Frame complete.
     camera_rows : ``In(SIZE)``
@@ -91,7 +97,10 @@ class Corrector(wiring.Component):
         self.registers = Registers(
             registers(descriptor.hidden_neurons, formats),
             host_values(descriptor, self.hardware),
-            digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons)
+            digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons,
+            capabilities=capabilities(self.hardware, *self.table.largest))
+        self.checks = Checks(self.hardware, *self.table.largest,
+                             self.registers.active.shape())
         ports = _flat("csr", Agent(ADDRESS_WORDS_BITS), In)
         for r in range(self.fetch.ports):
             ports |= _flat(f"read{r}", getattr(self.fetch, f"bus{r}").signature, Out)
@@ -101,7 +110,8 @@ class Corrector(wiring.Component):
         else:
             ports |= {"stream_valid": Out(1), "stream_ready": In(1), "stream_data": Out(24 * lanes),
                       "stream_startofpacket": Out(1), "stream_endofpacket": Out(1)}
-        super().__init__(ports | {"irq": Out(1), "camera_rows": In(SIZE), "front_end_idle": Out(1)})
+        super().__init__(ports | {"memory_rst": In(1), "irq": Out(1), "camera_rows": In(SIZE),
+                                  "front_end_idle": Out(1)})
 
     @property
     def start_latency(self):
@@ -137,7 +147,7 @@ class Corrector(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         for name in ("backmap", "table", "window", "row_gate", "fetch", "interpolator",
-                     "registers"):
+                     "registers", "checks"):
             m.submodules[name] = getattr(self, name)
         registers, active = self.registers, self.registers.active
         begun = Signal()
@@ -151,7 +161,8 @@ class Corrector(wiring.Component):
         wiring.connect(m, scan=self.backmap.table, table=self.table.scan)
         wiring.connect(m, host=registers.valid_table, table=self.table.host)
         self._parameters(m, active)
-        m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort),
+        refuse = self._refuse(m, begun)
+        m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort | refuse),
                      registers.cut.eq(self.backmap.cut)]
         wiring.connect(m, self.backmap.o, self.window.i)
         wiring.connect(m, self.window.o, self.row_gate.i)
@@ -159,6 +170,7 @@ class Corrector(wiring.Component):
         m.d.comb += [self.row_gate.start.eq(begun), self.row_gate.abort.eq(registers.abort),
                      self.row_gate.camera_rows.eq(self.camera_rows)]
         wiring.connect(m, self.fetch.o, self.interpolator.i)
+        m.d.comb += self.fetch.memory_rst.eq(self.memory_rst)
         pixels = self.interpolator.o
         if not self.hardware.stream:
             m.submodules.packer = packer = Packer(self.hardware.data_width, self.hardware.lanes)
@@ -166,8 +178,11 @@ class Corrector(wiring.Component):
             wiring.connect(m, pixels, packer.i)
             wiring.connect(m, packer.o, writer.i)
             self._join(m, "write", writer.bus)
+            m.d.comb += writer.memory_rst.eq(self.memory_rst)
             m.d.comb += [
                 packer.start.eq(begun), packer.base.eq(active.TARGET_BASE),
+                packer.limit.eq(active.TARGET_LIMIT), packer.refuse.eq(refuse),
+                registers.faults.target.eq(packer.outside),
                 packer.order.width.eq(active.CORRECTED_WIDTH),
                 packer.order.height.eq(active.CORRECTED_HEIGHT),
                 packer.order.strip.eq(active.STRIP_WIDTH), registers.ended.eq(writer.done),
@@ -182,6 +197,22 @@ class Corrector(wiring.Component):
             ]
         self._counters(m, begun, pixels)
         return m
+
+    def _refuse(self, m, begun):
+        """Whether the frame's set is refused: the frame then is one blank group, not written."""
+        checks, faults = self.checks, self.registers.faults
+        refuse = Signal()
+        m.d.comb += checks.active.eq(self.registers.active)
+        # The fetcher needs two clocks to tell; the scan needs to know some clocks later.
+        begins = delay(m, begun, 2, "begun", reset_less=False)
+        with m.If(begun):
+            m.d.sync += refuse.eq(0)
+        with m.Elif(begins):
+            m.d.sync += refuse.eq(checks.faults.as_value().any() | self.fetch.empty)
+        m.d.comb += [faults.alignment.eq(begins & checks.faults.alignment),
+                     faults.size.eq(begins & checks.faults.size),
+                     faults.source.eq(begins & self.fetch.empty | self.fetch.outside)]
+        return refuse
 
     def _join(self, m, prefix, interface):
         """Connect the ports prefix_member with the members of ``interface``."""
@@ -202,7 +233,9 @@ class Corrector(wiring.Component):
             self.window.height.eq(active.DISTORTED_HEIGHT),
             self.row_gate.height.eq(active.DISTORTED_HEIGHT),
             self.row_gate.follow.eq(active.FOLLOW),
-            self.fetch.base.eq(active.SOURCE_BASE), self.fetch.pitch.eq(active.SOURCE_PITCH),
+            self.fetch.base.eq(active.SOURCE_BASE), self.fetch.limit.eq(active.SOURCE_LIMIT),
+            self.fetch.pitch.eq(active.SOURCE_PITCH),
+            self.fetch.height.eq(active.DISTORTED_HEIGHT),
             self.interpolator.phase.eq(active.BAYER_PHASE), self.interpolator.fill.eq(active.FILL),
         ]
         if self.hardware.cached:

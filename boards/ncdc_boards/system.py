@@ -14,7 +14,8 @@ def system_tcl(board, corrector):
     Exported are ``clk``, ``reset``, ``irq``, ``front_end_idle``, ``camera_rows``, of a
     streaming corrector ``video``, and ``sdram``, the controller's pins; where the board's memory
     controller is the user's, ``memory`` in its place: an Avalon host, of a bridge through which
-    all memory traffic passes.
+    all memory traffic passes. One reset is that of the corrector, of the controller and of all that
+    is between them: the corrector's ``memory_reset`` tells it that what it asked for is forgotten.
     """
     lines = [
         f"# Makes {SYSTEM}.qsys: qsys-script --script={SYSTEM}.tcl --search-path=.,$",
@@ -41,7 +42,7 @@ def system_tcl(board, corrector):
     lines += [f"add_connection clk_0.clk {name}" for name in
               ("master_0.clk", "ncdc_0.clock", clocked["clk"])]
     lines += [f"add_connection clk_0.clk_reset {name}" for name in
-              ("master_0.clk_reset", "ncdc_0.reset", clocked["reset"])]
+              ("master_0.clk_reset", "ncdc_0.reset", "ncdc_0.memory_reset", clocked["reset"])]
     hosts = ["master_0.master"] + [f"ncdc_0.{name}" for name, (kind, direction, _) in ports.items()
                                    if (kind, direction) == ("avalon", "start")]
     for host in hosts:

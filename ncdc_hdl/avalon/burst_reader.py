@@ -35,6 +35,8 @@ class BurstReader(wiring.Component):
     i : ``In(stream.Signature(command_layout(max_burst)))``
         Byte address (a multiple of the word) and 1..max_burst words.
     o : ``Out(stream.Signature(data_width))``
+    memory_rst : ``In(1)``
+        As of :class:`ReadCommands`.
     bus : ``Out(ReadHost(data_width, max_burst))``
 
     Raises
@@ -50,6 +52,7 @@ class BurstReader(wiring.Component):
         super().__init__({
             "i": In(stream.Signature(command_layout(max_burst))),
             "o": Out(stream.Signature(data_width)),
+            "memory_rst": In(1),
             "bus": Out(ReadHost(data_width, max_burst)),
         })
 
@@ -61,6 +64,7 @@ class BurstReader(wiring.Component):
         m.submodules.commands = commands = ReadCommands(self.data_width, self.max_burst,
                                                         limit=self.depth)
         wiring.connect(m, commands.bus, wiring.flipped(self.bus))
+        m.d.comb += commands.memory_rst.eq(self.memory_rst)
         m.d.comb += [
             fifo.w_data.eq(commands.word), fifo.w_en.eq(commands.valid),
             self.o.payload.eq(fifo.r_data), self.o.valid.eq(fifo.r_rdy),

@@ -14,9 +14,10 @@ _BURSTS = 4  # complete bursts that wait for the bus
 
 def word_layout(data_width):
     """A word to write: its bytes, which of them count, its byte address, whether the next one is
-    elsewhere in memory (``end``), and whether it is the frame's ``last``."""
+    elsewhere in memory (``end``), and whether it is the frame's ``last``. A ``void`` one is not
+    written; it is the last one of a frame, and tells no more than that."""
     return data.StructLayout({"data": data_width, "enable": data_width // 8,
-                              "address": ADDRESS_BITS, "end": 1, "last": 1})
+                              "address": ADDRESS_BITS, "end": 1, "last": 1, "void": 1})
 
 
 class BurstWriter(wiring.Component):
@@ -27,7 +28,8 @@ class BurstWriter(wiring.Component):
 
     A burst that has begun is completed, whatever happens: a reset in its middle forgets the words
     and the bursts that have not begun, but not how many words the bus still expects; those go with
-    no byte enabled.
+    no byte enabled. A memory that is reset itself expects none: ``memory_rst`` ends the burst, and
+    keeps others from beginning. It goes with a reset of the writer, some clocks earlier or later.
 
     Parameters
     ----------
@@ -40,7 +42,9 @@ class BurstWriter(wiring.Component):
     -------
     i : ``In(stream.Signature(word_layout(data_width)))``
         Addresses are multiples of the word, ascending by a word up to an ``end``; the frame's last
-        word is one.
+        word is one, void or not.
+    memory_rst : ``In(1)``
+        The memory forgets the burst that has begun.
     done : ``Out(1)``
         High for one clock when the memory has accepted the last word.
     bus : ``Out(WriteHost(data_width, burst))``
@@ -53,6 +57,7 @@ class BurstWriter(wiring.Component):
         self.data_width, self.burst = data_width, burst
         super().__init__({
             "i": In(stream.Signature(word_layout(data_width))),
+            "memory_rst": In(1),
             "done": Out(1),
             "bus": Out(WriteHost(data_width, burst)),
         })
@@ -80,18 +85,20 @@ class BurstWriter(wiring.Component):
         i = self.i.p
         count = Signal(range(self.burst))       # words gathered in the clocks before
         address = Signal(ADDRESS_BITS)          # of the first of them
-        complete = Signal()                     # the word at ``i`` completes the burst
-        burst = Signal(layout)                  # the burst, that word included
+        taken = Signal()                        # the word at ``i`` is taken
+        complete = Signal()                     # it completes the burst
+        burst = Signal(layout)                  # the burst, that word included unless it is void
         m.d.comb += [
             self.i.ready.eq(word_queue.w_rdy & burst_queue.w_rdy),
+            taken.eq(self.i.valid & self.i.ready),
             complete.eq(i.end | (count == self.burst - 1)),
             word_queue.w_data.eq(Cat(i.data, i.enable)),
-            word_queue.w_en.eq(self.i.valid & self.i.ready),
-            burst.address.eq(Mux(count == 0, i.address, address)), burst.count.eq(count + 1),
+            word_queue.w_en.eq(taken & ~i.void),
+            burst.address.eq(Mux(count == 0, i.address, address)), burst.count.eq(count + ~i.void),
             burst.last.eq(i.last),
-            burst_queue.w_data.eq(burst), burst_queue.w_en.eq(word_queue.w_en & complete),
+            burst_queue.w_data.eq(burst), burst_queue.w_en.eq(taken & complete),
         ]
-        with m.If(word_queue.w_en):
+        with m.If(taken):
             m.d.sync += [count.eq(Mux(complete, 0, count + 1)), address.eq(burst.address)]
 
     def _send(self, m, word_queue, word, burst_queue, burst):
@@ -102,22 +109,28 @@ class BurstWriter(wiring.Component):
         left = Signal(range(self.burst + 1), reset_less=True)   # words of the burst to come
         known = Signal()                             # the burst is of the time since the reset
         frame_end = Signal()                         # the burst is the frame's last
+        none = Signal()                              # the burst to come has no word
+        nothing = Signal()                           # the burst had no word
         forgotten = (left != 0) & ~known
         m.d.comb += [
             self.bus.write.eq(write), self.bus.writedata.eq(beat.data),
             self.bus.byteenable.eq(beat.enable),
             self.bus.address.eq(command.address), self.bus.burstcount.eq(command.count),
-            self.done.eq(write & ~self.bus.waitrequest & (left == 0) & frame_end),
+            none.eq(burst.count == 0),
+            self.done.eq((write & ~self.bus.waitrequest & (left == 0) | nothing) & frame_end),
         ]
-        with m.If(~write | ~self.bus.waitrequest):
-            m.d.sync += [write.eq(0), beat.eq(word)]
+        with m.If(self.memory_rst):
+            m.d.sync += [write.eq(0), left.eq(0), frame_end.eq(0), nothing.eq(0)]
+        with m.Elif(~write | ~self.bus.waitrequest):
+            m.d.sync += [write.eq(0), nothing.eq(0), beat.eq(word)]
             with m.If(left == 0):
                 m.d.comb += burst_queue.r_en.eq(1)
                 m.d.sync += frame_end.eq(0)
                 with m.If(burst_queue.r_rdy):
-                    m.d.comb += word_queue.r_en.eq(1)
-                    m.d.sync += [command.eq(burst), left.eq(burst.count - 1), write.eq(1),
-                                 known.eq(1), frame_end.eq(burst.last)]
+                    m.d.comb += word_queue.r_en.eq(~none)
+                    m.d.sync += [command.eq(burst), left.eq(Mux(none, 0, burst.count - 1)),
+                                 write.eq(~none), nothing.eq(none), known.eq(1),
+                                 frame_end.eq(burst.last)]
             with m.Else():
                 m.d.comb += word_queue.r_en.eq(~forgotten)
                 m.d.sync += [write.eq(1), left.eq(left - 1)]

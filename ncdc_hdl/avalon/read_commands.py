@@ -1,4 +1,4 @@
-"""Read commands, and the words a memory owes for them, which no reset forgets."""
+"""Read commands, and the words a memory owes for them, which no reset but its own forgets."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -21,6 +21,10 @@ class ReadCommands(wiring.Component):
     reset: a command stays on the bus until it is accepted, and words asked for before the reset
     are dropped as they come. No new command is given before the last of them has come.
 
+    A memory that is reset itself owes nothing: ``memory_rst`` clears all of that. While it is high
+    no command is on the bus but for its first clock, and what comes is nobody's. It takes away what
+    the parent waits for, so it goes with a reset of the parent, earlier or later by some clocks.
+
     Timing: a command reaches the bus 1 clock after it is taken; commands follow each other without
     a gap. A word is handed on in the clock of its ``readdatavalid``.
 
@@ -34,6 +38,8 @@ class ReadCommands(wiring.Component):
     Members
     -------
     i : ``In(stream.Signature(command_layout(max_burst)))``
+    memory_rst : ``In(1)``
+        The memory forgets all that it has accepted, up to and including this clock.
     valid, word : ``Out(1)``, ``Out(data_width)``
         A word has come, which cannot be refused.
     bus : ``Out(ReadHost(data_width, max_burst))``
@@ -46,6 +52,7 @@ class ReadCommands(wiring.Component):
         self.max_burst, self.limit = max_burst, limit
         super().__init__({
             "i": In(stream.Signature(command_layout(max_burst))),
+            "memory_rst": In(1),
             "valid": Out(1), "word": Out(data_width),
             "bus": Out(ReadHost(data_width, max_burst)),
         })
@@ -78,6 +85,8 @@ class ReadCommands(wiring.Component):
         with m.If(~read | accepted):
             m.d.sync += [read.eq(self.i.valid & self.i.ready), address.eq(self.i.p.address),
                          words.eq(self.i.p.words)]
+        with m.If(self.memory_rst):
+            m.d.sync += [read.eq(0), due.eq(0), some.eq(0), stale.eq(1)]
         return m
 
     @staticmethod

@@ -8,6 +8,7 @@ from amaranth.utils import ceil_log2
 
 from ncdc_hdl.avalon.burst_reader import BurstReader
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
+from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_model.geometry import WINDOW
@@ -38,11 +39,19 @@ class Multiport(wiring.Component):
 
     Members
     -------
-    base, pitch : ``In``
-        Of the raw frame in bytes, multiples of the word, constant during a frame.
+    base, limit, pitch : ``In``
+        Byte address of the raw frame and of what is behind its place, bytes from row to row;
+        multiples of the word, constant during a frame. Nothing outside the place is read, see
+        :class:`ReadFence`.
+    height : ``In(SIZE)``
+        Not used: no row below the frame is asked for.
+    memory_rst : ``In(1)``
+        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits)))``
     o : ``Out(stream.Signature(window_layout(f_bits)))``
     bus0, bus1, bus2 : ``Out(ReadHost(...))``
+    outside, empty : ``Out(1)``
+        A row of a window is asked for that is outside the place; as of :class:`ReadFence`.
     fetched : ``Out(1)``
         High for one clock per window read from memory.
     waiting : ``Out(1)``
@@ -54,7 +63,8 @@ class Multiport(wiring.Component):
     def __init__(self, f_bits, data_width, *, in_flight=4):
         self.f_bits, self.data_width, self.in_flight = f_bits, data_width, in_flight
         super().__init__({
-            "base": In(ADDRESS_BITS), "pitch": In(SIZE),
+            "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
+            "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
             "i": In(stream.Signature(request_layout(f_bits))),
             "o": Out(stream.Signature(window_layout(f_bits))),
             **{f"bus{r}": Out(ReadHost(data_width, _MAX_BURST)) for r in range(WINDOW)},
@@ -66,13 +76,20 @@ class Multiport(wiring.Component):
         word_bytes = self.data_width // 8
         byte_bits = ceil_log2(word_bytes)
 
-        readers = []
+        readers, fences = [], []
         for r in range(WINDOW):
             reader = BurstReader(self.data_width, depth=_MAX_BURST * self.in_flight,
                                  max_burst=_MAX_BURST)
             m.submodules[f"reader{r}"] = reader
             wiring.connect(m, reader.bus, wiring.flipped(getattr(self, f"bus{r}")))
+            m.d.comb += reader.memory_rst.eq(self.memory_rst)
             readers.append(reader)
+            m.submodules[f"fence{r}"] = fence = ReadFence(self.data_width, _MAX_BURST)
+            wiring.connect(m, fence.o, reader.i)
+            m.d.comb += [fence.base.eq(self.base), fence.limit.eq(self.limit)]
+            fences.append(fence)
+        m.d.comb += [self.outside.eq(Cat(fence.moved for fence in fences).any()),
+                     self.empty.eq(fences[0].empty)]
 
         token_layout = data.StructLayout({
             "fetch": 1, "two_words": 1, "offset": byte_bits,
@@ -80,12 +97,12 @@ class Multiport(wiring.Component):
             "blank": 1, "first": 1, "last": 1})
         m.submodules.tokens = tokens = SyncFIFOBuffered(width=token_layout.size,
                                                         depth=4 * self.in_flight)
-        self._ask(m, readers, tokens, token_layout, byte_bits)
+        self._ask(m, fences, tokens, token_layout, byte_bits)
         self._answer(m, readers, tokens, token_layout)
         return m
 
-    def _ask(self, m, readers, tokens, token_layout, byte_bits):
-        """Requests to commands of the readers, and a token for each request, in order."""
+    def _ask(self, m, fences, tokens, token_layout, byte_bits):
+        """Requests to commands for the readers, and a token for each request, in order."""
         request = self.i.p
         # A: the offset of the row is known, and whether the window is where the last one was.
         a_valid = Signal()                  # there is a request in this stage
@@ -111,13 +128,12 @@ class Multiport(wiring.Component):
             tokens.w_en.eq(a_valid & ~sent[WINDOW]),
             taken[WINDOW].eq(sent[WINDOW] | tokens.w_rdy),
         ]
-        for r, reader in enumerate(readers):
+        for r, fence in enumerate(fences):
             address = first_byte + (0, self.pitch, self.pitch << 1)[r]
             m.d.comb += [
-                reader.i.p.address.eq(Cat(Const(0, byte_bits), address[byte_bits:])),
-                reader.i.p.words.eq(1 + token.two_words),
-                reader.i.valid.eq(a_valid & fetch & ~sent[r]),
-                taken[r].eq(sent[r] | ~fetch | reader.i.ready),
+                fence.i.p.address.eq(address), fence.i.p.words.eq(1 + token.two_words),
+                fence.i.valid.eq(a_valid & fetch & ~sent[r]),
+                taken[r].eq(sent[r] | ~fetch | fence.i.ready),
             ]
         done = Signal()
         m.d.comb += [done.eq(a_valid & taken.all()), self.fetched.eq(done & fetch)]

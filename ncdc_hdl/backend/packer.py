@@ -23,6 +23,9 @@ class Packer(wiring.Component):
     word of its own, and begins with one: bytes of pixels of other strips are not enabled. The
     frame's last word is sent as soon as the last pixel has come.
 
+    Nothing is sent that is not inside ``base`` .. ``limit`` - 1, in whole words. From the first
+    word on that is not, nothing more of the frame is sent but a void word for its end.
+
     Timing: latency 1; one group per clock, or as many clocks as it has words; the first one
     ``Strips.latency`` clocks after ``start`` at the earliest.
 
@@ -37,8 +40,13 @@ class Packer(wiring.Component):
     -------
     start : ``In(1)``
         Begins a frame, in which nothing of the last one is left.
-    base, order : ``In(32)``, ``In(ORDER)``
-        Byte address of the frame, a multiple of the word; sizes. Constant in a frame.
+    base, limit, order : ``In(32)``, ``In(32)``, ``In(ORDER)``
+        Byte address of the frame, a multiple of the word, and of what is behind its place; sizes.
+        Constant in a frame.
+    refuse : ``In(1)``
+        Nothing of this frame is to be sent; high before its first pixel comes.
+    outside : ``Out(1)``
+        Pixels are dropped that are outside the place.
     i : ``In(stream.Signature(pixel_layout(lanes)))``
     o : ``Out(stream.Signature(word_layout(data_width)))``
     """
@@ -47,7 +55,8 @@ class Packer(wiring.Component):
 
     def __init__(self, data_width, lanes=1):
         self.data_width, self.lanes = data_width, lanes
-        super().__init__({"start": In(1), "base": In(ADDRESS_BITS), "order": In(ORDER),
+        super().__init__({"start": In(1), "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS),
+                          "order": In(ORDER), "refuse": In(1), "outside": Out(1),
                           "i": In(stream.Signature(pixel_layout(lanes))),
                           "o": Out(stream.Signature(word_layout(data_width)))})
 
@@ -73,6 +82,16 @@ class Packer(wiring.Component):
         begun = Signal()                             # the word has pixels already
         complete = (place == room // step - 1) | row_end | last
         put = Signal()                               # pixels go into the word
+        closed = Signal()                            # nothing more of the frame is sent
+        inside = Signal()                            # the word is in the frame's place
+        m.d.comb += [inside.eq(self._inside(*(value[word_bits:]
+                                              for value in (address, self.base, self.limit)))),
+                     self.outside.eq(put & ~inside & ~closed)]
+        with m.If(self.start):
+            m.d.sync += closed.eq(self.base[:word_bits] != 0)
+        with m.Elif(put & ~inside | self.refuse):
+            m.d.sync += closed.eq(1)
+        void = closed | ~inside
         m.d.comb += [strips.order.eq(self.order), strips.start.eq(self.start),
                      strips.advance.eq(put | strips.begin)]
         # `next_strip` is a clock late, which no strip is short enough to notice.
@@ -81,10 +100,10 @@ class Packer(wiring.Component):
         o = self.o.p
         with m.If(~self.o.valid | self.o.ready):
             m.d.comb += [self.i.ready.eq(part == parts - 1), put.eq(self.i.valid)]
-            m.d.sync += self.o.valid.eq(self.i.valid & complete)
+            m.d.sync += self.o.valid.eq(self.i.valid & Mux(void, last, complete))
         with m.If(put):
             m.d.sync += [part.eq(Mux(part == parts - 1, 0, part + 1)), begun.eq(~complete),
-                         o.last.eq(last), o.end.eq(row_end | last),
+                         o.last.eq(last), o.end.eq(row_end | last), o.void.eq(void),
                          o.address.eq(Cat(Const(0, word_bits), address[word_bits:]))]
             for k in range(room // step):
                 enable = o.enable.word_select(k, PIXEL_BYTES * step)
@@ -102,3 +121,11 @@ class Packer(wiring.Component):
             m.d.sync += [address.eq(self.base), row.eq(self.base), strip.eq(self.base),
                          begun.eq(0), part.eq(0)]
         return m
+
+    @staticmethod
+    def _inside(number, first, end):
+        """Whether a word is in the frame's place; arguments count words.
+
+        A method of its own only so that proofs and tests can break it.
+        """
+        return (number >= first) & (number < end)

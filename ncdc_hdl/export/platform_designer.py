@@ -39,6 +39,8 @@ def _place(prefix, role, port):
         return prefix, "avalon", "start", role
     if prefix == "stream":
         return "stream", "avalon_streaming", "start", role
+    if port == "memory_rst":
+        return "memory_reset", "reset", "end", "reset"
     if port == "irq":
         return "irq", "interrupt", "end", "irq"
     return port, "conduit", "end", "export"

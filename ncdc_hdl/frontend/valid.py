@@ -8,6 +8,7 @@ from amaranth.utils import ceil_log2
 from ncdc_hdl.frontend.signatures import SpansRequest, TableAccess
 from ncdc_hdl.lib.memory import block_memory
 from ncdc_hdl.lib.pipeline import delay, register
+from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.geometry import SPANS as SPANS_PER_ROW
 
 __all__ = ["ValidTable"]
@@ -59,6 +60,11 @@ class ValidTable(wiring.Component):
     def max_column(self):
         """The largest start or stop that a span can have."""
         return (1 << self.column_bits) - 1
+
+    @property
+    def largest(self):
+        """Width and height of the largest picture whose spans the table holds."""
+        return min(self.max_column, MAX_SIZE), min(1 << self.row_bits, MAX_SIZE)
 
     def elaborate(self, platform):
         m = Module()

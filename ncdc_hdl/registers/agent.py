@@ -10,7 +10,13 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.avalon.bus import Agent
 from ncdc_hdl.frontend.signatures import TableAccess
 from ncdc_hdl.lib.pipeline import delay, register
-from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS, COUNTERS, ID, TABLE
+from ncdc_model.interface.register_map import (
+    ADDRESS_WORDS_BITS,
+    COUNTERS,
+    ID,
+    OUTSIDE_DIGEST,
+    TABLE,
+)
 
 __all__ = ["Registers"]
 
@@ -39,6 +45,8 @@ class Registers(wiring.Component):
         Read back as DIGEST.
     hidden_neurons : int
         Read back as NEURONS.
+    capabilities : dict
+        Values of CAPABILITIES and LARGEST.
 
     Members
     -------
@@ -57,15 +65,18 @@ class Registers(wiring.Component):
         The frame lacks pixels; when it has ``ended``.
     counters : ``In(StructLayout)``
         Of the frame, by name, with its last clock two clocks after ``ended``, when they are copied.
+    faults : ``In(StructLayout)``
+        Each bit of FAULT by its name in small letters: it is to be set.
     irq : ``Out(1)``
     """
 
     interrupt_latency = 1
     """Clocks from ``ended`` to ``irq``."""
 
-    def __init__(self, table, values, *, digest, hidden_neurons):
+    def __init__(self, table, values, *, digest, hidden_neurons, capabilities):
         self.table, self.values = table, values
-        self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons}
+        self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, **capabilities}
+        [fault] = [r for r in table if r.name == "FAULT"]
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
                   for r in table if r.access == "shadow"}
         initial = {name: values.get(name, 0) for name in shadow}
@@ -75,6 +86,7 @@ class Registers(wiring.Component):
             "valid_table": Out(TableAccess()),
             "begin": Out(1), "ended": In(1), "abort": Out(1), "cut": In(1),
             "counters": In(data.StructLayout({name: 32 for name in COUNTERS})),
+            "faults": In(data.StructLayout({flag.name.lower(): 1 for flag in fault.flags})),
             "irq": Out(1),
         })
 
@@ -87,6 +99,8 @@ class Registers(wiring.Component):
         counted = {name: Signal(32, name=name.lower()) for name in (*COUNTERS, "FRAMES")}
         action = {r.name: r for r in self.table if r.access == "action"}
         status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
+        fault = {flag.name: Signal(name=f"fault_{flag.name.lower()}")
+                 for flag in action["FAULT"].flags}
 
         # An access goes into registers first, then to the register that it concerns: address and
         # word rest until it is over.
@@ -104,18 +118,25 @@ class Registers(wiring.Component):
         with m.If(accept):
             m.d.sync += under_way.eq(0)
 
+        altered = Signal()                          # the lens may not be the one of DIGEST
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
                  for r in self.table}
         self._read(m, address, meant, {
             **self.constants, **kept, **counted, "CTRL": 0,
-            "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags)})
+            "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags),
+            "FAULT": Cat(fault[flag.name] for flag in action["FAULT"].flags),
+            "ALTERED": altered})
 
         written = {r.name: write[1] & meant[r.name] for r in self.table if r.access != "ro"}
         in_table = register(m, "table_written", write[0] & (address >= TABLE), reset_less=False)
-        for flag in action["STATUS"].flags:
-            if flag.access == "w1c":
-                with m.If(written["STATUS"] & word[flag.bit]):
-                    m.d.sync += status[flag.name].eq(0)
+        for name, signals in (("STATUS", status), ("FAULT", fault)):
+            for flag in action[name].flags:
+                if flag.access == "w1c":
+                    with m.If(written[name] & word[flag.bit]):
+                        m.d.sync += signals[flag.name].eq(0)
+        for flag in action["FAULT"].flags:
+            with m.If(self.faults[flag.name.lower()]):
+                m.d.sync += fault[flag.name].eq(1)
         self._keep(m, written, word, kept, status["COMMITTED"])
         self._table(m, address, read[2], in_table, word, kept, status)
         table_refused = in_table & ~self.valid_table.write
@@ -124,8 +145,10 @@ class Registers(wiring.Component):
         self._frames(m, {flag.name: written["CTRL"] & word[flag.bit]
                          for flag in action["CTRL"].flags}, kept, status)
         self._count(m, counted)
+        self._altered(m, written, altered)
         m.d.comb += [self.irq.eq(status["DONE"] & kept["IRQ_ENABLE"]),
-                     status["BANK"].eq(self.active.VALID_BANK)]
+                     status["BANK"].eq(self.active.VALID_BANK),
+                     status["FAULT"].eq(Cat(fault.values()).any())]
         return m
 
     @staticmethod
@@ -167,6 +190,19 @@ class Registers(wiring.Component):
             table.start.eq(word[:16]),
             table.stop.eq(word[16:]),
         ]
+
+    def _altered(self, m, written, altered):
+        """Whether the lens may be another one than DIGEST says; a reset keeps the valid rows."""
+        of_lens = Cat(written[r.name] for r in self.table
+                      if r.access == "shadow" and r.name not in OUTSIDE_DIGEST)
+        set_altered = Signal()                      # a register of the lens was written
+        rows_altered = Signal(2, reset_less=True)   # a valid row was, of each bank
+        with m.If(of_lens.any()):
+            m.d.sync += set_altered.eq(1)
+        with m.If(self.valid_table.write):
+            m.d.sync += rows_altered.bit_select(self.valid_table.bank, 1).eq(1)
+        m.d.comb += altered.eq(
+            set_altered | rows_altered.bit_select(self.active.VALID_BANK, 1))
 
     def _refused(self, m, written, of_table, committed):
         """Whether a write was ignored, two clocks later."""

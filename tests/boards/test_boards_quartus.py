@@ -96,6 +96,10 @@ def test_system_connects_what_exists(projects, name):
     ours = {call[1]: call[2:] for call in hw if call[0] == "add_interface"}
     instances = {call[1]: call[2] for call in calls if call[0] == "add_instance"}
     assert set(instances) == {"clk_0", "master_0", "ncdc_0", "memory_0"}
+    # The memory forgets in the reset of the corrector, and the corrector is told.
+    assert {call[2] for call in calls if call[:2] == ["add_connection", "clk_0.clk_reset"]} \
+        >= {"ncdc_0.reset", "ncdc_0.memory_reset", "memory_0.reset"}
+    assert ours["memory_reset"] == ["reset", "end"]
     changed = {call[1] for call in calls if call[0] == "set_instance_parameter_value"}
     assert changed <= set(instances)
     used = set()

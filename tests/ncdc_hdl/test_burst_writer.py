@@ -75,6 +75,7 @@ def run(dut, benches, background):
 
 async def begin(ctx, dut, base, size, strip):
     ctx.set(dut.packer.base, base)
+    ctx.set(dut.packer.limit, base + -(-4 * size[0] * size[1] // 16) * 16)
     ctx.set(dut.packer.order, {"width": size[0], "height": size[1], "strip": strip})
     ctx.set(dut.packer.start, 1)
     await ctx.tick()

@@ -10,8 +10,8 @@ from ncdc_model.descriptor import Descriptor, FloatNetwork
 from ncdc_model.geometry import BAYER_PHASE, Geometry, ValidRows
 from ncdc_model.hardware import Hardware
 from ncdc_model.images import mosaic
-from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
-from ncdc_model.interface.host_values import host_values, table_words
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import host_values, place_values, table_words
 from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, registers
 from ncdc_model.network import frame_coordinates
 from ncdc_model.reference import bayer_psnr, correct_real, grey_level_difference
@@ -148,9 +148,10 @@ def test_parameters_change_between_frames(simulator):
     rows = {r.name: r.address for r in registers(2, one.formats)}
     first = host_values(one)
     source, target = 8192, (16384, 32768)
-    second = host_values(two) | {"SOURCE_BASE": source, "TARGET_BASE": target[1]}
+    second = host_values(two, places=FramePlaces(source, target[1], 40))
     program = Program().write(rows["IRQ_ENABLE"], 1)
-    for name, value in (first | {"TARGET_BASE": target[0]}).items():
+    first |= place_values(one.geometry, 32, FramePlaces(0, target[0], first["SOURCE_PITCH"]))
+    for name, value in first.items():
         program.write(rows[name], value)
     program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     # While the first frame runs: all values of the second, its valid rows in the other bank.

@@ -8,15 +8,18 @@ import pytest
 from amaranth import Const
 
 from formal.avalon import Commands, Reader, Writer
+from formal.fences import FencedReads, FencedWords, WordsInBursts
 from formal.fills import FillOrder, FillRoom
 from formal.lookups import Places, Progress, Tokens
 from formal.queues import Credits
 from formal.sby import FAIL, PASS, run
 from ncdc_hdl.avalon.read_commands import ReadCommands
+from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.cache.fills import Fills
 from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
+from ncdc_hdl.backend.packer import Packer
 
 regress = pytest.mark.regress
 
@@ -85,6 +88,30 @@ class StaleWords(ReadCommands):
         return ~read
 
 
+class WordTooFar(Packer):
+    """Takes the word behind the place for one inside."""
+
+    @staticmethod
+    def _inside(number, first, end):
+        return (number >= first) & (number <= end)
+
+
+class BeforeThePlace(Packer):
+    """Looks at the place's end only, as if no address came round."""
+
+    @staticmethod
+    def _inside(number, first, end):
+        return number < end
+
+
+class ReadTooFar(ReadFence):
+    """Lets a command reach one word beyond the place."""
+
+    @staticmethod
+    def _inside(number, first, end):
+        return (number >= first) & (number <= end)
+
+
 def planted(top, **error):
     """``top`` with attributes that plant an error."""
     for name, value in error.items():
@@ -99,6 +126,13 @@ PROOFS = {
     "reader of two words": (lambda: Reader(depth=2, burst=2), "prove", 2),
     "writer": (Writer, "prove", 2),
     "writer of four words": (lambda: Writer(4), "prove", 2),
+    "reads in their place": (FencedReads, "prove", 4),
+    "reads of two words in their place": (lambda: FencedReads(shortest=2), "prove", 4),
+    "words in their place": (FencedWords, "prove", 3),
+    "words in their place, four pixels": (lambda: FencedWords(lanes=4), "prove", 3),
+    "words in their place, 128 bits": (lambda: FencedWords(data_width=128), "prove", 3),
+    "bursts in their place": (WordsInBursts, "prove", 2),
+    "bursts of four words in their place": (lambda: WordsInBursts(4), "prove", 2),
     "credits": (Credits, "prove", 2),
     "credits, five": (lambda: Credits(5, 0), "prove", 2),
     "fill room": (FillRoom, "prove", 2),
@@ -117,9 +151,12 @@ LONG = {
     "places of one bank": (lambda: Places(one_bank=True), "bmc", 17),
 }
 COVERS = {
-    "commands": (Commands, 12, {"full", "dropped"}),
-    "reader": (Reader, 16, {"full", "dropped"}),
-    "writer": (Writer, 16, {"across_reset", "full"}),
+    "commands": (Commands, 14, {"full", "dropped", "forgotten", "memory_first"}),
+    "reader": (Reader, 16, {"full", "dropped", "memory_first"}),
+    "writer": (Writer, 16, {"across_reset", "full", "forgotten"}),
+    "reads in their place": (FencedReads, 6, {"moved", "to_the_end"}),
+    "words in their place": (FencedWords, 12, {"void", "to_the_end"}),
+    "bursts in their place": (WordsInBursts, 12, {"void", "to_the_end"}),
     "credits": (Credits, 20, {"full", "restart", "at_rest"}),
     "fill room": (FillRoom, 34, {"all_owed", "claim_while_filled"}),
     "fill order": (FillOrder, 32, {"second_tile"}),
@@ -133,6 +170,12 @@ PLANTED = {
     "words of before a reset": (lambda: Commands(StaleWords), 10, "asked_for"),
     "reset forgets words owed": (lambda: planted(Commands(), forgotten=[("due",)]), 10,
                                  "all_handed_on"),
+    "words that the memory forgot": (lambda: Commands(deaf=True), 10, "owed_is_known"),
+    "words that never come": (lambda: Commands(deaf=True), 12, "never_locked_up"),
+    "burst that the memory forgot": (lambda: Writer(deaf=True), 12, "left"),
+    "a word behind the place": (lambda: FencedWords(WordTooFar), 12, "inside"),
+    "a word before the place": (lambda: FencedWords(BeforeThePlace), 12, "inside"),
+    "a read behind the place": (lambda: FencedReads(ReadTooFar), 6, "inside"),
     "reader's queue too small": (lambda: planted(Reader(), places_missing=1), 12, "no_overflow"),
     "word dropped under waitrequest": (lambda: Writer(forget=True), 10, "word_held"),
     "reset forgets the burst": (lambda: planted(Writer(), forgotten=[("left",)]), 12,

@@ -55,6 +55,7 @@ def test_a_new_frame_is_read_again():
 
     async def bench(ctx):
         ctx.set(dut.pitch, 8)
+        ctx.set(dut.limit, raw.size)
         await put(ctx, dut.i, items, lambda: False)
 
     async def sink(ctx):
@@ -85,6 +86,7 @@ def test_a_reset_does_not_forget_reads():
 
         async def bench(ctx):
             ctx.set(dut.pitch, 64)
+            ctx.set(dut.limit, raw.size)
             ctx.set(dut.i.valid, 1)
             for k in range(clocks):
                 ctx.set(dut.i.payload, items[-1 - k % 3])

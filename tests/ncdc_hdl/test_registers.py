@@ -34,7 +34,8 @@ BY_NAME = {r.name: r for r in ROWS}
 class Dut(Elaboratable):
     def __init__(self):
         self.registers = Registers(ROWS, host_values(D), digest=int(D.digest[:8], 16),
-                                   hidden_neurons=3)
+                                   hidden_neurons=3,
+                                   capabilities={"CAPABILITIES": 7, "LARGEST": 9})
         self.table = ValidTable(D.valid, *D.geometry.corrected)
 
     def elaborate(self, platform):

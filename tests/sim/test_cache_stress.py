@@ -61,7 +61,7 @@ def test_each_guard_is_needed(guard, monkeypatch):
     assert isinstance(vars(owner)[name], staticmethod)
     monkeypatch.setattr(owner, name, staticmethod(without))
     try:
-        wrong = stress_cache(Cache(F, 128, SMALL), groups=10000, resets=160, seed=2)["wrong"]
+        wrong = stress_cache(Cache(F, 128, SMALL), groups=40000, resets=160, seed=2)["wrong"]
     except SimulationError as error:
         assert "FAILED" in str(error)
     else:

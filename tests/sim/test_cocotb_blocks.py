@@ -43,7 +43,8 @@ COMPONENTS = {
     "backmap": lambda: BackMap(D.hidden_neurons, D.formats),
     "registers": lambda: Registers(
         registers(D.hidden_neurons, D.formats), host_values(D),
-        digest=int(D.digest[:8], 16), hidden_neurons=D.hidden_neurons),
+        digest=int(D.digest[:8], 16), hidden_neurons=D.hidden_neurons,
+        capabilities={"CAPABILITIES": 7, "LARGEST": 9}),
     "corrector_cache": lambda: Corrector(D),
     "corrector_multiport": lambda: Corrector(D, Hardware(fetcher="multiport")),
 }

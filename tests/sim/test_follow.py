@@ -79,7 +79,8 @@ def test_two_frames_in_two_buffers(small, verilog):
     size = first.size
     program = Program().write(rows["IRQ_ENABLE"], 1).write(rows["FOLLOW"], 1)
     program.write(rows["SOURCE_BASE"], 0).camera(0).write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
-    program.wait(size).write(rows["SOURCE_BASE"], size).camera(size)
+    program.wait(size).write(rows["SOURCE_BASE"], size)
+    program.write(rows["SOURCE_LIMIT"], 2 * size).camera(size)
     program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     program.wait_irq().write(rows["STATUS"], 2).wait_irq()
     result = simulate_frame(

@@ -27,7 +27,8 @@ def check_windows(dut, raw, places, rng, *, gap, stall, wait, latency, margin=64
     got, fetched, logs = [], [], [[] for _ in range(dut.ports)]
 
     async def source(ctx):
-        for name, value in {"base": BASE, "pitch": pitch, **controls}.items():
+        for name, value in {"base": BASE, "limit": len(content), "height": len(raw),
+                            "pitch": pitch, **controls}.items():
             ctx.set(getattr(dut, name), value)
         await put(ctx, dut.i, items, lambda: rng.random() < gap)
 

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ncdc_model.fetch.cache_options import TILE_WIDTH
+
 __all__ = ["ADDRESS_BITS", "FramePlaces", "PIXEL_BYTES", "frame_bytes", "raw_image",
-           "stored_picture"]
+           "source_bytes", "stored_picture", "target_bytes"]
 
 ADDRESS_BITS = 32
 PIXEL_BYTES = 4         # blue, green, red, zero: the usual XRGB8888 in little-endian memory
@@ -42,6 +44,21 @@ class FramePlaces:
 def frame_bytes(geometry):
     """Bytes of a corrected frame in memory."""
     return geometry.corrected_width * geometry.corrected_height * PIXEL_BYTES
+
+
+def source_bytes(geometry, pitch):
+    """Bytes that are read of a raw frame whose rows are ``pitch`` bytes apart.
+
+    Samples are read 16 at a time, so that the last row may be followed by up to 12 bytes more.
+    """
+    last_row = -(-geometry.distorted_width // TILE_WIDTH) * TILE_WIDTH
+    return (geometry.distorted_height - 1) * pitch + max(pitch, last_row)
+
+
+def target_bytes(geometry, data_width):
+    """Bytes that a corrected frame takes in memory, in whole words of ``data_width`` bits."""
+    word = data_width // 8
+    return -(-frame_bytes(geometry) // word) * word
 
 
 def raw_image(raw, pitch):

@@ -1,10 +1,10 @@
 """What a host writes to the registers to correct frames of a camera."""
 
 from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import FramePlaces
+from ncdc_model.interface.frames import FramePlaces, source_bytes, target_bytes
 from ncdc_model.interface.register_map import TABLE, network_registers
 
-__all__ = ["host_values", "network_values", "table_words"]
+__all__ = ["host_values", "network_values", "place_values", "table_words"]
 
 # Array of the descriptor that holds the parameters of a layer's part.
 _ARRAYS = {("hidden", "weights"): "hidden_weights", ("hidden", "bias"): "hidden_biases",
@@ -20,6 +20,14 @@ def network_values(descriptor):
         array = getattr(descriptor, _ARRAYS[layer, part])
         values[register.name] = int(array[(neuron, *weight)])
     return values
+
+
+def place_values(geometry, data_width, places):
+    """Register values, by name, of the ``places`` that the frames of ``geometry`` just fill."""
+    return {"SOURCE_BASE": places.source,
+            "SOURCE_LIMIT": places.source + source_bytes(geometry, places.pitch),
+            "TARGET_BASE": places.target,
+            "TARGET_LIMIT": places.target + target_bytes(geometry, data_width)}
 
 
 def host_values(descriptor, hardware=Hardware(), places=None, follow=False):
@@ -42,7 +50,7 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False):
     return {
         **network_values(descriptor),
         "VALID_BANK": 0,
-        "SOURCE_BASE": places.source, "SOURCE_PITCH": places.pitch, "TARGET_BASE": places.target,
+        **place_values(g, hardware.data_width, places), "SOURCE_PITCH": places.pitch,
         "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
         "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
         "SCAN_ORIGIN_X": origin_x, "SCAN_STEP_X": step_x,

@@ -6,19 +6,30 @@ from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 from ncdc_model.interface.frames import ADDRESS_BITS
 
 __all__ = ["ADDRESS_WORDS_BITS", "Bits", "CONSTANTS", "COUNTERS", "CTRL_ABORT", "CTRL_COMMIT",
-           "CTRL_START", "Flag", "ID", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
-           "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_PENDING", "STATUS_REFUSED",
-           "TABLE", "counters", "network_registers", "registers"]
+           "CTRL_START", "FAULT_ALIGNMENT", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag",
+           "ID", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
+           "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
+           "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
+           "registers"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
 ID = 0x4E434443           # "NCDC"
 
-CONSTANTS = ("ID", "DIGEST", "NEURONS")      # of an instance
+VERSION = 1               # of this map; one more whenever a host must know of a change
+
+# Of an instance.
+CONSTANTS = ("ID", "DIGEST", "NEURONS", "CAPABILITIES", "LARGEST")
+
+# Registers of the set that say nothing of the lens: DIGEST does not tell of them.
+OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
+                  "TARGET_LIMIT", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH")
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
 STATUS_COMMITTED, STATUS_REFUSED, STATUS_BANK, STATUS_ABORTED = 8, 16, 32, 64
+STATUS_FAULT = 128
+FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE = 1, 2, 4, 8
 
 # Counted while a frame runs; FRAMES beside them counts frames.
 COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS", "SINK_STALLS", "DATA_STALLS",
@@ -37,12 +48,13 @@ _SIZE = Bits(MAX_SIZE.bit_length())
 
 @dataclass(frozen=True)
 class Flag:
-    """One bit of an "action" register.
+    """One bit of an "action" register, or some bits of a constant.
 
     Parameters
     ----------
     name : str
     mask : int
+        Adjacent ones.
     access : str
         "w1": writing 1 acts, reads 0; "ro"; "w1c": writing 1 clears.
     text : str
@@ -54,8 +66,18 @@ class Flag:
 
     @property
     def bit(self):
-        """Number of the bit."""
+        """Number of the highest bit."""
         return self.mask.bit_length() - 1
+
+    @property
+    def low(self):
+        """Number of the lowest bit."""
+        return (self.mask & -self.mask).bit_length() - 1
+
+    @property
+    def place(self):
+        """The bits, for people."""
+        return f"bit {self.bit}" if self.bit == self.low else f"bits {self.bit}:{self.low}"
 
 
 @dataclass(frozen=True)
@@ -74,7 +96,7 @@ class Register:
         Bits that are kept; a signed value is sign-extended on reading.
     text : str
     flags : tuple of Flag
-        Of an "action" register.
+        Of an "action" register, or of a constant that is made of several.
     parameter : tuple
         Of a register of the network, where its value stands in it: layer ("hidden", "output"),
         number of the neuron, "weights", "bias" or "skip", and number of the weight; else empty.
@@ -96,8 +118,8 @@ class Register:
             object.__setattr__(self, "family", (self.name, self.text))
 
 
-def _action(name, address, text, *flags):
-    return Register(name, address, "action", Bits(max(flag.bit for flag in flags) + 1), text,
+def _action(name, address, text, *flags, access="action"):
+    return Register(name, address, access, Bits(max(flag.bit for flag in flags) + 1), text,
                     flags)
 
 
@@ -124,7 +146,8 @@ _FIXED = (
                  "use"),
             Flag("BANK", STATUS_BANK, "ro", "bank of the valid rows in use"),
             Flag("ABORTED", STATUS_ABORTED, "ro",
-                 "the last frame lacks pixels: it was aborted, or its width or height is 0")),
+                 "the last frame lacks pixels: it was aborted, or refused, see `FAULT`"),
+            Flag("FAULT", STATUS_FAULT, "ro", "a bit of `FAULT` is set")),
     Register("IRQ_ENABLE", 0x05, "rw", Bits(1), "irq follows STATUS.DONE."),
     Register("VALID_WINDOW", 0x06, "rw", Bits(1),
              "Bank of the valid rows that the table window reads and writes."),
@@ -182,6 +205,36 @@ _FIXED = (
     Register("PENDING_STALLS", 0x21, "ro", Bits(32),
              "Cache fetcher: clocks in which a window waited because as many as allowed were "
              "pending."),
+    Register("SOURCE_LIMIT", 0x22, "shadow", Bits(ADDRESS_BITS),
+             "Byte address behind the raw frame's place: nothing from there on is read."),
+    Register("TARGET_LIMIT", 0x23, "shadow", Bits(ADDRESS_BITS),
+             "Byte address behind the corrected frame's place: nothing from there on is written."),
+    _action("FAULT", 0x24, "",
+            Flag("SOURCE", FAULT_SOURCE, "w1c",
+                 "a sample of the raw frame was not read, because it is not in the place that "
+                 "`SOURCE_BASE` and `SOURCE_LIMIT` enclose: pixels are wrong, or the frame was "
+                 "refused"),
+            Flag("TARGET", FAULT_TARGET, "w1c",
+                 "pixels were not written, because they are not in the place that `TARGET_BASE` "
+                 "and `TARGET_LIMIT` enclose"),
+            Flag("ALIGNMENT", FAULT_ALIGNMENT, "w1c",
+                 "a frame was refused: a base or the pitch is no multiple of the memory word"),
+            Flag("SIZE", FAULT_SIZE, "w1c",
+                 "a frame was refused: a size, the pitch, the strip or the split is beyond its "
+                 "limits, or the width no multiple of the pixels per clock")),
+    _action("CAPABILITIES", 0x25, "What this instance is.",
+            Flag("VERSION", 0xFF, "ro", "version of this register map"),
+            Flag("STREAM", 0x100, "ro", "1: pixels leave as a video stream, 0: to memory"),
+            Flag("CACHE", 0x200, "ro", "1: cache fetcher, 0: multiport"),
+            Flag("LANES", 0x7000, "ro", "pixels per clock"),
+            Flag("WORD", 0x1F0000, "ro", "bytes of a memory word"),
+            Flag("MAX_SPLIT", 0xF000000, "ro", "largest `CACHE_SPLIT`"), access="ro"),
+    _action("LARGEST", 0x26, "Largest corrected image that this instance makes.",
+            Flag("WIDTH", 0x1FFF, "ro", "pixels per row"),
+            Flag("HEIGHT", 0x1FFF0000, "ro", "rows"), access="ro"),
+    Register("ALTERED", 0x27, "ro", Bits(1),
+             "1: the lens may be another one than DIGEST says: a register of it was written since "
+             "the reset, or a valid row of the bank in use since configuration."),
 )
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
@@ -226,4 +279,20 @@ def registers(hidden_neurons, formats):
 
 def counters(table):
     """The registers of ``table`` that count, as opposed to read-only constants."""
-    return tuple(r for r in table if r.access == "ro" and r.name not in CONSTANTS)
+    return tuple(r for r in table if r.name in (*COUNTERS, "FRAMES"))
+
+
+def capabilities(hardware, width, height):
+    """Values of CAPABILITIES and LARGEST, by name.
+
+    Parameters
+    ----------
+    hardware : ncdc_model.hardware.Hardware
+        Made for a camera.
+    width, height : int
+        Of the largest corrected image.
+    """
+    split = hardware.cache.max_split if hardware.cached else 0
+    return {"CAPABILITIES": VERSION | hardware.stream << 8 | hardware.cached << 9
+            | hardware.lanes << 12 | hardware.data_width // 8 << 16 | split << 24,
+            "LARGEST": width | height << 16}

@@ -26,7 +26,7 @@ class Cache(wiring.Component):
     asked for at once, and it waits in a queue until they have arrived. Windows leave in order; a
     blank request reads nothing. Byte (x, y) of the raw frame is at ``base + y pitch + x``; tiles
     are 16 bytes by 4 rows, of which those at the frame's edges reach up to 15 bytes and 3 rows
-    beyond it.
+    beyond it; what of them is outside the frame's place in memory is not read.
 
     Timing: one group per clock, whatever the memory's latency, as far as ``pending`` windows and
     ``outstanding`` tiles hide it; see ``Tags`` for what it waits for. Requests marked ``last`` end
@@ -45,13 +45,17 @@ class Cache(wiring.Component):
 
     Members
     -------
-    base, pitch : ``In``
-        Of the raw frame in bytes, multiples of the word, constant during a frame.
+    base, limit, pitch, height : ``In``
+        Of the raw frame, see :class:`Fills`, constant during a frame.
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
+    memory_rst : ``In(1)``
+        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits, lanes)))``
     o : ``Out(stream.Signature(window_layout(f_bits, lanes)))``
     bus0 : ``Out(ReadHost(...))``
+    outside, empty : ``Out(1)``
+        As of :class:`Fills`.
     fetched : ``Out(1)``
         High for one clock per tile asked for.
     waiting : ``Out(1)``
@@ -72,7 +76,9 @@ class Cache(wiring.Component):
         self.tiles = Tiles(options, width)
         self.retire = Retire(f_bits, options, width, lanes)
         super().__init__({
-            "base": In(ADDRESS_BITS), "pitch": In(SIZE), "split": In(range(set_bits(options) + 1)),
+            "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
+            "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
+            "split": In(range(set_bits(options) + 1)),
             "i": In(stream.Signature(request_layout(f_bits, lanes))),
             "o": Out(stream.Signature(window_layout(f_bits, lanes))),
             "bus0": Out(ReadHost(data_width, self.fills.burst)),
@@ -98,6 +104,9 @@ class Cache(wiring.Component):
         m.d.comb += [
             locate.split.eq(self.split), tiles.split.eq(self.split),
             fills.base.eq(self.base), fills.pitch.eq(self.pitch),
+            fills.limit.eq(self.limit), fills.height.eq(self.height),
+            fills.memory_rst.eq(self.memory_rst),
+            self.outside.eq(fills.outside), self.empty.eq(fills.empty),
             fills.claim.eq(tags.claim), fills.tile.eq(tags.tile), tags.credit.eq(fills.credit),
             tiles.fill.eq(fills.fill), retire.filled.eq(fills.filled),
             retire.push.eq(tags.push), retire.place.eq(tags.place), retire.misses.eq(tags.misses),

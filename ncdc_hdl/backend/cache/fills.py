@@ -7,6 +7,7 @@ from amaranth.utils import ceil_log2
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.avalon.read_commands import ReadCommands
+from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.cache.layouts import slot_bits, tile_layout
 from ncdc_hdl.backend.cache.requests import TileRequests
 from ncdc_hdl.backend.cache.tiles import fill_layout
@@ -37,8 +38,11 @@ class Fills(wiring.Component):
 
     Members
     -------
-    base, pitch : ``In``
-        Of the raw frame in bytes, constant during a frame.
+    base, limit, pitch, height : ``In``
+        Byte address of the raw frame and of what is behind its place, bytes from row to row, rows;
+        constant during a frame. Nothing outside the place is read, see :class:`ReadFence`.
+    memory_rst : ``In(1)``
+        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     claim, tile : ``In(1)``, ``In(tile_layout(options))``
         A tile is to be read; only while ``credit``.
     credit : ``Out(1)``
@@ -46,6 +50,10 @@ class Fills(wiring.Component):
         To the tile memory.
     filled : ``Out(1)``
         The oldest tile is complete.
+    outside : ``Out(1)``
+        A row of the frame is asked for that is outside the place.
+    empty : ``Out(1)``
+        As of :class:`ReadFence`.
     bus : ``Out(ReadHost(...))``
     """
 
@@ -60,7 +68,8 @@ class Fills(wiring.Component):
         self.options, self.data_width, self.word_bytes = options, data_width, word_bytes
         self.burst = 8 * TILE_WIDTH // data_width
         super().__init__({
-            "base": In(ADDRESS_BITS), "pitch": In(SIZE),
+            "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
+            "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
             "claim": In(1), "tile": In(tile_layout(options)), "credit": Out(1, init=1),
             "fill": Out(fill_layout(options, word_bytes)), "filled": Out(1),
             "bus": Out(ReadHost(data_width, self.burst)),
@@ -73,9 +82,11 @@ class Fills(wiring.Component):
         m.submodules.claimed = claimed = Fifo(width=tile_layout(self.options).size, depth=depth)
         m.submodules.slots = slots = Fifo(width=slot_bits(self.options), depth=depth)
         m.submodules.requests = requests = TileRequests(self.options)
+        m.submodules.fence = fence = ReadFence(self.data_width, self.burst, shortest=self.burst)
         m.submodules.commands = commands = ReadCommands(
             self.data_width, self.burst, limit=most * TILE_HEIGHT * self.burst)
         wiring.connect(m, commands.bus, wiring.flipped(self.bus))
+        m.d.comb += commands.memory_rst.eq(self.memory_rst)
         claim = Signal()                                    # a tile was claimed a clock ago
         tile = Signal(self.tile.shape(), reset_less=True)   # that tile
         m.d.sync += [claim.eq(self.claim), tile.eq(self.tile)]
@@ -85,9 +96,13 @@ class Fills(wiring.Component):
             requests.base.eq(self.base), requests.pitch.eq(self.pitch),
             Value.cast(requests.i.payload).eq(claimed.r_data),
             requests.i.valid.eq(claimed.r_rdy), claimed.r_en.eq(requests.i.ready),
-            commands.i.p.address.eq(requests.o.payload), commands.i.p.words.eq(self.burst),
-            commands.i.valid.eq(requests.o.valid), requests.o.ready.eq(commands.i.ready),
+            requests.height.eq(self.height),
+            fence.base.eq(self.base), fence.limit.eq(self.limit), self.empty.eq(fence.empty),
+            fence.i.p.address.eq(requests.o.payload), fence.i.p.words.eq(self.burst),
+            fence.i.valid.eq(requests.o.valid), requests.o.ready.eq(fence.i.ready),
+            self.outside.eq(fence.moved & ~requests.beyond),
         ]
+        wiring.connect(m, fence.o, commands.i)
         outstanding = Signal(range(most + 1))   # tiles claimed and not yet complete
         complete = Signal()                     # the last word of a tile is written
         with m.If(self.claim != complete):

@@ -3,6 +3,7 @@
 from amaranth import *
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.cache.layouts import tile_layout
@@ -17,6 +18,8 @@ class TileRequests(wiring.Component):
 
         address = base + (4 y + row) pitch + 16 x
 
+    Of the lowest tiles some rows may be below the frame: ``beyond``.
+
     Timing: ``latency`` clocks from a tile to its first address; tiles follow each other without a
     gap.
 
@@ -28,9 +31,13 @@ class TileRequests(wiring.Component):
     -------
     base, pitch : ``In``
         Of the raw frame in bytes, constant while tiles are under way.
+    height : ``In(SIZE)``
+        Rows of the raw frame, constant while tiles are under way.
     i : ``In(stream.Signature(tile_layout(options)))``
     o : ``Out(stream.Signature(32))``
         Byte address of 16 bytes.
+    beyond : ``Out(1)``
+        The row at ``o`` is below the frame.
     """
 
     latency = 5
@@ -38,9 +45,9 @@ class TileRequests(wiring.Component):
 
     def __init__(self, options):
         super().__init__({
-            "base": In(ADDRESS_BITS), "pitch": In(SIZE),
+            "base": In(ADDRESS_BITS), "pitch": In(SIZE), "height": In(SIZE),
             "i": In(stream.Signature(tile_layout(options))),
-            "o": Out(stream.Signature(ADDRESS_BITS)),
+            "o": Out(stream.Signature(ADDRESS_BITS)), "beyond": Out(1),
         })
 
     def elaborate(self, platform):
@@ -72,6 +79,18 @@ class TileRequests(wiring.Component):
             m.d.sync += [a_valid.eq(known[-1]), a_address.eq(m_start + m_product * TILE_HEIGHT)]
         with m.Elif(done):
             m.d.sync += a_valid.eq(0)
+        # Which tiles are the lowest ones, and how many rows of them are in the frame, less one.
+        last_row = Signal.like(self.height, reset_less=True)
+        m.d.sync += last_row.eq(self.height - 1)
+        p_lowest, m_lowest, a_lowest, o_lowest = (Signal(name=f"{stage}_lowest", reset_less=True)
+                                                  for stage in "pmao")
+        m.d.sync += [p_lowest.eq(f_y == last_row[exact_log2(TILE_HEIGHT):]),
+                     m_lowest.eq(p_lowest)]
+        with m.If(~a_valid):
+            m.d.sync += a_lowest.eq(m_lowest)
+        with m.If(done):
+            m.d.sync += o_lowest.eq(a_lowest)
+        m.d.comb += self.beyond.eq(o_lowest & (row > last_row[:exact_log2(TILE_HEIGHT)]))
         with m.If(done):
             m.d.sync += [self.o.valid.eq(a_valid), self.o.payload.eq(a_address), row.eq(0)]
         with m.Elif(self.o.ready):

@@ -11,7 +11,7 @@ from ncdc_model.interface.host_values import host_values, table_words
 __all__ = ["Lens", "check_lens", "lens_name", "lenses_of"]
 
 # What the host sets for itself: places of frames, the bank of valid rows, whether to wait for rows.
-_HOST = ("SOURCE_BASE", "TARGET_BASE", "VALID_BANK", "FOLLOW")
+_HOST = ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK", "FOLLOW")
 
 
 @dataclass(frozen=True)

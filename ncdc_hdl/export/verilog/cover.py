@@ -12,7 +12,8 @@ __all__ = ["TOP", "corrector_verilog", "verilog_of"]
 TOP = "ncdc"
 
 # What each port is for, by interface; of one that comes several times, by the interface's kind.
-_CLOCK = {"clk": "the only clock; all ports belong to it", "rst": "synchronous, active high"}
+_CLOCK = {"clk": "the only clock; all ports belong to it", "rst": "synchronous, active high",
+          "memory_rst": "the memory forgets what it owes"}
 _AGENT = {
     "address": "word address, see docs/registers.md",
     "read": "read strobe, held while waitrequest",
@@ -41,7 +42,7 @@ _OTHER = {
     "camera_rows": "rows of the raw frame in memory, for FOLLOW",
     "front_end_idle": "the network rests: its clock may stop"}
 _INTERFACES = (
-    ("clock and reset", ("clk", "rst"), _CLOCK),
+    ("clock and reset", ("clk", "rst", "memory_rst"), _CLOCK),
     ("registers: Avalon-MM agent, 32 bits", "csr_", _AGENT),
     ("raw frame: Avalon-MM burst read host", "read0_", _READ_HOST),
     ("raw frame, second row of a window: Avalon-MM burst read host", "read1_", _READ_HOST),

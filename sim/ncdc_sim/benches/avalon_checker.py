@@ -8,12 +8,13 @@ from ncdc_sim.benches.common import clocks, settings, start
 __all__ = ["breaches", "good_traffic"]
 
 IDLE = {"address": 0, "read": 0, "write": 0, "burstcount": 0, "writedata": 0, "byteenable": 0,
-        "waitrequest": 0, "readdatavalid": 0, "host_rst": 0}
+        "waitrequest": 0, "readdatavalid": 0, "host_rst": 0, "memory_rst": 0}
 READ = {"read": 1, "address": 64, "burstcount": 2}
 WRITE = {"write": 1, "address": 128, "burstcount": 2, "writedata": 7, "byteenable": 15}
 WAIT = {"waitrequest": 1}
 DATA = {"readdatavalid": 1}
 HOST = {"host_rst": 1}
+MEMORY = {"memory_rst": 1}
 
 GOOD = [
     READ | WAIT, READ, {}, DATA, DATA,
@@ -22,6 +23,7 @@ GOOD = [
     WRITE | {"writedata": 9, "address": 2},                     # the address counts once
     READ | {"burstcount": 16}, *[DATA] * 16, WAIT, {},
     READ | WAIT | HOST, {}, READ, HOST, DATA, DATA,             # its host is reset
+    READ | WAIT, READ | MEMORY | WAIT, {}, MEMORY | DATA, {},   # host and memory are
 ]
 
 # Rule, then the clocks that break it once.
@@ -44,6 +46,8 @@ BREACHES = [
     ("held", [HOST | READ | WAIT, READ | WAIT, {}]),
     ("burst-constant", [WRITE, HOST, WRITE | {"burstcount": 3}]),
     ("unrequested", [DATA]),
+    ("unrequested", [READ, HOST | MEMORY, DATA]),
+    ("burst-range", [WRITE, HOST | MEMORY, WRITE | {"burstcount": 0}]),
     ("unrequested", [READ, DATA, DATA, DATA]),
     ("unrequested", [READ | DATA | {"burstcount": 1}, DATA]),
 ]
@@ -76,7 +80,7 @@ async def good_traffic(dut):
     """No breach; the counters count."""
     assert await play(dut, GOOD) == 0
     assert [int(getattr(dut, name).value) for name in ("commands", "beats", "bytes", "waits")] \
-        == [6, 8 + 2 + 16, 8, 4]
+        == [6, 8 + 2 + 16, 8, 5]
     assert not settings()["four_states"] or await play(dut, UNUSED) == 0
 
 

@@ -26,7 +26,7 @@ async def two_frames(dut):
             done.extend([1] * bool(dut.done.value))
             await FallingEdge(dut.clk)
 
-    await start(dut, i__valid=0)
+    await start(dut, i__valid=0, memory_rst=0)
     cocotb.start_soon(write_memory(dut, "bus", content, wait=s["wait"], log=log))
     cocotb.start_soon(watch())
     for frame, (base, count) in enumerate(((256, s["count"]), (4096, s["count"] + s["burst"]))):
@@ -39,7 +39,7 @@ async def two_frames(dut):
             expected[addresses[k]:addresses[k] + kept] = data[k, :kept].tobytes()
         words = [{"data": int.from_bytes(data[k].tobytes(), "little"), "enable": enable[k],
                   "address": addresses[k], "end": k in (jump - 1, count - 1),
-                  "last": k == count - 1} for k in range(count)]
+                  "last": k == count - 1, "void": 0} for k in range(count)]
         await put(dut, "i", [pack(word_layout(width), fields) for fields in words], s["gap"])
         for _ in range(2000):
             if len(done) > frame:

@@ -7,8 +7,8 @@ from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.fetch.cache_options import TILE_HEIGHT
 from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
-from ncdc_model.interface.host_values import host_values, table_words
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import host_values, place_values, table_words
 from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
 from ncdc_sim.benches.avalon import Host, read_memory, write_memory
 from ncdc_sim.benches.common import clocks, settings, start
@@ -33,6 +33,7 @@ async def two_frames_equal_model(dut):
 
     readers = [f"read{r}" for r in range(3) if hasattr(dut, f"read{r}_read")]
     await start(dut, csr_read=0, csr_write=0, csr_address=0, csr_writedata=0, write_waitrequest=0,
+                memory_rst=0,
                 **{f"{reader}_{name}": 0 for reader in readers
                    for name in ("waitrequest", "readdata", "readdatavalid")})
     logs = [[] for _ in readers]
@@ -51,8 +52,8 @@ async def two_frames_equal_model(dut):
     await host.write(rows["IRQ_ENABLE"], 1)
     await host.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     await clocks(dut, 4)
-    await host.write(rows["SOURCE_BASE"], 2 * size)
-    await host.write(rows["TARGET_BASE"], 3 * size)
+    for name, value in place_values(g, 32, FramePlaces(2 * size, 3 * size, pitch)).items():
+        await host.write(rows[name], value)
     await host.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     for k in range(2):
         for _ in range(60000):

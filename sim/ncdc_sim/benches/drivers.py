@@ -53,7 +53,7 @@ class Bench:
         dut = self.dut
         readers = [r for r in range(3) if hasattr(dut, f"read{r}_read")]
         await start(dut, csr_read=0, csr_write=0, csr_address=0, csr_writedata=0,
-                    write_waitrequest=0,
+                    write_waitrequest=0, memory_rst=0,
                     **{f"read{r}_{name}": 0 for r in readers
                        for name in ("waitrequest", "readdata", "readdatavalid")})
         for r in readers:

@@ -37,8 +37,8 @@ async def windows_equal_model(dut):
     items = [{"x0": int(x0[k]), "y0": int(y0[k]), "fx": k, "fy": 1023 - k, "blank": int(blank[k]),
               "first": k == 0, "last": k == count - 1} for k in range(count)]
     logs = [[], [], []]
-    await start(dut, base=BASE, pitch=pitch, i__valid=0, o__ready=0,
-                **{f"bus{r}__readdatavalid": 0 for r in range(3)})
+    await start(dut, base=BASE, limit=len(content), pitch=pitch, memory_rst=0, i__valid=0,
+                o__ready=0, **{f"bus{r}__readdatavalid": 0 for r in range(3)})
     for r in range(3):
         cocotb.start_soon(read_memory(dut, f"bus{r}", content, wait=s["wait"],
                                       latency=s["latency"], seed=r, log=logs[r]))

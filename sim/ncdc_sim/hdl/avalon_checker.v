@@ -10,7 +10,8 @@
 //   unrequested      readdatavalid only while a beat is due
 //   unknown          no X or Z on control out of reset, nor on what it qualifies (four states)
 // `host_rst` high: the host is being reset and may let go of what it holds; what it has been
-// promised and what it has begun stay due. Unused halves are tied to 0. Counters: commands, beats,
+// promised and what it has begun stay due. `memory_rst` high: the agent is being reset, and nothing
+// is due any more. Unused halves are tied to 0. Counters: commands, beats,
 // enabled bytes written, clocks a command waited. The address matters on the first beat of a burst
 // alone.
 
@@ -25,6 +26,7 @@ module avalon_checker #(
     input  wire                    clk,
     input  wire                    rst,
     input  wire                    host_rst,
+    input  wire                    memory_rst,
     input  wire [31:0]             address,
     input  wire                    read,
     input  wire                    write,
@@ -67,6 +69,10 @@ module avalon_checker #(
             beats = 0;
             bytes = 0;
             waits = 0;
+            was_waiting = 0;
+            write_left = 0;
+            due = 0;
+        end else if (memory_rst) begin
             was_waiting = 0;
             write_left = 0;
             due = 0;

@@ -15,7 +15,8 @@
 //             gives their times. Read ports take turns by command; a write access is queued when
 //             its last byte, or its burst's, has come.
 //
-// Byte 0 of a word is its least significant byte. An address beyond BYTES counts in `errors`.
+// A reset forgets every read that has been accepted, and the rest of a write burst; what is stored
+// stays. Byte 0 of a word is its least significant byte. An address beyond BYTES counts in `errors`.
 // Settings are plusargs, read below.
 
 `timescale 1ns/1ps
@@ -69,6 +70,8 @@ module avalon_memory #(
         if (!$value$plusargs("seed=%d", seed)) seed = 1;
         if (!$value$plusargs("controller_clocks=%d", controller_clocks)) controller_clocks = 1;
         if (!$value$plusargs("write_batch=%d", write_batch)) write_batch = 16;
+        random = seed | 32'd1;
+        range_errors = 0;
     end
 
     reg [31:0] now;                     // clocks since reset
@@ -192,12 +195,10 @@ module avalon_memory #(
     task restart;
         begin
             now = 0;
-            random = seed | 32'd1;
             turn = 0;
             credit = 0;
             granted = 0;
             write_left = 0;
-            range_errors = 0;
             piece_head = 0;
             pieces = 0;
             queued = 0;

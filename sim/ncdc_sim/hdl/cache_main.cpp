@@ -82,7 +82,7 @@ struct Pixel { std::uint32_t x = 0, y = 0; bool blank = false; };
 struct Group { Pixel lane[kLanes]; bool first, last; std::uint32_t number; };
 
 struct Frame {
-    std::uint32_t base, pitch, split, width, height, area_x, area_y, area_w, area_h;
+    std::uint32_t base, limit, pitch, split, width, height, area_x, area_y, area_w, area_h;
     int pattern, blank, gap, stall, wait, latency, pause;
     std::uint64_t groups, reset_after;
 };
@@ -98,7 +98,7 @@ class Bench {
 public:
     Bench(std::uint64_t seed, int resets) : random{seed * 0x9E3779B97F4A7C15 + 1}, resets(resets) {
         held.assign(4 * kSets, -1);
-        dut->clk = 0, dut->rst = 1;
+        dut->clk = 0, dut->rst = 1, dut->memory_rst = 0;
         dut->PORT(i, valid) = 0, dut->PORT(o, ready) = 0;
         dut->PORT(bus0, waitrequest) = 0, dut->PORT(bus0, readdatavalid) = 0;
         for (int k = 0; k < 4; k++) clock();
@@ -108,6 +108,7 @@ public:
     void frame(std::uint64_t limit) {
         choose(limit);
         dut->base = f.base, dut->pitch = f.pitch, dut->split = f.split;
+        dut->limit = f.limit, dut->height = f.height;
         held.assign(4 * kSets, -1);
         sent = done = 0;
         x = f.area_x, y = f.area_y;
@@ -143,6 +144,8 @@ private:
         // Half of the frames are where the one before was, at another base.
         if (f.groups == 0 || random.chance(128)) place();
         f.base = 16 * random.below(1 << 26);
+        // Half of the places hold the frame and no more: no byte behind it is read.
+        f.limit = f.base + f.pitch * f.height + (random.chance(128) ? 0 : 4 * f.pitch);
         f.pattern = random.below(4);
         f.blank = random.chance(64) ? random.below(256) : 20;
         f.gap = random.chance(128) ? 0 : random.below(200);
@@ -209,8 +212,10 @@ private:
             if (held[slot] == tile) continue;
             held[slot] = tile;
             tiles++;
-            for (std::uint32_t row = 0; row < 4; row++)
-                expected.push_back(f.base + (4 * ty + row) * f.pitch + 16 * tx);
+            for (std::uint32_t row = 0; row < 4; row++) {
+                const std::uint32_t at = f.base + (4 * ty + row) * f.pitch + 16 * tx;
+                expected.push_back(at + 16 > f.limit ? f.base : at);
+            }
         }
     }
 
@@ -255,9 +260,16 @@ private:
             command = dut->PORT(bus0, address);
             command_held = dut->PORT(bus0, waitrequest);
             if (!command_held) accept();
-        } else if (command_held) {
+        } else if (command_held && !dut->memory_rst) {
             fail("command withdrawn", clocks);
         }
+        if (dut->memory_rst) {
+            // Reset as well, it forgets what it has accepted.
+            command_held = false;
+            left_over = -1;
+            due.clear();
+        }
+        if (dut->outside && !dut->rst) fail("a row of the frame taken for one outside", clocks);
         if (!dut->rst) take();
         if (clocks - moved > 100000) fail("hang", clocks);
 
@@ -320,17 +332,18 @@ private:
         flying.pop_front();
     }
 
-    // The memory goes on; what it owes must not reach the next frame.
+    // The memory goes on, and what it owes must not reach the next frame; or it is reset as well.
     void reset() {
         dut->rst = 1;
+        dut->memory_rst = random.chance(128);
         dut->PORT(i, valid) = 0;
         const int length = random.between(1, 60);
         clock();
         // A command that is on the bus by now stays there.
-        left_over = expected.empty() ? -1 : static_cast<std::int64_t>(expected.front());
+        left_over = dut->memory_rst || expected.empty() ? -1 : static_cast<std::int64_t>(expected.front());
         expected.clear();
         for (int k = 1; k < length; k++) clock();
-        dut->rst = 0;
+        dut->rst = dut->memory_rst = 0;
         flying.clear();
         offered = refused = false;
         moved = clocks;

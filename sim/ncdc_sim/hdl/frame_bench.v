@@ -7,8 +7,12 @@
 //
 // Operations: 00 end, 01 write, 02 read and compare, 03 wait for irq, 04 read and report, 05 wait
 // for some clocks, 06 wait until so many bytes are out, 07 reset the module for some clocks,
-// 08 read until the value comes, 09 the camera begins a frame at the byte address. The clocks of a frame run from the last register write before a
-// wait to the irq. A reset leaves memory and sink as they are: words under way still come.
+// 08 read until the value comes, 09 the camera begins a frame at the byte address, 0a reset the
+// module and the memory, 0b the places in memory that may be used: the address is 0, 1 for begin and
+// end of what may be read, 2, 3 of what may be written. The clocks of a frame run from the last register write before a wait to the
+// irq. A reset of the module alone leaves memory and sink as they are: words under way still come.
+// One of both has its clocks in bits 15:0, and in bits 31:16, signed, by how many clocks the
+// memory's trails the module's; the memory forgets what it owes.
 //
 // With a camera (camera_line > 0) the source is not there from the start: the camera writes it into
 // the memory, past the ports, a byte per clock and a row every `camera_line` clocks; `camera_rows`
@@ -16,7 +20,7 @@
 // is not, are counted.
 //
 // Settings are decimal plusargs, read below and by the memory. Lines printed: PROGRESS bytes; FRAME
-// clocks end; READ address data; RESET output-bytes; RESULT name value;
+// clocks end output-bytes; READ address data; RESET output-bytes; RESULT name value;
 // AVALON-ERROR port rule time; FAILED reason.
 //
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH,
@@ -36,10 +40,12 @@ module frame_bench (
     localparam POISON = 8'hA5;          // bytes that nobody wrote
 
     localparam END = 0, WRITE = 1, COMPARE = 2, WAIT_IRQ = 3, REPORT = 4, WAIT = 5, WAIT_OUTPUT = 6,
-        RESET = 7, POLL = 8, CAMERA = 9;
+        RESET = 7, POLL = 8, CAMERA = 9, RESET_ALL = 10,
+        PLACE = 11;
 
     reg rst = 1;
-    reg module_rst = 1;                 // of the module under test alone
+    reg module_rst = 1;                 // of the module under test
+    reg memory_rst = 1;                 // of the memory
 
     // Settings of this run.
     reg [31:0] source_base, source_bytes, output_base, output_bytes, output_pixels;
@@ -102,7 +108,7 @@ module frame_bench (
         .read``k``_readdatavalid(read_readdatavalid[k])
 
     ncdc dut (
-        .clk(clk), .rst(module_rst),
+        .clk(clk), .rst(module_rst), .memory_rst(memory_rst),
         .csr_address(csr_address), .csr_read(csr_read), .csr_write(csr_write),
         .csr_writedata(csr_writedata), .csr_readdata(csr_readdata),
         .csr_readdatavalid(csr_readdatavalid), .csr_waitrequest(csr_waitrequest),
@@ -127,7 +133,7 @@ module frame_bench (
         .PORTS(PORTS), .DATA_WIDTH(DW), .BURST_WIDTH(BW), .WRITE_BURST_WIDTH(WBW),
         .BYTES(`NCDC_MEMORY_BYTES)
     ) memory (
-        .clk(clk), .rst(rst),
+        .clk(clk), .rst(memory_rst),
         .errors(memory_errors),
         .read_address(read_address), .read_read(read_read), .read_burstcount(read_burstcount),
         .read_waitrequest(read_waitrequest), .read_readdata(read_readdata),
@@ -148,7 +154,7 @@ module frame_bench (
                 .DATA_WIDTH(DW), .BURST_WIDTH(BW), .MAX_BURST(1 << (BW - 1))
             ) checker_of_port (
                 .clk(clk), .rst(rst), .host_rst(module_rst),
-                .address(read_address[32*g +: 32]), .read(read_read[g]),
+                .memory_rst(memory_rst), .address(read_address[32*g +: 32]), .read(read_read[g]),
                 .write(1'b0), .burstcount(read_burstcount[BW*g +: BW]), .writedata({DW{1'b0}}),
                 .byteenable({DW/8{1'b0}}), .waitrequest(read_waitrequest[g]),
                 .readdatavalid(read_readdatavalid[g]), .errors(read_errors[g]),
@@ -159,7 +165,8 @@ module frame_bench (
     endgenerate
 
     avalon_checker #(.NAME("csr"), .DATA_WIDTH(32), .BURST_WIDTH(2), .MAX_BURST(1)) checker_of_csr (
-        .clk(clk), .rst(rst), .host_rst(1'b0), .address({csr_address, 2'b00}), .read(csr_read),
+        .clk(clk), .rst(rst), .host_rst(1'b0), .memory_rst(1'b0),
+        .address({csr_address, 2'b00}), .read(csr_read),
         .write(csr_write), .burstcount(2'd1), .writedata(csr_writedata), .byteenable(4'hF),
         .waitrequest(csr_waitrequest), .readdatavalid(csr_readdatavalid),
         .errors(), .commands(), .beats(), .bytes(), .waits()
@@ -207,7 +214,8 @@ module frame_bench (
     avalon_checker #(
         .NAME("write"), .DATA_WIDTH(DW), .BURST_WIDTH(WBW), .MAX_BURST(1 << (WBW - 1))
     ) write_checker (
-        .clk(clk), .rst(rst), .host_rst(module_rst), .address(write_address), .read(1'b0),
+        .clk(clk), .rst(rst), .host_rst(module_rst), .memory_rst(memory_rst),
+        .address(write_address), .read(1'b0),
         .write(write_write), .burstcount(write_burstcount), .writedata(write_writedata),
         .byteenable(write_byteenable), .waitrequest(write_waitrequest), .readdatavalid(1'b0),
         .errors(output_errors), .commands(write_commands), .beats(write_beats),
@@ -253,9 +261,45 @@ module frame_bench (
         end
     endtask
 
+    // What is read and written outside the places.
+    reg [31:0] place [0:3];
+    reg [31:0] outside = 0;             // bytes
+    reg [31:0] write_at, write_left = 0;
+    integer    lane_of;
+    initial begin
+        place[0] = 0;
+        place[1] = 32'hFFFFFFFF;
+        place[2] = 0;
+        place[3] = 32'hFFFFFFFF;
+    end
+
+    always @(posedge clk) begin
+        for (lane_of = 0; lane_of < PORTS; lane_of = lane_of + 1)
+            if (read_read[lane_of] && !read_waitrequest[lane_of]
+                    && (read_address[32*lane_of +: 32] < place[0]
+                        || read_address[32*lane_of +: 32]
+                           + DW / 8 * read_burstcount[BW*lane_of +: BW] > place[1]))
+                outside = outside + DW / 8 * read_burstcount[BW*lane_of +: BW];
+        if (write_write && !write_waitrequest) begin
+            if (write_left == 0) begin
+                write_at = write_address;
+                write_left = write_burstcount;
+            end
+            for (lane_of = 0; lane_of < DW / 8; lane_of = lane_of + 1)
+                if (write_byteenable[lane_of] && (write_at + lane_of < place[2]
+                                                  || write_at + lane_of >= place[3]))
+                    outside = outside + 1;
+            write_at = write_at + DW / 8;
+            write_left = write_left - 1;
+        end
+        if (memory_rst)
+            write_left = 0;
+    end
+
     // The register program.
     reg        reading = 0;
     reg [31:0] waited = 0;              // clocks of the present operation
+    integer    lead;                    // by which the module's reset precedes the memory's
     reg [63:0] now;
     wire [7:0] operation = now[63:56];
     assign csr_address = now[32 +: `NCDC_CSR_ADDRESS_WIDTH];
@@ -293,6 +337,7 @@ module frame_bench (
             $fclose(file);
 `endif
             $display("RESULT output_bytes %0d", output_done);
+            $display("RESULT outside_bytes %0d", outside);
             $display("RESULT memory_errors %0d", memory_errors);
             if (camera_line != 0) begin
                 $display("RESULT camera_end %0d", camera_end);
@@ -311,6 +356,7 @@ module frame_bench (
         clocks = clocks + 1;
         rst <= clocks < 8;
         module_rst <= clocks < 8;
+        memory_rst <= clocks < 8;
         if (clocks == 8)
             now <= instructions[0];
         if (camera_line != 0) begin
@@ -379,6 +425,10 @@ module frame_bench (
                     camera_sends = 1;
                     next;
                 end
+                PLACE: begin
+                    place[now[33:32]] = csr_writedata;
+                    next;
+                end
                 WAIT_OUTPUT:
                     if (output_done >= csr_writedata)
                         next;
@@ -390,9 +440,21 @@ module frame_bench (
                     if (waited >= csr_writedata)
                         next;
                 end
+                RESET_ALL: begin
+                    if (waited == 0)
+                        $display("RESET %0d", output_done);
+                    lead = $signed(csr_writedata[31:16]);
+                    module_rst <= waited >= (lead < 0 ? -lead : 0)
+                                  && waited < (lead < 0 ? -lead : 0) + csr_writedata[15:0];
+                    memory_rst <= waited >= (lead > 0 ? lead : 0)
+                                  && waited < (lead > 0 ? lead : 0) + csr_writedata[15:0];
+                    waited = waited + 1;
+                    if (waited > (lead < 0 ? -lead : lead) + csr_writedata[15:0])
+                        next;
+                end
                 WAIT_IRQ:
                     if (irq) begin
-                        $display("FRAME %0d %0d", clocks - started, clocks);
+                        $display("FRAME %0d %0d %0d", clocks - started, clocks, output_done);
                         next;
                     end
                 default: begin

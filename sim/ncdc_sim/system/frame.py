@@ -71,6 +71,13 @@ class Program:
         """Reset the module, not the memory, for so many clocks, whatever it is doing."""
         return self._add(7, 0, clocks)
 
+    def reset_all(self, clocks=1, trails=0):
+        """Reset the module, and the memory, which forgets its reads, for so many clocks each.
+
+        The memory's reset trails the module's by ``trails`` clocks, or leads if negative.
+        """
+        return self._add(10, 0, clocks | (trails & 0xFFFF) << 16)
+
     def poll(self, address, value):
         """Read until ``value`` is read."""
         return self._add(8, address, value & 0xFFFFFFFF)
@@ -78,6 +85,12 @@ class Program:
     def camera(self, address):
         """Let the camera begin its next frame, the next of the source, at the byte address."""
         return self._add(9, 0, address)
+
+    def place(self, source, target):
+        """From here on only these byte addresses, (begin, end) each, may be read and written."""
+        for k, address in enumerate((*source, *target)):
+            self._add(11, k, address)
+        return self
 
     def text(self):
         """The program as the bench reads it."""
@@ -101,6 +114,8 @@ class FrameResult:
         Clocks of each frame, from the register write before the wait to the interrupt.
     ends : tuple of int
         Clock, counted from the start of the run, in which each interrupt was seen.
+    outputs : tuple of int
+        Bytes of output that were out when each interrupt was seen.
     resets : tuple of int
         Bytes of output that were out when each reset of the module began.
     total_clocks : int
@@ -114,6 +129,7 @@ class FrameResult:
         Word address and value of every read, in order.
     counters : dict
         Commands, beats and wait clocks of each port: ``read0_commands``, ``output_waits`` ...;
+        ``outside_bytes`` that were read or written outside the places that the program named;
         with a camera ``camera_end``, the clock in which its last byte was in memory, and
         ``early_reads``, read commands for rows of its frame that were not.
     errors : tuple of str
@@ -122,6 +138,7 @@ class FrameResult:
     output: bytes = b""
     clocks: tuple = ()
     ends: tuple = ()
+    outputs: tuple = ()
     resets: tuple = ()
     total_clocks: int = 0
     bytes_read: tuple = ()
@@ -300,6 +317,7 @@ class _Listener:
         elif kind == "FRAME":
             result.clocks += (int(values[0]),)
             result.ends += (int(values[1]),)
+            result.outputs += (int(values[2]),)
         elif kind == "READ":
             # A register that reads X keeps the text of its digits, so that it equals no number.
             address, value = int(values[0]), int(values[1]) if values[1].isdigit() else values[1]

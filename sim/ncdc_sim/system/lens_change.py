@@ -6,7 +6,8 @@ import numpy as np
 
 from ncdc_hdl.export.registers.lenses import Lens
 from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import place_values
 from ncdc_model.interface.register_map import (
     CTRL_COMMIT,
     CTRL_START,
@@ -102,6 +103,10 @@ class _Layout:
         What the run keeps as its output: byte address, and bytes.
     stream : bool
         The output is a stream, 3 bytes per pixel.
+    geometries : list of Geometry
+        One of each camera.
+    data_width : int
+        Bits of a memory word.
     """
     lenses: list
     content: bytes
@@ -111,6 +116,8 @@ class _Layout:
     base: int
     length: int
     stream: bool
+    geometries: list
+    data_width: int
 
     @classmethod
     def of(cls, corrector, cameras, frames):
@@ -129,7 +136,8 @@ class _Layout:
             outputs, base = _places(0, [3 * geometry.corrected_width * geometry.corrected_height
                                         for geometry in turns]), 0
         return cls(lenses, content, sources, targets[:-1], outputs[:-1], base, outputs[-1],
-                   corrector.hardware.stream)
+                   corrector.hardware.stream, [camera.geometry for camera, _ in cameras],
+                   corrector.hardware.data_width)
 
     def differing(self, output, golden):
         """Pixels of each frame of the run's ``output`` that differ from its camera's golden one."""
@@ -167,8 +175,9 @@ def _prepare(program, layout, rows, k, intruder):
     """Write the set and the valid rows of frame ``k``, commit and start."""
     turn, bank = k % len(layout.lenses), k % 2
     lens = layout.lenses[turn]
-    changed = lens.values | {"SOURCE_BASE": layout.sources[turn],
-                             "TARGET_BASE": layout.targets[k], "VALID_BANK": bank}
+    places = FramePlaces(layout.sources[turn], layout.targets[k], lens.values["SOURCE_PITCH"])
+    changed = lens.values | place_values(layout.geometries[turn], layout.data_width, places) | {
+        "VALID_BANK": bank}
     for name, value in changed.items():
         program.write(rows[name].address, value)
     program.write(rows["VALID_WINDOW"].address, bank)

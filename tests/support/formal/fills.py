@@ -3,7 +3,7 @@
 from amaranth import *
 from amaranth.lib.wiring import In
 
-from formal.avalon import check_read_host
+from formal.avalon import MEMORY, check_read_host, taken_away
 from formal.properties import always, given, inner, reached
 from formal.wrapper import Wrapper
 from ncdc_hdl.backend.cache.fills import Fills
@@ -21,8 +21,8 @@ class _Fills(Wrapper):
         self.beats = TILE_HEIGHT * dut.burst
         self.limit = dut.options.outstanding * self.beats
         super().__init__({
-            "claim": In(1), "tile": In(tile_layout(dut.options)), "data": In(dut.data_width),
-            "waitrequest": In(1), "readdatavalid": In(1)} | self.more())
+            "claim": In(1), "tile": In(tile_layout(dut.options)), "data": In(dut.data_width)}
+            | MEMORY | self.more())
 
     def more(self):
         """Further inputs."""
@@ -32,15 +32,17 @@ class _Fills(Wrapper):
         """The design with its claims and any memory; the design's parts, words owed."""
         dut = self.dut
         fragment = self.design(m, dut)
-        owed = check_read_host(m, dut.bus, waitrequest=self.waitrequest,
-                               readdatavalid=self.readdatavalid, limit=self.limit)
+        owed = check_read_host(m, dut.bus, self, limit=self.limit)
         given(m, ~self.claim | dut.credit)
-        m.d.comb += [dut.claim.eq(self.claim), dut.tile.eq(self.tile)]
+        # A place of 64 kbytes; what is outside is moved to its begin.
+        m.d.comb += [dut.limit.eq(1 << 16), dut.height.eq(64)]
+        m.d.comb += [dut.memory_rst.eq(self.memory_rst),
+                     dut.claim.eq(self.claim), dut.tile.eq(self.tile)]
         return fragment, owed
 
 
 class FillRoom(_Fills):
-    """Reset at any time: no more tiles outstanding than allowed, and room for all of them.
+    """Reset at any time, the memory too or not: no more tiles than allowed, and room for all.
 
     Asserts that no queue overflows, that each word comes for a tile that was claimed, and that
     the memory never owes more than ``outstanding`` tiles.
@@ -73,7 +75,11 @@ class FillRoom(_Fills):
         always(m, words <= dut.burst, "burst")
         always(m, ~read | (words == dut.burst), "burst_constant")
         always(m, o_valid | (row == 0), "row")
-        always(m, asked + came + beat == (claim + slots.level) * beats, "a_word_for_each_beat")
+        lost = taken_away(m, self.memory_rst, (asked != 0) | self.claim)
+        always(m, lost | (asked + came + beat == (claim + slots.level) * beats),
+               "a_word_for_each_beat")
+        always(m, ~lost | stale, "lost_is_stale")
+        always(m, claimed.level <= slots.level, "a_place_for_each_claim")
         always(m, (outstanding == claim + slots.level) & (outstanding <= most), "outstanding")
         always(m, dut.credit == (outstanding != most), "credit_flag")
         always(m, ~known.any() | claimed.r_rdy, "known_is_there")
@@ -112,7 +118,7 @@ class FillOrder(_Fills):
     def elaborate(self, platform):
         m = Module()
         dut, most, beats = self.dut, self.dut.options.outstanding, self.beats
-        given(m, ~ResetSignal())
+        given(m, ~ResetSignal() & ~self.memory_rst)
         # The address tells tile and row: row pitch 64, two bits of x and of y.
         given(m, (self.tile.x < 4) & (self.tile.y < 4))
         m.d.comb += dut.pitch.eq(self.PITCH)

@@ -4,7 +4,7 @@
 // The macros are replaced before the simulator reads this. COPIER_FAULT: 1 changes write data under
 // waitrequest, 2 never ends, 3 misaligned reads, 4 changes stream data while it is stalled.
 
-module ncdc(clk, rst, csr_address, csr_read, csr_write, csr_writedata, csr_readdata,
+module ncdc(clk, rst, memory_rst, csr_address, csr_read, csr_write, csr_writedata, csr_readdata,
         csr_readdatavalid, csr_waitrequest, irq, camera_rows, front_end_idle,
         read0_address, read0_read, read0_burstcount, read0_waitrequest, read0_readdata,
         read0_readdatavalid,
@@ -16,6 +16,7 @@ module ncdc(clk, rst, csr_address, csr_read, csr_write, csr_writedata, csr_readd
 `endif
     input clk;
     input rst;
+    input memory_rst;
     input [13:0] csr_address;
     input csr_read;
     input csr_write;

@@ -1,0 +1,81 @@
+"""Keeps read commands inside a place in memory."""
+
+from amaranth import *
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
+
+from ncdc_hdl.avalon.bus import ADDRESS_BITS
+from ncdc_hdl.avalon.read_commands import command_layout
+
+__all__ = ["ReadFence"]
+
+
+class ReadFence(wiring.Component):
+    """Lets commands pass that read inside ``base`` .. ``limit`` - 1, and moves others to ``base``.
+
+    As many words come for a command that was moved, so that nobody waits for ever; they are not
+    those that were asked for. Whatever ``i`` says, addresses at ``o`` are multiples of the word,
+    and all words of a command are inside; unless the place is ``empty``, which is no place for
+    any: then nothing is to be asked for.
+
+    Timing: latency 0; a change of ``base`` or ``limit`` counts a clock later.
+
+    Parameters
+    ----------
+    data_width : int
+        Bits of a word.
+    max_burst, shortest : int
+        Words of one command, at most and at least.
+
+    Members
+    -------
+    base, limit : ``In(32)``
+        Byte address of the place, and of what is behind it. Bits below the word are ignored.
+    i, o : streams of ``command_layout(max_burst)``
+    empty : ``Out(1)``
+        The place does not hold the words of the longest command.
+    moved : ``Out(1)``
+        High in the clock in which a command passes that was moved.
+    """
+
+    def __init__(self, data_width, max_burst, *, shortest=1):
+        self.word_bits, self.sizes = exact_log2(data_width // 8), range(shortest, max_burst + 1)
+        super().__init__({
+            "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS),
+            "i": In(stream.Signature(command_layout(max_burst))),
+            "o": Out(stream.Signature(command_layout(max_burst))),
+            "empty": Out(1), "moved": Out(1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        limit, number = self.limit[self.word_bits:], self.i.p.address[self.word_bits:]
+        first = Signal.like(number)     # number of the place's first word
+        # Number of the first word at which no command of so many words can begin.
+        ends = [Signal.like(number, name=f"end{words}") for words in self.sizes]
+        m.d.sync += first.eq(self.base[self.word_bits:])
+        for words, end in zip(self.sizes, ends):
+            m.d.sync += end.eq(Mux(limit < words, 0, limit - (words - 1)))
+        end = Signal.like(number)       # that of a command of as many words as ``i`` has
+        m.d.comb += end.eq(ends[-1])
+        for words, shorter in zip(self.sizes, ends[:-1]):
+            with m.If(self.i.p.words == words):
+                m.d.comb += end.eq(shorter)
+        inside = self._inside(number, first, end)
+        m.d.sync += self.empty.eq(first >= ends[-1])
+        m.d.comb += [
+            self.o.p.address.eq(Cat(Const(0, self.word_bits), Mux(inside, number, first))),
+            self.o.p.words.eq(self.i.p.words),
+            self.o.valid.eq(self.i.valid), self.i.ready.eq(self.o.ready),
+            self.moved.eq(self.i.valid & self.i.ready & ~inside),
+        ]
+        return m
+
+    @staticmethod
+    def _inside(number, first, end):
+        """Whether a command that begins at the word ``number`` is inside.
+
+        A method of its own only so that proofs and tests can break it.
+        """
+        return (number >= first) & (number < end)

@@ -1,0 +1,69 @@
+"""What a set of registers is refused for, before a frame begins with it."""
+
+from amaranth import *
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
+
+from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, STRIP_UNIT
+
+__all__ = ["FAULTS", "Checks"]
+
+FAULTS = data.StructLayout({"alignment": 1, "size": 1})
+
+
+class Checks(wiring.Component):
+    """Holds the active set against what the hardware can do.
+
+    Only what it is checked for here keeps the counters of the scan, of the writer and of the
+    fetcher within their ranges; the places in memory are kept by fences of their own.
+
+    Timing: ``faults`` follow ``active`` after ``latency`` clocks.
+
+    Parameters
+    ----------
+    hardware : ncdc_model.hardware.Hardware
+        Made for a camera.
+    max_width, max_height : int
+        Of a corrected image, what the table of valid rows holds.
+    active : StructLayout
+        The registers by name.
+
+    Members
+    -------
+    active : ``In(active)``
+    faults : ``Out(FAULTS)``
+        A base or the pitch is no multiple of the memory word; a size is outside its limits.
+    """
+
+    latency = 1
+
+    def __init__(self, hardware, max_width, max_height, active):
+        self.hardware, self.largest = hardware, (max_width, max_height)
+        super().__init__({"active": In(active), "faults": Out(FAULTS)})
+
+    def elaborate(self, platform):
+        m = Module()
+        active, hardware = self.active, self.hardware
+        word_bits = exact_log2(hardware.data_width // 8)
+        lane_bits, strip_bits = exact_log2(hardware.lanes), exact_log2(STRIP_UNIT)
+        aligned = [active.SOURCE_BASE, active.SOURCE_PITCH]
+        aligned += [] if hardware.stream else [active.TARGET_BASE]
+        width, height = active.CORRECTED_WIDTH, active.CORRECTED_HEIGHT
+        wrong = [
+            *(size < MIN_SIZE for size in (width, height, active.DISTORTED_WIDTH,
+                                           active.DISTORTED_HEIGHT)),
+            width > self.largest[0], height > self.largest[1],
+            active.DISTORTED_WIDTH > MAX_SIZE, active.DISTORTED_HEIGHT > MAX_SIZE,
+            active.SOURCE_PITCH < active.DISTORTED_WIDTH,
+            width[:lane_bits] != 0,
+        ]
+        if not hardware.stream:
+            wrong.append(active.STRIP_WIDTH[:strip_bits] != 0)
+        if hardware.cached:
+            wrong.append(active.CACHE_SPLIT > hardware.cache.max_split)
+        m.d.sync += [
+            self.faults.alignment.eq(Cat(value[:word_bits] for value in aligned).any()),
+            self.faults.size.eq(Cat(wrong).any()),
+        ]
+        return m

@@ -1,0 +1,139 @@
+"""Frames with nonsense in the registers, each followed by one with sense."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.corrector import correct
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import host_values, place_values
+from ncdc_model.interface.register_map import (
+    CTRL_ABORT,
+    CTRL_COMMIT,
+    CTRL_START,
+    STATUS_DONE,
+    TABLE,
+)
+from ncdc_sim.system.frame import Program, simulate_frame
+
+__all__ = ["Nonsense", "simulate_nonsense"]
+
+_ALIGN = 4096           # bytes; frames in memory begin at multiples of this
+_ROOM = 200, 2500       # bytes of the place that nonsense may write
+_PATIENCE = 3000        # clocks, at most, before a frame is aborted that might wait for a camera
+
+
+@dataclass(frozen=True)
+class Nonsense:
+    """What came of it.
+
+    Parameters
+    ----------
+    differing : tuple of int
+        Pixels of each frame with sense that differ from the golden model.
+    outside : int
+        Bytes that any frame read or wrote outside its places.
+    faults : tuple of int
+        FAULT behind each frame with nonsense.
+    """
+    differing: tuple
+    outside: int
+    faults: tuple
+
+
+def simulate_nonsense(corrector, verilog, raw, frames, *, seed=1, **options):
+    """Correct ``frames`` frames with nonsense, and as many that must be right, in turn.
+
+    Of the nonsense each register of the set has its own value, one beyond a limit, or any bits;
+    but the limits of the places stay. Half of these frames are aborted at a random clock, among
+    them all that follow a camera, which is not there.
+
+    Parameters
+    ----------
+    corrector, verilog : Corrector, str
+    raw : ndarray of uint8
+    frames, seed : int
+    options :
+        As of :func:`ncdc_sim.system.frame.simulate_frame`.
+
+    Raises
+    ------
+    SimulationError
+        If a frame does not end, or a rule of a bus is broken, an unaligned address included.
+    """
+    rng = np.random.default_rng(seed)
+    d, hardware = corrector.descriptor, corrector.hardware
+    stream = hardware.stream
+    table = {r.name: r for r in corrector.registers.table}
+    rows = {name: r.address for name, r in table.items()}
+    right = host_values(d, hardware)
+    pitch = right["SOURCE_PITCH"]
+    image = raw_image(raw, pitch)
+    size = frame_bytes(d.geometry)
+    step = -(-size // _ALIGN) * _ALIGN
+    # Nonsense goes to the first place, frames with sense each to one of their own.
+    junk = -(-right["SOURCE_LIMIT"] // _ALIGN) * _ALIGN
+    base = junk + 2 * _ALIGN
+    program = Program().write(rows["IRQ_ENABLE"], 1)
+    for k in range(frames):
+        values = _nonsense(rng, table, right) | {
+            "VALID_BANK": 1,
+            "TARGET_LIMIT": junk + int(rng.integers(*_ROOM))}
+        values["SOURCE_LIMIT"] = right["SOURCE_LIMIT"] - int(rng.integers(0, 40)) * (k % 2)
+        if rng.random() < .7:
+            for name, first in (("SOURCE_BASE", 0), ("TARGET_BASE", junk)):
+                step_of = int(rng.choice([1, 16, 16, 16]))
+                values[name] = first + step_of * int(rng.integers(0, 64))
+        program.place((values["SOURCE_BASE"], values["SOURCE_LIMIT"]),
+                      (values["TARGET_BASE"], values["TARGET_LIMIT"]))
+        program.write(rows["VALID_WINDOW"], 1)
+        for row in range(8):
+            program.write(TABLE + int(rng.integers(0, 64)), int(rng.integers(0, 1 << 32)))
+        _begin(program, rows, values)
+        if values["FOLLOW"] & 1 or rng.random() < .5:
+            program.wait(int(rng.integers(1, _PATIENCE))).write(rows["CTRL"], CTRL_ABORT)
+        program.wait_irq().read(rows["FAULT"]).write(rows["FAULT"], 0xFF)
+        program.write(rows["STATUS"], STATUS_DONE)
+        target = base + k * step
+        values = right | place_values(d.geometry, hardware.data_width,
+                                      FramePlaces(0, target, pitch))
+        program.place((0, values["SOURCE_LIMIT"]), (target, target + size))
+        _begin(program, rows, values)
+        program.wait_irq().compare(rows["FAULT"], 0).write(rows["STATUS"], STATUS_DONE)
+    result = simulate_frame(
+        verilog, image.ljust(base, b"\x5a"), program, source_base=0, output_base=base,
+        output_bytes=_most(corrector, frames) if stream else frames * step, seed=seed, **options)
+    width, height = d.geometry.corrected
+    golden = correct(d, raw, strip=hardware.strip).picture
+    count = 3 * width * height if stream else size
+    ends = result.outputs[1::2] if stream else [k * step + size for k in range(frames)]
+    differing = []
+    for end in ends:
+        got = np.frombuffer(result.output, np.uint8)[end - count:end].reshape(height, width, -1)
+        got = got if stream else stored_picture(got)
+        differing.append(int((got != golden).any(axis=2).sum()))
+    faults = tuple(value for address, value in result.reads if address == rows["FAULT"])
+    return Nonsense(tuple(differing), result.counters["outside_bytes"], faults)
+
+
+def _most(corrector, frames):
+    """Bytes that the stream of so many frames, and of as many largest ones, has at most."""
+    width, height = corrector.table.largest
+    return 6 * frames * width * height
+
+
+def _begin(program, rows, values):
+    for name, value in values.items():
+        program.write(rows[name], value)
+    program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
+
+
+def _nonsense(rng, table, right):
+    """A value for every register of the set; up to four of them are no right ones."""
+    values = dict(right)
+    for name in rng.choice(list(right), int(rng.integers(0, 5))):
+        value, width = right[name], table[name].shape.width
+        values[name] = int(rng.choice([
+            value + int(rng.integers(-5, 6)), 0, (1 << width) - 1,
+            int(rng.integers(0, 1 << width)), int(rng.integers(0, 64))])) & (1 << width) - 1
+    return values

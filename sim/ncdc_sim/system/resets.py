@@ -1,0 +1,103 @@
+"""Frames cut short by resets, of the corrector alone or of the memory too, and the next ones."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.corrector import correct
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.host_values import place_values
+from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE
+from ncdc_sim.system.frame import Program, simulate_frame
+
+__all__ = ["Resets", "simulate_resets"]
+
+_ALIGN = 4096           # bytes; frames in memory begin at multiples of this
+_MOST_TRAILS = 5        # clocks by which one of both resets comes and goes behind the other
+
+
+@dataclass(frozen=True)
+class Resets:
+    """What came of the frames behind the resets.
+
+    Parameters
+    ----------
+    differing : tuple of int
+        Pixels of each of these frames that differ from the golden model.
+    under_way : int
+        Resets that fell into a frame: it had begun, and its output was not complete.
+    """
+    differing: tuple
+    under_way: int
+
+
+def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=1, **options):
+    """Begin ``frames`` frames, reset each at a random clock, and correct a whole one behind it.
+
+    Parameters
+    ----------
+    corrector, verilog : Corrector, str
+    raws : (ndarray, ndarray) of uint8
+        Raw frames of those that are cut short, and of those behind them.
+    frames : int
+    forgets : bool
+        The memory is reset with the corrector, sometimes some clocks earlier or later, and forgets
+        what it owes; else it is not reset, and answers.
+    longest : int
+        Clocks from a frame's start to its reset, at most.
+    seed : int
+    options :
+        As of :func:`ncdc_sim.system.frame.simulate_frame`.
+
+    Raises
+    ------
+    SimulationError
+        If a frame does not end, or a rule of a bus is broken.
+    """
+    rng = np.random.default_rng(seed)
+    d, stream = corrector.descriptor, corrector.hardware.stream
+    rows = {r.name: r.address for r in corrector.registers.table}
+    pitch = corrector.registers.values["SOURCE_PITCH"]
+    images = [raw_image(raw, pitch) for raw in raws]
+    sources = [0, -(-len(images[0]) // _ALIGN) * _ALIGN]
+    size = frame_bytes(d.geometry)
+    step = -(-size // _ALIGN) * _ALIGN
+    base = sources[1] + -(-len(images[1]) // _ALIGN) * _ALIGN
+    program = Program()
+    for k in range(frames):
+        # The frame that is cut short goes to the first place, the others each to its own.
+        _begin(program, rows, corrector, FramePlaces(sources[0], base, pitch))
+        program.wait(int(rng.integers(1, longest)))
+        clocks = int(rng.integers(1, 60))
+        if forgets:
+            trails = min(_MOST_TRAILS, clocks - 1)
+            program.reset_all(clocks, int(rng.integers(-trails, trails, endpoint=True)))
+        else:
+            program.reset(clocks)
+        program.write(rows["IRQ_ENABLE"], 1)
+        _begin(program, rows, corrector, FramePlaces(sources[1], base + (k + 1) * step, pitch))
+        program.wait_irq().write(rows["STATUS"], STATUS_DONE)
+        program.write(rows["IRQ_ENABLE"], 0)
+    kept = (frames + 1) * step
+    result = simulate_frame(
+        verilog, images[0].ljust(sources[1], b"\0") + images[1], program, source_base=0,
+        output_base=base, output_bytes=2 * frames * size if stream else kept, seed=seed, **options)
+    width, height = d.geometry.corrected
+    golden = correct(d, raws[1]).picture
+    count = 3 * width * height if stream else size
+    ends = result.outputs if stream else [(k + 1) * step + size for k in range(frames)]
+    differing = []
+    for end in ends:
+        got = np.frombuffer(result.output, np.uint8)[end - count:end].reshape(height, width, -1)
+        got = got if stream else stored_picture(got)
+        differing.append(int((got != golden).any(axis=2).sum()))
+    before = (0, *result.outputs)
+    return Resets(tuple(differing), sum(0 < reset - out < count
+                                        for reset, out in zip(result.resets, before)))
+
+
+def _begin(program, rows, corrector, places):
+    for name, value in place_values(corrector.descriptor.geometry, corrector.hardware.data_width,
+                                    places).items():
+        program.write(rows[name], value)
+    program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)

@@ -1,0 +1,149 @@
+"""Fences: nothing is asked for, or written, outside a frame's place in memory."""
+
+from amaranth import *
+from amaranth.lib import data
+from amaranth.lib.wiring import In
+
+from formal.properties import always, constant, given, inner, reached
+from formal.queue_state import places
+from formal.wrapper import Wrapper
+from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
+from ncdc_hdl.avalon.bus import ADDRESS_BITS
+from ncdc_hdl.avalon.read_commands import command_layout
+from ncdc_hdl.avalon.read_fence import ReadFence
+from ncdc_hdl.backend.layouts import pixel_layout
+from ncdc_hdl.backend.packer import Packer
+from ncdc_hdl.frontend.strips import ORDER
+
+__all__ = ["FencedReads", "FencedWords", "WordsInBursts"]
+
+
+class FencedReads(Wrapper):
+    """``ReadFence`` with any commands, any place that is not empty.
+
+    Asserts that all words of a command are inside the place, whole, and aligned.
+    """
+
+    def __init__(self, kind=ReadFence, shortest=1):
+        self.shortest = shortest
+        self.dut = kind(64, 2, shortest=shortest)
+        super().__init__({"base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "valid": In(1),
+                          "command": In(command_layout(2)), "ready": In(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        dut = self.dut
+        self.design(m, dut)
+        constant(m, self.base)
+        constant(m, self.limit)
+        settled = Signal(2, reset_less=True)    # two clocks have gone by
+        m.d.sync += settled.eq(Cat(1, settled))
+        given(m, ~ResetSignal())
+        given(m, (self.command.words >= self.shortest) & (self.command.words <= 2))
+        m.d.comb += [dut.base.eq(self.base), dut.limit.eq(self.limit),
+                     dut.i.valid.eq(self.valid), dut.i.payload.eq(self.command),
+                     dut.o.ready.eq(self.ready)]
+        o = dut.o.p
+        asked = settled.all() & dut.o.valid & ~dut.empty
+        end = Signal(ADDRESS_BITS + 1)
+        m.d.comb += end.eq(o.address + (o.words << 3))
+        always(m, ~asked | ((o.address >= (self.base & ~0x7)) & (end <= self.limit)), "inside")
+        always(m, o.address[:3] == 0, "aligned")
+        always(m, o.words == self.command.words, "as_many_words")
+        reached(m, asked & dut.moved, "moved")
+        reached(m, asked & ~dut.moved & (self.base != 0) & (end == self.limit), "to_the_end")
+        return m
+
+
+class FencedWords(Wrapper):
+    """``Packer`` with any pixels, sizes, strips, base and limit, reset at any time.
+
+    Asserts that each word that is no void one is inside the place, aligned, and where the one
+    before it ends unless that one said otherwise.
+    """
+
+    def __init__(self, kind=Packer, data_width=64, lanes=1):
+        self.dut, self.word = kind(data_width, lanes), data_width // 8
+        super().__init__({
+            "start": In(1), "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS),
+            "order": In(ORDER), "refuse": In(1), "valid": In(1),
+            "pixel": In(pixel_layout(lanes)), "ready": In(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        dut, o = self.dut, self.dut.o.p
+        fragment = self.design(m, dut)
+        # A frame's registers rest from its start on; it begins when the last one's words are gone.
+        base, limit = Signal(ADDRESS_BITS), Signal(ADDRESS_BITS)
+        running = Signal()
+        with m.If(self.start):
+            m.d.sync += [base.eq(self.base), limit.eq(self.limit), running.eq(1)]
+        given(m, ~(running & ~self.start) | ((self.base == base) & (self.limit == limit)))
+        given(m, ~self.start | ~dut.o.valid)
+        given(m, ~self.valid | (running & ~self.start))
+        m.d.comb += [dut.start.eq(self.start), dut.base.eq(self.base), dut.limit.eq(self.limit),
+                     dut.order.eq(self.order), dut.refuse.eq(self.refuse),
+                     dut.i.valid.eq(self.valid), dut.i.payload.eq(self.pixel),
+                     dut.o.ready.eq(self.ready)]
+        end = Signal(ADDRESS_BITS + 1)
+        m.d.comb += end.eq(o.address + self.word)
+        closed = inner(fragment, "closed")
+        always(m, ~dut.o.valid | running, "runs")
+        always(m, ~running | closed | (base[:exact(self.word)] == 0), "closed_if_unaligned")
+        always(m, ~dut.o.valid | o.void | ((o.address >= base) & (end <= limit)), "inside")
+        always(m, ~dut.o.valid | (o.address[:exact(self.word)] == 0), "aligned")
+        always(m, ~dut.o.valid | ~o.void | (o.last & o.end), "void_is_last")
+        reached(m, dut.o.valid & o.void, "void")
+        reached(m, dut.o.valid & ~o.void & (end == limit) & (base != 0) & ~o.last, "to_the_end")
+        return m
+
+
+class WordsInBursts(Wrapper):
+    """``BurstWriter`` with words that are inside a place and follow each other in it.
+
+    Asserts that each word on the bus, whose address is its burst's and one more for each word
+    before it, is inside.
+    """
+
+    def __init__(self, burst=2):
+        self.burst, self.dut = burst, BurstWriter(8, burst=burst)
+        super().__init__({"valid": In(1), "word": In(word_layout(8)), "waitrequest": In(1),
+                          "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS)})
+
+    def elaborate(self, platform):
+        m = Module()
+        dut, bus, word = self.dut, self.dut.bus, self.word
+        fragment = self.design(m, dut)
+        _, bursts = self.queues
+        given(m, ~ResetSignal())
+        constant(m, self.base)
+        constant(m, self.limit)
+
+        def inside(first, count):
+            end = Signal(ADDRESS_BITS + 1)
+            m.d.comb += end.eq(first + count)
+            return (first >= self.base) & (end <= self.limit)
+
+        m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(word),
+                     bus.waitrequest.eq(self.waitrequest)]
+        count, address = inner(fragment, "count"), inner(fragment, "address")
+        given(m, ~self.valid | word.void | (inside(word.address, 1) & (
+            (count == 0) | (word.address == (address + count)[:ADDRESS_BITS]))))
+        given(m, ~word.void | (word.end & word.last))
+        always(m, (count == 0) | inside(address, count), "gathered")
+        layout = data.StructLayout({"address": len(bus.address),
+                                    "count": range(self.burst + 1), "last": 1})
+        for number, (there, item) in enumerate(places(m, bursts)):
+            burst = data.View(layout, item)
+            always(m, ~there | (burst.count == 0) | inside(burst.address, burst.count),
+                   f"queued{number}")
+        always(m, ~bus.write | inside(bus.address, bus.burstcount), "inside")
+        reached(m, bus.write & (bus.burstcount == self.burst)
+                & (bus.address + bus.burstcount == self.limit) & (self.base != 0), "to_the_end")
+        reached(m, dut.done & ~bus.write, "void")
+        return m
+
+
+def exact(count):
+    """log2 of a power of two."""
+    return count.bit_length() - 1
