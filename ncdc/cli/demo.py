@@ -15,6 +15,7 @@ from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.size import design_size
 from ncdc_hdl.export.verilog import corrector_verilog
 from ncdc_model.calibration.detect import detect_points
+from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.calibration.straightness import straightness
 from ncdc_model.corrector import correct

@@ -164,7 +164,7 @@ def test_a_wrong_value_is_no_traceback(refused, folder, tmp_path, kind):
     ({"residual": {"scale": 1, "bump_centres": [[0, 0]], "bump_vectors": [[1, 1]]}},
      "1 bump_centres, 0 bump_sigmas and 1 bump_vectors"),
     ({"residual": {"scale": 1, "bump_centres": [[0, 0]], "bump_vectors": [[1, 1]],
-                   "bump_sigmas": [0]}}, "bump_sigmas holds 0, positive numbers"),
+                   "bump_sigmas": [0]}}, "bump_sigmas holds 0.0, positive numbers"),
     ({"residual": {"scale": 1, "poly": [[1, 2], [3, 4]]}}, "two rows of nine numbers"),
     ({"residual": {"bump_sigmas": []}}, "the camera's residual lacks the value 'scale'"),
     ({"residual": 3}, "the camera's residual is 3, names and values are needed"),

@@ -12,8 +12,11 @@ import pytest
 
 from ncdc.cli import parser
 from ncdc_hdl.export.registers.page import register_doc
+from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.descriptor import Formats
 from ncdc_model.interface.register_map import COUNTERS, registers
+from ncdc_model.tansig import FRACTION_BITS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
@@ -153,3 +156,22 @@ def test_register_page_gives_every_register_its_offset(neurons):
                 offsets[name.replace("j", str(j))] = int(first, 16) + j * int(
                     step.removesuffix(" j") or 0)
     assert offsets == {r.name: 4 * r.address for r in registers(neurons, Formats())}
+
+
+def test_latencies_of_the_tan_sigmoids_are_those_of_the_gateware():
+    text = (ROOT / "docs" / "tansig.md").read_text()
+    tables = [part for part in text.split("\n\n") if part.startswith("| P |") and "latency" in part]
+    assert len(tables) == 3
+    for variant, table in zip(("mmhbc", "classic", "table"), tables):
+        names, _, *rows = [[cell.strip() for cell in line.strip("|").split("|")]
+                           for line in table.splitlines()]
+        written = {int(row[0]): int(row[names.index("latency")]) for row in rows}
+        assert written == {bits: Tansig(Formats().with_tansig_bits(bits).tansig_design(
+            variant)).latency for bits in FRACTION_BITS}
+
+
+def test_latencies_of_the_front_end_are_those_of_the_gateware():
+    table = (ROOT / "docs" / "frontend.md").read_text().partition("| HN | latency, clocks |")[2]
+    written = {int(a): int(b) for a, b in re.findall(r"^\| (\d+) \| (\d+) \|$",
+                                                     table.partition("\n\n")[0], re.MULTILINE)}
+    assert written == {neurons: BackMap(neurons, Formats()).latency for neurons in (1, 4, 8, 32)}

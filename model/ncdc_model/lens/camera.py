@@ -3,6 +3,7 @@
 import json
 import tomllib
 from dataclasses import dataclass, replace
+from numbers import Real
 
 import numpy as np
 
@@ -190,6 +191,10 @@ def _surface(table, size):
                                               for name in _SURFACE if name in table})
     if table and "scale" not in table:
         raise InputError("the camera's residual lacks the value 'scale'")
+    for name in _SURFACE:
+        if name in table and isinstance(getattr(surface, name), tuple) == (name == "scale"):
+            raise InputError(f"the camera's residual {name} is {table[name]!r}, "
+                             f"{'a number is' if name == 'scale' else 'numbers are'} needed")
     counts = [len(getattr(surface, name)) for name in _SURFACE[1:4]]
     if len(set(counts)) > 1:
         raise InputError(f"the camera's residual has {counts[0]} bump_centres, {counts[1]} "
@@ -199,8 +204,8 @@ def _surface(table, size):
             if np.shape(pair) != (2,):
                 raise InputError(f"the camera's residual {name} holds {pair}, pairs are needed")
     for sigma in surface.bump_sigmas:
-        if not sigma > 0:
-            raise InputError(f"the camera's residual bump_sigmas holds {sigma:g}, positive numbers "
+        if isinstance(sigma, tuple) or not sigma > 0:
+            raise InputError(f"the camera's residual bump_sigmas holds {sigma}, positive numbers "
                              f"are needed")
     if surface.poly and [np.shape(row) for row in surface.poly] != [(9,), (9,)]:
         raise InputError("the camera's residual poly needs two rows of nine numbers")
@@ -226,6 +231,8 @@ def _frozen(value, name):
     """``value`` with lists as tuples, every number finite."""
     if isinstance(value, (list, tuple)):
         return tuple(_frozen(item, name) for item in value)
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise InputError(f"the camera's {name} holds {value!r}, a number is needed")
     number = float(value)
     if not np.isfinite(number):
         raise InputError(f"the camera's {name} holds {number}, a finite number is needed")
@@ -233,14 +240,18 @@ def _frozen(value, name):
 
 
 def _number(table, name):
-    return _frozen(float(table[name]), name)
+    number = _frozen(table[name], name)
+    if isinstance(number, tuple):
+        raise InputError(f"the camera's {name} is {table[name]!r}, a number is needed")
+    return number
 
 
 def _vector(table, name, default, length=None):
     if name not in table and (default is not None or name == "corrected_size"):
         return default
     vector = _frozen(table[name], name)
-    if not isinstance(vector, tuple) or length not in (None, len(vector)):
+    nested = not isinstance(vector, tuple) or any(isinstance(item, tuple) for item in vector)
+    if nested or length not in (None, len(vector)):
         raise InputError(f"the camera's {name} is {table[name]!r}, {length or 'some'} numbers are "
                          f"needed")
     return vector

@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from ncdc.bench.accuracy.measure import NETWORKS
+from ncdc.bench.accuracy.measure import MODELS, NETWORKS
 from ncdc_model.files import replace_file
 from ncdc_model.reference_lenses import ReferenceLens
 
@@ -14,6 +14,7 @@ __all__ = ["plot_accuracy"]
 _STEP = 8              # pixels between the errors of a map
 _RANGE = 1e-3, 10      # pixels, of its colours
 _COLUMNS = 3
+_COLOURS = matplotlib.colormaps["tab20"]       # by place in MODELS: one for all lenses
 _SAME = ("pbm7", "pbm8")       # lie on the lines of order 6
 
 
@@ -46,19 +47,19 @@ def plot_accuracy(folder, fits):
 def _against_neurons(path, lens, rows):
     figure = Figure(figsize=(9.5, 4.6), layout="constrained")
     panels = figure.subplots(1, 2)
-    colours = matplotlib.colormaps["tab10"]
-    for k, model in enumerate(dict.fromkeys(row["model"] for row in rows)):
+    for model in dict.fromkeys(row["model"] for row in rows):
+        k = MODELS.index(model)
         own = [row for row in rows if row["model"] == model]
         for axes, name in zip(panels, ("mse", "max")):
             if model in NETWORKS:
                 own.sort(key=lambda row: row["hidden_neurons"])
                 counts = [row["hidden_neurons"] for row in own]
-                axes.plot(counts, [row[name] for row in own], "o-", color=colours(k % 10),
+                axes.plot(counts, [row[name] for row in own], "o-", color=_COLOURS(k % 20),
                           label=model, markersize=4)
                 axes.plot(counts, [row[f"fixed_{name}"] for row in own], "+", color="black",
                           markersize=8, label="in integers" if model == "ncdc" else None)
             else:
-                axes.axhline(own[0][name], color=colours(k % 10), linewidth=1.2, label=model,
+                axes.axhline(own[0][name], color=_COLOURS(k % 20), linewidth=1.2, label=model,
                              linestyle=("--", "-.", ":")[k % 3])
     for axes, title in zip(panels, ("MSE (px²)", "largest error (px)")):
         axes.set(xlabel="hidden neurons", ylabel=title, yscale="log", title=f"{lens}: {title}")

@@ -1,0 +1,67 @@
+"""Each output of each command, given a place where no file can be put."""
+
+import os
+import stat
+
+import numpy as np
+import pytest
+
+from lenses import GEOMETRY, known_network, lens
+from ncdc.cli import COMMANDS, main
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.geometry import ValidRows
+from ncdc_model.images import write_image
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Descriptor.quantise(known_network(), GEOMETRY, ValidRows.everything(320, 240)).save("net.toml")
+    write_image("frame.png", np.zeros((240, 320), np.uint8))
+    lens().framed().save("camera.toml")
+    os.mkfifo("pipe.png")
+    os.mkdir("folder.png")
+    return tmp_path
+
+
+INPUTS = {"calibrate": ["frame.png"], "train": ["camera.toml", "--neurons", "2"],
+          "evaluate": ["net.toml", "--against", "camera.toml"],
+          "correct": ["net.toml", "frame.png"], "simulate": ["net.toml", "frame.png"],
+          "export": ["net.toml"], "plan": ["net.toml"], "generate": ["net.toml"],
+          "demo": [], "bench": ["tansig", "--plots"]}
+FILES = "calibrate", "train", "correct", "simulate", "export"
+FOLDERS = "demo", "generate", "bench"
+
+
+def test_every_command_is_here():
+    assert set(INPUTS) == set(COMMANDS)
+
+
+@pytest.mark.parametrize("command", FILES)
+@pytest.mark.parametrize("output,reason", [
+    ("pipe.png", "it is no regular file"), ("/dev/null", "it is no regular file"),
+    ("folder.png", "it is a folder"), ("net.toml/x.png", "net.toml: Not a directory")])
+def test_an_output_is_a_file(folder, capsys, command, output, reason):
+    assert main([command, *INPUTS[command], "-o", output]) == 2
+    said = capsys.readouterr().err
+    assert reason in said and said.count("\n") == 1
+    assert stat.S_ISFIFO(os.stat("pipe.png").st_mode) and stat.S_ISCHR(os.stat("/dev/null").st_mode)
+
+
+@pytest.mark.parametrize("command", FOLDERS)
+def test_a_folder_is_no_file(folder, capsys, command):
+    for output in ("pipe.png", "net.toml"):
+        assert main([command, *INPUTS[command], "-o", output]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+    assert stat.S_ISFIFO(os.stat("pipe.png").st_mode)
+
+
+@pytest.mark.parametrize("command", ["evaluate", "plan", "correct"])
+def test_a_report_may_go_to_a_device(folder, capsys, command):
+    more = ["-o", "out.png"] if command == "correct" else []
+    assert main([command, *INPUTS[command], *more, "--json", "/dev/null"]) == 0
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
+    capsys.readouterr()
+    for path, reason in (("/dev/full", "No space left on device"), ("pipe.png", "nobody reads it")):
+        assert main([command, *INPUTS[command], *more, "--json", path]) == 2
+        assert f"cannot write {path}: {reason}\n" in capsys.readouterr().err
