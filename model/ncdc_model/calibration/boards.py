@@ -134,9 +134,12 @@ def _turned(board, columns, rows):
 def _by_opencv(image, columns, rows):
     """OpenCV's board if its corners are a chessboard's, all of them, and agree; else None."""
     grey = grey_picture(image)
-    found, corners = cv2.findChessboardCornersSB(
-        grey, (columns, rows), flags=cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY)
-    if not found:
+    flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
+    for effort in (0, cv2.CALIB_CB_EXHAUSTIVE):
+        found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags | effort)
+        if found:
+            break
+    else:
         return None
     grid = np.asarray(corners, np.float64).reshape(rows, columns, 2)
     if (grid[-1, -1] - grid[0, 0]).sum() < 0:

@@ -11,13 +11,15 @@ from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.errors import InputError
 
-__all__ = ["find_any_charuco", "find_charuco"]
+__all__ = ["find_any_charuco", "find_charuco", "has_markers"]
 
 # The largest of each family holds the markers of the smaller ones.
 _FAMILIES = ("DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000",
              "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h11")
 _MARKERS = 4           # that a board shows at least
 _CORNERS = 12
+_RIMS = 0.38, 0.5, 0.62, 0.74   # of the way from a square's middle to its side
+_PLAIN = 0.25          # of a chessboard's squares are bright at least; half of a whole one's
 _AGREEING = 4          # corners whose numbers by markers are those of the lattice, at least
 _SAME = 0.15           # of a step: OpenCV's corner and the lattice's are one
 _SIDES = range(3, 25)  # squares that a board of unknown size may have in a row
@@ -106,6 +108,24 @@ def _renumbered(index, seen, wanted):
         if counts.max() > best[1]:
             best = index @ turn + shifts[counts.argmax()], int(counts.max())
     return best
+
+
+def has_markers(image, board):
+    """Whether the white squares of ``board``, PhotoPoints of a chessboard in ``image``, carry
+    markers: a marker's rim is black, so that few squares are bright near their sides."""
+    grey, place = grey_picture(image), {tuple(k): p for k, p in zip(board.index.tolist(), board.xy)}
+    spots = []
+    for i, j in place:
+        corners = [place.get(key) for key in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+        if all(corner is not None for corner in corners):
+            middle, sides = sum(corners) / 4, zip(corners, corners[1:] + corners[:1])
+            # A marker of 0.4 to 0.9 of a square has its rim at one of these places.
+            spots.append([middle + part * ((a + b) / 2 - middle) for a, b in sides
+                          for part in _RIMS])
+    values = cv2.remap(grey, np.array(spots, np.float32), None, cv2.INTER_LINEAR)
+    low, high = np.percentile(values, (5, 95))
+    darkest = values.reshape(len(values), 4, len(_RIMS)).min(axis=2)
+    return bool((np.median(darkest, axis=1) > (low + high) / 2).mean() < _PLAIN)
 
 
 def find_any_charuco(image):

@@ -74,7 +74,7 @@ def detect_points(images, target="auto"):
                 raise InputError(f"it shows the same as {twin}: points within {_SAME} pixels of "
                                  f"each other")
         except InputError as error:
-            rejected[look.name] = str(error)
+            rejected[look.name] = look.doubt or str(error)
             continue
         photos.append(replace(found, name=Path(look.name).name))
     if not photos:
@@ -123,11 +123,10 @@ def _agreed(looks, rejected):
     for look in looks:
         if look.name in rejected:
             continue
-        if look.sight is None:
-            rejected[look.name] = look.doubt
-        else:
+        if look.sight is not None:
             sights[look.name] = look.sight
     if not sights:
+        rejected.update((look.name, look.doubt) for look in looks if look.name not in rejected)
         reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
         raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")
     votes = Counter((sight.kind, *sorted((sight.columns or 0, sight.rows or 0), reverse=True))

@@ -9,7 +9,7 @@ from ncdc_model.calibration.belief import believed, place_of, separated
 from ncdc_model.calibration.blobs import Blobs, find_blobs
 from ncdc_model.calibration.ground import on_one_ground
 from ncdc_model.calibration.lattice import find_lattices
-from ncdc_model.calibration.neighbours import fits_in
+from ncdc_model.calibration.neighbours import Doubt, fits_in
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.rim import recover_cut_dots
 from ncdc_model.errors import InputError
@@ -96,7 +96,7 @@ def dots_of(spots, image):
     if count < _ENOUGH:
         raise InputError(spots.doubt or f"{count} dots on one lattice were found, at least "
                                         f"{_ENOUGH} are needed")
-    page = spots.lattices[0]
+    page = _supported(spots.lattices[0])
     cut_xy, cut_index, cut_area = _believed_cut(page, *recover_cut_dots(
         image, page.xy, page.index, page.area))
     rejected = dict(page.rejected)
@@ -111,6 +111,21 @@ def dots_of(spots, image):
         cut=np.arange(len(index)) >= len(page.xy), remarks=tuple(
             f"another page, {len(other.index)} dots {place_of(other)}, is not used"
             for other in others))
+
+
+def _supported(page):
+    """``page`` without dots that only one other dot stands beside: an outer row needs more."""
+    there, keep = set(map(tuple, page.index.tolist())), np.ones(len(page.index), bool)
+    for k, (i, j) in enumerate(page.index.tolist()):
+        beside = ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
+        keep[k] = sum(key in there for key in beside) > 1
+    reason = Doubt.LONELY.value
+    dropped = tuple((float(x), float(y), reason) for x, y in page.xy[~keep])
+    rejected = {**page.rejected}
+    if dropped:
+        rejected[reason] = rejected.get(reason, 0) + len(dropped)
+    return replace(page, index=page.index[keep], xy=page.xy[keep], area=page.area[keep],
+                   cut=page.cut[keep], rejected=rejected, dropped=page.dropped + dropped)
 
 
 def _believed_cut(page, xy, index, area):

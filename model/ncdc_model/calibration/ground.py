@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 __all__ = ["on_one_ground"]
 
 _STEP = 0.75           # brightness of one cell over that of the next: less is an edge
+_REGION = 20           # cells: a smaller dark part is a mark on the page
 _ACROSS = 3            # cells to either side that are compared
 _REASON = "on ground of another brightness: a reflection, or beyond a shadow's edge"
 
@@ -47,11 +48,14 @@ def on_one_ground(image, photo):
     count = int(whole.sum())
     _, part = connected_components(coo_matrix((np.ones(len(first)), (first, second)),
                                               shape=(count, count)), directed=False)
-    main = np.bincount(part).argmax()
-    inside, outside = np.zeros((2, len(photo.index)), bool)
+    sizes = np.bincount(part)
+    main = sizes.argmax()
+    drop, inside = np.zeros((2, len(photo.index)), bool)
     inside[corners[whole][part == main].ravel()] = True
-    outside[corners[whole][part != main].ravel()] = True
-    drop = outside & ~inside
+    drop[corners[whole][part != main].ravel()] = True
+    drop &= ~inside
+    # The cell on the edge itself may count as bright: what lies on its other side does not.
+    drop[corners[whole][(part != main) & (sizes[part] >= _REGION)].ravel()] = True
     if not drop.any():
         return photo
     keep = ~drop

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 __all__ = ["Lattice", "find_lattices", "number_lattice"]
 
 _REACH = 0.30          # of a step: farthest that a point may lie from where it is expected
+_CROSS = 0.35          # the same, of the four neighbours that a walk starts with
 _AGREE = 0.20          # of a step: farthest from the mean of its two neighbours in a line
 _SEEDS = 12            # points nearest the middle that a walk may start from
 _SPREAD = 150          # more of them all over the picture, if those lead nowhere
@@ -112,10 +113,11 @@ def _first_steps(xy, tree, seed):
     if abs(first[0]) * np.linalg.norm(second) < abs(second[0]) * np.linalg.norm(first):
         first, second = second, first
     right, down = first * np.sign(first[0]), second * np.sign(second[1])
-    size = min(np.linalg.norm(right), np.linalg.norm(down))
+    # A target seen from the side has short steps one way and long ones the other.
+    sizes = np.linalg.norm([right, right, down, down], axis=1)
     ends = xy[seed] + np.array([right, -right, down, -down])
     distance, _ = tree.query(ends)
-    return (right, down) if (distance < _REACH * size).all() else None
+    return (right, down) if (distance < _CROSS * sizes).all() else None
 
 
 def _walk(xy, tree, seed, right, down):

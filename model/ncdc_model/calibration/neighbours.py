@@ -246,7 +246,7 @@ def _rim_is_off(window, rest, area, keep, allowed):
             predicted, gain, count = _predicted(window, rest, keep, beyond < 0)
             off = np.linalg.norm(rest - predicted, axis=1)
             limit = np.maximum(_RIM_FLOOR, _RIM_WIDER * allowed[0] * np.sqrt(1 + gain))
-            told = edge & (count >= 2 * _LEAST)
+            told = edge & (count > _LEAST)
             wrong |= told & (off > np.maximum(limit, 2 * _FLOOR[1] * allowed[1]))
             if area is not None:
                 score = _size_score(window, area, keep, beyond < 0)

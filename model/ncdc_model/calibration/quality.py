@@ -9,7 +9,7 @@ __all__ = ["Dropped", "check_share", "warnings_of"]
 _SCATTER = 0.25        # pixels: a point farther off its line's smooth course than this is noisy
 _LOST = 0.02           # of the places within the target that have no point
 _DROPPED = 0.02        # of the points that disagree with their neighbours
-_UNSURE = 0.35         # pixels on an axis: of points that scatter so 1.7 % are off by a pixel
+_UNSURE = 0.22         # pixels on an axis: of points that scatter more some are off by a pixel
 _BENT = 1.0            # pixels: lines that are straight only to this, rms, are none
 _ODD = 5.0             # times the usual distance from the lens: a photo beyond is not like others
 _RUINED = 0.10         # the same: beyond this it is not a few points that are wrong
@@ -41,8 +41,8 @@ def warnings_of(points, frame, measured):
     for photo in points.photos:
         if photo.agreement > _UNSURE:
             found.append(f"{photo.name}: points usually lie {photo.agreement:.2f} px from where "
-                         f"their neighbours predict them, more than {_UNSURE} px: some are off "
-                         f"by more than a pixel")
+                         f"their neighbours predict them, more than {_UNSURE} px: some may "
+                         f"be off by more than a pixel")
     found += _odd_photos(frame)
     if measured["straightness_rms_px"] > _BENT:
         found.append(f"rows and columns are straight to {measured['straightness_rms_px']:.1f} px "

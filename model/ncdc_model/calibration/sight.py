@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from ncdc_model.calibration.boards import find_boards
-from ncdc_model.calibration.charuco import find_any_charuco, find_charuco
+from ncdc_model.calibration.charuco import find_any_charuco, find_charuco, has_markers
 from ncdc_model.calibration.dots import dots_of, find_spots
 from ncdc_model.calibration.grids import corners_touch, read_grid
 from ncdc_model.calibration.smooth import misfit
@@ -62,11 +62,8 @@ class Look:
                 self.page
             except InputError:
                 return
-        elif kind == "none":
-            pass
         else:
             # OpenCV may have to look again, for a size that only all photos together tell.
-            self.boards
             return
         self.image = None
 
@@ -103,10 +100,11 @@ class Look:
             sight = self._round()
             if sight is not None:
                 return sight
-        try:
-            return Sight("charuco", *find_any_charuco(self.image))
-        except InputError:
-            pass
+        if board is None or not whole or has_markers(self.image, board):
+            try:
+                return Sight("charuco", *find_any_charuco(self.image))
+            except InputError:
+                pass
         if board is not None and min(span) >= 3:
             return Sight("chessboard", *map(int, span))
         doubt = self.spots.doubt

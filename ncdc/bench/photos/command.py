@@ -66,8 +66,9 @@ def run(args):
 def _row(outcome):
     return {"case": outcome.case, "photo": outcome.photo, "expect": outcome.expect,
             "found": outcome.found, "visible": outcome.visible, "false": outcome.false,
-            "worst_px": outcome.worst, "refused": outcome.refused, "told": outcome.told,
-            "used": outcome.used, "silent": outcome.silent, "right": outcome.right}
+            "cut_false": outcome.cut_false, "worst_px": outcome.worst,
+            "refused": outcome.refused, "told": outcome.told, "used": outcome.used,
+            "silent": outcome.silent, "right": outcome.right}
 
 
 def summary(outcomes):

@@ -29,6 +29,9 @@ class Outcome:
         pixel off or of no target, or numbered in a way that the target is not.
     worst : float
         Pixels of the worst point that is not false; not-a-number without one.
+    cut_false : int
+        False ones among the dots that the border cuts: they are reported as cut and not used, are
+        in no fit, and do not count as found.
     told : str
         Why it was refused, or what was warned of; empty if it was used without a word.
     refused : bool
@@ -42,6 +45,7 @@ class Outcome:
     visible: int
     false: int
     worst: float
+    cut_false: int
     told: str
     refused: bool
     points: object
@@ -81,13 +85,13 @@ def try_case(case, photos):
 
 def _outcome(case, number, photo, points, refused, warnings):
     if points is None:
-        return Outcome(case.name, number, case.expect[number], 0, _visible(photo), 0, np.nan,
+        return Outcome(case.name, number, case.expect[number], 0, _visible(photo), 0, np.nan, 0,
                        refused or "not there", True, None)
-    visible, false, worst = judge(photo, points)
+    visible, false, worst, cut_false = judge(photo, points)
     name = f"{number}.png"
     told = "; ".join(text for text in warnings if ".png" not in text or name in text)
-    return Outcome(case.name, number, case.expect[number], len(points.index), visible, false,
-                   worst, told, False, points)
+    return Outcome(case.name, number, case.expect[number], len(points.whole.index), visible, false,
+                   worst, cut_false, told, False, points)
 
 
 def _visible(photo):
@@ -95,12 +99,12 @@ def _visible(photo):
 
 
 def judge(photo, points):
-    """(visible, false, worst) of found PhotoPoints against a :class:`Photo`'s truth.
+    """(visible, false, worst, cut_false) of found PhotoPoints against a :class:`Photo`'s truth.
 
     All points must belong to one target, and their index must be the target's up to one turn,
     mirroring and shift for all.
     """
-    best = 0, len(points.index), np.nan
+    best = 0, len(points.whole.index), np.nan, int(points.cut.sum())
     for truth in photo.truths:
         near, which = cKDTree(truth.xy).query(points.xy)
         close = near <= FALSE
@@ -110,8 +114,9 @@ def judge(photo, points):
         place = {tuple(key): xy for key, xy in zip(truth.index.tolist(), truth.xy)}
         off = np.array([np.linalg.norm(place[tuple(key)] - xy) if tuple(key) in place else np.inf
                         for key, xy in zip(index.tolist(), points.xy)])
-        result = int(truth.visible.sum()), int((off > FALSE).sum()), float(
-            off[off <= FALSE].max() if (off <= FALSE).any() else np.nan)
+        far, cut = off > FALSE, points.cut
+        worst = float(off[~far].max()) if not far.all() else np.nan
+        result = int(truth.visible.sum()), int((far & ~cut).sum()), worst, int((far & cut).sum())
         if result[1] < best[1]:
             best = result
     return best

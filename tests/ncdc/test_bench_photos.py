@@ -1,0 +1,75 @@
+"""Bad photos: what is found on them is right, or one sentence says why nothing is."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ncdc.bench.photos import spoil
+from ncdc.bench.photos.cases import CASES
+from ncdc.bench.photos.command import summary
+from ncdc.bench.photos.measure import judge, try_case
+from ncdc.bench.photos.targets import Bank
+from ncdc_model.calibration.points import PhotoPoints
+
+DATA = Path(__file__).resolve().parents[1] / "data"
+# Of each kind of defect one, on small photos.
+QUICK = ("dots, pen marks, small page", "dots, two pages side by side",
+         "dots, asked as chessboard:9x6", "circles, a hand, clutter", "circles, asked as 7x5",
+         "circles, two grids", "board, blurred by 3 px, real", "board, 15x9", "board, a hand",
+         "board, two boards", "board, asked as 7x5", "board, one photo a pixel smaller",
+         "board, a cut photo first", "charuco, a hand", "charuco, asked as 7x5",
+         "no target: a street", "no target: round tiles")
+
+
+@pytest.fixture(scope="module")
+def bank():
+    return Bank(DATA, 0.5)
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_what_must_become_of_it_does(bank, name):
+    (case,) = [case for case in CASES if case.name == name]
+    for outcome in try_case(case, case.make(bank)):
+        assert outcome.right and not outcome.silent, outcome
+
+
+@pytest.mark.regress
+def test_all_bad_photos():
+    bank, outcomes = Bank(DATA), []
+    for case in CASES:
+        outcomes += try_case(case, case.make(bank))
+    assert len(CASES) >= 60
+    assert [outcome for outcome in outcomes if outcome.silent] == []
+    total = summary(outcomes)[-1]
+    assert total["usable_used"] >= 0.75 * total["usable"]
+
+
+def test_truth_moves_with_the_picture(bank):
+    board = bank.real("mild1")
+    turned = spoil.turn(board, 30, 0.8)
+    size = np.array(board.size)
+    for before, after in zip(board.truths[0].xy[::9], turned.truths[0].xy[::9]):
+        if ((after > 20) & (after < size - 20)).all():
+            # A corner of squares looks the same after half a turn, before and after the move.
+            for photo, (x, y) in ((board, before), (turned, after)):
+                grey = photo.image if photo.image.ndim == 2 else photo.image[:, :, 0]
+                patch = grey[round(y) - 4:round(y) + 5, round(x) - 4:round(x) + 5].astype(float)
+                assert np.corrcoef(patch.ravel(), patch[::-1, ::-1].ravel())[0, 1] > 0.5
+
+
+def test_judge_sees_false_points_and_numbers(bank):
+    photo = bank.real("mild1")
+    truth = photo.truths[0]
+
+    def false(index, xy):
+        return judge(photo, PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy))))[1]
+    turned = np.stack([truth.index[:, 1], -truth.index[:, 0]], axis=1) + (3, 9)
+    assert false(truth.index, truth.xy) == false(turned, truth.xy) == 0
+    moved = truth.xy.copy()
+    moved[5] += (1.2, 0)
+    assert false(truth.index, moved) == 1
+    swapped = truth.index.copy()
+    swapped[[3, 40]] = swapped[[40, 3]]
+    assert false(swapped, truth.xy) == 2
+    assert false(truth.index, truth.xy + 300) == len(truth.xy)
