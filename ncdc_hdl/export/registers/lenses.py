@@ -21,7 +21,10 @@ class Lens:
     Parameters
     ----------
     digest : str
-    neurons : int
+    neurons, width, height : int
+        Hidden neurons; corrected image.
+    source_bytes, target_bytes : int
+        That are read of a raw frame; that a corrected frame takes.
     values : dict
         Value of every shadow register that concerns the lens, by name.
     valid_rows : tuple of int
@@ -29,6 +32,10 @@ class Lens:
     """
     digest: str
     neurons: int
+    width: int
+    height: int
+    source_bytes: int
+    target_bytes: int
     values: dict
     valid_rows: tuple
 
@@ -36,7 +43,9 @@ class Lens:
     def of(cls, corrector, descriptor):
         """That of ``descriptor`` on ``corrector``."""
         values = host_values(descriptor, corrector.hardware)
-        return cls(descriptor.digest, descriptor.hidden_neurons,
+        return cls(descriptor.digest, descriptor.hidden_neurons, *descriptor.geometry.corrected,
+                   values["SOURCE_LIMIT"] - values["SOURCE_BASE"],
+                   values["TARGET_LIMIT"] - values["TARGET_BASE"],
                    {name: value for name, value in values.items() if name not in _HOST},
                    tuple(word for _, word in table_words(descriptor.valid)))
 
