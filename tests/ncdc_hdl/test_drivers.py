@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from systemrdl import RDLCompileError, RDLCompiler
 from systemrdl.node import FieldNode, MemNode, RegNode
@@ -15,8 +16,13 @@ from kept import run_cocotb
 from ncdc.cli import main
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.registers.drivers import driver_files
-from ncdc_hdl.export.registers.lenses import lens_name
+from ncdc_hdl.export.registers.lenses import Lens, lens_name
+from ncdc_model.descriptor import Descriptor, FloatNetwork
 from ncdc_model.errors import InputError
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.fetch.lookups import frame_windows, lookups
+from ncdc_model.fetch.tags import accesses, misses
+from ncdc_model.geometry import Geometry, ValidRows
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import TABLE, counters, registers
@@ -328,6 +334,58 @@ def test_registers_in_one_place_are_not_accepted(folder, tmp_path):
     (tmp_path / "wrong.rdl").write_text(text)
     with pytest.raises(RDLCompileError):
         compiled(tmp_path / "wrong.rdl")
+
+
+CONSOLE = """
+import sys
+words = {}
+for line in sys.stdin:
+    if line.startswith("exit"):
+        break
+    if "master_read_32" in line:
+        print("noise\\n% NCDC", hex(words.get(int(line.split()[4], 0), 0)), flush=True)
+    else:
+        if "master_write_32" in line:
+            _, _, address, value, *_ = line.replace(";", "").split()
+            words[int(address, 0)] = int(value, 0)
+        print("% NCDC 0", flush=True)
+"""
+BACKENDS = """
+import sys
+from ncdc_backends import Mapped, SystemConsole
+for backend in (Mapped("registers.bin"), SystemConsole(command=(sys.executable, "console.py"))):
+    read, write = backend
+    write(0x10, 0xFFFFFFFE)
+    write(0xFFFC, 7)
+    print(read(0x10), read(0xFFFC), read(0x14))
+backend.close()
+"""
+
+
+def test_back_ends_reach_the_registers(folder):
+    """A file stands for the mapped device, a script for System Console."""
+    (folder / "registers.bin").write_bytes(bytes(1 << 16))
+    (folder / "console.py").write_text(CONSOLE)
+    done = subprocess.run([sys.executable, "-c", BACKENDS], cwd=folder, text=True,
+                          capture_output=True)
+    assert done.stdout.splitlines() == [f"{0xFFFFFFFE} 7 0"] * 2, done.stderr
+    assert (folder / "registers.bin").read_bytes()[0x10:0x14] == b"\xfe\xff\xff\xff"
+
+
+def test_a_rotated_lens_brings_the_split_that_suits_it():
+    """The columns of its picture are rows of the raw frame: the unrotated lens' split would read
+    several times as many tiles."""
+    g = Geometry(192, 192, 192, 192)
+    upright = np.eye(2) * 0.2
+    networks = [FloatNetwork(hidden, np.zeros(2), np.eye(2) * 95 * 2 / 0.2, np.full(2, 95.5))
+                for hidden in (upright, upright[::-1])]
+    valid = ValidRows.everything(192, 192)
+    plain, rotated = (Descriptor.quantise(network, g, valid) for network in networks)
+    corrector = Corrector(plain, Hardware(cache=CacheOptions(64)))
+    own, other = (Lens.of(corrector, d).values["CACHE_SPLIT"] for d in (plain, rotated))
+    accessed = accesses(lookups(frame_windows(rotated)))
+    read = [len(misses(accessed, corrector.hardware.cache, split)) for split in range(5)]
+    assert read[other] == min(read) and read[own] > 3 * read[other]
 
 
 # What is no lens of a corrector.
