@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from systemrdl import RDLCompileError, RDLCompiler
 from systemrdl.node import FieldNode, MemNode, RegNode
@@ -15,8 +16,13 @@ from kept import run_cocotb
 from ncdc.cli import main
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.registers.drivers import driver_files
-from ncdc_hdl.export.registers.lenses import lens_name
+from ncdc_hdl.export.registers.lenses import Lens, lens_name
+from ncdc_model.descriptor import Descriptor, FloatNetwork
 from ncdc_model.errors import InputError
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.fetch.lookups import frame_windows, lookups
+from ncdc_model.fetch.tags import accesses, misses
+from ncdc_model.geometry import Geometry, ValidRows
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import TABLE, counters, registers
@@ -80,6 +86,7 @@ def test_drivers_run_against_the_verilog(corrector, folder, simulator):
     ("ncdc.c", "NCDC_STATUS_BANK ? 0 : 1", "NCDC_STATUS_BANK ? 1 : 0"),
     ("ncdc.c", "NCDC_CTRL_COMMIT | NCDC_CTRL_START", "NCDC_CTRL_START"),
     ("ncdc.c", "NCDC_SOURCE_BASE, source", "NCDC_TARGET_BASE, source"),
+    ("ncdc.c", "NCDC_TARGET_LIMIT, target->address +", "NCDC_TARGET_LIMIT, target->address + 4 -"),
     ("ncdc_lenses.c", "NCDC_OUTPUT_Y_BIAS", "NCDC_OUTPUT_X_BIAS")])
 def test_a_wrong_driver_is_found(corrector, folder, tmp_path, file, right, wrong):
     for path in folder.glob("*.[ch]"):
@@ -103,6 +110,9 @@ int main(void)
     struct ncdc device = mapped_corrector(bus);
     int before = ncdc_check(&device);
     bus[NCDC_ID / 4] = NCDC_ID_VALUE;
+    if (ncdc_check(&device) != NCDC_ERROR_VERSION)
+        return 1;
+    bus[NCDC_CAPABILITIES / 4] = NCDC_VERSION;
     ncdc_start(&device);
     printf("%d %d %u", before, ncdc_check(&device), (unsigned)bus[NCDC_CTRL / 4]);
     return 0;
@@ -116,7 +126,8 @@ int main(void)
 def test_c_files_hold_the_table_and_the_lenses(corrector, folder):
     """Every offset and mask, and every value of both lenses, as a C program sees them."""
     flags = [(r, flag) for r in ROWS for flag in r.flags]
-    names = [f"NCDC_{r.name}" for r in ROWS] + ["NCDC_VALID_ROWS", "NCDC_ID_VALUE"]
+    names = [f"NCDC_{r.name}" for r in ROWS] + ["NCDC_VALID_ROWS", "NCDC_ID_VALUE",
+                                            "NCDC_VERSION", "NCDC_SOURCE_BEYOND"]
     names += [f"NCDC_{r.name}_{flag.name}" for r, flag in flags]
     prints = "".join(f'    printf("{name} %u\\n", (unsigned){name});\n' for name in names)
     (folder / "values.c").write_text(f"""#include <stdio.h>
@@ -124,7 +135,9 @@ def test_c_files_hold_the_table_and_the_lenses(corrector, folder):
 #include "ncdc_lenses.h"
 static void list(const struct ncdc_lens *lens) {{
     uint32_t k;
-    printf("lens %s %u\\n", lens->digest, (unsigned)lens->neurons);
+    printf("lens %s %u %u %u %u %u\\n", lens->digest, (unsigned)lens->neurons,
+           (unsigned)lens->width, (unsigned)lens->height, (unsigned)lens->source_bytes,
+           (unsigned)lens->target_bytes);
     for (k = 0; k < lens->value_count; ++k)
         printf("%u %u\\n", (unsigned)lens->values[k].offset, (unsigned)lens->values[k].value);
     for (k = 0; k < lens->span_count; ++k)
@@ -142,12 +155,18 @@ int main(void) {{
     assert dict(line.split() for line in head.splitlines()) == {
         **{f"NCDC_{r.name}": str(4 * r.address) for r in ROWS},
         "NCDC_VALID_ROWS": str(4 * TABLE), "NCDC_ID_VALUE": str(0x4E434443),
+        "NCDC_VERSION": "1", "NCDC_SOURCE_BEYOND": "12",
         **{f"NCDC_{r.name}_{flag.name}": str(flag.mask) for r, flag in flags}}
     for d, text in zip((WIDE, TELE), lenses, strict=True):
         first, *pairs = text.splitlines()
-        assert first == f"{d.digest} {d.hidden_neurons}"
         values = host_values(d, corrector.hardware)
-        for name in ("SOURCE_BASE", "TARGET_BASE", "VALID_BANK", "FOLLOW"):
+        width, height = d.geometry.corrected
+        target = values["TARGET_LIMIT"] - values["TARGET_BASE"]
+        assert 0 <= target - 4 * width * height < corrector.hardware.data_width // 8
+        assert first == (f"{d.digest} {d.hidden_neurons} {width} {height} "
+                         f"{values['SOURCE_LIMIT']} {target}")
+        for name in ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK",
+                     "FOLLOW"):
             del values[name]
         address = {r.name: 4 * r.address for r in ROWS}
         expected = [(address[name], value % 2**32) for name, value in values.items()]
@@ -176,7 +195,8 @@ print(json.dumps([r.OFFSET, flags, r.COUNTERS, ncdc_lenses.LENSES]))
 """], cwd=folder, check=True, text=True, stdout=subprocess.PIPE)
     offset, flags, names, lenses = json.loads(done.stdout)
     assert offset == {r.name: 4 * r.address for r in ROWS} and names == COUNTERS
-    assert flags == {"VALID_ROWS": 4 * TABLE, "ID_VALUE": 0x4E434443,
+    assert flags == {"VALID_ROWS": 4 * TABLE, "ID_VALUE": 0x4E434443, "VERSION": 1,
+                     "SOURCE_BEYOND": 12,
                      **{f"{r.name}_{flag.name}": flag.mask for r in ROWS for flag in r.flags}}
     for name, d in (("wide", WIDE), ("tele", TELE)):
         lens = lenses[name]
@@ -189,7 +209,8 @@ PYTHON_ERRORS = """
 import ncdc_registers as r
 from ncdc_driver import Corrector, CorrectorError
 from ncdc_lenses import LENSES
-words = {r.OFFSET["ID"]: r.ID_VALUE, r.OFFSET["NEURONS"]: 3}
+words = {r.OFFSET["ID"]: r.ID_VALUE, r.OFFSET["NEURONS"]: 3, r.OFFSET["LARGEST"]: 20 << 16 | 31,
+         r.OFFSET["CAPABILITIES"]: r.VERSION | 2 << 12 | 8 << 16}
 written = []
 status = r.OFFSET["STATUS"]
 
@@ -206,13 +227,27 @@ attempt(Corrector, lambda offset: 0xDEAD, write)
 corrector = Corrector(read, write)
 attempt(corrector.wait, 2)
 attempt(corrector.load, LENSES["wide"] | {"neurons": 5})
+attempt(corrector.load, LENSES["wide"] | {"width": 32})
+attempt(corrector.load, LENSES["wide"] | {"width": 21})
+wide = LENSES["wide"]
+source, target = (8, wide["source_bytes"]), (1 << 20, wide["target_bytes"])
+attempt(corrector.place, wide, (12, 9999), target)
+attempt(corrector.place, wide, source, (16, 8))
+attempt(corrector.place, wide, (8, 1 << 32), target)
+looks = []
+attempt(corrector.wait, 4, lambda: looks.append(1))
+assert len(looks) == 3
 words[status] = r.STATUS_COMMITTED
 attempt(corrector.load, LENSES["wide"])
-attempt(corrector.place, 0, 0)
+attempt(corrector.place, wide, source, target)
 words[status] = r.STATUS_REFUSED
-attempt(corrector.place, 8, 16)
-assert written == [(r.OFFSET["SOURCE_BASE"], 8), (r.OFFSET["TARGET_BASE"], 16),
+attempt(corrector.place, wide, source, target)
+assert written == [(r.OFFSET["SOURCE_BASE"], 8), (r.OFFSET["SOURCE_LIMIT"], sum(source)),
+                   (r.OFFSET["TARGET_BASE"], 1 << 20), (r.OFFSET["TARGET_LIMIT"], sum(target)),
                    (status, r.STATUS_REFUSED)]
+words[status], words[r.OFFSET["FAULT"]] = r.STATUS_DONE | r.STATUS_FAULT, 5
+attempt(corrector.wait)
+assert written[-1] == (r.OFFSET["FAULT"], 5)
 for ended in (r.STATUS_DONE, r.STATUS_DONE | r.STATUS_ABORTED):
     words[status] = ended
     attempt(corrector.wait)
@@ -236,9 +271,16 @@ def test_python_driver_names_errors(folder):
         "0 ID reads 0x0000dead, 0x4e434443 is needed",
         "0 no frame is complete after 2 polls",
         "0 the lens has 5 hidden neurons, the corrector 3",
+        "0 the lens makes 32x16 pixels, the corrector up to 31x20 in rows that are a multiple of 2",
+        "0 the lens makes 21x16 pixels, the corrector up to 31x20 in rows that are a multiple of 2",
+        "0 the source is at 0xc, a multiple of 8 below 4 GB is needed",
+        f"0 the target has 8 bytes, the lens needs {4 * 20 * 16}",
+        "0 the source is at 0x8, a multiple of 8 below 4 GB is needed",
+        "0 no frame is complete after 4 polls",
         "0 a commit waits for its frame boundary: nothing was written",
         "0 a commit waits for its frame boundary: nothing was written",
-        "3 the corrector refused a write",
+        "5 the corrector refused a write",
+        "2 the corrector refused: SOURCE, ALIGNMENT",
         "1 the frame was aborted"]
 
 
@@ -263,7 +305,7 @@ def test_system_rdl_is_the_table(corrector, folder):
         fields = [child for child in node.children() if isinstance(child, FieldNode)]
         if r.flags:
             assert [(f.inst_name, f.lsb, f.msb) for f in fields] == [
-                (flag.name, flag.bit, flag.bit) for flag in r.flags]
+                (flag.name, flag.low, flag.bit) for flag in r.flags]
             for f, flag in zip(fields, r.flags):
                 assert f.is_sw_readable == (flag.access != "w1"), flag
                 assert f.is_sw_writable == (flag.access != "ro"), flag
@@ -292,6 +334,58 @@ def test_registers_in_one_place_are_not_accepted(folder, tmp_path):
     (tmp_path / "wrong.rdl").write_text(text)
     with pytest.raises(RDLCompileError):
         compiled(tmp_path / "wrong.rdl")
+
+
+CONSOLE = """
+import sys
+words = {}
+for line in sys.stdin:
+    if line.startswith("exit"):
+        break
+    if "master_read_32" in line:
+        print("noise\\n% NCDC", hex(words.get(int(line.split()[4], 0), 0)), flush=True)
+    else:
+        if "master_write_32" in line:
+            _, _, address, value, *_ = line.replace(";", "").split()
+            words[int(address, 0)] = int(value, 0)
+        print("% NCDC 0", flush=True)
+"""
+BACKENDS = """
+import sys
+from ncdc_backends import Mapped, SystemConsole
+for backend in (Mapped("registers.bin"), SystemConsole(command=(sys.executable, "console.py"))):
+    read, write = backend
+    write(0x10, 0xFFFFFFFE)
+    write(0xFFFC, 7)
+    print(read(0x10), read(0xFFFC), read(0x14))
+backend.close()
+"""
+
+
+def test_back_ends_reach_the_registers(folder):
+    """A file stands for the mapped device, a script for System Console."""
+    (folder / "registers.bin").write_bytes(bytes(1 << 16))
+    (folder / "console.py").write_text(CONSOLE)
+    done = subprocess.run([sys.executable, "-c", BACKENDS], cwd=folder, text=True,
+                          capture_output=True)
+    assert done.stdout.splitlines() == [f"{0xFFFFFFFE} 7 0"] * 2, done.stderr
+    assert (folder / "registers.bin").read_bytes()[0x10:0x14] == b"\xfe\xff\xff\xff"
+
+
+def test_a_rotated_lens_brings_the_split_that_suits_it():
+    """The columns of its picture are rows of the raw frame: the unrotated lens' split would read
+    several times as many tiles."""
+    g = Geometry(192, 192, 192, 192)
+    upright = np.eye(2) * 0.2
+    networks = [FloatNetwork(hidden, np.zeros(2), np.eye(2) * 95 * 2 / 0.2, np.full(2, 95.5))
+                for hidden in (upright, upright[::-1])]
+    valid = ValidRows.everything(192, 192)
+    plain, rotated = (Descriptor.quantise(network, g, valid) for network in networks)
+    corrector = Corrector(plain, Hardware(cache=CacheOptions(64)))
+    own, other = (Lens.of(corrector, d).values["CACHE_SPLIT"] for d in (plain, rotated))
+    accessed = accesses(lookups(frame_windows(rotated)))
+    read = [len(misses(accessed, corrector.hardware.cache, split)) for split in range(5)]
+    assert read[other] == min(read) and read[own] > 3 * read[other]
 
 
 # What is no lens of a corrector.
@@ -328,6 +422,7 @@ def test_name_of_a_lens(path, name):
 
 def test_command_writes_them_all(corrector, folder, tmp_path):
     assert main(["generate", str(folder / "wide.toml"), "--lens", str(folder / "tele.toml"),
-                 "-o", str(tmp_path), "--fetch", corrector.hardware.fetcher]) == 0
+                 "-o", str(tmp_path), "--fetch", corrector.hardware.fetcher,
+                 "--cache-bytes", str(corrector.hardware.cache.bytes)]) == 0
     for name in driver_files(corrector, [("wide.toml", WIDE)]):
         assert (tmp_path / name).read_text() == (folder / name).read_text(), name

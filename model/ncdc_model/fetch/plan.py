@@ -15,7 +15,8 @@ from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces
 from ncdc_model.memory_timing import memory_at
 
-__all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "Plan", "STRIPS", "choose", "plan"]
+__all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "Plan", "STRIPS", "best_split",
+           "choose", "plan"]
 
 CACHE_BYTES = 8192, 16384, 32768, 65536     # sizes that are tried
 STRIPS = 64, 128, 256                       # widths that are tried, besides raster
@@ -303,3 +304,12 @@ def _worth_timing(choices):
         if key not in seen:
             seen.add(key)
             yield choice
+
+
+def best_split(descriptor, hardware):
+    """The split of the tile cache of ``hardware`` that reads the fewest tiles for ``descriptor``;
+    its own, of several that do."""
+    accessed = accesses(lookups(frame_windows(descriptor), hardware.strip, hardware.lanes))
+    own = hardware.split_for(descriptor.geometry)
+    return min(range(hardware.cache.max_split + 1),
+               key=lambda split: (len(misses(accessed, hardware.cache, split)), split != own))

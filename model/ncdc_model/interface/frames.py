@@ -6,10 +6,11 @@ import numpy as np
 
 from ncdc_model.fetch.cache_options import TILE_WIDTH
 
-__all__ = ["ADDRESS_BITS", "FramePlaces", "PIXEL_BYTES", "frame_bytes", "raw_image",
-           "source_bytes", "stored_picture", "target_bytes"]
+__all__ = ["ADDRESS_BITS", "FramePlaces", "PIXEL_BYTES", "SOURCE_BEYOND", "frame_bytes",
+           "raw_image", "source_bytes", "stored_picture", "target_bytes"]
 
 ADDRESS_BITS = 32
+SOURCE_BEYOND = 12      # bytes behind a raw frame's last row that may be read, at most
 PIXEL_BYTES = 4         # blue, green, red, zero: the usual XRGB8888 in little-endian memory
 _ALIGN = 4096           # bytes; the corrected frame begins at a multiple of this
 
@@ -49,7 +50,8 @@ def frame_bytes(geometry):
 def source_bytes(geometry, pitch):
     """Bytes that are read of a raw frame whose rows are ``pitch`` bytes apart.
 
-    Samples are read 16 at a time, so that the last row may be followed by up to 12 bytes more.
+    Samples are read 16 at a time, so that the last row may be followed by up to
+    ``SOURCE_BEYOND`` bytes more; by none if the pitch is a multiple of 16.
     """
     last_row = -(-geometry.distorted_width // TILE_WIDTH) * TILE_WIDTH
     return (geometry.distorted_height - 1) * pitch + max(pitch, last_row)

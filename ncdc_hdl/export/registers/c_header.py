@@ -1,6 +1,7 @@
 """The registers and lenses in C."""
 
-from ncdc_model.interface.register_map import ID, TABLE, counters
+from ncdc_model.interface.frames import SOURCE_BEYOND
+from ncdc_model.interface.register_map import ID, TABLE, VERSION, counters
 
 __all__ = ["c_header", "c_lenses", "c_lenses_header"]
 
@@ -18,7 +19,9 @@ def c_header(table):
               for r in table]
     lines += [f"#define NCDC_VALID_ROWS 0x{4 * TABLE:04X}u "
               "/* rw: 8 bytes per row, two spans of start | stop << 16 */", "",
-              f"#define NCDC_ID_VALUE 0x{ID:X}u"]
+              f"#define NCDC_ID_VALUE 0x{ID:X}u", f"#define NCDC_VERSION {VERSION}u",
+              f"#define NCDC_SOURCE_BEYOND {SOURCE_BEYOND}u "
+              "/* bytes behind a raw frame's last row that may be read, at most; no row is */"]
     lines += [f"#define NCDC_{r.name}_{flag.name} 0x{flag.mask:X}u /* {flag.access}: {flag.text} */"
               for r in table for flag in r.flags]
     each = [f"X({r.name.lower()}, NCDC_{r.name})" for r in counters(table)]
@@ -47,6 +50,7 @@ def c_lenses(lenses):
                   for k in range(0, len(lens.valid_rows), 6)]
         lines += ["};", "", f"const struct ncdc_lens ncdc_lens_{name} = {{",
                   f'    "{lens.digest}", {lens.neurons},',
+                  f"    {lens.width}, {lens.height}, {lens.source_bytes}, {lens.target_bytes},",
                   f"    values_{name}, {len(lens.values)},",
                   f"    valid_rows_{name}, {len(lens.valid_rows)}", "};", ""]
     return "\n".join(lines)

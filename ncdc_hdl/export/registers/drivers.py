@@ -9,7 +9,8 @@ from ncdc_hdl.export.registers.system_rdl import system_rdl
 
 __all__ = ["driver_files"]
 
-_FIXED = ("ncdc.h", "ncdc.c", "ncdc_driver.py")     # the same for every corrector
+# The same for every corrector.
+_FIXED = ("ncdc.h", "ncdc.c", "ncdc_mapped.h", "ncdc_driver.py", "ncdc_backends.py")
 
 
 def driver_files(corrector, named):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ncdc_model.errors import InputError, reading
+from ncdc_model.fetch.plan import best_split
 from ncdc_model.hardware import check_lanes
 from ncdc_model.interface.host_values import host_values, table_words
 
@@ -21,7 +22,10 @@ class Lens:
     Parameters
     ----------
     digest : str
-    neurons : int
+    neurons, width, height : int
+        Hidden neurons; corrected image.
+    source_bytes, target_bytes : int
+        That are read of a raw frame; that a corrected frame takes.
     values : dict
         Value of every shadow register that concerns the lens, by name.
     valid_rows : tuple of int
@@ -29,14 +33,25 @@ class Lens:
     """
     digest: str
     neurons: int
+    width: int
+    height: int
+    source_bytes: int
+    target_bytes: int
     values: dict
     valid_rows: tuple
 
     @classmethod
     def of(cls, corrector, descriptor):
-        """That of ``descriptor`` on ``corrector``."""
+        """That of ``descriptor`` on ``corrector``; with the split of the cache that suits it.
+
+        What suits a lens that is not rotated costs several times the clocks on one that is.
+        """
         values = host_values(descriptor, corrector.hardware)
-        return cls(descriptor.digest, descriptor.hidden_neurons,
+        if corrector.hardware.cached and descriptor.digest != corrector.descriptor.digest:
+            values["CACHE_SPLIT"] = best_split(descriptor, corrector.hardware)
+        return cls(descriptor.digest, descriptor.hidden_neurons, *descriptor.geometry.corrected,
+                   values["SOURCE_LIMIT"] - values["SOURCE_BASE"],
+                   values["TARGET_LIMIT"] - values["TARGET_BASE"],
                    {name: value for name, value in values.items() if name not in _HOST},
                    tuple(word for _, word in table_words(descriptor.valid)))
 

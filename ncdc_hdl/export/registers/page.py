@@ -4,6 +4,7 @@ from importlib.resources import files
 
 from ncdc_model.descriptor import Formats
 from ncdc_model.geometry import MAX_SIZE
+from ncdc_model.interface.frames import SOURCE_BEYOND
 from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS, SKIP, TABLE, registers
 
 __all__ = ["register_doc"]
@@ -25,7 +26,7 @@ def register_doc(hidden_neurons, formats):
                  "Spans of pixels with a source in row r, see below. |\n")
     bits = MAX_SIZE.bit_length() - 1
     page = (files("ncdc_hdl.export.registers") / "page.md").read_text()
-    return page.format(words=1 << ADDRESS_WORDS_BITS, neurons=hidden_neurons,
+    return page.format(words=1 << ADDRESS_WORDS_BITS, neurons=hidden_neurons, beyond=SOURCE_BEYOND,
                        last=hidden_neurons - 1, skip=4 * SKIP, rows="".join(lines), bits=bits,
                        high=16 + bits)
 
@@ -39,9 +40,10 @@ def _offset(name, same):
 
 
 def _text(register, text):
-    flags = "; bit ".join(f"{flag.bit} `{flag.name}` ({flag.access}): {flag.text}"
-                      for flag in register.flags)
-    return " ".join(part for part in (flags and f"Bit {flags}.", text) if part)
+    flags = "; ".join(
+        f"{flag.place} `{flag.name}` ({flag.access}): {flag.text}" for flag in register.flags)
+    flags = flags and f"{flags[0].upper()}{flags[1:]}."
+    return " ".join(part for part in (flags, text) if part)
 
 
 def _row(offset, name, access, shape, text):

@@ -1,6 +1,7 @@
 """The registers and lenses as modules for the Python driver."""
 
-from ncdc_model.interface.register_map import ID, TABLE, counters
+from ncdc_model.interface.frames import SOURCE_BEYOND
+from ncdc_model.interface.register_map import ID, TABLE, VERSION, counters
 
 __all__ = ["python_lenses", "python_registers"]
 
@@ -11,7 +12,8 @@ def python_registers(table):
              "", "OFFSET = {"]
     lines += [f'    "{r.name}": 0x{4 * r.address:04X},' for r in table]
     lines += ["}", f"VALID_ROWS = 0x{4 * TABLE:04X}",
-              f"COUNTERS = {tuple(r.name for r in counters(table))!r}", "", f"ID_VALUE = 0x{ID:X}"]
+              f"COUNTERS = {tuple(r.name for r in counters(table))!r}", "", f"ID_VALUE = 0x{ID:X}",
+              f"VERSION = {VERSION}", f"SOURCE_BEYOND = {SOURCE_BEYOND}"]
     lines += [f"{r.name}_{flag.name} = 0x{flag.mask:X}" for r in table for flag in r.flags]
     return "\n".join([*lines, ""])
 
@@ -22,7 +24,10 @@ def python_lenses(lenses):
              "", "LENSES = {"]
     for name, lens in lenses.items():
         lines += [f'    "{name}": {{', f'        "digest": "{lens.digest}",',
-                  f'        "neurons": {lens.neurons},', '        "values": {']
+                  f'        "neurons": {lens.neurons}, "width": {lens.width}, '
+                  f'"height": {lens.height},',
+                  f'        "source_bytes": {lens.source_bytes}, '
+                  f'"target_bytes": {lens.target_bytes},', '        "values": {']
         lines += [f'            "{register}": {value},' for register, value in lens.values.items()]
         lines += ["        },", '        "valid_rows": (']
         lines += [f"            {', '.join(f'0x{span:08X}' for span in lens.valid_rows[k:k + 6])},"

@@ -23,7 +23,8 @@ def system_rdl(agent):
         lines += ["    reg {", f"        desc = {_quoted(_text(register))};"]
         for flag in register.flags:
             lines.append(f"        field {{ {_ACCESS[flag.access]} desc = {_quoted(flag.text)}; }} "
-                         f"{flag.name}[{flag.bit}:{flag.bit}] = 0;")
+                         f"{flag.name}[{flag.bit}:{flag.low}] = "
+                         f"{(values.get(register.name, 0) & flag.mask) >> flag.low};")
         if not register.flags:
             width = register.shape.width
             value = values.get(register.name, 0) & (1 << width) - 1

@@ -29,6 +29,11 @@ class Device(ctypes.Structure):
     _fields_ = [("read", _READ), ("write", _WRITE), ("context", ctypes.c_void_p)]
 
 
+class Buffer(ctypes.Structure):
+    """``struct ncdc_buffer`` of ncdc.h."""
+    _fields_ = [("address", ctypes.c_uint32), ("bytes", ctypes.c_uint32)]
+
+
 class Bench:
     """The corrector between memory agents, with the raw frames of all cameras in memory."""
 
@@ -46,6 +51,9 @@ class Bench:
             pitch = host_values(d)["SOURCE_PITCH"]
             image = raw_image(raw, pitch)
             self.memory[place:place + len(image)] = image
+        self.sources = (Buffer * 2)(*((place, _STEP) for place in self.source))
+        self.targets = (Buffer * _FRAMES)(*((self.target + k * _STEP, _STEP)
+                                            for k in range(_FRAMES)))
         self.errors = []        # ctypes drops what a callback raises
 
     async def begin(self):
@@ -103,7 +111,7 @@ async def c_driver_corrects_one_frame(dut):
     device, library = bench.device(*await bench.begin()), bench.library()
     counters = (ctypes.c_uint32 * len(settings()["counters"]))()
     result = await bridge(lambda: library.correct_one(
-        ctypes.byref(device), bench.source[0], bench.target, counters))()
+        ctypes.byref(device), bench.sources, bench.targets, counters))()
     assert result == 0
     bench.check(1)
     width, height = bench.cameras[0].geometry.corrected
@@ -117,9 +125,8 @@ async def c_driver_alternates_lenses(dut):
     """The second sample: another lens with every frame, each started while the last one runs."""
     bench = Bench(dut)
     device, library = bench.device(*await bench.begin()), bench.library()
-    source = (ctypes.c_uint32 * 2)(*bench.source)
     result = await bridge(lambda: library.alternate(
-        ctypes.byref(device), source, bench.target, _STEP, _FRAMES))()
+        ctypes.byref(device), bench.sources, bench.targets, _FRAMES))()
     assert result == 0
     bench.check(_FRAMES)
 
@@ -136,14 +143,39 @@ async def c_driver_names_errors(dut):
     def errors():
         assert library.ncdc_wait(here, 3) == 5, "timeout"
         assert library.ncdc_load(here, ctypes.byref(wide)) == 0
-        assert library.ncdc_place(here, bench.source[0], bench.target) == 0
+        lens, small = ctypes.byref(wide), Buffer(bench.target, 64)
+        assert library.ncdc_altered(here) == 1, "loaded"
+        assert library.ncdc_place(here, lens, bench.sources, ctypes.byref(small)) == 10, "room"
+        odd = Buffer(bench.source[0] + 2, _STEP - 2)
+        assert library.ncdc_place(here, lens, ctypes.byref(odd), bench.targets) == 9, "alignment"
+        assert library.ncdc_place(here, lens, bench.sources, bench.targets) == 0
         library.ncdc_commit_and_start(here)
         library.ncdc_commit(here)
         before = [read(offset) for offset in range(0x20, 0x58, 4)]
         assert library.ncdc_load(here, ctypes.byref(wide)) == 3, "a commit waits"
-        assert library.ncdc_place(here, 0, 0) == 3, "a commit waits"
+        assert library.ncdc_place(here, lens, bench.sources, bench.targets) == 3, "a commit waits"
         assert [read(offset) for offset in range(0x20, 0x58, 4)] == before
         assert library.ncdc_wait(here, 0) == 0
+        # A frame of nonsense is refused, and named.
+        write(0x24, 0)
+        library.ncdc_commit_and_start(here)
+        assert library.ncdc_wait(here, 0) == 11, "pitch 0"
+        assert library.ncdc_faults(here) == 8 and library.ncdc_faults(here) == 0
+        assert library.ncdc_load(here, ctypes.byref(wide)) == 0
+        library.ncdc_commit(here)
+        # With an interrupt, and by a callback that gives up at its third call.
+        result = ctypes.c_int(-1)
+        library.ncdc_enable_interrupt(here, 1)
+        assert library.ncdc_interrupted(here, ctypes.byref(result)) == 0
+        library.ncdc_start(here)
+        calls = []
+        idle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)(
+            lambda _: calls.append(1) or len(calls) == 3)
+        assert library.ncdc_wait_calling(here, idle, None) == 5 and len(calls) == 3
+        while not library.ncdc_interrupted(here, ctypes.byref(result)):
+            pass
+        assert result.value == 0 and not read(0x10) & 2
+        library.ncdc_enable_interrupt(here, 0)
         library.ncdc_start(here)
         library.ncdc_abort(here)
         assert library.ncdc_wait(here, 0) == 6, "aborted"
@@ -153,7 +185,7 @@ async def c_driver_names_errors(dut):
         stolen = bench.device(lambda offset: read(offset) & ~8, write)
         library.ncdc_start(here)
         library.ncdc_commit(here)
-        assert library.ncdc_place(ctypes.byref(stolen), 0, 0) == 4, "refused"
+        assert library.ncdc_place(ctypes.byref(stolen), lens, bench.sources, bench.targets) == 4
         assert library.ncdc_wait(here, 0) == 0
         return True
 
@@ -169,6 +201,7 @@ async def python_driver_alternates_lenses(dut):
     sys.path.insert(0, settings()["python"])
     sample = runpy.run_path(f"{settings()['python']}/samples.py")
     counters = await bridge(lambda: sample["alternate"](
-        read, write, bench.source, bench.target, _STEP, _FRAMES))()
+        read, write, [(place, _STEP) for place in bench.source],
+        [(bench.target + k * _STEP, _STEP) for k in range(_FRAMES)]))()
     bench.check(_FRAMES)
     assert counters["FRAMES"] == _FRAMES

@@ -19,19 +19,40 @@ static enum ncdc_result refused(const struct ncdc *device)
     return NCDC_ERROR_REFUSED;
 }
 
+/* The bits of `word` under `mask`, a run of ones, as a number. */
+static uint32_t field(uint32_t word, uint32_t mask)
+{
+    return (word & mask) / (mask & (0u - mask));
+}
+
 enum ncdc_result ncdc_check(const struct ncdc *device)
 {
-    return get(device, NCDC_ID) == NCDC_ID_VALUE ? NCDC_OK : NCDC_ERROR_ID;
+    uint32_t word;
+
+    if (get(device, NCDC_ID) != NCDC_ID_VALUE)
+        return NCDC_ERROR_ID;
+    word = get(device, NCDC_CAPABILITIES);
+    return field(word, NCDC_CAPABILITIES_VERSION) == NCDC_VERSION ? NCDC_OK : NCDC_ERROR_VERSION;
+}
+
+int ncdc_altered(const struct ncdc *device)
+{
+    return get(device, NCDC_ALTERED) != 0;
 }
 
 enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *lens)
 {
     uint32_t status = get(device, NCDC_STATUS);
     uint32_t bank = status & NCDC_STATUS_BANK ? 0 : 1;
+    uint32_t largest = get(device, NCDC_LARGEST);
     uint32_t k;
 
     if (get(device, NCDC_NEURONS) != lens->neurons)
         return NCDC_ERROR_NEURONS;
+    if (lens->width > field(largest, NCDC_LARGEST_WIDTH)
+            || lens->height > field(largest, NCDC_LARGEST_HEIGHT)
+            || lens->width % field(get(device, NCDC_CAPABILITIES), NCDC_CAPABILITIES_LANES))
+        return NCDC_ERROR_SIZE;
     if (status & NCDC_STATUS_COMMITTED)
         return NCDC_ERROR_COMMITTED;
     for (k = 0; k < lens->value_count; ++k)
@@ -43,12 +64,36 @@ enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *le
     return refused(device);
 }
 
-enum ncdc_result ncdc_place(const struct ncdc *device, uint32_t source, uint32_t target)
+/* Whether a frame of so many bytes fits the buffer, on a memory of words of `word` bytes. */
+static enum ncdc_result fits(const struct ncdc_buffer *buffer, uint32_t bytes, uint32_t word)
 {
+    if (buffer->address % word)
+        return NCDC_ERROR_ALIGNMENT;
+    /* The limit must be below 4 GB. */
+    return buffer->bytes < bytes || buffer->bytes > UINT32_MAX - buffer->address ? NCDC_ERROR_ROOM
+                                                                                 : NCDC_OK;
+}
+
+enum ncdc_result ncdc_place(const struct ncdc *device, const struct ncdc_lens *lens,
+                            const struct ncdc_buffer *source, const struct ncdc_buffer *target)
+{
+    uint32_t capabilities = get(device, NCDC_CAPABILITIES);
+    uint32_t word = field(capabilities, NCDC_CAPABILITIES_WORD);
+    int stream = (capabilities & NCDC_CAPABILITIES_STREAM) != 0;
+    enum ncdc_result result = fits(source, lens->source_bytes, word);
+
+    if (result == NCDC_OK && !stream)
+        result = fits(target, lens->target_bytes, word);
+    if (result != NCDC_OK)
+        return result;
     if (get(device, NCDC_STATUS) & NCDC_STATUS_COMMITTED)
         return NCDC_ERROR_COMMITTED;
-    put(device, NCDC_SOURCE_BASE, source);
-    put(device, NCDC_TARGET_BASE, target);
+    put(device, NCDC_SOURCE_BASE, source->address);
+    put(device, NCDC_SOURCE_LIMIT, source->address + source->bytes);
+    if (!stream) {
+        put(device, NCDC_TARGET_BASE, target->address);
+        put(device, NCDC_TARGET_LIMIT, target->address + target->bytes);
+    }
     return refused(device);
 }
 
@@ -72,6 +117,15 @@ void ncdc_abort(const struct ncdc *device)
     put(device, NCDC_CTRL, NCDC_CTRL_ABORT);
 }
 
+/* Take note of the end of a frame. */
+static enum ncdc_result ended(const struct ncdc *device, uint32_t status)
+{
+    put(device, NCDC_STATUS, NCDC_STATUS_DONE);
+    if (status & NCDC_STATUS_FAULT)
+        return NCDC_ERROR_FAULT;
+    return status & NCDC_STATUS_ABORTED ? NCDC_ERROR_ABORTED : NCDC_OK;
+}
+
 enum ncdc_result ncdc_wait(const struct ncdc *device, uint32_t polls)
 {
     uint32_t left = polls;
@@ -82,8 +136,43 @@ enum ncdc_result ncdc_wait(const struct ncdc *device, uint32_t polls)
             return NCDC_ERROR_TIMEOUT;
         status = get(device, NCDC_STATUS);
     }
-    put(device, NCDC_STATUS, NCDC_STATUS_DONE);
-    return status & NCDC_STATUS_ABORTED ? NCDC_ERROR_ABORTED : NCDC_OK;
+    return ended(device, status);
+}
+
+enum ncdc_result ncdc_wait_calling(const struct ncdc *device, int (*idle)(void *context),
+                                   void *context)
+{
+    uint32_t status = get(device, NCDC_STATUS);
+
+    while (!(status & NCDC_STATUS_DONE)) {
+        if (idle(context))
+            return NCDC_ERROR_TIMEOUT;
+        status = get(device, NCDC_STATUS);
+    }
+    return ended(device, status);
+}
+
+void ncdc_enable_interrupt(const struct ncdc *device, int enable)
+{
+    put(device, NCDC_IRQ_ENABLE, enable != 0);
+}
+
+int ncdc_interrupted(const struct ncdc *device, enum ncdc_result *result)
+{
+    uint32_t status = get(device, NCDC_STATUS);
+
+    if (!(status & NCDC_STATUS_DONE) || !get(device, NCDC_IRQ_ENABLE))
+        return 0;
+    *result = ended(device, status);
+    return 1;
+}
+
+uint32_t ncdc_faults(const struct ncdc *device)
+{
+    uint32_t faults = get(device, NCDC_FAULT);
+
+    put(device, NCDC_FAULT, faults);
+    return faults;
 }
 
 void ncdc_read_counters(const struct ncdc *device, struct ncdc_counters *counters)

@@ -24,14 +24,23 @@ struct ncdc_value {
     uint32_t offset, value;
 };
 
-/* All that a camera needs but the places of its frames: network, geometry, valid rows. */
+/* All that a camera needs but the places of its frames: network, geometry, valid rows, split of the
+ * cache. */
 struct ncdc_lens {
     const char *digest;             /* of the descriptor, 12 hex digits */
     uint32_t neurons;
+    uint32_t width, height;         /* of the corrected image */
+    uint32_t source_bytes;          /* that are read of a raw frame: see NCDC_SOURCE_BEYOND */
+    uint32_t target_bytes;          /* that a corrected frame takes */
     const struct ncdc_value *values;
     uint32_t value_count;
     const uint32_t *valid_rows;     /* start | stop << 16 of both spans of every row */
     uint32_t span_count;
+};
+
+/* Memory for a frame: byte address, and bytes that are the corrector's to use. */
+struct ncdc_buffer {
+    uint32_t address, bytes;
 };
 
 /* What the last complete frame counted. */
@@ -48,18 +57,30 @@ enum ncdc_result {
     NCDC_ERROR_COMMITTED,   /* a commit waits for its frame boundary: nothing was written */
     NCDC_ERROR_REFUSED,     /* the corrector ignored a write */
     NCDC_ERROR_TIMEOUT,     /* no frame was complete in time */
-    NCDC_ERROR_ABORTED      /* the frame that is complete lacks pixels */
+    NCDC_ERROR_ABORTED,     /* the frame that is complete lacks pixels */
+    NCDC_ERROR_VERSION,     /* the corrector has registers that this driver does not know */
+    NCDC_ERROR_SIZE,        /* the lens is larger than the corrector, or no multiple of its lanes */
+    NCDC_ERROR_ALIGNMENT,   /* a buffer does not begin on a memory word */
+    NCDC_ERROR_ROOM,        /* a buffer is too small for a frame of the lens */
+    NCDC_ERROR_FAULT        /* the corrector refused a frame, or what is outside its buffers */
 };
 
-/* Does a corrector answer? */
+/* Does a corrector answer, and one that this driver knows? */
 enum ncdc_result ncdc_check(const struct ncdc *device);
+
+/* Is what is loaded perhaps another lens than the one of DIGEST? A reset keeps the valid rows: if
+ * this is 1 after a reset, load a lens before the next frame. */
+int ncdc_altered(const struct ncdc *device);
 
 /* Write a lens to the set that the next commit makes active, its valid rows to the bank that is
  * not in use. A frame that runs meanwhile does not see it. */
 enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *lens);
 
-/* Byte addresses of the raw and the corrected frame, for the next commit as well. */
-enum ncdc_result ncdc_place(const struct ncdc *device, uint32_t source, uint32_t target);
+/* Memory of the raw and of the corrected frame of `lens`, for the next commit as well. Nothing
+ * outside is read or written, whatever else the registers hold. A corrector with a video stream takes
+ * no notice of `target`, which may be 0 then. */
+enum ncdc_result ncdc_place(const struct ncdc *device, const struct ncdc_lens *lens,
+                            const struct ncdc_buffer *source, const struct ncdc_buffer *target);
 
 /* Make what was written active at the next frame boundary. */
 void ncdc_commit(const struct ncdc *device);
@@ -76,6 +97,21 @@ void ncdc_abort(const struct ncdc *device);
 /* Wait until a frame is complete, reading STATUS at most `polls` times (0: for ever), and take
  * note of it, so that the next call waits for the next frame. */
 enum ncdc_result ncdc_wait(const struct ncdc *device, uint32_t polls);
+
+/* The same, and call `idle` with `context` after each look that found no frame, until it returns
+ * other than 0: then NCDC_ERROR_TIMEOUT. For a system that sleeps, or serves others meanwhile. */
+enum ncdc_result ncdc_wait_calling(const struct ncdc *device, int (*idle)(void *context),
+                                   void *context);
+
+/* Let `irq` follow the end of a frame, or not. */
+void ncdc_enable_interrupt(const struct ncdc *device, int enable);
+
+/* For an interrupt handler: did this corrector interrupt? If so `irq` falls, the end of the frame is
+ * taken note of, and `result` is what ncdc_wait() returns. */
+int ncdc_interrupted(const struct ncdc *device, enum ncdc_result *result);
+
+/* Bits NCDC_FAULT_... of what was refused since the last call, which clears them. */
+uint32_t ncdc_faults(const struct ncdc *device);
 
 void ncdc_read_counters(const struct ncdc *device, struct ncdc_counters *counters);
 

@@ -6,7 +6,12 @@ __all__ = ["Corrector", "CorrectorError"]
 
 
 class CorrectorError(RuntimeError):
-    """The corrector is not there, refused a write, or was not ready in time."""
+    """The corrector is not there, refused something, or was not ready in time."""
+
+
+def _field(word, mask):
+    """The bits of ``word`` under ``mask``, a run of ones, as a number."""
+    return (word & mask) // (mask & -mask)
 
 
 class Corrector:
@@ -22,7 +27,16 @@ class Corrector:
     Raises
     ------
     CorrectorError
-        If no corrector answers.
+        If no corrector answers, or one that this driver does not know.
+
+    Attributes
+    ----------
+    lanes, word : int
+        Pixels per clock; bytes of a memory word.
+    stream : bool
+        Pixels leave as a video stream.
+    largest : (int, int)
+        Width and height of the largest corrected image.
     """
 
     def __init__(self, read, write):
@@ -30,6 +44,18 @@ class Corrector:
         word = self.get("ID")
         if word != registers.ID_VALUE:
             raise CorrectorError(f"ID reads {word:#010x}, {registers.ID_VALUE:#010x} is needed")
+        word = self.get("CAPABILITIES")
+        self.version, self.lanes, self.word = (
+            _field(word, mask) for mask in (registers.CAPABILITIES_VERSION,
+                                            registers.CAPABILITIES_LANES,
+                                            registers.CAPABILITIES_WORD))
+        self.stream = bool(word & registers.CAPABILITIES_STREAM)
+        word = self.get("LARGEST")
+        self.largest = tuple(_field(word, mask) for mask in (registers.LARGEST_WIDTH,
+                                                             registers.LARGEST_HEIGHT))
+        if self.version != registers.VERSION:
+            raise CorrectorError(f"the corrector's registers are of version {self.version}, this "
+                                 f"driver is for {registers.VERSION}")
 
     def get(self, name):
         """Value of the register ``name``, as read."""
@@ -48,12 +74,18 @@ class Corrector:
         Raises
         ------
         CorrectorError
-            If a commit still waits, the number of neurons differs, or a write was refused.
+            If a commit still waits, the number of neurons differs, the corrected image is larger
+            than the corrector's or no multiple of its lanes, or a write was refused.
         """
         status, neurons = self.get("STATUS"), self.get("NEURONS")
         if neurons != lens["neurons"]:
             raise CorrectorError(f"the lens has {lens['neurons']} hidden neurons, "
                                  f"the corrector {neurons}")
+        if (lens["width"] > self.largest[0] or lens["height"] > self.largest[1]
+                or lens["width"] % self.lanes):
+            raise CorrectorError(
+                f"the lens makes {lens['width']}x{lens['height']} pixels, the corrector up to "
+                f"{self.largest[0]}x{self.largest[1]} in rows that are a multiple of {self.lanes}")
         self._free(status)
         bank = 0 if status & registers.STATUS_BANK else 1
         for name, value in lens["values"].items():
@@ -64,11 +96,34 @@ class Corrector:
         self.put("VALID_BANK", bank)
         self._taken()
 
-    def place(self, source, target):
-        """Byte addresses of the raw and the corrected frame, for the next commit as well."""
+    def altered(self):
+        """Whether another lens than that of DIGEST may be loaded; a reset keeps valid rows."""
+        return bool(self.get("ALTERED"))
+
+    def place(self, lens, source, target=None):
+        """Memory of the raw and of the corrected frame of ``lens``, for the next commit as well.
+
+        Each is (byte address, bytes). Nothing outside is read or written, whatever else the
+        registers hold. A corrector with a video stream needs no ``target``.
+
+        Raises
+        ------
+        CorrectorError
+            If a place does not begin on a memory word, or is too small, or a commit still waits.
+        """
+        places = [("SOURCE", source, lens["source_bytes"])]
+        places += [] if self.stream else [("TARGET", target, lens["target_bytes"])]
+        for name, (address, size), needed in places:
+            if address % self.word or not 0 <= address < address + size < 1 << 32:
+                raise CorrectorError(f"the {name.lower()} is at {address:#x}, a multiple of "
+                                     f"{self.word} below 4 GB is needed")
+            if size < needed:
+                raise CorrectorError(f"the {name.lower()} has {size} bytes, the lens needs "
+                                     f"{needed}")
         self._free(self.get("STATUS"))
-        self.put("SOURCE_BASE", source)
-        self.put("TARGET_BASE", target)
+        for name, (address, size), _ in places:
+            self.put(f"{name}_BASE", address)
+            self.put(f"{name}_LIMIT", address + size)
         self._taken()
 
     def commit(self):
@@ -87,13 +142,27 @@ class Corrector:
         """End the frame that runs, soon; :meth:`wait` tells when its last word is in memory."""
         self.put("CTRL", registers.CTRL_ABORT)
 
-    def wait(self, polls=None):
+    def enable_interrupt(self, enable=True):
+        """Let ``irq`` follow the end of a frame, or not."""
+        self.put("IRQ_ENABLE", int(enable))
+
+    def faults(self):
+        """Names of what was refused since the last call, which clears them."""
+        bits = self.get("FAULT")
+        self.put("FAULT", bits)
+        return [name for name in ("SOURCE", "TARGET", "ALIGNMENT", "SIZE")
+                if bits & getattr(registers, f"FAULT_{name}")]
+
+    def wait(self, polls=None, idle=lambda: None):
         """Wait until a frame is complete and take note of it; read STATUS ``polls`` times at most.
+
+        ``idle`` is called after each look that found no frame; it may sleep, wait for the
+        interrupt, or raise.
 
         Raises
         ------
         CorrectorError
-            If no frame is complete by then, or the frame lacks pixels.
+            If no frame is complete by then, or the frame lacks pixels, or something was refused.
         """
         left, status = polls, self.get("STATUS")
         while not status & registers.STATUS_DONE:
@@ -101,8 +170,11 @@ class Corrector:
                 left -= 1
                 if left <= 0:
                     raise CorrectorError(f"no frame is complete after {polls} polls")
+            idle()
             status = self.get("STATUS")
         self.put("STATUS", registers.STATUS_DONE)
+        if status & registers.STATUS_FAULT:
+            raise CorrectorError(f"the corrector refused: {', '.join(self.faults())}")
         if status & registers.STATUS_ABORTED:
             raise CorrectorError("the frame was aborted")
 
