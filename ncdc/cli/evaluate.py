@@ -1,7 +1,7 @@
 """``ncdc evaluate``: the error of an existing descriptor."""
 
 from ncdc.cli.common import add_camera, add_json, write_report
-from ncdc.cli.train import error_table
+from ncdc.cli.train import error_table, nodes_text
 from ncdc_model.against import evaluate_against
 from ncdc_model.descriptor import Descriptor
 
@@ -29,7 +29,7 @@ def run(args):
         return
     count = (f"{report['points']} points" if "points" in report
              else f"{report['valid_pixels']} pixels")
-    print(f"{report['hidden_neurons']} hidden neurons, "
+    print(f"{report['hidden_neurons']} hidden neurons, {nodes_text(report['nodes'])}, "
           f"measured on {report['measured_on']}: {count}")
     print(error_table({"": report}))
     print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")
