@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from ncdc_model.errors import InputError
 from ncdc_model.network import coordinates, network, round_between
-from ncdc_model.nodes import sums_between
+from ncdc_model.nodes import CURVATURE_LIMIT, curvature, sums_between
 
-__all__ = ["evaluate_frame", "evaluate_points", "fixed_map", "float_map", "map_error"]
+__all__ = ["check_curvature", "evaluate_frame", "evaluate_points", "fixed_map", "float_map", "map_error"]
 
 _ROWS = 64             # corrected rows at a time: bounds the memory
 
@@ -59,6 +60,27 @@ def _between_nodes(descriptor, at, u, v):
     corners = zip(*(at((k + step) * nodes, v) for step in (-1, 0, 1, 2)))
     return (round_between(np.floor(sums_between(*corner, u - k * nodes, nodes)).astype(np.int64),
                           descriptor) for corner in corners)
+
+
+def check_curvature(descriptor, choices=None):
+    """By how many pixels interpolation between nodes misses the descriptor's own network: {S: px}.
+
+    Of the network in real numbers that are exactly the integers, see
+    :func:`ncdc_model.nodes.curvature`. ``choices``: distances S; if absent that of the descriptor.
+
+    Raises
+    ------
+    InputError
+        If there is one choice only, and it misses it by more than the limit.
+    """
+    geometry = descriptor.geometry
+    choices = choices or (descriptor.nodes,)
+    found = curvature(float_map(descriptor.exact_network, geometry), geometry, descriptor.valid,
+                      choices)
+    if len(choices) == 1 and found[choices[0]] > CURVATURE_LIMIT:
+        raise InputError(f"nodes {choices[0]} pixels apart miss this map by "
+                         f"{found[choices[0]]:.2g} px, the limit is {CURVATURE_LIMIT:g}")
+    return found
 
 
 def evaluate_points(descriptor, u, v, x, y):

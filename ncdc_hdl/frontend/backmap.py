@@ -72,7 +72,7 @@ class BackMap(wiring.Component):
                  hardware=Hardware(), queue=None):
         self.hidden_neurons, self.formats, self.lanes = hidden_neurons, formats, hardware.lanes
         lanes = self.lanes
-        self.share = hardware.share
+        self.share = hardware.share or 1
         units = hardware.units(hidden_neurons)
         self.hidden = [RasterLayer(hidden_neurons, formats, self.share, lanes)
                        if hardware.hidden == "raster" else

@@ -10,6 +10,7 @@ from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.pipeline import DelayMemory, delay, register
 from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
 from ncdc_hdl.neural.tansig import Tansig
+from ncdc_model.hardware import NODE_CLOCKS
 
 __all__ = ["NodeNetwork", "node_layout"]
 
@@ -58,9 +59,8 @@ class NodeNetwork(wiring.Component):
     """
 
     def __init__(self, hidden_neurons, formats, nodes, variant, hardware):
-        self.formats, self.share = formats, hardware.share
-        # The scan adds up the next node meanwhile.
-        self.interval = max(self.share, 2)
+        self.formats, self.share = formats, hardware.share or 1
+        self.interval = max(self.share, NODE_CLOCKS)
         self.scanner = NodeScan(formats, nodes, self.interval)
         self.hidden = MultiplyLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits)
         self.tansig = [Tansig(formats.tansig_design(variant))

@@ -39,6 +39,8 @@ class Registers(wiring.Component):
         Read back as DIGEST.
     hidden_neurons : int
         Read back as NEURONS.
+    nodes : int
+        Distance of the nodes, read back as NODES if ``table`` has that register.
 
     Members
     -------
@@ -63,9 +65,9 @@ class Registers(wiring.Component):
     interrupt_latency = 1
     """Clocks from ``ended`` to ``irq``."""
 
-    def __init__(self, table, values, *, digest, hidden_neurons):
+    def __init__(self, table, values, *, digest, hidden_neurons, nodes=1):
         self.table, self.values = table, values
-        self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons}
+        self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, "NODES": nodes}
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
                   for r in table if r.access == "shadow"}
         initial = {name: values.get(name, 0) for name in shadow}

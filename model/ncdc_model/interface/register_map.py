@@ -14,7 +14,7 @@ ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
 ID = 0x4E434443           # "NCDC"
 
-CONSTANTS = ("ID", "DIGEST", "NEURONS")      # of an instance
+CONSTANTS = ("ID", "DIGEST", "NEURONS", "NODES")     # of an instance
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
@@ -183,6 +183,9 @@ _FIXED = (
              "Cache fetcher: clocks in which a window waited because as many as allowed were "
              "pending."),
 )
+_NODES = Register("NODES", 0x30, "ro", Bits(6),
+                  "Pixels from node to node; an instance whose network is evaluated at every pixel "
+                  "has no such register and reads 0.")
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
 
@@ -219,9 +222,9 @@ def _numbered(name, text, j, address, q, parameter):
                     parameter=parameter, family=(name.format("j"), text.format("j")))
 
 
-def registers(hidden_neurons, formats):
+def registers(hidden_neurons, formats, nodes=1):
     """All registers of an instance, by ascending address."""
-    return (*_FIXED, *network_registers(hidden_neurons, formats))
+    return (*_FIXED, *([_NODES] if nodes > 1 else []), *network_registers(hidden_neurons, formats))
 
 
 def counters(table):

@@ -5,16 +5,14 @@ from dataclasses import dataclass, replace
 from ncdc_model.calibration.measure import measure_map
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
-from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
-from ncdc_model.geometry import ValidRows
-from ncdc_model.nodes import (
-    CURVATURE_LIMIT,
-    NODES,
-    check_nodes,
-    curvature,
-    interpolated_map,
-    largest_nodes,
+from ncdc_model.evaluate import (
+    check_curvature,
+    evaluate_frame,
+    evaluate_points,
+    float_map,
 )
+from ncdc_model.geometry import ValidRows
+from ncdc_model.nodes import NODES, check_nodes, interpolated_map, largest_nodes
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.problem import split
 from ncdc_model.training.rounding import fitted_formats, round_network
@@ -143,15 +141,10 @@ def _at_nodes(draft, wanted):
     InputError
         If they miss it by more than the limit, or the picture is too narrow for them.
     """
-    geometry = draft.geometry
     if wanted != "auto":
-        check_nodes(wanted, geometry.corrected_width)
-    found = curvature(float_map(draft.exact_network, geometry), geometry, draft.valid,
-                      NODES if wanted == "auto" else [wanted])
+        check_nodes(wanted, draft.geometry.corrected_width)
+    found = check_curvature(draft, NODES if wanted == "auto" else (wanted,))
     nodes = largest_nodes(found) if wanted == "auto" else wanted
-    if found[nodes] > CURVATURE_LIMIT:
-        raise InputError(f"nodes {nodes} pixels apart miss this map by {found[nodes]:.2g} px, the "
-                         f"limit is {CURVATURE_LIMIT:g}")
     return replace(draft, nodes=nodes), found[nodes]
 
 
