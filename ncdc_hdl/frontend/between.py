@@ -47,7 +47,7 @@ class NodesToCoordinates(wiring.Component):
     """
 
     def __init__(self, formats, coarse, nodes, lanes=1):
-        self.coarse, self.lanes = coarse, lanes
+        self.coarse, self.nodes, self.lanes = coarse, nodes, lanes
         self.segments = Segments(formats, coarse, nodes)
         self.scale = 2 + 2 * exact_log2(nodes)          # 4 S^2 as a shift
         self.drop = self.scale + formats.coordinate.f_bits - coarse.f_bits
