@@ -47,9 +47,9 @@ def run(args):
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
     hardware = Hardware(data_width=width, output=args.to, lanes=args.pixels_per_clock)
-    timing = Corrector(descriptor, hardware).timing
-    planned = plan(descriptor, hardware, args.memory, timing, fixed=fixed, clock_mhz=args.clock,
-                   rate=args.rate, progress=Progress("planning"))
+    planned = plan(descriptor, hardware, args.memory,
+                   lambda chosen: Corrector(descriptor, chosen).timing, fixed=fixed,
+                   clock_mhz=args.clock, rate=args.rate, progress=Progress("planning"))
     bound = bound_of(args, descriptor, planned.hardware, memory_at(args.memory, args.clock))
     made = planned.hardware.made_for(descriptor)
     report = planned.report() | {"nodes": descriptor.nodes, "share": made.share,

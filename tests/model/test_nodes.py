@@ -11,6 +11,7 @@ from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map, float_map
 from ncdc_model.geometry import ValidRows
+from ncdc_model.hardware import Hardware
 from ncdc_model.network import coordinates, frame_coordinates, network, normalised_scan
 from ncdc_model.nodes import (
     NODES,
@@ -135,3 +136,32 @@ def test_a_descriptor_must_not_claim_the_format_at_nodes(tmp_path):
     path.write_text(path.read_text().replace("input = [1, 23]", "input = [2, 23]"))
     with pytest.raises(InputError, match="the format input Q2.23 does not suit the scan"):
         Descriptor.load(path)
+
+
+@pytest.mark.parametrize("neurons,width,nodes,lanes,strip,share,units", [
+    # 123 nodes for 1920 columns: a node may take 15 clocks; four lanes leave it 3.
+    (16, 1920, 16, 1, 0, 8, 2), (16, 1920, 16, 4, 0, 3, 6), (12, 1920, 16, 1, 0, 12, 1),
+    # 63 nodes for 1920 columns: 30 clocks, and 7.
+    (16, 1920, 32, 1, 0, 16, 1), (16, 1920, 32, 4, 0, 6, 3),
+    # 7 nodes for the 64 columns of a strip: 9 clocks.
+    (12, 1920, 16, 1, 64, 6, 2), (12, 1920, 1, 4, 0, 1, 12)])
+def test_the_fewest_units_that_keep_the_rate(neurons, width, nodes, lanes, strip, share, units):
+    d = replace(barrel_descriptor((width, 16), (64, 16), hidden_neurons=neurons), nodes=nodes)
+    hardware = Hardware(lanes=lanes, strip=strip).made_for(d)
+    assert (hardware.share, hardware.units(neurons)) == (share, units)
+    assert hardware.keeps_rate(d)
+    columns = strip or width
+    if nodes > 1:
+        assert lanes * share * row_nodes(columns, nodes) <= columns
+        if units > 1:
+            fewer = -(-neurons // (units - 1))
+            assert not Hardware(lanes=lanes, strip=strip, share=fewer).keeps_rate(d)
+
+
+def test_a_share_that_is_asked_for_is_taken():
+    d = replace(barrel_descriptor((1920, 16), (64, 16), hidden_neurons=8), nodes=16)
+    assert Hardware(share=2).made_for(d).share == 2
+    assert not Hardware(lanes=4, share=8).keeps_rate(d)
+    # A node takes 2 clocks at least.
+    narrow = replace(barrel_descriptor((36, 16), (64, 16), hidden_neurons=1), nodes=8)
+    assert not Hardware(lanes=4).keeps_rate(narrow)

@@ -6,7 +6,7 @@ from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 from ncdc_model.interface.frames import ADDRESS_BITS
 
 __all__ = ["ADDRESS_WORDS_BITS", "Bits", "CONSTANTS", "COUNTERS", "CTRL_ABORT", "CTRL_COMMIT",
-           "CTRL_START", "Flag", "ID", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
+           "CTRL_START", "Flag", "ID", "NODES", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
            "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_PENDING", "STATUS_REFUSED",
            "TABLE", "counters", "network_registers", "registers"]
 
@@ -183,7 +183,8 @@ _FIXED = (
              "Cache fetcher: clocks in which a window waited because as many as allowed were "
              "pending."),
 )
-_NODES = Register("NODES", 0x30, "ro", Bits(6),
+NODES = 0x30
+_NODES = Register("NODES", NODES, "ro", Bits(6),
                   "Pixels from node to node; an instance whose network is evaluated at every pixel "
                   "has no such register and reads 0.")
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
