@@ -102,7 +102,7 @@ def test_the_distance_is_shown_to_the_host():
 
 
 def test_lenses_of_other_nodes_or_too_curved_for_them_are_refused():
-    d = at_nodes(8, (640, 60))
+    d = at_nodes(8, (320, 60))
     corrector = Corrector(d)
     check_lens(corrector, "net.toml", d)
     with pytest.raises(InputError, match="other.toml: pixels from node to node 16 does not fit a "
