@@ -33,8 +33,8 @@ def evaluate_against(descriptor, path, camera=None):
     Returns
     -------
     dict
-        ``hidden_neurons``, ``nodes``, ``measured_on`` (frame and its view, points and their pose, trained
-        or fitted), ``map_error_float_px``, ``map_error_fixed_px``,
+        ``hidden_neurons``, ``nodes``, ``measured_on`` (frame and its view, points and their pose,
+        trained or fitted), ``map_error_float_px``, ``map_error_fixed_px``,
         ``fixed_minus_float_max_px``, and ``valid_pixels`` or ``points``.
 
     Raises
@@ -53,7 +53,8 @@ def evaluate_against(descriptor, path, camera=None):
     if not report["points"]:
         raise InputError(f"no point of {path} is inside the corrected frame")
     return {"measured_on": f"points, pose {pose}", "hidden_neurons": descriptor.hidden_neurons,
-            "nodes": descriptor.nodes, "fixed_minus_float_max_px": evaluate_frame(descriptor)["fixed_minus_float_max_px"],
+            "nodes": descriptor.nodes,
+            "fixed_minus_float_max_px": evaluate_frame(descriptor)["fixed_minus_float_max_px"],
             **report}
 
 

@@ -213,7 +213,8 @@ def _of_table(table):
     raw = {name: _integers(table["network"][name], name) for name in layers}
     spans = _integers(table["valid"]["rows"], "valid rows").reshape(-1, 4)
     return Descriptor(geometry=geometry, network=network, **raw, valid=ValidRows(spans),
-                      nodes=table["network"].get("nodes", 1), formats=formats, variant=tansig["variant"], errors=table["errors"],
+                      nodes=table["network"].get("nodes", 1), formats=formats,
+                      variant=tansig["variant"], errors=table["errors"],
                       provenance=table["provenance"])
 
 

@@ -6,7 +6,8 @@ from ncdc_model.errors import InputError
 from ncdc_model.network import coordinates, network, round_between
 from ncdc_model.nodes import CURVATURE_LIMIT, curvature, sums_between
 
-__all__ = ["check_curvature", "evaluate_frame", "evaluate_points", "fixed_map", "float_map", "map_error"]
+__all__ = ["check_curvature", "evaluate_frame", "evaluate_points", "fixed_map", "float_map",
+           "map_error"]
 
 _ROWS = 64             # corrected rows at a time: bounds the memory
 
@@ -114,8 +115,8 @@ def evaluate_frame(descriptor, back_map=None, maps=None):
     Returns
     -------
     dict
-        ``hidden_neurons``; ``nodes``, their distance; ``valid_pixels``; ``fixed_minus_float_max_px``, the largest
-        difference on an axis between the integer and the float network; with ``back_map`` also
+        ``hidden_neurons``; ``nodes``, their distance; ``valid_pixels``;
+        ``fixed_minus_float_max_px``, the largest difference on an axis between the integer and the float network; with ``back_map`` also
         ``map_error_float_px`` and ``map_error_fixed_px`` as in :func:`map_error`.
     """
     geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate

@@ -7,8 +7,8 @@ from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.geometry import check_strip_width
 from ncdc_model.nodes import row_nodes
 
-__all__ = ["DATA_WIDTHS", "FETCHERS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "NODE_CLOCKS", "OUTPUTS",
-           "Hardware", "check_lanes"]
+__all__ = ["DATA_WIDTHS", "FETCHERS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "NODE_CLOCKS",
+           "OUTPUTS", "Hardware", "check_lanes"]
 
 DATA_WIDTHS = (32, 64, 128)
 OUTPUTS = ("memory", "stream")
@@ -158,7 +158,7 @@ class Hardware:
         return max(share, NODE_CLOCKS) <= self.node_clocks(descriptor)
 
     def made_for(self, descriptor):
-        """This hardware, with a tile cache of a size and shared units, for the camera of ``descriptor``.
+        """This hardware, with a tile cache and units of a number, for the camera of ``descriptor``.
 
         Raises
         ------

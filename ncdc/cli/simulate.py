@@ -78,7 +78,8 @@ def run(args):
 
 def _bound(args, descriptor, hardware):
     """What the planner promises; None without --follow, and where it knows no clocks: of the
-    multiport fetcher, of units too few for the rate, of a memory with random latency or of another's controller.
+    multiport fetcher, of units too few for the rate, of a memory with random latency or of
+    another's controller.
     """
     memory = simulated_memory(args.memory)
     exact = isinstance(memory, DramMemory) or (isinstance(memory, LatencyMemory)

@@ -6,7 +6,6 @@ from amaranth.hdl import Shape
 from amaranth.lib.wiring import Out
 
 from ncdc_hdl.export.verilog import TOP
-from ncdc_model.interface.register_map import registers
 
 __all__ = ["COMPONENT", "hw_tcl", "interfaces"]
 

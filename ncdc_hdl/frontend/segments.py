@@ -32,9 +32,10 @@ class Segments(wiring.Component):
         slope = 4 S (P2 - P1) - (S - 1) bend
         base  = P1 + half        half of a coordinate's last bit, for the rounding to come
 
-    All exact. Timing: stream stages, one node per clock, ``latency`` clocks from a segment's last
-    node. Four segments at a time are worked on, so that the four nodes of a row's first one arrive
-    while those before are still in use.
+    All exact. Timing: stream stages, a segment every other clock, the first three nodes of a row
+    one per clock, ``latency`` clocks from a segment's last node. Up to four segments at a time are
+    worked on, so that the four nodes of a row's first one arrive while those before are still in
+    use.
 
     Parameters
     ----------
@@ -68,21 +69,19 @@ class Segments(wiring.Component):
         m = Module()
         valid = [Signal(name=f"{name}_valid") for name in ("around", "bent", "sloped")]
         valid.append(self.o.valid)
-        # Each stage takes what the one before it has, unless it must hold its own.
-        takes, ready = [], self.o.ready
-        for k in reversed(range(len(valid))):
-            take = Signal(name=f"take{k}")
-            m.d.comb += take.eq(~valid[k] | ready)
-            takes.insert(0, take)
-            ready = take
+        # A stage takes what the one before it has when it is empty: no chain of conditions runs
+        # through all of them. The last one also while its segment is taken.
+        takes = [~own for own in valid[:-1]] + [~self.o.valid | self.o.ready]
         m.d.comb += self.i.ready.eq(takes[0] | self.flush)
-        before = self.i.valid & self.i.p.whole
-        for own, take in zip(valid, takes):
+        with m.If(takes[0]):
+            m.d.sync += valid[0].eq(self.i.valid & self.i.p.whole)
+        for before, own, take in zip(valid, valid[1:], takes[1:]):
             with m.If(take):
                 m.d.sync += own.eq(before)
-            with m.If(self.flush):
-                m.d.sync += own.eq(0)
-            before = own
+                with m.If(before):
+                    m.d.sync += before.eq(0)
+        with m.If(self.flush):
+            m.d.sync += [own.eq(0) for own in valid]
         for name in AXES:
             self._axis(m, name, takes)
         return m

@@ -12,8 +12,8 @@ from ncdc_model.reference_lenses import REFERENCE_LENSES
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
 
-HELP = ("evaluate the integer network of each reference lens at nodes 1, 8, 16 and 32 pixels apart, "
-        "and measure what that adds on the whole frame")
+HELP = ("evaluate the integer network of each reference lens at nodes 1, 8, 16 and 32 pixels "
+        "apart, and measure what that adds on the whole frame")
 EXAMPLE = "ncdc bench nodes --lens PC105 --neurons 6"
 
 

@@ -26,8 +26,8 @@ def register_doc(hidden_neurons, formats):
     bits = MAX_SIZE.bit_length() - 1
     page = (files("ncdc_hdl.export.registers") / "page.md").read_text()
     return page.format(words=1 << ADDRESS_WORDS_BITS, neurons=hidden_neurons,
-                       last=hidden_neurons - 1, skip=4 * SKIP, nodes=4 * NODES, rows="".join(lines), bits=bits,
-                       high=16 + bits)
+                       last=hidden_neurons - 1, skip=4 * SKIP, nodes=4 * NODES,
+                       rows="".join(lines), bits=bits, high=16 + bits)
 
 
 def _offset(name, same):
