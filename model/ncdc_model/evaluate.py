@@ -116,7 +116,8 @@ def evaluate_frame(descriptor, back_map=None, maps=None):
     -------
     dict
         ``hidden_neurons``; ``nodes``, their distance; ``valid_pixels``;
-        ``fixed_minus_float_max_px``, the largest difference on an axis between the integer and the float network; with ``back_map`` also
+        ``fixed_minus_float_max_px``, the largest difference on an axis
+        between the integer and the float network; with ``back_map`` also
         ``map_error_float_px`` and ``map_error_fixed_px`` as in :func:`map_error`.
     """
     geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
