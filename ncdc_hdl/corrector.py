@@ -14,6 +14,7 @@ from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
@@ -85,8 +86,12 @@ class Corrector(wiring.Component):
         self.descriptor, self.hardware = descriptor, hardware.made_for(descriptor)
         data_width, lanes = hardware.data_width, hardware.lanes
         formats = descriptor.formats
-        self.backmap = BackMap(descriptor.hidden_neurons, formats, variant=descriptor.variant,
-                               hardware=hardware)
+        if descriptor.nodes == 1:
+            self.backmap = BackMap(descriptor.hidden_neurons, formats, variant=descriptor.variant,
+                                   hardware=self.hardware)
+        else:
+            self.backmap = NodeBackMap(descriptor.hidden_neurons, formats, descriptor.nodes,
+                                       variant=descriptor.variant, hardware=self.hardware)
         self.table = ValidTable(descriptor.valid, *descriptor.geometry.corrected)
         self.window = WindowAddress(formats, lanes)
         f_bits = formats.coordinate.f_bits
@@ -95,10 +100,10 @@ class Corrector(wiring.Component):
                       else Multiport(f_bits, data_width))
         self.interpolator = Interpolator(f_bits, lanes)
         self.registers = Registers(
-            registers(descriptor.hidden_neurons, formats),
+            registers(descriptor.hidden_neurons, formats, descriptor.nodes),
             host_values(descriptor, self.hardware),
             digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons,
-            capabilities=capabilities(self.hardware, *self.table.largest))
+            nodes=descriptor.nodes, capabilities=capabilities(self.hardware, *self.table.largest))
         self.checks = Checks(self.hardware, *self.table.largest,
                              self.registers.active.shape())
         ports = _flat("csr", Agent(ADDRESS_WORDS_BITS), In)

@@ -41,8 +41,8 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
     Returns
     -------
     dict
-        ``hidden_neurons``, ``measured_on`` (frame and its view, points and their pose, trained
-        or fitted), ``map_error_float_px``, ``map_error_fixed_px``,
+        ``hidden_neurons``, ``nodes``, ``measured_on`` (frame and its view, points and their pose,
+        trained or fitted), ``map_error_float_px``, ``map_error_fixed_px``,
         ``fixed_minus_float_max_px``, and ``valid_pixels`` or ``points``; of a map
         ``valid_pixels_differ``, those that have a source in one of the two only.
 
@@ -68,6 +68,7 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
         raise InputError(f"no point of {path} is inside the corrected frame")
     frame = evaluate_frame(descriptor, progress=progress)
     return {"measured_on": f"points, pose {pose}", "hidden_neurons": descriptor.hidden_neurons,
+            "nodes": descriptor.nodes,
             "fixed_minus_float_max_px": frame["fixed_minus_float_max_px"],
             **report}
 

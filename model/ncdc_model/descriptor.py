@@ -13,6 +13,7 @@ from ncdc_model.fixed import Q
 from ncdc_model.float_network import FloatNetwork, check_gamma
 from ncdc_model.formats import MAX_NEURONS, Formats
 from ncdc_model.geometry import Geometry, ValidRows
+from ncdc_model.nodes import check_nodes
 
 __all__ = ["Descriptor", "FloatNetwork", "Formats", "MAX_NEURONS", "VERSION"]
 
@@ -45,6 +46,9 @@ class Descriptor:
     formats : Formats
     variant : str
         Of the tan-sigmoid, see ``ncdc_model.tansig.VARIANTS``.
+    nodes : int
+        Distance in pixels of the columns at which the network is evaluated, one of
+        ``ncdc_model.nodes.NODES``; 1: at every pixel.
     errors : dict
         Errors measured at training, as in every report.
     provenance : dict
@@ -56,7 +60,8 @@ class Descriptor:
     InputError
         If a shape is wrong, an integer does not fit its format, a span leaves the image, gamma is
         not positive, there is no such tan-sigmoid, or network, integers and formats do not agree
-        whether there is a skip path.
+        whether there is a skip path; if there are no such nodes, or the picture is too narrow for
+        them.
     """
     geometry: Geometry
     network: FloatNetwork
@@ -68,6 +73,7 @@ class Descriptor:
     formats: Formats = Formats()
     variant: str = "mmhbc"
     skip_weights: np.ndarray | None = None
+    nodes: int = 1
     errors: dict = field(default_factory=dict)
     provenance: dict = field(default_factory=dict)
 
@@ -95,6 +101,10 @@ class Descriptor:
         if not q.holds((size + 1) << q.f_bits):
             raise InputError(f"coordinates {q} end at {q.real(q.hi):g}, the distorted image "
                              f"has {size} pixels on a side")
+        if self.formats.input.i_bits != 1:
+            raise InputError(f"the format input {self.formats.input} does not suit the scan, one "
+                             f"integer bit is needed")
+        check_nodes(self.nodes, self.geometry.corrected_width)
         self.valid.check(*self.geometry.corrected)
         check_gamma(self.network.gamma)
         if self.formats.net != Formats.net:
@@ -107,6 +117,17 @@ class Descriptor:
     def tansig(self):
         """The :class:`~ncdc_model.tansig.Design` of the hidden neurons' tan-sigmoid."""
         return self.formats.tansig_design(self.variant)
+
+    @property
+    def network_formats(self):
+        """The formats in which the network computes: ``formats``, or those at nodes."""
+        return self.formats if self.nodes == 1 else self.formats.at_nodes()
+
+    @property
+    def exact_network(self):
+        """The :class:`FloatNetwork` whose numbers are exactly the integers."""
+        reals = {name: q.real(getattr(self, name)) for name, _, q in self._layers()}
+        return FloatNetwork(**reals)
 
     def _layers(self):
         hn, q = self.hidden_neurons, self.formats
@@ -123,7 +144,8 @@ class Descriptor:
     @property
     def digest(self):
         """Twelve hex digits of the hash of all that the hardware depends on."""
-        state = hashlib.sha256(repr((self.geometry, self.formats, self.variant)).encode())
+        nodes = () if self.nodes == 1 else (self.nodes,)
+        state = hashlib.sha256(repr((self.geometry, self.formats, self.variant, *nodes)).encode())
         for name, _, _ in self._layers():
             state.update(getattr(self, name).astype("<i8").tobytes())
         state.update(self.valid.spans.astype("<i8").tobytes())
@@ -188,7 +210,8 @@ def _of_table(table):
     raw = {name: _integers(table["network"][name], name) for name in layers}
     spans = _integers(table["valid"]["rows"], "valid rows").reshape(-1, 4)
     return Descriptor(geometry=geometry, network=network, **raw, valid=ValidRows(spans),
-                      formats=formats, variant=tansig["variant"], errors=table["errors"],
+                      nodes=table["network"].get("nodes", 1), formats=formats,
+                      variant=tansig["variant"], errors=table["errors"],
                       provenance=table["provenance"])
 
 
@@ -213,6 +236,8 @@ def _to_toml(d):
     lines += [f"variant = {_toml(d.variant)}", f"gamma = {_toml(d.network.gamma)}",
               f"fraction_bits = {d.tansig.fraction_bits}"]
     lines += ["", "[network]  # raw integers in the formats above; one line per neuron"]
+    if d.nodes > 1:
+        lines += [f"nodes = {d.nodes}  # evaluated at every {d.nodes}th column"]
     layers = [name for name, _, _ in d._layers()]
     lines += [f"{name} = {_toml(getattr(d, name))}" for name in layers]
     lines += ["", "[network.real]  # the same before quantisation; output layer in pixels"]

@@ -2,9 +2,12 @@
 
 import numpy as np
 
-from ncdc_model.network import coordinates, network
+from ncdc_model.errors import InputError
+from ncdc_model.network import coordinates, network, round_between
+from ncdc_model.nodes import CURVATURE_LIMIT, curvature, sums_between
 
-__all__ = ["evaluate_frame", "evaluate_points", "fixed_map", "float_map", "map_error"]
+__all__ = ["check_curvature", "evaluate_frame", "evaluate_points", "fixed_map", "float_map",
+           "map_error"]
 
 _ROWS = 64             # corrected rows at a time: bounds the memory
 
@@ -32,16 +35,53 @@ def fixed_map(descriptor):
     """The map (u, v) -> (x, y) in pixels of the integer network, at real coordinates.
 
     The hardware knows whole pixels only, for which this equals ``network.coordinates``; between
-    them the normalised coordinate is rounded to the format of the neurons' input. It saturates
-    outside the frame.
+    them the normalised coordinate is rounded to the format of the neurons' input, or with nodes,
+    which are at whole pixels, the row's. It saturates outside the frame.
     """
-    geometry, formats = descriptor.geometry, descriptor.formats
+    geometry, q = descriptor.geometry, descriptor.network_formats.input
+
+    def at(u, v):
+        x, y = (np.clip(q.quantise(n), q.lo, q.hi) for n in geometry.normalise(u, v))
+        return network(descriptor, x, y)
 
     def back_map(u, v):
-        x, y = (np.clip(formats.input.quantise(n), formats.input.lo, formats.input.hi)
-                for n in geometry.normalise(u, v))
-        return tuple(formats.coordinate.real(raw) for raw in network(descriptor, x, y))
+        raws = at(u, v) if descriptor.nodes == 1 else _between_nodes(descriptor, at, u, v)
+        return tuple(descriptor.formats.coordinate.real(raw) for raw in raws)
     return back_map
+
+
+def _between_nodes(descriptor, at, u, v):
+    """Raw coordinates of real (u, v) from the raw nodes ``at(u, v)`` of each one's own row.
+
+    The sum between nodes is below 2**53, so that it is exact at whole pixels.
+    """
+    nodes = descriptor.nodes
+    u = np.asarray(u, np.float64)
+    k = np.floor_divide(u, nodes)
+    corners = zip(*(at((k + step) * nodes, v) for step in (-1, 0, 1, 2)))
+    return (round_between(np.floor(sums_between(*corner, u - k * nodes, nodes)).astype(np.int64),
+                          descriptor) for corner in corners)
+
+
+def check_curvature(descriptor, choices=None):
+    """By how many pixels interpolation between nodes misses the descriptor's own network: {S: px}.
+
+    Of the network in real numbers that are exactly the integers, see
+    :func:`ncdc_model.nodes.curvature`. ``choices``: distances S; if absent that of the descriptor.
+
+    Raises
+    ------
+    InputError
+        If there is one choice only, and it misses it by more than the limit.
+    """
+    geometry = descriptor.geometry
+    choices = choices or (descriptor.nodes,)
+    found = curvature(float_map(descriptor.exact_network, geometry), geometry, descriptor.valid,
+                      choices)
+    if len(choices) == 1 and found[choices[0]] > CURVATURE_LIMIT:
+        raise InputError(f"nodes {choices[0]} pixels apart miss this map by "
+                         f"{found[choices[0]]:.2g} px, the limit is {CURVATURE_LIMIT:g}")
+    return found
 
 
 def evaluate_points(descriptor, u, v, x, y):
@@ -77,8 +117,9 @@ def evaluate_frame(descriptor, back_map=None, maps=None, progress=lambda fractio
     Returns
     -------
     dict
-        ``hidden_neurons``; ``valid_pixels``; ``fixed_minus_float_max_px``, the largest
-        difference on an axis between the integer and the float network; with ``back_map`` also
+        ``hidden_neurons``; ``nodes``, their distance; ``valid_pixels``;
+        ``fixed_minus_float_max_px``, the largest difference on an axis
+        between the integer and the float network; with ``back_map`` also
         ``map_error_float_px`` and ``map_error_fixed_px`` as in :func:`map_error`.
     """
     geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
@@ -106,7 +147,8 @@ def evaluate_frame(descriptor, back_map=None, maps=None, progress=lambda fractio
             tallies[name].add(square[known])
             if maps is not None:
                 maps[name][v, u] = np.sqrt(square)
-    report = {"hidden_neurons": descriptor.hidden_neurons, "valid_pixels": int(valid.sum()),
+    report = {"hidden_neurons": descriptor.hidden_neurons, "nodes": descriptor.nodes,
+              "valid_pixels": int(valid.sum()),
               "fixed_minus_float_max_px": worst}
     if back_map is not None:
         report["map_error_float_px"] = tallies["float"].errors()

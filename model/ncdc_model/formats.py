@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
 from ncdc_model.geometry import SCAN
+from ncdc_model.nodes import GUARD_BITS
 from ncdc_model.tansig import design_for
 
 __all__ = ["Formats", "MAX_NEURONS", "REGISTER_BITS"]
@@ -20,6 +21,8 @@ class Formats:
     ``tansig`` holds the tan-sigmoid's value with one bit more than its accuracy: the last bit is
     the constant one that stands for rounding (zero for the value 0), see ``tansig``.
     ``skip_weight`` is None where the network has no skip path.
+
+    ``input`` has one integer bit in a descriptor, two in :meth:`at_nodes`.
 
     Raises
     ------
@@ -43,7 +46,7 @@ class Formats:
             if q.width > REGISTER_BITS:
                 raise InputError(f"the format {name} {q} has {q.width} bits, "
                                  f"the limit is {REGISTER_BITS}")
-        if self.input.i_bits != 1 or not 8 <= self.input.f_bits < SCAN.f_bits:
+        if not 1 <= self.input.i_bits <= 2 or not 8 <= self.input.f_bits < SCAN.f_bits:
             raise InputError(f"the format input {self.input} does not suit the scan, one integer "
                              f"bit and 8 to {SCAN.f_bits - 1} fraction bits are needed")
         if self.coordinate.f_bits < 1:
@@ -71,6 +74,16 @@ class Formats:
     def items(self):
         """(name, format) of every signal that the network has."""
         return [(name, q) for name, q in vars(self).items() if q is not None]
+
+    def at_nodes(self):
+        """The formats in which the network computes at nodes.
+
+        The scan's normalised coordinates have an integer bit more, for the nodes beside the
+        picture, so that nothing saturates there; the coordinates have guard bits.
+        """
+        x, q = self.input, self.coordinate
+        return replace(self, input=Q(x.i_bits + 1, x.f_bits),
+                       coordinate=Q(q.i_bits, q.f_bits + GUARD_BITS))
 
     def with_skip(self):
         """The same formats with a skip path."""

@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.geometry import check_strip_width
+from ncdc_model.nodes import row_nodes
 
-__all__ = ["DATA_WIDTHS", "FETCHERS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "OUTPUTS", "Hardware",
-           "check_lanes"]
+__all__ = ["DATA_WIDTHS", "FETCHERS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "NODE_CLOCKS",
+           "OUTPUTS", "Hardware", "check_lanes"]
 
 DATA_WIDTHS = (32, 64, 128)
 OUTPUTS = ("memory", "stream")
@@ -15,6 +16,7 @@ FETCHERS = ("cache", "multiport")
 HIDDEN = ("multiply", "raster")
 MULTIPLIER_BITS = (27, 18)
 LANES = (1, 2, 4)
+NODE_CLOCKS = 2         # that a node takes at least: its scan adds up the next one meanwhile
 
 
 @dataclass(frozen=True)
@@ -41,9 +43,10 @@ class Hardware:
     hidden : str
         "multiply": two multipliers per hidden neuron; "raster": one adder per hidden neuron,
         which follows the scan.
-    share : int
-        Hidden neurons that one tan-sigmoid serves in turn: one coordinate every ``share``
-        clocks. The multipliers are shared likewise.
+    share : int, optional
+        Hidden neurons that one tan-sigmoid serves in turn: one coordinate, or one node, every
+        ``share`` clocks. The multipliers are shared likewise. If absent as many as let a coordinate
+        follow per clock and lane, see :meth:`share_for`.
     multiplier_bits : int
         Bits of the device's multiplier blocks: 27 makes each product of the neurons one
         multiplication, 18 cuts it into parts that fit blocks of 18 x 18 bits.
@@ -63,7 +66,7 @@ class Hardware:
     split: int | None = None
     strip: int = 0
     hidden: str = "multiply"
-    share: int = 1
+    share: int | None = None
     multiplier_bits: int = 27
     lanes: int = 1
 
@@ -77,7 +80,7 @@ class Hardware:
             if value not in choices:
                 raise InputError(f"{name} is {value!r}, one of {', '.join(map(str, choices))} is "
                                  f"needed")
-        if self.share < 1:
+        if self.share is not None and self.share < 1:
             raise InputError(f"share is {self.share}, the least is 1")
         check_strip_width(self.strip)
         if self.strip and self.stream:
@@ -121,25 +124,57 @@ class Hardware:
         InputError
             If there are fewer neurons than one tan-sigmoid could serve.
         """
-        if self.share > hidden_neurons:
-            raise InputError(f"share is {self.share}, the limit is the number of hidden neurons, "
+        share = self.share or 1
+        if share > hidden_neurons:
+            raise InputError(f"share is {share}, the limit is the number of hidden neurons, "
                              f"{hidden_neurons}")
-        return -(-hidden_neurons // self.share)
+        return -(-hidden_neurons // share)
+
+    def node_clocks(self, descriptor):
+        """Clocks that a node may take, if a row's nodes are to come in the clocks of its groups.
+
+        Of a full strip's row, or a picture's without strips; at least 1.
+        """
+        width = descriptor.geometry.corrected_width
+        columns = min(self.strip or width, width)
+        return max(1, columns // (self.lanes * row_nodes(columns, descriptor.nodes)))
+
+    def share_for(self, descriptor):
+        """Neurons that a tan-sigmoid serves in turn, for the camera of ``descriptor``.
+
+        Of a network at every pixel 1. At nodes the fewest tan-sigmoids are taken that give a node
+        within :meth:`node_clocks`, and the neurons are spread evenly over them.
+        """
+        if self.share is not None or descriptor.nodes == 1:
+            return self.share or 1
+        neurons = descriptor.hidden_neurons
+        return -(-neurons // -(-neurons // self.node_clocks(descriptor)))
+
+    def keeps_rate(self, descriptor):
+        """Whether the front end can give a coordinate per clock and lane."""
+        share = self.share_for(descriptor)
+        if descriptor.nodes == 1:
+            return share == 1
+        return max(share, NODE_CLOCKS) <= self.node_clocks(descriptor)
 
     def made_for(self, descriptor):
-        """This hardware, with a tile cache of a size, for the camera of ``descriptor``.
+        """This hardware, with a tile cache and units of a number, for the camera of ``descriptor``.
 
         Raises
         ------
         InputError
             If the pixels per clock do not divide the corrected width, a tan-sigmoid is to serve
-            more neurons than there are, or the tile cache has no such split.
+            more neurons than there are, hidden neurons at nodes are to follow the scan of pixels,
+            or the tile cache has no such split.
         """
         geometry = descriptor.geometry
         check_lanes(geometry.corrected_width, self.lanes)
+        if self.hidden == "raster" and descriptor.nodes > 1:
+            raise InputError(f"hidden is raster, a network at every {descriptor.nodes}th pixel "
+                             f"needs multiply")
         self.units(descriptor.hidden_neurons)
         self.split_for(geometry)
-        return replace(self, cache=self.cache_for(geometry))
+        return replace(self, cache=self.cache_for(geometry), share=self.share_for(descriptor))
 
     def report(self, geometry):
         """The choices under their names in every report, for a camera of ``geometry``."""

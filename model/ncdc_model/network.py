@@ -4,10 +4,11 @@ import numpy as np
 
 from ncdc_model.fixed import requantise
 from ncdc_model.geometry import SCAN
+from ncdc_model.nodes import between
 from ncdc_model.tansig import tansig
 
 __all__ = ["coordinates", "frame_coordinates", "hidden_neuron", "network", "normalised_scan",
-           "output_neuron"]
+           "output_neuron", "round_between"]
 
 
 def normalised_scan(u, v, geometry, formats):
@@ -52,9 +53,13 @@ def output_neuron(activations, weights, bias, formats, inputs=None, skip=None):
     return requantise(total, finest - formats.coordinate.f_bits, formats.coordinate)
 
 
-def network(descriptor, x, y):
-    """Raw coordinates (x', y') of raw normalised (x, y): all neurons."""
-    d, formats = descriptor, descriptor.formats
+def network(descriptor, x, y, formats=None):
+    """Raw coordinates (x', y') of raw normalised (x, y), of one shape: all neurons.
+
+    ``formats``: those of the descriptor's :attr:`network_formats` if absent; of others only input
+    and coordinate may differ.
+    """
+    d, formats = descriptor, formats or descriptor.network_formats
     activations = [tansig(hidden_neuron(x, y, weights, bias, formats), d.tansig)
                    for weights, bias in zip(d.hidden_weights, d.hidden_biases)]
     skips = (None, None) if d.skip_weights is None else d.skip_weights
@@ -63,8 +68,31 @@ def network(descriptor, x, y):
 
 
 def coordinates(descriptor, u, v):
-    """Raw back-map coordinates (x', y') in ``formats.coordinate`` of corrected pixels (u, v)."""
-    return network(descriptor, *normalised_scan(u, v, descriptor.geometry, descriptor.formats))
+    """Raw back-map coordinates (x', y') in ``formats.coordinate`` of corrected pixels (u, v).
+
+    Where the network is evaluated at nodes (``descriptor.nodes`` above 1), the sum of
+    :func:`ncdc_model.nodes.sums_between` is exact and rounded once.
+    """
+    d, formats = descriptor, descriptor.network_formats
+    if d.nodes == 1:
+        return network(d, *normalised_scan(u, v, d.geometry, formats))
+    u, v = np.broadcast_arrays(np.asarray(u, np.int64), np.asarray(v, np.int64))
+    if not u.size:
+        return np.zeros((2, *u.shape), np.int64)
+    # Each row of the pixels is evaluated at all nodes from its first to its last pixel's.
+    rows, row = np.unique(v, return_inverse=True)
+    first, last = u.min() // d.nodes - 1, u.max() // d.nodes + 2
+    columns, lines = np.meshgrid(np.arange(first, last + 1) * d.nodes, rows)
+    tables = network(d, *normalised_scan(columns, lines, d.geometry, formats))
+    return tuple(round_between(between(lambda k: table[row.reshape(v.shape), k - first], u,
+                                       d.nodes), d) for table in tables)
+
+
+def round_between(sums, descriptor):
+    """The coordinates of 4 S^2 times their value between nodes: the one rounding behind nodes."""
+    fine, coarse = descriptor.network_formats.coordinate, descriptor.formats.coordinate
+    shift = 2 + 2 * (descriptor.nodes.bit_length() - 1) + fine.f_bits - coarse.f_bits
+    return requantise(sums, shift, coarse)
 
 
 def frame_coordinates(descriptor):

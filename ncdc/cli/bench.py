@@ -4,6 +4,7 @@ import sys
 
 from ncdc.bench.accuracy import command as accuracy
 from ncdc.bench.lines import command as lines
+from ncdc.bench.nodes import command as nodes
 from ncdc.bench.photos import command as photos
 from ncdc.bench.synth import command as synth
 from ncdc.bench.synth.flows import SynthesisError
@@ -14,7 +15,7 @@ __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
-BENCHES = {"accuracy": accuracy, "lines": lines, "photos": photos, "synth": synth,
+BENCHES = {"accuracy": accuracy, "lines": lines, "nodes": nodes, "photos": photos, "synth": synth,
            "tansig": tansig, "throughput": throughput}
 
 

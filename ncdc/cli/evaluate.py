@@ -1,7 +1,7 @@
 """``ncdc evaluate``: the error of an existing descriptor."""
 
 from ncdc.cli.common import add_camera, add_json, write_report
-from ncdc.cli.train import error_table
+from ncdc.cli.train import error_table, nodes_text
 from ncdc.terminal import Progress
 from ncdc_model.against import evaluate_against
 from ncdc_model.descriptor import Descriptor
@@ -31,7 +31,7 @@ def run(args):
         return
     count = (f"{report['points']} points" if "points" in report
              else f"{report['valid_pixels']} pixels")
-    print(f"{report['hidden_neurons']} hidden neurons, "
+    print(f"{report['hidden_neurons']} hidden neurons, {nodes_text(report['nodes'])}, "
           f"measured on {report['measured_on']}: {count}")
     if "valid_pixels_differ" in report:
         print(f"{report['valid_pixels_differ']} pixels have a source in one of the two only")

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ncdc.cli.common import add_json, write_report
-from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
+from ncdc.cli.hardware import add_hardware, fixed_of, front_end_line, hardware_of, planned
 from ncdc_boards.catalogue import board as board_of
 from ncdc_boards.catalogue import board_names
 from ncdc_boards.project import check_board, project_files
@@ -57,12 +57,14 @@ def run(args):
     for name, text in files.items():
         write_text(folder / name, text)
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
-              **corrector.hardware.report(descriptor.geometry),
+              "nodes": descriptor.nodes, **corrector.hardware.report(descriptor.geometry),
               "board": args.board, "left_to_user": board.left_to_user if board else {},
               "files": [str(folder / name) for name in files]}
     if not write_report(report, args.json):
         if choice:
             print(choice)
+        if descriptor.nodes > 1:
+            print(front_end_line(corrector.hardware, descriptor))
         for name, text in files.items():
             print(f"{folder / name}: {len(text.splitlines())} lines")
         for what, why in report["left_to_user"].items():

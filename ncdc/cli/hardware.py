@@ -12,12 +12,14 @@ from ncdc_model.hardware import (
     HIDDEN,
     LANES,
     MULTIPLIER_BITS,
+    NODE_CLOCKS,
     OUTPUTS,
     Hardware,
 )
+from ncdc_model.nodes import row_nodes
 
-__all__ = ["add_fixed", "add_hardware", "add_lanes", "choice_line", "fixed_of", "hardware_of",
-           "planned"]
+__all__ = ["add_fixed", "add_hardware", "add_lanes", "choice_line", "fixed_of",
+           "front_end_line", "hardware_of", "planned"]
 
 _LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
 
@@ -37,8 +39,8 @@ def add_fixed(parser):
 def add_lanes(parser):
     """Declare the option --pixels-per-clock."""
     parser.add_argument("--pixels-per-clock", type=int, choices=LANES, default=1, metavar="N",
-                        help="1 (default), 2 or 4 neighbouring pixels at a time, each with a "
-                             "network of its own; same results")
+                        help="1 (default), 2 or 4 neighbouring pixels at a time; without nodes "
+                             "each has a network of its own; same results")
 
 
 def add_hardware(parser):
@@ -55,9 +57,10 @@ def add_hardware(parser):
     parser.add_argument("--hidden", choices=HIDDEN, default="multiply",
                         help="hidden neurons: multiply (default), or raster, which add from pixel "
                              "to pixel and need no multiplier; same results")
-    parser.add_argument("--share", type=int, default=1, metavar="N",
-                        help="hidden neurons per tan-sigmoid (default: 1); one pixel every N "
-                             "clocks, same results, smaller")
+    parser.add_argument("--share", type=int, metavar="N",
+                        help="hidden neurons per tan-sigmoid: a pixel, or a node, every N clocks; "
+                             "same results, smaller (default: as many as let a pixel follow per "
+                             "clock, which without nodes is 1)")
     parser.add_argument("--multiplier-bits", type=int, choices=MULTIPLIER_BITS, metavar="BITS",
                         help="width of the device's multiplier blocks: 27 (default), or 18, for "
                              "which products are cut into parts; same results")
@@ -91,7 +94,31 @@ def choice_line(hardware, bytes_read, amplification):
             f"{bytes_read:.3f} bytes read per pixel, {amplification:.3f} times the distinct bytes")
 
 
+def front_end_line(hardware, descriptor):
+    """One line on where the network is evaluated, and by how many units."""
+    d = descriptor
+    units, share = hardware.units(d.hidden_neurons), hardware.share
+    if d.nodes == 1:
+        return f"network at every pixel: {units} tan-sigmoids, a coordinate every {share} clocks"
+    width = d.geometry.corrected_width
+    columns = min(hardware.strip or width, width)
+    return (f"network at every {d.nodes}th pixel: {row_nodes(columns, d.nodes)} nodes for "
+            f"{columns} columns, a node every {max(share, NODE_CLOCKS)} clocks from {units} "
+            f"tan-sigmoid{'s' if units > 1 else ''} for {d.hidden_neurons} neurons, "
+            f"{hardware.node_clocks(d)} would be enough"
+            + ("" if hardware.keeps_rate(d) else ": pixels wait for nodes"))
+
+
 def planned(hardware, fixed, descriptor):
+    """:func:`_planned_cache`, with shared units of a number.
+
+    Errors raised: as of it and of :meth:`Hardware.made_for`.
+    """
+    hardware, line = _planned_cache(hardware, fixed, descriptor)
+    return hardware.made_for(descriptor), line
+
+
+def _planned_cache(hardware, fixed, descriptor):
     """``hardware`` with tile cache, split and strips: what is ``fixed``, the rest planned.
 
     Returns

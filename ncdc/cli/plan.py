@@ -2,7 +2,7 @@
 
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
-from ncdc.cli.hardware import add_fixed, add_lanes, choice_line, fixed_of
+from ncdc.cli.hardware import add_fixed, add_lanes, choice_line, fixed_of, front_end_line
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.descriptor import Descriptor
@@ -47,15 +47,18 @@ def run(args):
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
     hardware = Hardware(data_width=width, output=args.to, lanes=args.pixels_per_clock)
-    timing = Corrector(descriptor, hardware).timing
-    planned = plan(descriptor, hardware, args.memory, timing, fixed=fixed, clock_mhz=args.clock,
-                   rate=args.rate, progress=Progress("planning"))
+    planned = plan(descriptor, hardware, args.memory,
+                   lambda chosen: Corrector(descriptor, chosen).timing, fixed=fixed,
+                   clock_mhz=args.clock, rate=args.rate, progress=Progress("planning"))
     bound = bound_of(args, descriptor, planned.hardware, memory_at(args.memory, args.clock))
-    report = planned.report()
+    made = planned.hardware.made_for(descriptor)
+    report = planned.report() | {"nodes": descriptor.nodes, "share": made.share,
+                                 "tansigs": made.units(descriptor.hidden_neurons)}
     if write_report({"digest": descriptor.digest, "output": args.to, **report,
                      **(bound.report() if bound else {})}, args.json):
         return
     print(choice_line(planned.hardware, report["bytes_read_per_pixel"], planned.amplification))
+    print(front_end_line(made, descriptor))
     print(f"{planned.clocks_per_pixel:.4f} clocks per pixel, {planned.frames_per_second:.1f} "
           f"frames per second predicted ({args.memory}, {width} bits, {args.clock:g} MHz)")
     print(f"{planned.worst:.2f} bytes per pixel in the worst 8192 pixels; "

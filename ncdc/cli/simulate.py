@@ -79,13 +79,14 @@ def run(args):
 
 def _bound(args, descriptor, hardware):
     """What the planner promises; None without --follow, and where it knows no clocks: of the
-    multiport fetcher, of shared units, of a memory with random latency or of another's controller.
+    multiport fetcher, of units too few for the rate, of a memory with random latency or of
+    another's controller.
     """
     memory = simulated_memory(args.memory)
     exact = isinstance(memory, DramMemory) or (isinstance(memory, LatencyMemory)
                                                and memory.latency[0] == memory.latency[1]
                                                and memory.wait_chance == 0)
-    if not hardware.cached or hardware.share > 1 or not exact:
+    if not hardware.cached or not hardware.keeps_rate(descriptor) or not exact:
         return None
     return bound_of(args, descriptor, hardware, memory)
 

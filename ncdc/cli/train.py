@@ -26,8 +26,8 @@ from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
 from ncdc_model.training.train import TRAINERS, check_request
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "error_table", "plot_training", "run",
-           "training_progress"]
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "error_table", "nodes_text",
+           "plot_training", "run", "training_progress"]
 
 HELP = "train a camera's network and write its descriptor"
 EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
@@ -84,6 +84,9 @@ def add_arguments(parser):
                              "multipliers (default: 24 in formats that fit every camera)")
     parser.add_argument("--coordinate-bits", type=int, choices=range(6, 13), default=10,
                         help="fraction bits of the back-map coordinates (default: 10)")
+    parser.add_argument("--nodes", type=_nodes, default="auto", metavar="S",
+                        help="pixels from one evaluation of the network to the next: 1, 8, 16 or "
+                             "32; auto (default): as many as add at most 0.001 px on this map")
     parser.add_argument("--gamma", type=float, default=1.0, metavar="G",
                         help="gamma of the tan-sigmoid, equation (17); the hidden weights make "
                              "good for it (default: 1)")
@@ -136,6 +139,8 @@ def _print_report(args, source, report):
               f"network follows the smooth lens fitted to them")
     print(error_table({name: report[name] for name in ("training", "held_out", "frame")
                        if name in report}))
+    print(nodes_text(report["nodes"]) + (f", which adds at most {report['nodes_curvature_px']:.5f} "
+                                         f"px" if report["nodes"] > 1 else ""))
     print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")
     if source.frame:
         print(straightness_text(report, "held-out points" if args.held_out else "points"))
@@ -181,7 +186,8 @@ def _choices(args):
     return TrainingChoices(
         trainer=args.trainer, seed=args.seed, held_out=args.held_out, skip=args.skip,
         options=options, formats=_formats(args), weight_bits=args.weight_bits,
-        variant=choose_variant(args.tansig, MAX_NEURONS), gamma=args.gamma)
+        variant=choose_variant(args.tansig, MAX_NEURONS), gamma=args.gamma,
+        nodes=args.nodes)
 
 
 def _tried(neurons, worst):
@@ -228,6 +234,11 @@ def error_table(parts):
     return "\n".join(lines)
 
 
+def nodes_text(nodes):
+    """Some words on where the network is evaluated."""
+    return f"network at every {nodes}th pixel of a row" if nodes > 1 else "network at every pixel"
+
+
 def training_progress():
     """The trainer's progress callback: how far, and the error reached."""
     progress = Progress("training")
@@ -251,6 +262,12 @@ def _choosing_progress():
 
 def _neurons(text):
     if text == "auto" or text.removeprefix("-").isdecimal():
+        return text if text == "auto" else int(text)
+    raise argparse.ArgumentTypeError(f"{text!r} is neither a whole number nor auto")
+
+
+def _nodes(text):
+    if text == "auto" or text.isdecimal():
         return text if text == "auto" else int(text)
     raise argparse.ArgumentTypeError(f"{text!r} is neither a whole number nor auto")
 

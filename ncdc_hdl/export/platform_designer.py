@@ -6,7 +6,6 @@ from amaranth.hdl import Shape
 from amaranth.lib.wiring import Out
 
 from ncdc_hdl.export.verilog import TOP
-from ncdc_model.interface.register_map import registers
 
 __all__ = ["COMPONENT", "hw_tcl", "interfaces"]
 
@@ -82,7 +81,7 @@ def hw_tcl(corrector):
               "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
               "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
               "DIGEST": f"0x{int(descriptor.digest[:8], 16):08X}u",
-              "REGISTERS": len(registers(descriptor.hidden_neurons, descriptor.formats))}
+              "REGISTERS": len(corrector.registers.table)}
     lines += [f"set_module_assignment embeddedsw.CMacro.{name} {value}"
               for name, value in macros.items()]
     return "\n".join(lines) + "\n"

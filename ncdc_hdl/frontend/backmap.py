@@ -71,8 +71,9 @@ class BackMap(wiring.Component):
     def __init__(self, hidden_neurons, formats, *, variant="mmhbc",
                  hardware=Hardware(), queue=None):
         self.hidden_neurons, self.formats, self.lanes = hidden_neurons, formats, hardware.lanes
+        self.nodes = 1
         lanes = self.lanes
-        self.share = hardware.share
+        self.share = hardware.share or 1
         units = hardware.units(hidden_neurons)
         self.hidden = [RasterLayer(hidden_neurons, formats, self.share, lanes)
                        if hardware.hidden == "raster" else

@@ -3,6 +3,7 @@
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
 
 from ncdc_hdl.frontend.layouts import SIZE, SPANS, scan_layout
 from ncdc_hdl.frontend.ramp import Ramp
@@ -40,6 +41,9 @@ class Scan(wiring.Component):
         ``input`` is used.
     lanes : int
         Pixels of a group: 1, 2 or 4.
+    nodes : int
+        1, or the distance of the nodes between which other hardware makes the coordinates: then
+        the scan has none.
 
     Members
     -------
@@ -63,7 +67,12 @@ class Scan(wiring.Component):
         Which pixels have no source, of the group shown ``blank_latency`` clocks ago.
     pixels : ``Out(ArrayLayout(pixel_layout(formats, lanes), lanes))``
         Coordinates of the group shown, and what the next group adds to them; valid while
-        ``active``.
+        ``active`` (only without nodes).
+    begins : ``Out(1)``
+        The group shown is the first one behind a node, and not one that ends the frame early;
+        valid while ``active`` (only with nodes).
+    will_begin : ``Out(1)``
+        So is the one in the next clock, if one is shown then (only with nodes).
     cut : ``Out(1)``
         The frame was ended early; valid from its end to the next ``start``.
     """
@@ -73,15 +82,16 @@ class Scan(wiring.Component):
     latency = Strips.latency + 2
     """Clocks from ``start`` to ``active``: the first group, as the next one, as the one shown."""
 
-    def __init__(self, formats, lanes=1):
-        self.q, self.lanes = formats.input, lanes
+    def __init__(self, formats, lanes=1, nodes=1):
+        self.q, self.lanes, self.nodes = formats.input, lanes, nodes
+        shown = {"pixels": Out(data.ArrayLayout(pixel_layout(formats, lanes), lanes))} \
+            if nodes == 1 else {"begins": Out(1), "will_begin": Out(1)}
         super().__init__({
             "start": In(1), "abort": In(1), "parameters": In(scan_layout()),
             "table": Out(SpansRequest()),
             "go": In(1), "advance": Out(1),
             "active": Out(1), "first": Out(1), "last": Out(1), "blank": Out(lanes),
-            "pixels": Out(data.ArrayLayout(pixel_layout(formats, lanes), lanes)),
-            "cut": Out(1),
+            **shown, "cut": Out(1),
         })
 
     def elaborate(self, platform):
@@ -140,9 +150,18 @@ class Scan(wiring.Component):
                 begins_row.eq(0), ends_row.eq(1), new_row.eq(1), new_strip.eq(0), to_top.eq(1),
             ]
 
-        self._coordinates(m, strips.begin, take, new_row, new_strip, to_top)
-        for pixel in self.pixels:
-            m.d.comb += [pixel.new_row.eq(shown_new_row), pixel.new_strip.eq(shown_new_strip)]
+        if self.nodes == 1:
+            self._coordinates(m, strips.begin, take, new_row, new_strip, to_top)
+            for pixel in self.pixels:
+                m.d.comb += [pixel.new_row.eq(shown_new_row), pixel.new_strip.eq(shown_new_strip)]
+        else:
+            # Strips begin on nodes, so that the column tells how far the last node is.
+            place = range(exact_log2(self.nodes))
+            m.d.comb += [
+                self.begins.eq(~Cat(shown_cut, *(shown_column[k] for k in place)).any()),
+                self.will_begin.eq(Mux(
+                    take, ~Cat(end, *(next_column[k] for k in place)).any(), self.begins)),
+            ]
         self._blank(m, shown_column, spans, shown_cut)
         return m
 

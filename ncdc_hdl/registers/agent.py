@@ -47,6 +47,8 @@ class Registers(wiring.Component):
         Read back as NEURONS.
     capabilities : dict
         Values of CAPABILITIES and LARGEST.
+    nodes : int
+        Distance of the nodes, read back as NODES if ``table`` has that register.
 
     Members
     -------
@@ -73,9 +75,10 @@ class Registers(wiring.Component):
     interrupt_latency = 1
     """Clocks from ``ended`` to ``irq``."""
 
-    def __init__(self, table, values, *, digest, hidden_neurons, capabilities):
+    def __init__(self, table, values, *, digest, hidden_neurons, capabilities, nodes=1):
         self.table, self.values = table, values
-        self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, **capabilities}
+        self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, "NODES": nodes,
+                          **capabilities}
         [fault] = [r for r in table if r.name == "FAULT"]
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
                   for r in table if r.access == "shadow"}

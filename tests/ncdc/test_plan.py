@@ -61,7 +61,8 @@ def test_the_worst_span_may_begin_anywhere():
 def made(descriptor, memory="ddr3", *, fixed=(None, None, None), rate=None, **choices):
     """The plan for a hardware of ``choices``."""
     hardware = Hardware(**choices)
-    return plan(descriptor, hardware, memory, Corrector(descriptor, hardware).timing,
+    return plan(descriptor, hardware, memory,
+                lambda chosen: Corrector(descriptor, chosen).timing,
                 fixed=Fixed(*fixed), rate=rate)
 
 

@@ -97,6 +97,19 @@ def test_the_latency_is_that_of_the_network(variant, neurons, choices):
     check_small(small(variant, neurons, **choices), "ideal")
 
 
+@pytest.mark.parametrize("nodes,neurons,choices", [
+    (16, 12, {}), (8, 4, {"lanes": 2}), (16, 8, {"lanes": 4}), (32, 5, {"share": 5}),
+    (8, 6, {"output": "memory"})], ids=["one unit", "two pixels", "four", "far", "memory"])
+def test_the_latency_is_that_of_the_network_at_nodes(nodes, neurons, choices):
+    """The first coordinate waits for four nodes; then one follows per clock and lane."""
+    descriptor = replace(barrel_descriptor((160, 40), (160, 40), hidden_neurons=neurons),
+                         nodes=nodes)
+    hardware = Hardware(**{"output": "stream"} | choices)
+    assert hardware.keeps_rate(descriptor)
+    corrector = Corrector(descriptor, hardware)
+    check_small((hardware, corrector, verilog_of(corrector)), "ideal")
+
+
 @pytest.fixture(scope="module")
 def prepared_small():
     return small("mmhbc", 8)

@@ -7,6 +7,7 @@ from amaranth import *
 from amaranth.lib import wiring
 
 from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_model.geometry import scan_order
@@ -21,8 +22,9 @@ class FrontEnd(Elaboratable):
     """Front end and table of valid rows, as the corrector joins them."""
 
     def __init__(self, d, lanes=1, **options):
-        self.backmap = BackMap(d.hidden_neurons, d.formats,
-                               hardware=Hardware(lanes=lanes, **options))
+        hardware = Hardware(lanes=lanes, **options)
+        self.backmap = (BackMap(d.hidden_neurons, d.formats, hardware=hardware) if d.nodes == 1
+                        else NodeBackMap(d.hidden_neurons, d.formats, d.nodes, hardware=hardware))
         self.table = ValidTable(d.valid, *d.geometry.corrected)
 
     def elaborate(self, platform):

@@ -220,8 +220,9 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
         Its tile cache, split and strip are chosen.
     memory : str
         Of :func:`ncdc_model.memory_timing.memory_timing`; ``sdram`` and ``ddr3`` at ``clock_mhz``.
-    timing : CorrectorTiming
-        Of a corrector of this descriptor and hardware.
+    timing : callable
+        :class:`CorrectorTiming` of a corrector of this descriptor and a hardware: strips may need
+        other units than a raster.
     fixed : Fixed
         Chosen by the user.
     clock_mhz : float
@@ -247,7 +248,7 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
                      lambda fraction: progress(.5 + .2 * fraction))
     made = None
     for k, choice in enumerate(islice(_worth_timing(choices), _TIMINGS)):
-        found = _timed(windows, geometry, choice.hardware, model, timing,
+        found = _timed(windows, geometry, choice.hardware, model, timing(choice.hardware),
                        lambda done, total: progress(.7 + .3 * (k + done / total) / _TIMINGS))
         fast = found["clocks"] <= limit
         if made is None or fast or found["clocks"] < _GAIN * made.clocks:

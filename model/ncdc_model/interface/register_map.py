@@ -7,7 +7,7 @@ from ncdc_model.interface.frames import ADDRESS_BITS
 
 __all__ = ["ADDRESS_WORDS_BITS", "Bits", "CONSTANTS", "COUNTERS", "CTRL_ABORT", "CTRL_COMMIT",
            "CTRL_START", "FAULT_ALIGNMENT", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag",
-           "ID", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
+           "ID", "NODES", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
            "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
            "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
            "registers"]
@@ -19,7 +19,7 @@ ID = 0x4E434443           # "NCDC"
 VERSION = 1               # of this map; one more whenever a host must know of a change
 
 # Of an instance.
-CONSTANTS = ("ID", "DIGEST", "NEURONS", "CAPABILITIES", "LARGEST")
+CONSTANTS = ("ID", "DIGEST", "NEURONS", "NODES", "CAPABILITIES", "LARGEST")
 
 # Registers of the set that say nothing of the lens: DIGEST does not tell of them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
@@ -236,6 +236,10 @@ _FIXED = (
              "1: the lens may be another one than DIGEST says: a register of it was written since "
              "the reset, or a valid row of the bank in use since configuration."),
 )
+NODES = 0x30
+_NODES = Register("NODES", NODES, "ro", Bits(6),
+                  "Pixels from node to node; an instance whose network is evaluated at every pixel "
+                  "has no such register and reads 0.")
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
 
@@ -272,9 +276,9 @@ def _numbered(name, text, j, address, q, parameter):
                     parameter=parameter, family=(name.format("j"), text.format("j")))
 
 
-def registers(hidden_neurons, formats):
+def registers(hidden_neurons, formats, nodes=1):
     """All registers of an instance, by ascending address."""
-    return (*_FIXED, *network_registers(hidden_neurons, formats))
+    return (*_FIXED, *([_NODES] if nodes > 1 else []), *network_registers(hidden_neurons, formats))
 
 
 def counters(table):

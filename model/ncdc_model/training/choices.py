@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass, field
 
+from ncdc_model.errors import InputError
 from ncdc_model.float_network import check_gamma
 from ncdc_model.formats import Formats
+from ncdc_model.nodes import NODES
 from ncdc_model.training.rounding import check_weight_bits
 
 __all__ = ["HELD_OUT", "TrainingChoices"]
@@ -36,11 +38,14 @@ class TrainingChoices:
         Of the descriptor's tan-sigmoid.
     gamma : float
         Of equation (17); the hidden weights make good for it.
+    nodes : int or "auto"
+        Distance of the nodes, see ``Descriptor.nodes``; auto: the largest whose curvature error
+        on this map keeps ``ncdc_model.nodes.CURVATURE_LIMIT``.
 
     Raises
     ------
     InputError
-        If ``weight_bits`` or ``gamma`` is out of range.
+        If ``weight_bits``, ``gamma`` or ``nodes`` is out of range.
     """
     trainer: str = "lm"
     seed: int = 0
@@ -51,8 +56,12 @@ class TrainingChoices:
     weight_bits: int | None = None
     variant: str = "mmhbc"
     gamma: float = 1.0
+    nodes: int | str = "auto"
 
     def __post_init__(self):
         check_gamma(self.gamma)
         if self.weight_bits is not None:
             check_weight_bits(self.weight_bits)
+        if self.nodes != "auto" and self.nodes not in NODES:
+            raise InputError(f"the distance of the nodes is {self.nodes!r}, one of "
+                             f"{', '.join(map(str, NODES))}, auto is needed")

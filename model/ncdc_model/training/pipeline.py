@@ -5,8 +5,14 @@ from dataclasses import dataclass, replace
 from ncdc_model.calibration.measure import measure_map
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
-from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
+from ncdc_model.evaluate import (
+    check_curvature,
+    evaluate_frame,
+    evaluate_points,
+    float_map,
+)
 from ncdc_model.geometry import ValidRows
+from ncdc_model.nodes import NODES, check_nodes, interpolated_map, largest_nodes
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.problem import split
 from ncdc_model.training.rounding import fitted_formats, round_network
@@ -34,6 +40,7 @@ class TrainedCamera:
         point is held out) and ``frame``, each with ``map_error_float_px`` and
         ``map_error_fixed_px`` (``frame`` only where the true map is known); the two of the best
         evidence there is again at the top, ``measured_on`` tells which;
+        ``nodes``, their distance, and ``nodes_curvature_px``, by how much that misses the network;
         ``fixed_minus_float_max_px``;
         ``valid_pixels``, ``valid_percent`` and ``valid_pixels_lost``, those that two spans a
         row cannot hold; of points ``extrapolated_percent``, valid pixels that lie beyond
@@ -89,16 +96,21 @@ def describe(source, training, choices):
     Raises
     ------
     InputError
-        If a weight leaves its format, or hardly a pixel has a source.
+        If a weight leaves its format, hardly a pixel has a source, or the nodes asked for miss the
+        map by more than ``ncdc_model.nodes.CURVATURE_LIMIT``.
     """
     network = training.network.with_gamma(choices.gamma)
     mask, covered = _regions(source, network)
-    rows = ValidRows.of_mask(mask)
     formats = choices.formats
     if choices.weight_bits is not None:
         formats = fitted_formats(network, formats, choices.weight_bits)
-    draft = round_network(network, source.geometry, rows, formats, variant=choices.variant)
-    maps = {}
+    draft = round_network(network, source.geometry, ValidRows.of_mask(mask), formats,
+                          variant=choices.variant)
+    draft, missed = _at_nodes(draft, choices.nodes)
+    if draft.nodes > 1:
+        mask, covered = _regions(source, network, draft.nodes)
+        draft = replace(draft, valid=ValidRows.of_mask(mask))
+    rows, maps = draft.valid, {}
     frame = evaluate_frame(draft, source.back_map, maps if source.back_map else None)
     out = split(len(source.pairs[0]), choices.held_out)
     tables = _error_tables(draft, source, out, frame)
@@ -106,6 +118,7 @@ def describe(source, training, choices):
     report = {"hidden_neurons": network.hidden_neurons, "skip": network.skip_weights is not None,
               "trainer": choices.trainer, "seed": choices.seed, "measured_on": best,
               **{kind: tables[best][kind] for kind in _KINDS},
+              "nodes": draft.nodes, "nodes_curvature_px": missed,
               "fixed_minus_float_max_px": frame["fixed_minus_float_max_px"],
               "valid_pixels": frame["valid_pixels"],
               "valid_percent": round(100 * frame["valid_pixels"] / mask.size, 3),
@@ -121,10 +134,28 @@ def describe(source, training, choices):
     return TrainedCamera(descriptor, training, report | source.facts, maps)
 
 
-def _regions(source, network):
-    """Masks of the corrected frame: the valid pixels, and those that points cover (or None)."""
+def _at_nodes(draft, wanted):
+    """``draft`` at nodes of the ``wanted`` distance, and by how many pixels they miss the network.
+
+    Raises
+    ------
+    InputError
+        If they miss it by more than the limit, or the picture is too narrow for them.
+    """
+    if wanted != "auto":
+        check_nodes(wanted, draft.geometry.corrected_width)
+    found = check_curvature(draft, NODES if wanted == "auto" else (wanted,))
+    nodes = largest_nodes(found) if wanted == "auto" else wanted
+    return replace(draft, nodes=nodes), found[nodes]
+
+
+def _regions(source, network, nodes=1):
+    """Masks of the corrected frame: the valid pixels, and those that points cover (or None).
+
+    Where the map itself is not known they are those of the network at ``nodes``.
+    """
     geometry = source.geometry
-    back_map = source.back_map or float_map(network, geometry)
+    back_map = source.back_map or interpolated_map(float_map(network, geometry), nodes)
     within = covered = None
     if source.smooth_map:
         within = grown(valid_mask(source.smooth_map, geometry), _SMOOTH)

@@ -8,6 +8,7 @@ from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.frontend.between import NodesToCoordinates
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.descriptor import Descriptor, FloatNetwork
@@ -17,11 +18,12 @@ from ncdc_model.geometry import Geometry, ValidRows
 from ncdc_model.hardware import Hardware
 from ncdc_model.tansig import design_for
 
-__all__ = ["BLOCKS", "component"]
+__all__ = ["BLOCKS", "component", "traits"]
 
 _GEOMETRY = Geometry(1280, 1024, 1280, 1024)
 _CACHE = CacheOptions.of_bytes(32 << 10)
 _DATA_WIDTH = 32
+_NODES = 16             # pixels from node to node, as on most of the reference lenses
 
 
 def component(block, variant, multiplier_bits):
@@ -29,8 +31,16 @@ def component(block, variant, multiplier_bits):
     return BLOCKS[block][variant](multiplier_bits)
 
 
+def traits(part):
+    """``hidden_neurons``, ``nodes`` and ``lanes`` of a block, None where it has no such thing."""
+    d = getattr(part, "descriptor", None)
+    hardware = getattr(part, "hardware", part)
+    return {"hidden_neurons": getattr(d or part, "hidden_neurons", None),
+            "nodes": getattr(d or part, "nodes", None), "lanes": getattr(hardware, "lanes", None)}
+
+
 @cache
-def _descriptor(hidden_neurons, variant):
+def _descriptor(hidden_neurons, variant, nodes=1):
     """A descriptor of arbitrary weights: they are reset values of registers, the size is theirs
     whatever they are. Every pixel has a source."""
     rng = np.random.default_rng(hidden_neurons)
@@ -38,7 +48,7 @@ def _descriptor(hidden_neurons, variant):
                            rng.uniform(-1, 1, hidden_neurons),
                            rng.uniform(-500, 500, (2, hidden_neurons)), np.array([640.0, 512.0]))
     valid = ValidRows.of_mask(np.ones(_GEOMETRY.corrected[::-1], bool))
-    return Descriptor.quantise(network, _GEOMETRY, valid, variant=variant)
+    return Descriptor.quantise(network, _GEOMETRY, valid, variant=variant, nodes=nodes)
 
 
 def _tansig(variant):
@@ -50,12 +60,16 @@ def _front_end(hidden_neurons, variant="mmhbc", **options):
                                 hardware=Hardware(multiplier_bits=bits, **options))
 
 
-def _core(hidden_neurons, variant="mmhbc", **options):
+def _between(lanes=1):
+    return lambda bits: NodesToCoordinates(Formats().at_nodes(), Formats().coordinate, _NODES,
+                                           lanes)
+
+
+def _core(hidden_neurons, variant="mmhbc", nodes=1, **options):
     """1280 x 1024 pixels, cache of 32 KB, memory of 32 bits, video stream out."""
-    return lambda bits: Corrector(
-        _descriptor(hidden_neurons, variant),
-        Hardware(data_width=_DATA_WIDTH, output="stream", cache=_CACHE, multiplier_bits=bits,
-                 **options))
+    options = {"data_width": _DATA_WIDTH, "output": "stream", "cache": _CACHE} | options
+    return lambda bits: Corrector(_descriptor(hidden_neurons, variant, nodes),
+                                  Hardware(multiplier_bits=bits, **options))
 
 
 # Of each block its variants, the first one first in the tables. Multipliers shared by four
@@ -68,10 +82,15 @@ BLOCKS = {
     "front-end": {"HN 4": _front_end(4), "HN 4 raster": _front_end(4, hidden="raster"),
                   "HN 4 table": _front_end(4, "table"), "HN 8": _front_end(8),
                   "HN 4, 2 lanes": _front_end(4, lanes=2)},
+    "nodes to coordinates": {"1 lane": _between(), "4 lanes": _between(4)},
     "fetcher": {"cache 32 KB":
                 lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _CACHE)},
     "interpolator": {"bayer bilinear":
                      lambda bits: Interpolator(Formats().coordinate.f_bits)},
     "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),
-             "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8)},
+             "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),
+             "HN 8, nodes, 8 KB": _core(8, nodes=_NODES, output="memory", strip=128,
+                                        cache=CacheOptions.of_bytes(8 << 10)),
+             "HN 16, nodes": _core(16, nodes=_NODES),
+             "HN 16, nodes, 4 lanes": _core(16, nodes=_NODES, lanes=4, data_width=128)},
 }

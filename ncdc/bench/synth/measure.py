@@ -4,7 +4,7 @@ import inspect
 import json
 from statistics import median
 
-from ncdc.bench.synth.blocks import component
+from ncdc.bench.synth.blocks import component, traits
 from ncdc.bench.synth.ecp5_netlist import (
     adder_inputs,
     cells,
@@ -63,7 +63,8 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
     Returns
     -------
     list of dict
-        ``block``, ``variant``, ``target``, ``multiplier_bits``, ``alm``, ``lut``, ``ff``, ``dsp``,
+        ``block``, ``variant``, ``target``, ``multiplier_bits``; ``hidden_neurons``, ``nodes``,
+        ``lanes``; ``alm``, ``lut``, ``ff``, ``dsp``,
         ``ram_blocks``, ``fmax_mhz``, ``fmax_seeds_mhz``, ``fmax_plain_mhz`` (the median of the
         same seeds, if ``plain``), ``seeds``; None for what a flow does not tell.
 
@@ -92,6 +93,7 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
             figures = _kept(target, module_verilog(part, "block"), progress)
         names = _NAMES[target]
         rows.append({"block": block, "variant": variant, "target": target, "multiplier_bits": bits}
+                    | traits(part)
                     | {name: figures.get(names.get(name, name))
                        for name in (*_LARGER_IS_WORSE, *_CLOCKS)}
                     | {"seeds": seeds if target == "ecp5" else None})

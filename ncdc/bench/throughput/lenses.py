@@ -18,7 +18,8 @@ from ncdc_sim.builds import built, key_of
 __all__ = ["NEURONS", "Lens", "trained"]
 
 NEURONS = 8
-_CHOICES = TrainingChoices(options={"starts": 16, "rounds": 1})
+# The subject is the memory side: the network is evaluated at every pixel.
+_CHOICES = TrainingChoices(options={"starts": 16, "rounds": 1}, nodes=1)
 
 
 @dataclass(frozen=True)

@@ -134,7 +134,7 @@ def measure(runs, progress=lambda run: None):
         planned, hardware = None, run.hardware
         if hardware.cached:
             planned = plan(descriptor, hardware, run.planned_memory,
-                           Corrector(descriptor, hardware).timing,
+                           lambda chosen: Corrector(descriptor, chosen).timing,
                            fixed=Fixed(run.cache_bytes, strip=run.strip))
             hardware = planned.hardware
         built = replace(hardware, split=None, strip=0)

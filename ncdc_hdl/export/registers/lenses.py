@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ncdc_model.errors import InputError, reading
+from ncdc_model.evaluate import check_curvature
 from ncdc_model.fetch.plan import best_split
 from ncdc_model.hardware import check_lanes
 from ncdc_model.interface.host_values import host_values, table_words
@@ -67,13 +68,15 @@ def check_lens(corrector, path, descriptor):
     Raises
     ------
     InputError
-        If neurons, formats or tan-sigmoid differ, the table of valid rows is too small, or the
-        width is no multiple of the pixels per clock.
+        If neurons, formats, tan-sigmoid or nodes differ, the nodes miss the lens's own network by
+        more than the limit, the table of valid rows is too small, or the width is no multiple of
+        the pixels per clock.
     """
     made_for = corrector.descriptor
     for what, value, needed in (
             ("hidden neurons", descriptor.hidden_neurons, made_for.hidden_neurons),
             ("tan-sigmoid", descriptor.variant, made_for.variant),
+            ("pixels from node to node", descriptor.nodes, made_for.nodes),
             *((f"format {name}", q, getattr(made_for.formats, name))
               for name, q in vars(descriptor.formats).items())):
         if value != needed:
@@ -88,6 +91,7 @@ def check_lens(corrector, path, descriptor):
                          f"of valid rows counts to {corrector.table.max_column}")
     with reading(path):
         check_lanes(width, corrector.hardware.lanes)
+        check_curvature(descriptor)
 
 
 def lenses_of(corrector, named):

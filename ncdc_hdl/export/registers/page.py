@@ -5,7 +5,13 @@ from importlib.resources import files
 from ncdc_model.descriptor import Formats
 from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.interface.frames import SOURCE_BEYOND
-from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS, SKIP, TABLE, registers
+from ncdc_model.interface.register_map import (
+    ADDRESS_WORDS_BITS,
+    NODES,
+    SKIP,
+    TABLE,
+    registers,
+)
 
 __all__ = ["register_doc"]
 
@@ -27,8 +33,8 @@ def register_doc(hidden_neurons, formats):
     bits = MAX_SIZE.bit_length() - 1
     page = (files("ncdc_hdl.export.registers") / "page.md").read_text()
     return page.format(words=1 << ADDRESS_WORDS_BITS, neurons=hidden_neurons, beyond=SOURCE_BEYOND,
-                       last=hidden_neurons - 1, skip=4 * SKIP, rows="".join(lines), bits=bits,
-                       high=16 + bits)
+                       last=hidden_neurons - 1, skip=4 * SKIP, nodes=4 * NODES,
+                       rows="".join(lines), bits=bits, high=16 + bits)
 
 
 def _offset(name, same):

@@ -74,6 +74,8 @@ def verilog_of(corrector):
         f"{g.distorted_width}x{g.distorted_height} raw {g.bayer} samples to",
         f"{g.corrected_width}x{g.corrected_height} corrected pixels. After configuration the "
         f"registers hold that descriptor's values.",
+        *([f"The network is evaluated at every {descriptor.nodes}th pixel of a row."]
+          if descriptor.nodes > 1 else []),
         "",
         f"Latency: the first window is asked for {corrector.start_latency} clocks after a frame's "
         f"start; a pixel leaves",

@@ -132,6 +132,7 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     """
     geometry = descriptor.geometry
     check_raw(raw, geometry)
+    hardware = hardware.made_for(descriptor)
     if verilog is None:
         verilog = corrector_verilog(descriptor, hardware)
     places = FramePlaces.after_reset(geometry, hardware.data_width)

@@ -1,0 +1,127 @@
+"""From nodes to coordinates: the block behind the network at nodes."""
+
+from amaranth import *
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
+
+from ncdc_hdl.frontend.node_network import node_layout
+from ncdc_hdl.frontend.segments import AXES, Segments
+from ncdc_hdl.lib.fixed import saturate
+from ncdc_hdl.lib.pipeline import delay, register
+
+__all__ = ["NodesToCoordinates"]
+
+
+class NodesToCoordinates(wiring.Component):
+    """Coordinates of the pixels between nodes, by adding second differences, ``lanes`` at a time.
+
+    4 S^2 times the coordinate is a whole number; from pixel to pixel it grows by ``slope``, which
+    itself grows by twice the ``bend`` of :func:`segment_layout`. It is exact and rounded once.
+    Equal bit for bit to ``ncdc_model.network.coordinates``.
+
+    Timing: one group per clock, ``latency`` clocks from ``advance`` to ``o``; free-running. What
+    ``begins`` a segment needs one from :class:`Segments`: ``ready`` says whether it will be there.
+
+    Parameters
+    ----------
+    formats : ncdc_model.descriptor.Formats
+        At nodes.
+    coarse : ncdc_model.fixed.Q
+        Of the coordinates.
+    nodes, lanes : int
+        Distance of the nodes; pixels of a group.
+
+    Members
+    -------
+    i : ``In(stream.Signature(node_layout(formats)))``
+    flush : ``In(1)``
+        Nodes and segments are dropped.
+    ready : ``Out(1)``
+        A group that begins a segment may advance in the next clock.
+    advance : ``In(1)``
+        The next group's coordinates are to be made.
+    begins : ``In(1)``
+        With ``advance``: it is the first one behind a node.
+    o : ``Out(ArrayLayout({x, y}, lanes))``
+    """
+
+    def __init__(self, formats, coarse, nodes, lanes=1):
+        self.coarse, self.nodes, self.lanes = coarse, nodes, lanes
+        self.segments = Segments(formats, coarse, nodes)
+        self.scale = 2 + 2 * exact_log2(nodes)          # 4 S^2 as a shift
+        self.drop = self.scale + formats.coordinate.f_bits - coarse.f_bits
+        # Between nodes the value may exceed them by a quarter of what they differ.
+        self.shape = signed(formats.coordinate.width + 1 + self.scale)
+        super().__init__({
+            "i": In(stream.Signature(node_layout(formats))), "flush": In(1),
+            "ready": Out(1), "advance": In(1), "begins": In(1),
+            "o": Out(data.ArrayLayout(data.StructLayout(
+                {name: signed(coarse.width) for name in AXES}), lanes)),
+        })
+
+    @property
+    def latency(self):
+        """Clocks from ``advance`` to the coordinates: slope, what a group adds to it in two (4
+        lanes) or one (2 lanes), value, the lanes' values if there are several, rounding."""
+        return {1: 3, 2: 5, 4: 6}[self.lanes]
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.segments = segments = self.segments
+        wiring.connect(m, wiring.flipped(self.i), segments.i)
+        taken = Signal()                # a segment is taken
+        m.d.comb += [
+            segments.flush.eq(self.flush), taken.eq(self.advance & self.begins),
+            segments.o.ready.eq(taken), self.ready.eq(segments.o.valid & ~taken),
+        ]
+        valid = register(m, "slope_valid", self.advance, reset_less=False)
+        anew = register(m, "slope_anew", self.begins)
+        for name in AXES:
+            self._axis(m, name, valid, anew)
+        return m
+
+    def _axis(self, m, name, valid, anew):
+        segment, lanes = self.segments.o.p[name], self.lanes
+
+        def kept(what, value, clocks=1):
+            return delay(m, value, clocks, f"{name}_{what}")
+
+        slope = Signal.like(segment.slope, name=f"{name}_slope", reset_less=True)
+        bend = Signal.like(segment.bend, name=f"{name}_bend", reset_less=True)
+        base = Signal.like(segment.base, name=f"{name}_base", reset_less=True)
+        # Slope: that of the group's first pixel.
+        with m.If(self.advance):
+            m.d.sync += slope.eq(slope + (bend << exact_log2(2 * lanes)))
+            with m.If(self.begins):
+                m.d.sync += [slope.eq(segment.slope), bend.eq(segment.bend), base.eq(segment.base)]
+        # Parts: what the lanes' values are more than the first one's, and the next group's.
+        if lanes == 1:
+            parts, growth, clocks = [], slope, 0
+        elif lanes == 2:
+            parts, clocks = [kept("part1", slope)], 1
+            growth = kept("growth", slope + bend) << 1
+        else:
+            one, two, three = (kept(f"sum{k}", slope + k * bend if k != 2 else slope + (bend << 1))
+                               for k in (1, 2, 3))
+            parts = [kept("part1", slope, 2), kept("part2", one << 1),
+                     kept("part3", two + (two << 1))]
+            growth, clocks = kept("growth", three << 2), 2
+        # Value: 4 S^2 times that of the group's first pixel.
+        value = Signal(self.shape, name=f"{name}_value", reset_less=True)
+        step = Signal(self.shape, name=f"{name}_step", reset_less=True)
+        begins, start = kept("anew", anew, clocks), kept("start", base, clocks)
+        with m.If(delay(m, valid, clocks, f"{name}_valid", reset_less=False)):
+            m.d.sync += [value.eq(Mux(begins, start << self.scale, value + step)),
+                         step.eq(growth)]
+        values = [value]
+        if lanes > 1:
+            # Lanes: each one's value.
+            values = [kept("lane0", value)] + [
+                register(m, f"{name}_lane{k}", value + kept(f"ahead{k}", part), self.shape)
+                for k, part in enumerate(parts, 1)]
+        # Rounding: the half is part of the nodes' values.
+        for k, total in enumerate(values):
+            m.d.comb += self.o[k][name].eq(register(
+                m, f"{name}_o{k}", saturate((total >> self.drop), self.coarse),
+                signed(self.coarse.width)))

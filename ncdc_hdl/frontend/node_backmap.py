@@ -1,0 +1,114 @@
+"""The front end with the network at nodes."""
+
+from amaranth import *
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.frontend.between import NodesToCoordinates
+from ncdc_hdl.frontend.layouts import coordinate_layout, network_layout, scan_layout
+from ncdc_hdl.frontend.node_network import NodeNetwork
+from ncdc_hdl.frontend.scan import Scan
+from ncdc_hdl.frontend.segments import Segments
+from ncdc_hdl.frontend.signatures import SpansRequest
+from ncdc_hdl.lib.credits import CreditQueue
+from ncdc_hdl.lib.pipeline import delay
+from ncdc_model.hardware import Hardware
+
+__all__ = ["NodeBackMap"]
+
+_QUEUE = 64     # groups in the queue and on their way there
+
+
+class NodeBackMap(wiring.Component):
+    """Network at nodes, coordinates between them, queue: the place of :class:`BackMap`.
+
+    Equal bit for bit to ``ncdc_model.network.coordinates`` of a descriptor with these nodes. The
+    nodes run ahead of the pixels, into a queue of their own; the scan of the pixels waits for a
+    node only where it is at one. Timing: one group of pixels per clock, as long as the network
+    gives the nodes of a row in the clocks of its groups; ``start_latency`` to the first one.
+
+    Parameters
+    ----------
+    hidden_neurons : int
+        HN.
+    formats : ncdc_model.descriptor.Formats
+        The descriptor's.
+    nodes : int
+        S, above 1.
+    variant : str
+        Of the tan-sigmoid.
+    hardware : ncdc_model.hardware.Hardware
+        Its share, multiplier_bits and lanes count; hidden is multiply.
+
+    Members: as of :class:`BackMap`.
+
+    Raises
+    ------
+    InputError
+        If a tan-sigmoid is to serve more neurons than there are, or there is no such variant.
+    """
+
+    def __init__(self, hidden_neurons, formats, nodes, *, variant="mmhbc", hardware=Hardware()):
+        self.formats, self.nodes, self.lanes = formats, nodes, hardware.lanes
+        fine = formats.at_nodes()
+        self.network_at_nodes = NodeNetwork(hidden_neurons, fine, nodes, variant, hardware)
+        self.between = NodesToCoordinates(fine, formats.coordinate, nodes, self.lanes)
+        super().__init__({
+            "start": In(1), "abort": In(1), "scan": In(scan_layout()),
+            "network": In(network_layout(hidden_neurons, formats)),
+            "table": Out(SpansRequest()),
+            "o": Out(stream.Signature(coordinate_layout(formats, self.lanes))),
+            "idle": Out(1), "stalled": Out(1), "cut": Out(1),
+        })
+
+    @property
+    def start_latency(self):
+        """Clocks from ``start`` to the first coordinate at ``o``: four nodes, the network, its
+        queue, the segment, the scan's decision, the pixel, the queue."""
+        network = self.network_at_nodes
+        return (network.scanner.latency + 3 * network.interval + network.latency
+                + CreditQueue.latency + Segments.latency + 1 + self.between.latency
+                + CreditQueue.latency)
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.scan = scan = Scan(self.formats, self.lanes, self.nodes)
+        m.submodules.network_at_nodes = network = self.network_at_nodes
+        m.submodules.between = between = self.between
+        m.submodules.queue = queue = CreditQueue(
+            coordinate_layout(self.formats, self.lanes), depth=_QUEUE, restart=_QUEUE // 2)
+        wiring.connect(m, scan.table, wiring.flipped(self.table))
+        wiring.connect(m, network.o, between.i)
+        self._frames(m, scan, network, between)
+        latency = between.latency
+        blank = delay(m, scan.blank, latency - scan.blank_latency, "blank")
+        coordinates = [field for k in range(self.lanes)
+                       for field in (between.o[k].x, between.o[k].y, blank[k])]
+        flags = delay(m, Cat(scan.first, scan.last), latency, "flags")
+        m.d.comb += [
+            scan.start.eq(self.start), scan.abort.eq(self.abort), scan.parameters.eq(self.scan),
+            network.scan.eq(self.scan), network.network.eq(self.network),
+            scan.go.eq(queue.room & (~scan.will_begin | between.ready)),
+            between.advance.eq(scan.advance), between.begins.eq(scan.begins),
+            queue.issue.eq(scan.advance),
+            queue.arrive.eq(delay(m, scan.advance, latency, "advance", reset_less=False)),
+            Value.cast(queue.i).eq(Cat(*coordinates, flags)),
+            self.idle.eq(network.idle), self.cut.eq(scan.cut),
+            self.stalled.eq(scan.active & ~queue.room),
+        ]
+        wiring.connect(m, queue.o, wiring.flipped(self.o))
+        return m
+
+    def _frames(self, m, scan, network, between):
+        """Begin the nodes of a frame, and drop those that an aborted one has left."""
+        begun = Signal()                # the nodes of the frame that runs have begun
+        waiting = Signal()              # they begin once those of the frame before are gone
+        runs = Signal()                 # the frame's last group is not made as yet
+        m.d.comb += [network.start.eq((self.start | waiting) & network.quiet),
+                     network.stop.eq(~runs), between.flush.eq(~begun)]
+        with m.If(scan.advance & scan.last):
+            m.d.sync += [runs.eq(0), begun.eq(0), waiting.eq(0)]
+        with m.If(self.start):
+            m.d.sync += [runs.eq(1), waiting.eq(1)]
+        with m.If(network.start):
+            m.d.sync += [begun.eq(1), waiting.eq(0)]

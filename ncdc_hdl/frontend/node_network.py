@@ -1,0 +1,123 @@
+"""The network at nodes: scan, shared pipelines, and the queue of nodes behind them."""
+
+from amaranth import *
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.frontend.layouts import network_layout, scan_layout
+from ncdc_hdl.frontend.node_scan import NodeScan
+from ncdc_hdl.lib.credits import CreditQueue
+from ncdc_hdl.lib.pipeline import DelayMemory, delay, register
+from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
+from ncdc_hdl.neural.tansig import Tansig
+from ncdc_model.hardware import NODE_CLOCKS
+
+__all__ = ["NodeNetwork", "node_layout"]
+
+_SLACK = 16     # nodes by which the queue exceeds those under way: what the credits need, and some
+
+
+def node_layout(formats):
+    """A node's coordinate x', y' in pixels, and whether three nodes of its row stand before it.
+
+    ``formats`` are those at nodes.
+    """
+    q = formats.coordinate
+    return data.StructLayout({"x": signed(q.width), "y": signed(q.width), "whole": 1})
+
+
+class NodeNetwork(wiring.Component):
+    """Coordinates of all nodes of a frame, in the order of :class:`NodeScan`.
+
+    Equal bit for bit to ``ncdc_model.network.network`` at the nodes. One network serves all pixels
+    of a group; each of its tan-sigmoids serves ``hardware.share`` neurons in turn. Timing: a node
+    every ``interval`` clocks, ``latency`` clocks from its issue to the queue.
+
+    Parameters
+    ----------
+    hidden_neurons : int
+    formats : ncdc_model.descriptor.Formats
+        At nodes.
+    nodes : int
+        Their distance S.
+    variant : str
+        Of the tan-sigmoid.
+    hardware : ncdc_model.hardware.Hardware
+        Its share and multiplier_bits count.
+
+    Members
+    -------
+    start, stop, scan : as of :class:`NodeScan`; ``stop`` is held until the next ``start``
+    network : ``In(network_layout(...))``
+        Constant during a frame.
+    o : ``Out(stream.Signature(node_layout(formats)))``
+    quiet : ``Out(1)``
+        No node is in the network or in the queue; some clocks late, but low from the first issue's
+        next clock on.
+    idle : ``Out(1)``
+        Nothing is under way in the network and no node enters it in this clock.
+    """
+
+    def __init__(self, hidden_neurons, formats, nodes, variant, hardware):
+        self.formats, self.share = formats, hardware.share or 1
+        self.interval = max(self.share, NODE_CLOCKS)
+        self.scanner = NodeScan(formats, nodes, self.interval)
+        self.hidden = MultiplyLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits)
+        self.tansig = [Tansig(formats.tansig_design(variant))
+                       for _ in range(hardware.units(hidden_neurons))]
+        self.output = OutputLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits)
+        self.under_way = -(-(self.latency + CreditQueue.loop) // self.interval)
+        self.queued = max(32, 1 << (self.under_way + _SLACK - 1).bit_length())
+        super().__init__({
+            "start": In(1), "stop": In(1), "scan": In(scan_layout()),
+            "network": In(network_layout(hidden_neurons, formats)),
+            "o": Out(stream.Signature(node_layout(formats))), "quiet": Out(1, init=1),
+            "idle": Out(1),
+        })
+
+    @property
+    def latency(self):
+        """Clocks from a node's issue to its arrival in the queue."""
+        return self.hidden.latency + self.tansig[0].latency + self.output.latency
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.scan = scan = self.scanner
+        m.submodules.hidden, m.submodules.output = hidden, output = self.hidden, self.output
+        m.submodules.queue = queue = CreditQueue(
+            node_layout(self.formats), depth=self.queued,
+            restart=max(self.under_way, self.queued // 2))
+        before_output = self.latency - output.latency
+        activated = delay(m, scan.issue, before_output, "issue", reset_less=False)
+        m.d.comb += [
+            scan.start.eq(self.start), scan.stop.eq(self.stop), scan.parameters.eq(self.scan),
+            scan.room.eq(queue.room),
+            hidden.pixel.x.eq(scan.x), hidden.pixel.y.eq(scan.y), hidden.turn.eq(scan.turn),
+            hidden.neurons.eq(self.network.hidden),
+            output.neurons.eq(self.network.output), output.first.eq(activated),
+            queue.issue.eq(scan.issue),
+            queue.arrive.eq(delay(m, activated, output.latency, "output", reset_less=False)),
+            queue.i.x.eq(output.o[0]), queue.i.y.eq(output.o[1]),
+            queue.i.whole.eq(delay(m, scan.whole, self.latency, "whole")),
+            self.idle.eq(queue.drained & ~scan.issue),
+        ]
+        if output.skip:
+            m.submodules.inputs = inputs = DelayMemory(
+                2 * self.formats.input.width, before_output + output.inputs_clock)
+            m.d.comb += [inputs.i.eq(Cat(scan.x, scan.y)),
+                         Value.cast(output.inputs).eq(inputs.o)]
+        for k, tansig in enumerate(self.tansig):
+            m.submodules[f"tansig{k}"] = tansig
+            m.d.comb += [tansig.i.eq(hidden.o[k]), output.i[k].eq(tansig.o)]
+        wiring.connect(m, queue.o, wiring.flipped(self.o))
+        self._count(m, scan.issue)
+        return m
+
+    def _count(self, m, issue):
+        """Whether any node is between its issue and its end in the queue."""
+        taken = register(m, "taken", self.o.valid & self.o.ready, reset_less=False)
+        issued = register(m, "issued", issue, reset_less=False)
+        claimed = Signal(range(self.queued + 1))        # nodes in the network and in the queue
+        with m.If(issued != taken):
+            m.d.sync += claimed.eq(claimed + Mux(taken, -1, 1))
+        m.d.sync += self.quiet.eq((claimed == 0) & ~issued & ~issue)

@@ -1,0 +1,180 @@
+"""Scan of the corrected image's nodes in normalised coordinates."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
+
+from ncdc_hdl.frontend.layouts import scan_layout
+from ncdc_hdl.lib.pipeline import delay, register
+from ncdc_model.geometry import MAX_SIZE, SCAN, STRIP_UNIT
+from ncdc_model.nodes import BEFORE, BEHIND
+
+__all__ = ["NodeScan"]
+
+_COUNT = range(-MAX_SIZE - 1, MAX_SIZE)     # of what is counted down to -1
+
+
+class NodeScan(wiring.Component):
+    """The nodes of every row of every strip as normalised coordinates.
+
+    The order is that of :class:`ncdc_hdl.frontend.strips.Strips`. A row of n segments of S pixels,
+    the last one what is left, has the n + 1 nodes at their ends, one before and one behind these::
+
+        x = (origin_x + (left + k S) step_x + half) >> shift      k = -1 .. n + 1
+        y = (origin_y + v step_y + half) >> shift                 shift = 31 - input.f_bits
+
+    Equal bit for bit to ``ncdc_model.network.normalised_scan``. By addition only: a strip's first
+    node is the third from the end of the strip before.
+
+    Timing: each node is shown until ``interval`` clocks after its ``issue``. ``start`` to the first
+    node takes ``latency`` clocks.
+
+    Parameters
+    ----------
+    formats : ncdc_model.descriptor.Formats
+        At nodes; ``input`` is used.
+    nodes : int
+        S, 8 at least.
+    interval : int
+        Clocks that a node needs, 2 at least: the next one's coordinates are added up meanwhile.
+
+    Members
+    -------
+    start : ``In(1)``
+        Begins a frame; to be given only while no node of the last one is under way.
+    stop : ``In(1)``
+        No further node is issued.
+    parameters : ``In(scan_layout())``
+        Constant from ``start`` to the end of the frame. Its picture is wider than 4 S.
+    room : ``In(1)``
+        A node may be issued in the next clock.
+    issue : ``Out(1)``
+        The node shown enters the network, in turn 0.
+    turn : ``Out(range(interval))``
+        0 with ``issue``, and one more in each clock behind it.
+    x, y : ``Out(signed(formats.input.width))``
+    whole : ``Out(1)``
+        Three nodes of its row stand before the one shown: the four surround a segment.
+
+    Raises
+    ------
+    ValueError
+        If ``interval`` is below 2.
+    """
+
+    latency = 5
+    """Clocks from ``start`` to the first node: how many its row has in 4, the node."""
+
+    def __init__(self, formats, nodes, interval):
+        if interval < 2:
+            raise ValueError(f"a node takes 2 clocks at least, not {interval}")
+        self.q, self.nodes, self.interval = formats.input, nodes, interval
+        super().__init__({
+            "start": In(1), "stop": In(1), "parameters": In(scan_layout()), "room": In(1),
+            "issue": Out(1), "turn": Out(range(interval)),
+            "x": Out(signed(self.q.width)), "y": Out(signed(self.q.width)), "whole": Out(1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        active = Signal()               # a node is shown
+        advance = Signal()              # another node shows in the next clock
+        begin = Signal()                # the frame's first one does
+        column = Signal(_COUNT)         # nodes of the row behind the one shown, less one
+        row = Signal(_COUNT)            # rows of the strip behind the present one, less one
+        rows = Signal(_COUNT)           # rows of the picture, less two
+        row_ends = Signal()             # the node shown is left, the last of its row
+        strip_ends = Signal()           # the node shown is left, the last of its strip
+        before = Signal(2)              # nodes of the row before the one shown, 3 at most
+        m.d.sync += rows.eq(self.parameters.height - 2)
+        per_row, last_strip = self._strip(m, begin | strip_ends)
+        m.d.comb += [
+            begin.eq(delay(m, self.start, self.latency - 1, "start", reset_less=False)),
+            row_ends.eq(advance & (column < 0)), strip_ends.eq(row_ends & (row < 0)),
+            self.whole.eq(before == 3),
+        ]
+        self._pace(m, active, advance)
+        with m.If(advance):
+            m.d.sync += [column.eq(column - 1), before.eq(Mux(self.whole, 3, before + 1))]
+        with m.If(row_ends):
+            m.d.sync += row.eq(row - 1)
+        with m.If(strip_ends | begin):
+            m.d.sync += row.eq(rows)
+        with m.If(row_ends | begin):
+            m.d.sync += [column.eq(per_row), before.eq(0)]
+        with m.If(strip_ends & last_strip | self.stop):
+            m.d.sync += active.eq(0)
+        with m.If(begin & ~self.stop):
+            m.d.sync += active.eq(1)
+        self._coordinates(m, begin, advance, row_ends, strip_ends,
+                          saves=active & (column == BEFORE + BEHIND - 2))
+        return m
+
+    def _pace(self, m, active, advance):
+        """A node enters the network when there is room for it, and stays for ``interval`` turns."""
+        may = register(m, "may", self.room, reset_less=False)
+        m.d.comb += [self.issue.eq(active & may & (self.turn == 0)),
+                     advance.eq(self.turn == self.interval - 1)]
+        with m.If(self.issue | (self.turn != 0)):
+            m.d.sync += self.turn.eq(Mux(advance, 0, self.turn + 1))
+
+    def _strip(self, m, taken):
+        """What ``column`` begins a row with, and whether the strip is the last one.
+
+        The next strip's numbers are worked out in three clocks behind the one in which it is
+        ``taken``; those of a frame's first strip before it begins.
+        """
+        p, unit = self.parameters, exact_log2(STRIP_UNIT)
+        strip = Cat(Const(0, unit), p.strip[unit:])
+        columns = Signal(_COUNT)        # columns from the strip to come to the right edge
+        beyond = Signal(_COUNT)         # those of the strip behind it, or none
+        is_last = Signal()              # the strip to come is the last one
+        wide = Signal(_COUNT)           # its columns
+        ahead = Signal(_COUNT)          # what `column` begins its rows with
+        per_row = Signal(_COUNT)        # what it begins those of the present strip with
+        last_strip = Signal()           # the present strip is the last one
+        m.d.sync += [
+            # Cycle 1: take the strip's columns off those that are left.
+            beyond.eq(columns - strip),
+            # Cycle 2: the last strip has what there is.
+            is_last.eq((strip == 0) | (beyond <= 0)),
+            wide.eq(Mux((strip == 0) | (beyond <= 0), columns, strip)),
+            # Cycle 3: count the nodes, less the one shown, and down to -1.
+            ahead.eq(((wide + self.nodes - 1) >> exact_log2(self.nodes)) + (BEFORE + BEHIND - 2)),
+        ]
+        with m.If(taken):
+            m.d.sync += [per_row.eq(ahead), last_strip.eq(is_last), columns.eq(beyond)]
+        with m.If(self.start):
+            m.d.sync += columns.eq(p.width)
+        # With the node that ends a strip, the next strip's first row begins.
+        return Mux(taken, ahead, per_row), last_strip
+
+    def _coordinates(self, m, begin, advance, row_ends, strip_ends, saves):
+        """Sums of origin, steps and the half that rounds; the next node's a clock ahead."""
+        p, q = self.parameters, self.q
+        shift = SCAN.f_bits - q.f_bits
+        half, shape = 1 << (shift - 1), signed(q.width + shift)
+        stride = p.step_x << exact_log2(self.nodes)     # of x, from node to node
+        first_x = Signal(shape)         # x of the picture's first node, and the half
+        first_y = Signal(shape)         # y of its first row, and the half
+        base = Signal(shape)            # x of the strip's first node
+        saved = Signal(shape)           # x of the next strip's first node
+        x, y = Signal(shape), Signal(shape)
+        further = Signal(shape)         # x of the next node of the row
+        below = Signal(shape)           # y of the next row
+        m.d.sync += [
+            first_x.eq(p.origin_x + half - BEFORE * stride), first_y.eq(p.origin_y + half),
+            further.eq(x + stride), below.eq(y + p.step_y),
+        ]
+        with m.If(saves):
+            m.d.sync += saved.eq(x)
+        with m.If(advance):
+            m.d.sync += x.eq(further)
+        with m.If(row_ends):
+            m.d.sync += [x.eq(base), y.eq(below)]
+        with m.If(strip_ends):
+            m.d.sync += [x.eq(saved), base.eq(saved), y.eq(first_y)]
+        with m.If(begin):
+            m.d.sync += [x.eq(first_x), base.eq(first_x), y.eq(first_y)]
+        m.d.comb += [self.x.eq(x >> shift), self.y.eq(y >> shift)]
