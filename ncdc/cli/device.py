@@ -5,7 +5,7 @@ import sys
 import time
 from ipaddress import IPv4Address
 
-from ncdc_host.device.emulated import DeviceOptions, EmulatedDevice, lens_corrections
+from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.images import read_image
@@ -58,7 +58,7 @@ def run(args):
         raise InputError(f"the address {args.address!r} is no IPv4 address") from error
     print("preparing the correction", file=sys.stderr, flush=True)
     corrections = lens_corrections(descriptors)
-    devices = []
+    devices, announcer = [], None
     try:
         for k, address in enumerate(addresses, 1):
             options = DeviceOptions(address, f"EMU-{k}", args.fps, args.loss, args.noise,
@@ -66,6 +66,7 @@ def run(args):
             devices.append(EmulatedDevice(corrections, options, image))
             print(f"EMU-{k} at {address}: Table I on TCP port {devices[-1].table.port}, "
                   f"GVCP on UDP port {PORT}", flush=True)
+        announcer = Announcer(devices)
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
         print("Ctrl-C ends it", file=sys.stderr, flush=True)
         while True:
@@ -73,5 +74,6 @@ def run(args):
     except KeyboardInterrupt:
         pass
     finally:
-        for device in devices:
-            device.close()
+        for one in (announcer, *devices):
+            if one is not None:
+                one.close()

@@ -1,6 +1,7 @@
 """The GVCP agent: who may control the device, and its memory as the network sees it."""
 
 import struct
+import threading
 import time
 from ipaddress import IPv4Address
 
@@ -88,6 +89,7 @@ class ControlAgent:
             gvcp.WRITEREG: self._writereg, gvcp.READMEM: self._readmem,
             gvcp.WRITEMEM: self._writemem, gvcp.PACKETRESEND: self._packetresend}
         self._resend_budget = (0.0, _RESENT_PER_SECOND)
+        self._lock = threading.RLock()
         self.controller = None          # (address, port) that holds control
         self._heard = 0.0
         self._release()
@@ -100,9 +102,13 @@ class ControlAgent:
         if command is None:
             return None
         now = time.monotonic() if now is None else now
-        self.tick(now)
-        if peer == self.controller:
-            self._heard = now
+        with self._lock:
+            self.tick(now)
+            if peer == self.controller:
+                self._heard = now
+            return self._answer(command, peer)
+
+    def _answer(self, command, peer):
         action = self._commands.get(command.code)
         if action is None:
             # Datagrams that are no commands at all are not worth an answer.
@@ -119,8 +125,9 @@ class ControlAgent:
     def tick(self, now):
         """Take control from a controller that has not been heard of for the heartbeat's time."""
         timeout = self._words[gvcp.place("HeartbeatTimeout").address] / 1000
-        if self.controller is not None and now - self._heard > timeout:
-            self._release()
+        with self._lock:
+            if self.controller is not None and now - self._heard > timeout:
+                self._release()
 
     def _release(self):
         self._stream.stop()

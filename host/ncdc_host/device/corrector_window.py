@@ -11,9 +11,22 @@ from ncdc_model.errors import InputError
 from ncdc_model.float_network import FloatNetwork
 from ncdc_model.geometry import ValidRows
 from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import CTRL_COMMIT, ID, TABLE, network_registers, registers
+from ncdc_model.interface.register_map import (
+    CTRL_COMMIT,
+    ID,
+    STATUS_COMMITTED,
+    STATUS_REFUSED,
+    TABLE,
+    network_registers,
+    registers,
+)
 
 __all__ = ["CorrectorWindow", "descriptor_of_words"]
+
+
+# What a host may write as it likes: where frames lie in memory, and how the cache is used.
+_FREE = ("VALID_BANK", "SOURCE_BASE", "SOURCE_PITCH", "TARGET_BASE", "CACHE_SPLIT", "STRIP_WIDTH",
+         "FOLLOW")
 
 
 class CorrectorWindow:
@@ -27,6 +40,7 @@ class CorrectorWindow:
         self._state, self._camera = state, camera
         self._lock = threading.Lock()
         self._words, self._lens, self._base = {}, None, None
+        self._status = 0
         descriptor = camera.corrections[0].descriptor
         self._map = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
         self._by_address = {r.address: r for r in self._map.values()}
@@ -48,15 +62,25 @@ class CorrectorWindow:
         """The word at a word address; 0 where there is none."""
         with self._lock:
             self._load()
+            if address == self._map["STATUS"].address:
+                return self._status
             return self._words.get(address, 0)
 
     def write(self, address, value):
         """Write a word; raises :class:`Refused`."""
         with self._lock:
             self._load()
+            if address == self._map["STATUS"].address:
+                self._status &= ~(value & STATUS_REFUSED)
+                return
+            if self._status & STATUS_COMMITTED:
+                # The set is about to become active: it is not changed any more.
+                self._status |= STATUS_REFUSED
+                return
             if address == self._map["CTRL"].address:
                 if value & CTRL_COMMIT:
-                    self._commit()
+                    self._status |= STATUS_COMMITTED
+                    threading.Thread(target=self._commit, daemon=True).start()
                 return
             register = self._by_address.get(address)
             if register is not None and register.access not in ("shadow", "rw"):
@@ -66,20 +90,27 @@ class CorrectorWindow:
             self._words[address] = value
 
     def _commit(self):
-        kept = host_values(self._base)
+        """Make the lens of the shadow; takes seconds, while which STATUS.COMMITTED is high."""
+        try:
+            correction = Correction(self._checked())
+        except InputError:
+            correction = None
+        with self._lock:
+            if correction is None:
+                self._status |= STATUS_REFUSED
+            else:
+                self._camera.replace_lens(self._lens, correction)
+            self._status &= ~STATUS_COMMITTED
+
+    def _checked(self):
+        """The descriptor of the shadow."""
         network = {r.name for r in network_registers(self._base.hidden_neurons,
                                                      self._base.formats)}
-        for name, value in kept.items():
-            free = name in network or name in ("VALID_BANK", "SOURCE_BASE", "SOURCE_PITCH",
-                                               "TARGET_BASE", "CACHE_SPLIT", "STRIP_WIDTH",
-                                               "FOLLOW")
-            if not free and self._words[self._map[name].address] != value & 0xFFFFFFFF:
-                raise Refused("value")
-        try:
-            descriptor = descriptor_of_words(self._base, self._words)
-        except InputError:
-            raise Refused("value") from None
-        self._camera.replace_lens(self._lens, Correction(descriptor))
+        for name, value in host_values(self._base).items():
+            if name not in network and name not in _FREE:
+                if self._words[self._map[name].address] != value & 0xFFFFFFFF:
+                    raise InputError(f"{name} cannot be changed")
+        return descriptor_of_words(self._base, self._words)
 
 
 def descriptor_of_words(base, words):

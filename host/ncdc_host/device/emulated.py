@@ -19,7 +19,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.interface.gvcp import DISCOVERY, PORT, parse_command
 from ncdc_model.interface.table_one import TCP_PORT
 
-__all__ = ["DeviceOptions", "EmulatedDevice", "lens_corrections"]
+__all__ = ["Announcer", "DeviceOptions", "EmulatedDevice", "lens_corrections"]
 
 _DATAGRAM = 2048        # bytes; a longer one is no GVCP command
 
@@ -41,8 +41,6 @@ class DeviceOptions:
         Read noise, grey levels, 0 to 50.
     tcp_port : int
         Of Table I; 0: a free one.
-    gvcp : bool
-        Whether GVCP is answered, whose UDP port is always 3956.
 
     Raises
     ------
@@ -55,7 +53,6 @@ class DeviceOptions:
     loss: float = 0.0
     noise: float = 1.0
     tcp_port: int = TCP_PORT
-    gvcp: bool = True
 
     def __post_init__(self):
         for name, low, high in (("fps", 0.1, 120), ("loss", 0, 0.5), ("noise", 0, 50)):
@@ -117,33 +114,27 @@ class EmulatedDevice:
         light = MovingScene(descriptor) if image is None else Photo(image, descriptor.geometry)
         self.registers = Registers(descriptor.geometry, len(corrections), round(10 * options.fps))
         self.camera = Camera(light, corrections, self.registers, options.noise)
-        self._sockets, self._closed = [], threading.Event()
-        self._thread = None
+        self._closed = threading.Event()
         try:
             self.table = TableServer(self.registers, self.camera, options.address,
                                      options.tcp_port)
             self.stream = Stream(self.camera, options.address, options.loss)
-            if options.gvcp:
-                self._sockets = [_udp(options.address), _udp("")]
+            self._socket = _udp(options.address)
         except OSError as error:
-            self._closed.set()
             raise InputError(f"cannot answer at {options.address}: {error.strerror}") from error
         self.agent = ControlAgent(
             Identity(options.address, options.serial, version("ncdc")), self.registers,
             self.camera, self.stream, CorrectorWindow(self.registers, self.camera))
-        if options.gvcp:
-            self._thread = threading.Thread(target=self._serve, daemon=True)
-            self._thread.start()
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
 
     def close(self):
         """Take the device off the network."""
         self._closed.set()
-        if self._thread is not None:
-            self._thread.join()
+        self._thread.join()
         self.stream.close()
         self.table.close()
-        for one in self._sockets:
-            one.close()
+        self._socket.close()
 
     def __enter__(self):
         return self
@@ -151,32 +142,61 @@ class EmulatedDevice:
     def __exit__(self, *_):
         self.close()
 
+    def answer(self, data, peer):
+        """Answer a datagram that ``peer`` sent to this device, or to every device."""
+        answer = self.agent.handle(data, peer)
+        if answer is not None:
+            self._socket.sendto(answer, peer)
+
     def _serve(self):
-        own, everybody = self._sockets
         while not self._closed.is_set():
-            ready, _, _ = select.select(self._sockets, [], [], 0.1)
+            ready, _, _ = select.select([self._socket], [], [], 0.1)
             self.agent.tick(time.monotonic())
-            for one in ready:
-                try:
-                    data, peer = one.recvfrom(_DATAGRAM)
-                    # Other devices of this machine hear what is sent to everybody, too, and even
-                    # what is sent to an address without a device: only discovery is for all.
-                    if one is everybody and not _is_discovery(data):
-                        continue
-                    answer = self.agent.handle(data, peer)
-                    if answer is not None:
-                        own.sendto(answer, peer)
-                except OSError:
-                    continue    # a receiver that is gone
+            if ready:
+                _receive(self._socket, self.answer)
 
 
-def _is_discovery(data):
-    command = parse_command(data)
-    return command is not None and command.code == DISCOVERY
+class Announcer:
+    """Lets the devices of this process answer a discovery that is sent to everybody.
+
+    Without it a device is found by its address alone. Also what is sent to an address of this
+    machine without a device arrives here: only discoveries are answered.
+    """
+    def __init__(self, devices):
+        self._devices = list(devices)
+        self._socket = _udp("")
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def close(self):
+        """End listening; the devices stay."""
+        self._closed.set()
+        self._thread.join()
+        self._socket.close()
+
+    def _serve(self):
+        while not self._closed.is_set():
+            ready, _, _ = select.select([self._socket], [], [], 0.1)
+            if ready:
+                _receive(self._socket, self._answer)
+
+    def _answer(self, data, peer):
+        command = parse_command(data)
+        if command is not None and command.code == DISCOVERY:
+            for device in self._devices:
+                device.answer(data, peer)
+
+
+def _receive(one, answer):
+    try:
+        answer(*one.recvfrom(_DATAGRAM))
+    except OSError:
+        pass        # a peer that is gone
 
 
 def _udp(address):
-    """A socket on GVCP's port; several devices share those that hear broadcasts."""
+    """A socket on GVCP's port; several devices share it, each at its own address."""
     one = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     one.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)

@@ -6,10 +6,10 @@ Both protocols read and write these words, so that there is one state, whoever a
 import threading
 from dataclasses import dataclass, replace
 
+from ncdc_model.errors import InputError
 from ncdc_model.interface.features import FEATURES, TEST_PATTERNS, feature, system_word
 from ncdc_model.interface.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
 from ncdc_model.interface.table_one import SYSTEM_PAGE, SYSTEM_WORDS
-from ncdc_model.errors import InputError
 from ncdc_model.sensors import mt9p031 as sensor
 
 __all__ = ["Refused", "Registers", "Settings", "View"]

@@ -114,13 +114,14 @@ def _float(root, node, one, register):
     numerator, denominator = one.scale
     converter = SubElement(root, "Converter", Name=f"{one.name}Converter")
     factor = f"{numerator}.0/{denominator}.0"
-    variables = []
+    variables = []      # of the formulas
+    # Clients differ in how they round to the register; a whole number leaves them no choice.
     if one.scale_from:
         variables.append(("FACTOR", f"{one.scale_from}Register"))
         factor = f"FACTOR*{factor}"
     for name, used in variables:
         SubElement(converter, "pVariable", Name=name).text = used
-    _values(converter, FormulaTo=f"FROM/({factor})", FormulaFrom=f"TO*({factor})",
+    _values(converter, FormulaTo=f"TRUNC(FROM/({factor})+0.5)", FormulaFrom=f"TO*({factor})",
             pValue=register, Slope="Increasing")
     _values(node, pValue=f"{one.name}Converter")
     if variables:
