@@ -1,40 +1,17 @@
 """Which devices there are, and opening one by its URL."""
 
-from dataclasses import dataclass
 from urllib.parse import urlsplit
 
 from ncdc_host.client.errors import DeviceError
 from ncdc_model.interface.table_one import TCP_PORT
 
-__all__ = ["Found", "SCHEMES", "discover", "open_device"]
+__all__ = ["SCHEMES", "discover", "open_device"]
 
 SCHEMES = {
     "gige": "GVCP and GVSP over UDP, by viva-genicam",
     "aravis": "the same by Aravis, of the system's own Python",
     "tcp": "Table I and II of the paper over TCP",
 }
-
-
-@dataclass(frozen=True)
-class Found:
-    """A device that answered a discovery.
-
-    Parameters
-    ----------
-    url : str
-        To open it by.
-    address : str
-        Its IPv4 address.
-    mac, vendor, model : str
-    serial : str
-        Empty if the back end does not tell.
-    """
-    url: str
-    address: str
-    mac: str
-    vendor: str
-    model: str
-    serial: str = ""
 
 
 def discover(seconds=1.0, interface=None, back_end="gige"):
