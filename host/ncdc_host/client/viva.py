@@ -130,7 +130,8 @@ class VivaDevice(Device):
     def stream(self, packet_size=None, multicast=None):
         monitor = self.access == "monitor"
         native = self._call("the stream", lambda: self._camera.stream(
-            packet_size=None if monitor else packet_size, multicast=multicast, monitor=monitor))
+            packet_size=None if monitor else packet_size,
+            multicast=None if monitor else multicast, monitor=monitor))
         return VivaStream(self, native, self._viva)
 
     def read_memory(self, address, count):

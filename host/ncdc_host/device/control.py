@@ -181,7 +181,9 @@ class ControlAgent:
         _, block, first, last = struct.unpack_from(">HHII", payload)
         first, last = first & 0xFFFFFF, last & 0xFFFFFF
         address = IPv4Address(self._words[gvcp.place("StreamAddress").address])
-        if not self._acquiring or peer != self.controller and not address.is_multicast:
+        # A receiver asks from a socket of its own, perhaps, but from the controller's machine.
+        own = self.controller is not None and peer[0] == self.controller[0]
+        if not self._acquiring or not own and not address.is_multicast:
             raise _Status(gvcp.ACCESS_DENIED)
         then, budget = self._resend_budget
         now = time.monotonic()

@@ -159,12 +159,11 @@ def discovery_rows(served, count):
 def monitor_row(served, frames, monitors):
     """One controller that streams to a group, and ``monitors`` that watch and try to write."""
     expected = str(served.expected())
-    # The controller sends for longer than the monitors need to come and to see their frames.
-    control = served.start(served.task("gige", frames=frames + 30 * 12, multicast=_GROUP))
+    control = _streaming(served, multicast=_GROUP)
     watch = [served.start(served.task("gige", frames=frames, expected=expected, monitor=True,
                                       multicast=_GROUP)) for _ in range(monitors)]
     reports = [served.report(process)[0] for process in watch]
-    control.terminate()
+    control.kill()
     return {"peer": "viva-genicam", "transport": "GVSP multicast", "devices": 1,
             "monitors": monitors, "frames": min(report["frames"] for report in reports),
             "incomplete": sum(report["incomplete"] for report in reports),
@@ -174,16 +173,18 @@ def monitor_row(served, frames, monitors):
             "loss": 0.0}
 
 
+def _streaming(served, **changes):
+    """A controller that streams until it is killed; it has its first frame already."""
+    control = served.start(served.task("gige", frames=100_000, **changes))
+    for line in control.stderr:
+        if line == "streaming\n":
+            return control
+    raise SimulationError("the controller gets no picture")
+
+
 def killed_row(served):
     """How long control stays taken when the controller is killed without a word."""
-    control = served.start(served.task("gige", frames=100_000))
-    free = served.task("gige", settings={"Gain": 2})
-    while control.poll() is None:
-        # Refused as soon as the controller is there.
-        process = served.start(free)
-        process.wait(60)
-        if process.returncode:
-            break
+    control = _streaming(served)
     control.kill()
     control.wait()
     killed = time.monotonic()

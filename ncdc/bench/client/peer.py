@@ -61,6 +61,7 @@ def _frames(device, task, expected):
     wrong, used = 0, time.process_time()
     with device.stream(task["packet_size"], multicast=task["multicast"]) as frames:
         first = frames.next(20)
+        print("streaming", file=sys.stderr, flush=True)
         begin = time.monotonic()
         wrong += _wrong(first, expected)
         for _ in range(task["frames"] - 1):
