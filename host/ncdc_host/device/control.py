@@ -239,7 +239,7 @@ class ControlAgent:
         one = self._features.get(address)
         corrector = gvcp.CORRECTOR_BASE <= address < gvcp.CORRECTOR_BASE + gvcp.CORRECTOR_BYTES
         if one is None and not corrector and address not in self._writable:
-            self._word(address)         # refuses an address where there is nothing
+            self._memory(address, 4)        # refuses an address where there is nothing
             raise _Status(gvcp.WRITE_PROTECT)
         if address == gvcp.place("ControlPrivilege").address:
             self._write_control(value, peer)

@@ -13,6 +13,7 @@ import numpy as np
 from ncdc_model.corrector import correct
 from ncdc_model.example import example_camera, scene_photo
 from ncdc_model.images import mosaic, write_image
+from ncdc_model.interface.gvcp import HEARTBEAT_MS
 from ncdc_model.interface.table_one import TCP_PORT
 from ncdc_sim.link.namespaces import DEVICES, Network
 from ncdc_sim.tools import SimulationError
@@ -164,6 +165,8 @@ def monitor_row(served, frames, monitors):
                                       multicast=_GROUP)) for _ in range(monitors)]
     reports = [served.report(process)[0] for process in watch]
     control.kill()
+    control.wait()
+    time.sleep(HEARTBEAT_MS / 1000 + 0.5)       # whoever comes next finds control free
     return {"peer": "viva-genicam", "transport": "GVSP multicast", "devices": 1,
             "monitors": monitors, "frames": min(report["frames"] for report in reports),
             "incomplete": sum(report["incomplete"] for report in reports),
@@ -176,10 +179,11 @@ def monitor_row(served, frames, monitors):
 def _streaming(served, **changes):
     """A controller that streams until it is killed; it has its first frame already."""
     control = served.start(served.task("gige", frames=100_000, **changes))
+    line = ""
     for line in control.stderr:
         if line == "streaming\n":
             return control
-    raise SimulationError("the controller gets no picture")
+    raise SimulationError(f"the controller gets no picture: {line.strip()}")
 
 
 def killed_row(served):
