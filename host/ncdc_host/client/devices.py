@@ -2,7 +2,7 @@
 
 from urllib.parse import urlsplit
 
-from ncdc_host.client.errors import DeviceError
+from ncdc_host.client.errors import BadUrl
 from ncdc_model.interface.table_one import TCP_PORT
 
 __all__ = ["SCHEMES", "discover", "open_device"]
@@ -47,15 +47,17 @@ def open_device(url, monitor=False):
 
     Raises
     ------
+    BadUrl
+        If the URL is none.
     DeviceError
-        If the URL is none, nobody answers, or another user has control.
+        If nobody answers, or another user has control.
     """
     scheme, address, port = _parts(url)
     if scheme == "tcp":
         from ncdc_host.client.table import TableDevice
         return TableDevice(address, port or TCP_PORT, monitor)
     if port is not None:
-        raise DeviceError(f"the URL {url!r} has a port, which {scheme}:// has not")
+        raise BadUrl(f"the URL {url!r} has a port, which {scheme}:// has not")
     if scheme == "aravis":
         from ncdc_host.client.aravis import AravisDevice
         return AravisDevice(address, monitor)
@@ -68,8 +70,8 @@ def _parts(url):
         parts = urlsplit(url if "//" in url else f"gige://{url}")
         scheme, address, port = parts.scheme, parts.hostname, parts.port
     except ValueError as error:
-        raise DeviceError(f"{url!r} is no URL of a device: {error}") from None
+        raise BadUrl(f"{url!r} is no URL of a device: {error}") from None
     if scheme not in SCHEMES or not address or parts.path not in ("", "/"):
-        raise DeviceError(f"{url!r} is no URL of a device: {', '.join(SCHEMES)} with an address, "
-                          "as in tcp://127.0.0.2, is needed")
+        raise BadUrl(f"{url!r} is no URL of a device: {', '.join(SCHEMES)} with an address, "
+                     "as in tcp://127.0.0.2, is needed")
     return scheme, address, port
