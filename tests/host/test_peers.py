@@ -13,7 +13,7 @@ from ncdc_sim.tools import SimulationError
 from peers import need, served
 
 LENS = barrel_descriptor((320, 240), (320, 240), 4)
-FAST = {"CorrectionEnable": 1, "AcquisitionFrameRate": 20}
+FAST = {"CorrectionEnable": 1, "AcquisitionFrameRate": 20, "GevSCPD": 50_000}
 BOTH = ("gige", "aravis")
 
 
@@ -46,7 +46,7 @@ def test_a_wrong_pixel_is_seen(three, monkeypatch):
 
 
 def test_monitors_watch_and_do_not_write(three):
-    row = monitor_row(three, 5, 2)
+    row = monitor_row(three, 5, 2, FAST)
     assert (row["frames"], row["incomplete"], row["wrong_pixels"]) == (5, 0, 0)
     assert row["writes_refused"] == 2
 

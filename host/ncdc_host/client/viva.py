@@ -188,8 +188,10 @@ class VivaStream(FrameStream):
     @property
     def statistics(self):
         counted = self._final or self._native.stats()
-        return Statistics(counted.frames_complete, counted.frames_lost, 0,
-                          counted.resend_recovered, self._rate.value)
+        return Statistics(counted.frames_complete,
+                          counted.frames_incomplete + counted.frames_missed,
+                          counted.frames_backpressure, counted.resend_recovered,
+                          self._rate.value)
 
     def close(self):
         if self._final is None:

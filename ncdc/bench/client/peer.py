@@ -36,7 +36,7 @@ def main(task):
 
 def _one(task, address, expected):
     report = {"address": address, "features": 0, "features_read_back": 0, "frames": 0,
-              "incomplete": 0, "wrong_pixels": 0, "resent": 0}
+              "incomplete": 0, "wrong_pixels": 0, "resent": 0, "skipped": 0}
     with open_device(f"{task['scheme']}://{address}", task["monitor"]) as device:
         if task["every_feature"]:
             report |= _features(device)
