@@ -10,6 +10,7 @@ from importlib.metadata import version
 import numpy as np
 from amaranth.hdl import UnusedElaboratable
 
+from ncdc_host.client.errors import DeviceError
 from ncdc_model.errors import InputError
 from ncdc_model.files import check_outputs
 from ncdc_model.threads import one_thread
@@ -20,7 +21,8 @@ __all__ = ["COMMANDS", "main", "parser"]
 # Each module has HELP, EXAMPLE, add_arguments(parser) and run(args); run returns the exit
 # status, None for 0.
 COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "export", "plan", "generate",
-            "simulate", "bench")
+            "simulate", "bench", "device",
+            "client")
 
 
 _TO_FOLDER = ("demo", "generate", "bench")      # commands whose --output is a folder
@@ -75,7 +77,7 @@ def main(arguments=None):
     except InputError as error:
         print(f"ncdc {args.command}: {error}", file=sys.stderr)
         return 2
-    except SimulationError as error:
+    except (SimulationError, DeviceError) as error:
         print(f"ncdc {args.command}: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

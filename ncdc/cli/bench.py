@@ -3,6 +3,7 @@
 import sys
 
 from ncdc.bench.accuracy import command as accuracy
+from ncdc.bench.client import command as client
 from ncdc.bench.lines import command as lines
 from ncdc.bench.nodes import command as nodes
 from ncdc.bench.photos import command as photos
@@ -15,7 +16,8 @@ __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
-BENCHES = {"accuracy": accuracy, "lines": lines, "nodes": nodes, "photos": photos, "synth": synth,
+BENCHES = {"accuracy": accuracy, "client": client, "lines": lines, "nodes": nodes,
+           "photos": photos, "synth": synth,
            "tansig": tansig, "throughput": throughput}
 
 

@@ -15,12 +15,13 @@ from ncdc_hdl.export.registers.page import register_doc
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.descriptor import Formats
+from ncdc_model.interface.page import protocols_doc
 from ncdc_model.interface.register_map import COUNTERS, registers
 from ncdc_model.tansig import FRACTION_BITS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
-SOURCES = ("ncdc", "ncdc_hdl", "model", "sim", "boards", "tests", "docs")
+SOURCES = ("ncdc", "ncdc_hdl", "host", "model", "sim", "boards", "tests", "docs")
 
 _FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
@@ -114,7 +115,7 @@ def test_report_names_are_in_the_code():
     table = page.partition("## Names in reports")[2]
     names = {name for row in re.findall(r"^\| (`[^|]*) \|", table, re.MULTILINE)
              for name in re.findall(r"`(\w+)`", row)}
-    code = "".join(path.read_text() for folder in SOURCES[:4]
+    code = "".join(path.read_text() for folder in SOURCES[:5]
                    for path in (ROOT / folder).glob("**/*.py"))
     code = code.replace("map_error_{kind}_px", "map_error_float_px map_error_fixed_px")
     code += " ".join(COUNTERS).lower()      # reports name them as the registers do
@@ -137,6 +138,11 @@ def test_register_page_is_that_of_the_table():
     written = (ROOT / "docs" / "registers.md").read_text()
     assert written == register_doc(8, Formats()), \
         "write it anew: python -m ncdc_hdl.export.registers.page > docs/registers.md"
+
+
+def test_protocols_page_is_that_of_the_declarations():
+    assert (ROOT / "docs" / "protocols.md").read_text() == protocols_doc(), \
+        "write it anew: python -m ncdc_model.interface.page > docs/protocols.md"
 
 
 def test_register_page_is_printed():

@@ -5,7 +5,7 @@ import numpy as np
 from ncdc_model.example.camera import BAYER
 from ncdc_model.example.render import expose, ideal_samples, sensor
 
-__all__ = ["noise_picture", "scene_light", "scene_photo"]
+__all__ = ["noise_picture", "scene_at", "scene_light", "scene_photo"]
 
 _HORIZON, _KERB, _EAVES = 0.05, 0.62, -0.98     # ideal y of the horizon, the kerb and the roof
 _STOREYS = (-0.86, -0.46, -0.06)                # ideal y of the tops of the rows of windows
@@ -18,7 +18,7 @@ def scene_photo(camera, seed=1, bayer=BAYER):
 
 def scene_light(camera):
     """Linear light (height, width, 3) in 0..255 that falls on each pixel of ``camera``."""
-    return expose(_paint(*ideal_samples(camera)))
+    return expose(scene_at(*ideal_samples(camera)))
 
 
 def noise_picture(width, height, seed=1):
@@ -26,7 +26,7 @@ def noise_picture(width, height, seed=1):
     return (255 * np.random.default_rng(seed).integers(0, 2, (height, width))).astype(np.uint8)
 
 
-def _paint(a, b):
+def scene_at(a, b):
     """Light (..., 3) in 0..255 of the ideal points (a, b)."""
     image = np.empty((*a.shape, 3))
     image[:] = (1 + 0.25 * (b + 1))[..., None] * np.array([125, 165, 215])

@@ -1,0 +1,215 @@
+"""Devices over GVCP and GVSP, by Aravis: the second back end, in a process of its own.
+
+Debian has Aravis for the system's Python alone, so that the bridge runs there.
+"""
+
+import json
+import struct
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
+from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
+from ncdc_host.client.found import Found
+from ncdc_host.client.frame import Frame
+from ncdc_host.client.lens import LensLoader
+from ncdc_model.errors import InputError
+from ncdc_model.interface.pixel_formats import format_of_pfnc
+
+__all__ = ["AravisDevice", "discover_aravis"]
+
+_PYTHON = "/usr/bin/python3"
+_BRIDGE = Path(__file__).with_name("aravis_bridge.py")
+_SLICE = 0.05           # seconds that a wait for a picture keeps other calls waiting
+
+
+class _Bridge:
+    """The process; its calls raise :class:`DeviceError`."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        try:
+            self._process = subprocess.Popen([_PYTHON, "-I", str(_BRIDGE)], stdin=subprocess.PIPE,
+                                             stdout=subprocess.PIPE)
+            self._answer()
+        except OSError as error:
+            raise DeviceError(f"{_PYTHON} cannot be run: {error.strerror}") from error
+        except DeviceError as error:
+            self.close()
+            raise DeviceError(f"{error}; aravis:// needs Debian's gir1.2-aravis-0.8 and "
+                              "python3-gi") from error
+
+    def call(self, name, *arguments):
+        """The answer's value; with the bytes behind it if there are any."""
+        with self._lock:
+            try:
+                self._process.stdin.write(json.dumps([name, *arguments]).encode() + b"\n")
+                self._process.stdin.flush()
+            except (OSError, ValueError) as error:
+                raise DeviceGone("the process of Aravis has ended") from error
+            return self._answer()
+
+    def _answer(self):
+        line = self._process.stdout.readline()
+        if not line:
+            raise DeviceGone("the process of Aravis has ended")
+        answer = json.loads(line)
+        if "error" in answer:
+            raise Refused(answer["error"])
+        if "bytes" in answer:
+            return answer["ok"], self._process.stdout.read(answer["bytes"])
+        return answer["ok"]
+
+    def close(self):
+        self._process.stdin.close()
+        try:
+            self._process.wait(3)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._process.stdout.close()
+
+
+def discover_aravis(seconds):
+    """:func:`ncdc_host.client.devices.discover` by Aravis, which waits as long as it likes."""
+    bridge = _Bridge()
+    try:
+        return sorted((Found(f"aravis://{address}", address, *rest)
+                       for address, *rest in bridge.call("discover")),
+                      key=lambda found: tuple(map(int, found.address.split("."))))
+    finally:
+        bridge.close()
+
+
+class AravisDevice(Device):
+    """See :class:`Device`."""
+
+    def __init__(self, address, monitor=False):
+        self.url = f"aravis://{address}"
+        self._monitor, self._closed, self._stream = monitor, False, None
+        self._bridge = _Bridge()
+        try:
+            found = self._bridge.call("open", address, monitor)
+            if not monitor and not self._bridge.call("controls"):
+                raise Refused(f"{address} cannot be opened: another user has control")
+        except Refused as error:
+            self._bridge.close()
+            if "not found" in str(error).lower() or "can't connect" in str(error).lower():
+                raise DeviceGone(f"no device answers at {address}") from error
+            raise
+        self._kinds = {name: kind for name, _, kind in found if kind != "other"}
+        self._categories = {name: category for name, category, _ in found}
+
+    @property
+    def access(self):
+        if self._closed:
+            return "lost"
+        if self._monitor:
+            return "monitor"
+        return "control" if self._bridge.call("controls") else "lost"
+
+    def names(self):
+        return list(self._kinds)
+
+    def _kind(self, name):
+        if name not in self._kinds:
+            raise DeviceError(f"{self.url} has no feature {name!r}")
+        return self._kinds[name]
+
+    def info(self, name):
+        kind = self._kind(name)
+        value, writable, limits, unit, choices, text = self._bridge.call("info", name, kind)
+        return FeatureInfo(name, kind, value, writable and not self._monitor, *limits, unit,
+                           tuple(choices), text, self._categories[name])
+
+    def get(self, name):
+        return self._bridge.call("get", name, self._kind(name))
+
+    def set(self, name, value):
+        info = self.info(name)
+        if not info.writable:
+            raise Refused(f"{name} cannot be written now: it is read-only or locked, or this user "
+                          "has no control")
+        try:
+            return self._bridge.call("set", name, info.kind, as_kind(info, value))
+        except Refused as error:
+            raise Refused(f"{name} is refused: {error}") from error
+
+    def execute(self, name):
+        self._kind(name)
+        self._bridge.call("execute", name)
+
+    def stream(self, packet_size=None, multicast=None):
+        if multicast is not None or self._monitor:
+            raise DeviceError("aravis:// has no multicast and no stream for a monitor: use gige://")
+        self._bridge.call("start", packet_size)
+        return AravisStream(self, self._bridge)
+
+    def load_lens(self, descriptor):
+        LensLoader(self).load(descriptor)
+
+    def read_memory(self, address, count):
+        """``count`` bytes of the device's memory, a multiple of 4."""
+        words = self._bridge.call("read_memory", address, count)
+        return b"".join(word.to_bytes(4, "big") for word in words)
+
+    def write_memory(self, address, data):
+        """Write ``data``, whole words, to the device's memory."""
+        self._bridge.call("write_memory", address, list(struct.unpack(f">{len(data) // 4}I", data)))
+
+    def close(self):
+        if not self._closed:
+            self._closed = True
+            self._bridge.close()
+
+
+class AravisStream(FrameStream):
+    """See :class:`FrameStream`."""
+
+    def __init__(self, device, bridge):
+        self._device, self._bridge = device, bridge
+        self._rate, self._frames, self._broken = Rate(), 0, 0
+        self._resent = self._untaken = 0
+        self._first = self._last = None
+        self._closed = False
+
+    def next(self, timeout=5.0):
+        until = time.monotonic() + timeout
+        while True:
+            left = until - time.monotonic()
+            if left <= 0:
+                if self._device.access == "lost":
+                    raise DeviceGone(f"{self._device.url} does not answer any more")
+                raise NoFrame(f"no picture within {timeout:g} s")
+            got = self._bridge.call("next", min(left, _SLICE))
+            if got is None:
+                continue
+            if isinstance(got[0], bool):        # not whole: no bytes behind it
+                self._broken += 1
+                continue
+            (_, number, time_ns, code, width, height), data = got
+            try:
+                pixel_format = format_of_pfnc(code)
+            except InputError as error:
+                raise DeviceError(str(error)) from error
+            self._frames += 1
+            self._first, self._last = self._first or number, number
+            self._rate.count()
+            return Frame.of_bytes(data, (width, height), pixel_format, number, time_ns)
+
+    @property
+    def statistics(self):
+        if not self._closed:
+            self._resent, self._untaken = self._bridge.call("statistics")
+        missed = 0 if self._last is None else self._last - self._first + 1 - self._frames
+        lost = max(missed - self._untaken, self._broken)
+        return Statistics(self._frames, lost, self._untaken, self._resent, self._rate.value)
+
+    def close(self):
+        if not self._closed:
+            self.statistics
+            self._closed = True
+            if not self._device._closed:
+                self._bridge.call("stop")

@@ -1,0 +1,30 @@
+"""What can go wrong between client and device, each as one sentence for people."""
+
+from ncdc_model.errors import InputError
+
+__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "Refused"]
+
+
+class DeviceError(Exception):
+    """A device, or the way to it, does not do what it was asked; the message is one sentence."""
+
+
+class BadUrl(DeviceError, InputError):
+    """A text that is no URL of a device."""
+
+
+class DeviceGone(DeviceError):
+    """The device does not answer any more, or never did."""
+
+
+class Refused(DeviceError):
+    """The device refuses: a value outside the limits, a feature that is locked while pictures
+    stream, or control that another user holds."""
+
+
+class BadValue(Refused, InputError):
+    """A value that the feature cannot have; nothing was sent."""
+
+
+class NoFrame(DeviceError):
+    """No picture came within the time that was allowed; the next one may."""

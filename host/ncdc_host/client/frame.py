@@ -1,0 +1,54 @@
+"""A picture as it came from a device."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.images import demosaic
+from ncdc_model.interface.pixel_formats import PixelFormat, unpacked
+
+__all__ = ["Frame"]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A whole picture; an incomplete one never becomes a frame.
+
+    Parameters
+    ----------
+    pixels : ndarray of uint8
+        (height, width) of raw frames and Mono8, RGB (height, width, 3) of corrected colours;
+        read-only.
+    pixel_format : PixelFormat
+        As sent.
+    number : int
+        Rises by one with every frame that the device sends; a gap is a frame that was lost. Over
+        TCP it is the number of the frame since the device's reset.
+    time_ns : int
+        Device time of the capture, nanoseconds; over TCP in steps of a microsecond.
+    """
+    pixels: np.ndarray
+    pixel_format: PixelFormat
+    number: int
+    time_ns: int
+
+    @classmethod
+    def of_bytes(cls, data, size, pixel_format, number, time_ns):
+        """The frame of ``size`` (width, height) whose stored bytes are ``data``."""
+        width, height = size
+        stored = np.frombuffer(data, np.uint8)
+        if pixel_format.pixel_bytes > 1:
+            stored = stored.reshape(height, width, pixel_format.pixel_bytes)
+        else:
+            stored = stored.reshape(height, width)
+        pixels = unpacked(stored, pixel_format)
+        pixels.flags.writeable = False
+        return cls(pixels, pixel_format, number, time_ns)
+
+    def picture(self):
+        """RGB (height, width, 3) to look at: raw frames demosaiced, brightness as grey."""
+        if self.pixel_format.raw:
+            return demosaic(self.pixels, self.pixel_format.bayer)
+        if self.pixels.ndim == 2:
+            return np.repeat(self.pixels[..., None], 3, axis=2)
+        return np.ascontiguousarray(self.pixels)

@@ -1,0 +1,80 @@
+"""A lens into a device: the corrector's registers over the network."""
+
+import struct
+import time
+
+from ncdc_host.client.errors import DeviceError, Refused
+from ncdc_model.formats import MAX_NEURONS
+from ncdc_model.interface.gvcp import CORRECTOR_BASE
+from ncdc_model.interface.host_values import host_values, table_words
+from ncdc_model.interface.register_map import (
+    CTRL_COMMIT,
+    ID,
+    STATUS_COMMITTED,
+    STATUS_REFUSED,
+    network_registers,
+    registers,
+)
+
+__all__ = ["LensLoader"]
+
+_CHUNK = 64             # words of a write
+_SECONDS = 60           # that a device may take until a lens is active
+
+# What has to be the same already: the device's memory is laid out for it.
+_FIXED = ("CORRECTED_WIDTH", "CORRECTED_HEIGHT", "DISTORTED_WIDTH", "DISTORTED_HEIGHT",
+          "BAYER_PHASE", "FILL")
+
+
+class LensLoader:
+    """Writes descriptors to the corrector of ``device``, which has read_memory and write_memory."""
+
+    def __init__(self, device):
+        self._device = device
+
+    def load(self, descriptor):
+        """See :meth:`ncdc_host.client.device.Device.load_lens`."""
+        table = {r.name: r for r in registers(MAX_NEURONS, descriptor.formats)}
+        if self._read(table["ID"].address) != ID:
+            raise DeviceError(f"{self._device.url} has no corrector")
+        neurons = self._read(table["NEURONS"].address)
+        if descriptor.hidden_neurons > neurons:
+            raise Refused(f"the lens has {descriptor.hidden_neurons} hidden neurons, the device "
+                          f"has {neurons}")
+        values = host_values(descriptor)
+        for name in _FIXED:
+            present = self._read(table[name].address)
+            if present != values[name]:
+                raise Refused(f"the lens has {name} {values[name]}, the device has {present}")
+        # Neurons that the lens does without have no weight.
+        words = {r.address: values.get(r.name, 0) & 0xFFFFFFFF
+                 for r in network_registers(neurons, descriptor.formats)}
+        words |= dict(table_words(descriptor.valid))
+        self._write(words)
+        self._write({table["STATUS"].address: STATUS_REFUSED})
+        self._write({table["CTRL"].address: CTRL_COMMIT})
+        until = time.monotonic() + _SECONDS
+        while (status := self._read(table["STATUS"].address)) & STATUS_COMMITTED:
+            if time.monotonic() > until:
+                raise DeviceError(f"the lens is not active after {_SECONDS} s")
+            time.sleep(0.05)
+        if status & STATUS_REFUSED:
+            raise Refused(f"{self._device.url} refuses the lens")
+
+    def _read(self, address):
+        data = self._device.read_memory(CORRECTOR_BASE + 4 * address, 4)
+        return int.from_bytes(data, "big")
+
+    def _write(self, words):
+        """Write ``words`` by word address, as few packets as their gaps allow."""
+        run = []
+        for address in sorted(words):
+            if run and (address != run[-1] + 1 or len(run) == _CHUNK):
+                self._send(words, run)
+                run = []
+            run.append(address)
+        self._send(words, run)
+
+    def _send(self, words, run):
+        data = struct.pack(f">{len(run)}I", *(words[address] for address in run))
+        self._device.write_memory(CORRECTOR_BASE + 4 * run[0], data)

@@ -1,0 +1,309 @@
+"""Devices over TCP by the paper's Table I and II: this project's own code."""
+
+import socket
+import threading
+import time
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
+from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
+from ncdc_host.client.frame import Frame
+from ncdc_model.errors import InputError
+from ncdc_model.interface.features import FEATURES, feature, system_word
+from ncdc_model.interface.table_one import MRAW, READ, REQUEST, UNKNOWN, WRITE
+from ncdc_model.interface.table_two import HEADER_BYTES, MrawHeader
+
+__all__ = ["Connection", "Package", "TableDevice"]
+
+_SECONDS = 5.0          # that an answer may take
+_FEATURES = {one.name: one for one in FEATURES if one.table}
+_NUMBER = (system_word("NUMBER_UPPER"), system_word("NUMBER_LOWER"))
+
+
+@dataclass(frozen=True)
+class Package:
+    """An MRAW package: its header and the bytes of the picture."""
+    header: MrawHeader
+    data: bytearray
+
+
+class Connection:
+    """One TCP connection that speaks Table I; requests of several threads do not mix.
+
+    Raises
+    ------
+    DeviceGone
+        If nobody answers there.
+    """
+    def __init__(self, address, port, timeout=_SECONDS):
+        self.name = f"tcp://{address}:{port}"
+        self._lock = threading.Lock()
+        try:
+            self._socket = socket.create_connection((address, port), timeout)
+        except OSError as error:
+            raise DeviceGone(f"no device answers at {self.name}: "
+                             f"{error.strerror or error}") from error
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._timeout = timeout
+
+    def close(self):
+        """End the connection."""
+        self._socket.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def read(self, address):
+        """The 16-bit word at ``address``."""
+        return self._exchange(READ, address, 0)
+
+    def write(self, address, value):
+        """Write a 16-bit word, and return it as read back."""
+        return self._exchange(WRITE, address, value)
+
+    def picture(self, timeout=_SECONDS):
+        """The newest complete frame, a :class:`Package`.
+
+        Raises
+        ------
+        NoFrame
+            If it did not come in ``timeout`` seconds; the connection is of no use any more.
+        DeviceError
+            If the header breaks a rule of Table II; likewise.
+        """
+        with self._lock:
+            until = time.monotonic() + timeout
+            self._send(bytes([MRAW]))
+            first = self._receive(1, until)
+            if first[0] == UNKNOWN:
+                raise DeviceError(f"{self.name} does not know the command 0x{MRAW:02X}")
+            try:
+                header = MrawHeader.unpack(bytes(first + self._receive(HEADER_BYTES - 1, until)))
+            except InputError as error:
+                self.close()
+                raise DeviceError(f"{self.name}: {error}") from error
+            return Package(header, self._receive(header.size, until))
+
+    def _exchange(self, code, address, value):
+        with self._lock:
+            self._send(REQUEST.pack(code, address, value))
+            answer = self._receive(REQUEST.size, time.monotonic() + self._timeout)
+        answered, place, value = REQUEST.unpack(answer)
+        if (answered, place) != (code, address):
+            self.close()
+            raise DeviceError(f"{self.name} answered 0x{answered:02X} 0x{place:04X} to "
+                              f"0x{code:02X} 0x{address:04X}")
+        return value
+
+    def _send(self, data):
+        try:
+            self._socket.sendall(data)
+        except OSError as error:
+            raise DeviceGone(f"{self.name} does not answer any more: "
+                             f"{error.strerror or error}") from error
+
+    def _receive(self, count, until):
+        data = bytearray(count)
+        view, have = memoryview(data), 0
+        while have < count:
+            try:
+                self._socket.settimeout(max(0.001, until - time.monotonic()))
+                got = self._socket.recv_into(view[have:])
+            except TimeoutError as error:
+                self.close()
+                raise NoFrame(f"{self.name} sent {have} of {count} bytes in time") from error
+            except OSError as error:
+                raise DeviceGone(f"{self.name} does not answer any more: "
+                                 f"{error.strerror or error}") from error
+            if not got:
+                raise DeviceGone(f"{self.name} has closed the connection")
+            have += got
+        return data
+
+
+class TableDevice(Device):
+    """See :class:`Device`; settings and pictures have a connection each, so that neither waits."""
+
+    def __init__(self, address, port, monitor=False):
+        self.url = f"tcp://{address}:{port}"
+        self._place, self._monitor = (address, port), monitor
+        self._connection = Connection(address, port)
+        self._gone = False
+        self._lock = threading.RLock()      # of what takes several words
+        try:
+            version = self._connection.read(system_word("WIDTH_MAX"))
+        except NoFrame:
+            version = 0
+        if not version:
+            self._connection.close()
+            raise DeviceError(f"{self.url} does not answer as a device does")
+
+    @property
+    def access(self):
+        if self._gone:
+            return "lost"
+        return "monitor" if self._monitor else "control"
+
+    def names(self):
+        return list(_FEATURES)
+
+    def _word(self, call, *values):
+        try:
+            return call(*values)
+        except NoFrame as error:
+            self._gone = True
+            raise DeviceGone(f"{self.url} does not answer any more") from error
+        except DeviceError:
+            self._gone = True
+            raise
+
+    def _register(self, one):
+        """The feature's register, from its words."""
+        value = 0
+        for address in one.table:
+            value = value << 16 | self._word(self._connection.read, address)
+        if one.field:
+            value = value >> one.field[0] & (1 << one.field[1]) - 1
+        return one.register_of(value)
+
+    def _scale(self, one):
+        factor = self._register(feature(one.scale_from)) if one.scale_from else 1
+        return Fraction(factor * one.scale[0], one.scale[1])
+
+    def _value(self, one):
+        register = self._register(one)
+        if one.kind == "float":
+            return float(register * self._scale(one))
+        if one.kind == "boolean":
+            return bool(register)
+        if one.kind == "enumeration":
+            return next((choice.name for choice in one.choices if choice.value == register), "")
+        return register
+
+    def _known(self, name):
+        if name not in _FEATURES:
+            raise DeviceError(f"{self.url} has no feature {name!r}")
+        return _FEATURES[name]
+
+    def get(self, name):
+        with self._lock:
+            return self._value(self._known(name))
+
+    def info(self, name):
+        one = self._known(name)
+        with self._lock:
+            value = self._value(one)
+            locked = one.locked and self._word(self._connection.read, system_word("STREAMING"))
+            limits = ()
+            if one.kind in ("integer", "float"):
+                scale = self._scale(one) if one.kind == "float" else 1
+                high = min(one.high, self._highest(one))
+                limits = tuple(float(number * scale) if one.kind == "float" else number
+                               for number in (one.low, high, one.step))
+        writable = one.access == "rw" and not locked and self.access == "control"
+        return FeatureInfo(one.name, one.kind, value, writable, *(limits or (None,) * 3), one.unit,
+                           tuple(choice.name for choice in one.choices), one.text, one.category)
+
+    def _highest(self, one):
+        values = [self._register(feature(name)) for name in one.high_from]
+        return values[0] - sum(values[1:]) if values else one.high
+
+    def set(self, name, value):
+        with self._lock:
+            one, info = self._known(name), self.info(name)
+            if not info.writable:
+                raise Refused(_why_not(one, info, self.access))
+            value = as_kind(info, value)
+            register = self._as_register(one, value)
+            word, words = one.word_of(register), []
+            if one.field:
+                lowest, width = one.field
+                mask = (1 << width) - 1 << lowest
+                word = (self._word(self._connection.read, one.table[0]) & ~mask) | word << lowest
+            for k, address in enumerate(reversed(one.table)):
+                part = word >> 16 * k & 0xFFFF
+                words.append((part, self._word(self._connection.write, address, part)))
+            for sent, answered in words:
+                if sent != answered:
+                    raise Refused(f"{name} is refused by {self.url}: {value} was written, "
+                                  f"{self._value(one)} is read back")
+            return self._value(one)
+
+    def _as_register(self, one, value):
+        if one.kind == "float":
+            register = round(Fraction(value) / self._scale(one))
+            return min(max(register, one.low), one.high)
+        if one.kind == "enumeration":
+            return next(choice.value for choice in one.choices if choice.name == value)
+        return int(value)
+
+    def execute(self, name):
+        raise DeviceError(f"{self.url} has no command {name!r}: Table I has none")
+
+    def stream(self, packet_size=None, multicast=None):
+        if multicast is not None:
+            raise DeviceError("Table I has no multicast")
+        return TableStream(self, Connection(*self._place))
+
+    def close(self):
+        self._connection.close()
+
+
+def _why_not(one, info, access):
+    if access != "control":
+        return f"{one.name} is refused: this user is a monitor"
+    if one.access != "rw":
+        return f"{one.name} is read-only"
+    return f"{one.name} is locked while pictures stream over GVSP"
+
+
+class TableStream(FrameStream):
+    """Asks for the newest frame again and again, at the device's frame rate."""
+
+    def __init__(self, device, connection):
+        self._device, self._connection = device, connection
+        self._rate, self._frames, self._skipped = Rate(), 0, 0
+        self._number, self._due = None, 0.0     # of the last frame; when to ask again
+        self._time_us = self._last_us = None
+
+    def next(self, timeout=5.0):
+        until = time.monotonic() + timeout
+        while True:
+            time.sleep(max(0, min(self._due, until) - time.monotonic()))
+            left = until - time.monotonic()
+            if left <= 0:
+                raise NoFrame(f"{self._device.url} made no new picture within {timeout:g} s")
+            package = self._connection.picture(left)
+            upper, lower = map(self._connection.read, _NUMBER)
+            number = upper << 16 | lower
+            tenths = max(1, self._connection.read(system_word("FRAME_RATE")))
+            if number == self._number:
+                self._due = time.monotonic() + 1 / tenths       # seen already: a bit too early
+                continue
+            self._due = time.monotonic() + 9 / tenths           # nine tenths of a frame's time
+            self._skipped += max(0, number - self._number - 1) if self._number else 0
+            self._number, self._frames = number, self._frames + 1
+            self._rate.count()
+            return Frame.of_bytes(package.data, (package.header.width, package.header.height),
+                                  package.header.pixel_format, number,
+                                  1000 * self._unwrapped(package.header.time_us))
+
+    def _unwrapped(self, time_us):
+        """Microseconds since reset, of a counter of 32 bits that is followed."""
+        if self._last_us is None:
+            self._time_us = time_us
+        else:
+            self._time_us += (time_us - self._last_us) % (1 << 32)
+        self._last_us = time_us
+        return self._time_us
+
+    @property
+    def statistics(self):
+        return Statistics(self._frames, 0, self._skipped, 0, self._rate.value)
+
+    def close(self):
+        self._connection.close()

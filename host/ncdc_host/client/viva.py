@@ -1,0 +1,209 @@
+"""Devices over GVCP and GVSP, by the package viva-genicam."""
+
+import threading
+
+from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
+from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
+from ncdc_host.client.found import Found
+from ncdc_host.client.frame import Frame
+from ncdc_host.client.lens import LensLoader
+from ncdc_model.errors import InputError
+from ncdc_model.interface.pixel_formats import format_of_pfnc
+
+__all__ = ["VivaDevice", "discover_viva"]
+
+_KINDS = {"Integer": "integer", "Float": "float", "Boolean": "boolean", "Command": "command",
+          "Enumeration": "enumeration", "StringReg": "text"}
+_BLOCKS = 0xFFFF        # block numbers run from 1 to this and begin again
+
+
+def _viva():
+    try:
+        import viva_genicam
+    except ImportError:
+        raise DeviceError("the package viva-genicam is missing, which gige:// needs: "
+                          "pip install 'ncdc[client]'") from None
+    return viva_genicam
+
+
+def discover_viva(seconds, interface=None):
+    """:func:`ncdc_host.client.devices.discover` by viva-genicam."""
+    viva = _viva()
+    try:
+        found = viva.discover(round(1000 * seconds), interface, all=interface is None)
+    except viva.GenicamError as error:
+        raise DeviceError(f"discovery failed: {_sentence(error)}") from error
+    return [Found(f"gige://{one.ip}", one.ip, one.mac.lower(), one.manufacturer or "",
+                  one.model or "")
+            for one in sorted(found, key=lambda one: tuple(map(int, one.ip.split("."))))]
+
+
+def _sentence(error):
+    return str(error).strip().rstrip(".").replace("\n", " ")
+
+
+class VivaDevice(Device):
+    """See :class:`Device`."""
+
+    def __init__(self, address, monitor=False, seconds=1.0):
+        self._viva = viva = _viva()
+        self.url = f"gige://{address}"
+        found = [one for one in viva.discover(round(1000 * seconds), all=True)
+                 if one.ip == address]
+        if not found:
+            raise DeviceGone(f"no device answers at {address}")
+        try:
+            self._camera = viva.connect_gige(found[0], monitor=monitor)
+        except viva.GenicamError as error:
+            raise Refused(f"{address} cannot be opened, perhaps another user has control: "
+                          f"{_sentence(error)}") from error
+        self._lock = threading.RLock()
+        self._categories = {name: category
+                            for category, names in self._camera.categories().items()
+                            for name in names}
+        self._kinds = {node.name: _KINDS[node.kind] for node in self._camera.all_node_info()
+                       if node.kind in _KINDS and node.name in self._categories}
+        self._streams = []
+
+    def _call(self, name, call):
+        """``call()`` with what goes wrong as a :class:`DeviceError` that names the feature."""
+        viva = self._viva
+        try:
+            with self._lock:
+                return call()
+        except viva.TransportError as error:
+            text = _sentence(error)
+            if "timeout" in text.lower() or "timed out" in text.lower():
+                raise DeviceGone(f"{self.url} does not answer any more: {text}") from error
+            raise Refused(f"{name} is refused: {text}") from error
+        except viva.GenicamError as error:
+            raise Refused(f"{name} is refused: {_sentence(error)}") from error
+
+    @property
+    def access(self):
+        state = self._camera.control_state.value
+        return {"Held": "control", "Monitor": "monitor"}.get(state, "lost")
+
+    def names(self):
+        return list(self._kinds)
+
+    def info(self, name):
+        kind = self._kind(name)
+        state = self._call(name, lambda: self._camera.feature_state(name))
+        node = self._call(name, lambda: self._camera.node_info(name))
+        limits = state.range
+        whole = int if kind == "integer" else float
+        numbers = [None if limits is None or value is None else whole(value) for value in
+                   (limits and limits.min, limits and limits.max, limits and limits.inc)]
+        return FeatureInfo(name, kind, state.value,
+                           state.access in ("RW", "WO") and self.access == "control", *numbers,
+                           state.unit or "", tuple(state.enum_entries or ()),
+                           node.description or "", self._categories[name])
+
+    def _kind(self, name):
+        if name not in self._kinds:
+            raise DeviceError(f"{self.url} has no feature {name!r}")
+        return self._kinds[name]
+
+    def get(self, name):
+        self._kind(name)
+        return self._call(name, lambda: self._camera.feature_state(name)).value
+
+    def set(self, name, value):
+        info = self.info(name)
+        if not info.writable:
+            raise Refused(_why_not(info, self.access))
+        value = as_kind(info, value)
+        camera = self._camera
+        write = {"integer": camera.set_integer, "float": camera.set_float,
+                 "boolean": camera.set_bool, "enumeration": camera.set_enum,
+                 "text": camera.set_string}.get(info.kind)
+        if write is None:
+            raise Refused(f"{name} is a command: execute it")
+        self._call(name, lambda: write(name, value))
+        return self.get(name)
+
+    def execute(self, name):
+        self._kind(name)
+        self._call(name, lambda: self._camera.execute(name))
+
+    def stream(self, packet_size=None, multicast=None):
+        monitor = self.access == "monitor"
+        native = self._call("the stream", lambda: self._camera.stream(
+            packet_size=None if monitor else packet_size,
+            multicast=None if monitor else multicast, monitor=monitor))
+        return VivaStream(self, native, self._viva)
+
+    def read_memory(self, address, count):
+        """``count`` bytes of the device's memory, a multiple of 4."""
+        return self._call("memory", lambda: self._camera.read_register(address, count))
+
+    def write_memory(self, address, data):
+        """Write ``data``, whole words, to the device's memory."""
+        self._call("memory", lambda: self._camera.write_register(address, data))
+
+    def load_lens(self, descriptor):
+        LensLoader(self).load(descriptor)
+
+    def close(self):
+        self._camera.close()
+
+
+def _why_not(info, access):
+    if access == "monitor":
+        return f"{info.name} is refused: this user is a monitor, another one has control"
+    if access == "lost":
+        return f"{info.name} is refused: control is lost"
+    return f"{info.name} cannot be written now: it is read-only, or locked while pictures stream"
+
+
+class VivaStream(FrameStream):
+    """See :class:`FrameStream`."""
+
+    def __init__(self, device, native, viva):
+        self._device, self._native, self._viva = device, native, viva
+        self._rate, self._block, self._number, self._final = Rate(), 0, 0, None
+        # A monitor joins in the middle of a frame, which is not lost: None until it has one.
+        self._before = None if device.access == "monitor" else 0
+        device._call("the stream", native.__enter__)
+
+    def next(self, timeout=5.0):
+        viva = self._viva
+        try:
+            frame = self._native.next_frame(round(1000 * timeout))
+        except viva.GenicamError as error:
+            if self._device.access == "lost":
+                raise DeviceGone(f"{self._device.url} does not answer any more") from error
+            raise NoFrame(f"no picture within {timeout:g} s: {_sentence(error)}") from error
+        if frame is None:
+            raise DeviceGone(f"the stream of {self._device.url} has ended")
+        try:
+            pixel_format = format_of_pfnc(frame.pixel_format_code)
+        except InputError as error:
+            raise DeviceError(str(error)) from error
+        self._number += (frame.block_id - self._block) % _BLOCKS or _BLOCKS
+        self._block = frame.block_id
+        self._rate.count()
+        if self._before is None:
+            self._before = _lost(self._native.stats())
+        return Frame.of_bytes(frame.payload(), (frame.width, frame.height), pixel_format,
+                              self._number, frame.ts_dev or 0)
+
+    @property
+    def statistics(self):
+        counted = self._final or self._native.stats()
+        return Statistics(counted.frames_complete, _lost(counted) - (self._before or 0),
+                          counted.frames_backpressure, counted.resend_recovered,
+                          self._rate.value)
+
+    def close(self):
+        if self._final is None:
+            self._final = self._native.stats()
+            try:
+                self._native.__exit__(None, None, None)
+            except self._viva.GenicamError:
+                pass        # the device is gone, and the stream with it
+
+
+def _lost(counted):
+    return counted.frames_incomplete + counted.frames_missed

@@ -1,0 +1,1 @@
+"""An emulated device: what camera, corrector and network link will be, in Python."""

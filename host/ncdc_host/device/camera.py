@@ -1,0 +1,171 @@
+"""Frames by the clock: what the emulated sensor and corrector have ready, and when."""
+
+import threading
+import time
+from collections import OrderedDict
+from dataclasses import dataclass
+
+from ncdc_host.device.sensor import Exposure, expose
+from ncdc_model.interface.pixel_formats import PixelFormat, packed
+
+__all__ = ["Camera", "Frame"]
+
+_KEPT = 24              # pictures, so that a scene that repeats itself is corrected only once
+_KEPT_BYTES = 128 << 20
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A complete picture; its bytes are never written again.
+
+    Parameters
+    ----------
+    number : int
+        Of the frame since reset.
+    time_ns : int
+        From reset to the beginning of the exposure.
+    pixel_format : PixelFormat
+    size, offset : (int, int)
+        Width and height, column and row, pixels.
+    data : memoryview
+        The bytes, row by row.
+    """
+    number: int
+    time_ns: int
+    pixel_format: PixelFormat
+    size: tuple
+    offset: tuple
+    data: memoryview
+
+
+class Camera:
+    """Makes frames when somebody asks, at the times of the frame rate.
+
+    Parameters
+    ----------
+    light : Photo or MovingScene
+    corrections : list of Correction
+        One a lens, all of one geometry.
+    registers : Registers
+    noise : float
+        See :class:`Exposure`.
+    """
+    def __init__(self, light, corrections, registers, noise):
+        self._light, self._registers, self._noise = light, registers, noise
+        self.corrections = list(corrections)
+        self._bayer = corrections[0].descriptor.geometry.bayer
+        self._reset = time.monotonic_ns()
+        self._lock = threading.Lock()           # of rendering and of what it keeps
+        self._pictures = OrderedDict()
+        self._newest = None
+        with registers.lock:
+            self._anchor = (0, 0, registers.settings.rate_tenths)
+            self._stale_until = 0               # frames before this one show older settings
+        registers.on_change(self._changed)
+
+    def now_ns(self):
+        """Nanoseconds since reset."""
+        return time.monotonic_ns() - self._reset
+
+    def _slot(self, now):
+        """Number of the newest frame whose exposure has begun."""
+        number, start, tenths = self._anchor
+        return number + (now - start) * tenths // 10_000_000_000
+
+    def _time_of(self, number):
+        first, start, tenths = self._anchor
+        return start - (-(number - first) * 10_000_000_000 // tenths)
+
+    def _changed(self):
+        now, tenths = self.now_ns(), self._registers.settings.rate_tenths
+        number = self._slot(now)
+        self._stale_until = number + 1
+        if tenths != self._anchor[2]:
+            self._anchor = (number, now, tenths)
+
+    def replace_lens(self, number, correction):
+        """Put another correction in the place of a lens; frames begun before keep the old one."""
+        with self._registers.lock:
+            self.corrections[number] = correction
+            self._changed()
+
+    def newest(self):
+        """The newest complete :class:`Frame` that has all settings written so far."""
+        with self._registers.lock:
+            number = max(self._slot(self.now_ns()), self._stale_until)
+        return self.frame(number)
+
+    def following(self, number, stop):
+        """The next frame due after ``number``; None if the Event ``stop`` is set before.
+
+        Frames that were due and not made in time are counted as dropped.
+        """
+        with self._registers.lock:
+            due = self._slot(self.now_ns())
+            wanted = max(due, number + 1, self._stale_until)
+            if number and wanted > number + 1:
+                self._registers.dropped += wanted - number - 1
+        frame = self.frame(wanted, stop)
+        return None if stop.is_set() else frame
+
+    def frame(self, number, stop=threading.Event()):
+        """Frame ``number``, when its time has come."""
+        while True:
+            with self._registers.lock:
+                begin, settings = self._time_of(number), self._registers.settings
+                corrections = tuple(self.corrections)
+            wait = (begin - self.now_ns()) / 1e9
+            if wait <= 0:
+                break
+            # A change of the frame rate moves the time: look again from time to time.
+            if stop.wait(min(wait, 0.05)):
+                return None
+        with self._lock:
+            if self._newest is not None and self._newest.number == number:
+                return self._newest
+            picture = self._picture(settings, corrections, number)
+            view = settings.view
+            frame = Frame(number, begin, view.pixel_format, (view.width, view.height),
+                          (view.x, view.y), memoryview(picture).cast("B"))
+            if self._newest is None or number > self._newest.number:
+                self._newest = frame
+            return frame
+
+    def _picture(self, settings, corrections, number):
+        """The bytes of a picture, made anew or kept, as an array."""
+        position = self._light.position(number)
+        # Read noise repeats with the scene; a still photo has eight patterns of it.
+        seed = position or number % 8
+        key = (settings.view, settings.lens, id(corrections[settings.lens]), settings.exposure_ns,
+               settings.gain_eighths, settings.pattern, position, seed)
+        if key in self._pictures:
+            self._pictures.move_to_end(key)
+            return self._pictures[key]
+        picture = picture_of(self.raw(settings, position, seed), settings.view,
+                             corrections[settings.lens])
+        self._pictures[key] = picture
+        while len(self._pictures) > _KEPT or sum(
+                p.nbytes for p in self._pictures.values()) > _KEPT_BYTES:
+            self._pictures.popitem(last=False)
+        return picture
+
+    def raw(self, settings, position, seed):
+        """The whole raw frame of those settings, not mirrored."""
+        exposure = Exposure(settings.exposure_ns / self._registers.reference_ns,
+                            settings.gain_eighths / 8, settings.pattern, self._noise)
+        return expose(self._light.raw(position), exposure, self._bayer, seed)
+
+
+def picture_of(raw, view, correction):
+    """The stored bytes of the part of a picture that a ``view`` shows, of the whole ``raw`` frame.
+
+    A corrected picture is corrected first and mirrored and cut then: hardware scans backwards
+    and begins elsewhere, which gives the same pixels.
+    """
+    whole = raw if view.pixel_format.raw else correction(raw)
+    if view.reverse_x:
+        whole = whole[:, ::-1]
+    if view.reverse_y:
+        whole = whole[::-1]
+    part = whole[view.y:view.y + view.height, view.x:view.x + view.width]
+    return packed(part, view.pixel_format)

@@ -1,0 +1,349 @@
+"""The GVCP agent: who may control the device, and its memory as the network sees it."""
+
+import struct
+import threading
+import time
+from ipaddress import IPv4Address
+
+from ncdc_host.device.registers import Refused
+from ncdc_host.device.stream import Receiver
+from ncdc_model.interface import gvcp
+from ncdc_model.interface.features import FEATURES, feature
+from ncdc_model.interface.genicam import genicam_xml
+
+__all__ = ["ControlAgent", "Identity"]
+
+_STATUS = {"value": gvcp.INVALID_PARAMETER, "locked": gvcp.ACCESS_DENIED,
+           "read only": gvcp.WRITE_PROTECT}
+_RESENT_PER_SECOND = 200_000    # packets: no request may keep the agent busy for long
+
+
+class _Status(Exception):
+    """Ends a command with a status other than success."""
+    def __init__(self, status):
+        super().__init__(hex(status))
+        self.status = status
+
+
+class Identity:
+    """What a device says of itself.
+
+    Parameters
+    ----------
+    address : str
+        Its IPv4 address.
+    serial : str
+        Up to 15 characters.
+    mask : str
+        Of its net.
+    """
+    def __init__(self, address, serial, version, mask="255.255.255.0"):
+        number = int(IPv4Address(address))
+        self.address = address
+        # Locally administered; the address makes it unique on its net.
+        self.mac = 0x02_4E_00_00_00_00 | number
+        self.numbers = {
+            "Version": 0x0001_0002, "DeviceMode": 0x8000_0001, "MacHigh": self.mac >> 32,
+            "MacLow": self.mac & 0xFFFFFFFF, "IpOptions": 0x6, "IpConfiguration": 0x4,
+            "IpAddress": number, "SubnetMask": int(IPv4Address(mask)), "Gateway": 0,
+            "NetworkInterfaces": 1, "MessageChannels": 0, "StreamChannels": 1,
+            "Capability": gvcp.CAPABILITY, "TickFrequencyHigh": 0,
+            "TickFrequencyLow": 1_000_000_000}
+        self.texts = {
+            "DeviceVendorName": "NCDC", "DeviceModelName": "NCDC emulated device",
+            "DeviceVersion": version, "DeviceManufacturerInfo": "distortion correction",
+            "DeviceSerialNumber": serial, "DeviceUserID": "", "SecondUrl": ""}
+
+
+class ControlAgent:
+    """Answers GVCP datagrams; no socket of its own, so that a test can feed it anything.
+
+    Parameters
+    ----------
+    identity : Identity
+    registers : Registers
+    camera : Camera
+    stream : Stream
+    corrector : CorrectorWindow
+        The corrector's registers, at ``gvcp.CORRECTOR_BASE``.
+    """
+    def __init__(self, identity, registers, camera, stream, corrector):
+        self._identity, self._registers = identity, registers
+        self._camera, self._stream, self._corrector = camera, stream, corrector
+        self._xml = genicam_xml()
+        self._xml += bytes(-len(self._xml) % 4)
+        self._words = {}                # numbers of the bootstrap registers by address
+        self._texts = {}                # (address, bytes) of texts
+        for name, value in identity.numbers.items():
+            self._words[gvcp.place(name).address] = value
+        url = f"Local:{gvcp.XML_NAME};{gvcp.XML_BASE:X};{len(genicam_xml()):X}"
+        for name, text in {**identity.texts, "FirstUrl": url}.items():
+            place = gvcp.place(name)
+            self._texts[place.address] = text.encode().ljust(place.length, b"\0")
+        self._features = {one.address: one for one in FEATURES if one.address >= gvcp.FEATURE_BASE}
+        self._writable = {place.address: place.name for place in gvcp.BOOTSTRAP
+                          if place.access == "rw"}
+        self._sensor_address = 0
+        self._commands = {
+            gvcp.DISCOVERY: self._discovery, gvcp.READREG: self._readreg,
+            gvcp.WRITEREG: self._writereg, gvcp.READMEM: self._readmem,
+            gvcp.WRITEMEM: self._writemem, gvcp.PACKETRESEND: self._packetresend}
+        self._resend_budget = (0.0, _RESENT_PER_SECOND)
+        self._lock = threading.RLock()
+        self.controller = None          # (address, port) that holds control
+        self._heard = 0.0
+        self._release()
+
+    # Datagrams.
+
+    def handle(self, data, peer, now=None):
+        """The answer to a datagram of ``peer``, (address, port); None if there is none."""
+        command = gvcp.parse_command(data)
+        if command is None:
+            return None
+        now = time.monotonic() if now is None else now
+        with self._lock:
+            self.tick(now)
+            if peer == self.controller:
+                self._heard = now
+            return self._answer(command, peer)
+
+    def _answer(self, command, peer):
+        action = self._commands.get(command.code)
+        if action is None:
+            # Datagrams that are no commands at all are not worth an answer.
+            known = command.code % 2 == 0 and command.answered
+            return gvcp.acknowledge(command, gvcp.NOT_IMPLEMENTED) if known else None
+        try:
+            answer = action(command.payload, peer)
+        except _Status as error:
+            return gvcp.acknowledge(command, error.status) if command.answered else None
+        if answer is None or not command.answered:
+            return None
+        return gvcp.acknowledge(command, gvcp.SUCCESS, answer)
+
+    def tick(self, now):
+        """Take control from a controller that has not been heard of for the heartbeat's time."""
+        timeout = self._words[gvcp.place("HeartbeatTimeout").address] / 1000
+        with self._lock:
+            if self.controller is not None and now - self._heard > timeout:
+                self._release()
+
+    def _release(self):
+        self._stream.stop()
+        self.controller = None
+        self._tl_locked, self._acquiring, self._mode = 0, False, 0
+        self._registers.streaming = False
+        for name, value in (("HeartbeatTimeout", gvcp.HEARTBEAT_MS), ("ControlPrivilege", 0),
+                            ("StreamPort", 0), ("StreamPacketDelay", 0), ("StreamAddress", 0),
+                            ("StreamPacketSize", gvcp.SCPS_DO_NOT_FRAGMENT | 1500),
+                            ("StreamSourcePort", self._stream.port), ("TimestampControl", 0),
+                            ("TimestampHigh", 0), ("TimestampLow", 0)):
+            self._words[gvcp.place(name).address] = value
+
+    def _discovery(self, payload, peer):
+        return self._memory(0, gvcp.DISCOVERY_BYTES)
+
+    def _readreg(self, payload, peer):
+        if not payload or len(payload) % 4 or len(payload) > 4 * gvcp.REGISTERS_MAX:
+            raise _Status(gvcp.INVALID_HEADER)
+        return b"".join(self._memory(address, 4)
+                        for address, in struct.iter_unpack(">I", payload))
+
+    def _writereg(self, payload, peer):
+        if not payload or len(payload) % 8 or len(payload) > 4 * gvcp.REGISTERS_MAX:
+            raise _Status(gvcp.INVALID_HEADER)
+        count = 0
+        for address, value in struct.iter_unpack(">II", payload):
+            self._write(address, value, peer)
+            count += 1
+        return struct.pack(">HH", 0, count)
+
+    def _readmem(self, payload, peer):
+        if len(payload) != 8:
+            raise _Status(gvcp.INVALID_HEADER)
+        address, _, count = struct.unpack(">IHH", payload)
+        if not 4 <= count <= gvcp.MEMORY_BYTES_MAX:
+            raise _Status(gvcp.INVALID_PARAMETER)
+        return payload[:4] + self._memory(address, count)
+
+    def _writemem(self, payload, peer):
+        if not 8 <= len(payload) <= 4 + gvcp.MEMORY_BYTES_MAX or len(payload) % 4:
+            raise _Status(gvcp.INVALID_HEADER)
+        address, = struct.unpack_from(">I", payload)
+        for k, (value,) in enumerate(struct.iter_unpack(">I", payload[4:])):
+            self._write(address + 4 * k, value, peer)
+        return struct.pack(">HH", 0, len(payload) - 4)
+
+    def _packetresend(self, payload, peer):
+        if len(payload) < 12:
+            raise _Status(gvcp.INVALID_HEADER)
+        _, block, first, last = struct.unpack_from(">HHII", payload)
+        first, last = first & 0xFFFFFF, last & 0xFFFFFF
+        address = IPv4Address(self._words[gvcp.place("StreamAddress").address])
+        # A receiver asks from a socket of its own, perhaps, but from the controller's machine.
+        own = self.controller is not None and peer[0] == self.controller[0]
+        if not self._acquiring or not own and not address.is_multicast:
+            raise _Status(gvcp.ACCESS_DENIED)
+        then, budget = self._resend_budget
+        now = time.monotonic()
+        budget = min(_RESENT_PER_SECOND, budget + (now - then) * _RESENT_PER_SECOND)
+        wanted = min(last - first + 1, 1 << 16)
+        if first > last or wanted > budget:
+            return None
+        self._resend_budget = (now, budget - wanted)
+        self._stream.resend(block, first, last)
+        return None
+
+    # Memory.
+
+    def _memory(self, address, count):
+        """``count`` bytes from ``address`` on; both whole words."""
+        if address % 4 or count % 4:
+            raise _Status(gvcp.BAD_ALIGNMENT)
+        if gvcp.XML_BASE <= address < gvcp.XML_BASE + len(self._xml):
+            # A client may read beyond the end to fill its last packet.
+            part = self._xml[address - gvcp.XML_BASE:][:count]
+            return part.ljust(count, b"\0")
+        return b"".join(self._word(at).to_bytes(4, "big")
+                        for at in range(address, address + count, 4))
+
+    def _word(self, address):
+        if address < gvcp.FEATURE_BASE:
+            for start, text in self._texts.items():
+                if start <= address < start + len(text):
+                    return int.from_bytes(text[address - start:address - start + 4], "big")
+            if address in self._words:
+                return self._words[address]
+            if address < gvcp.DISCOVERY_BYTES:
+                return 0        # reserved words of the discovery acknowledge
+        if address in self._features:
+            return self._read_feature(self._features[address])
+        if gvcp.CORRECTOR_BASE <= address < gvcp.CORRECTOR_BASE + gvcp.CORRECTOR_BYTES:
+            return self._corrector.read((address - gvcp.CORRECTOR_BASE) // 4)
+        raise _Status(gvcp.INVALID_ADDRESS)
+
+    def _read_feature(self, one):
+        if one.table:
+            return self._registers.read_feature(one)
+        if one.name == "PayloadSize":
+            return self._registers.settings.view.size
+        return {"AcquisitionMode": self._mode, "TLParamsLocked": self._tl_locked,
+                "SensorRegisterAddress": self._sensor_address,
+                "SensorRegisterValue": self._registers.read(self._sensor_address),
+                }.get(one.name, 0)
+
+    def _write(self, address, value, peer):
+        if address % 4:
+            raise _Status(gvcp.BAD_ALIGNMENT)
+        one = self._features.get(address)
+        corrector = gvcp.CORRECTOR_BASE <= address < gvcp.CORRECTOR_BASE + gvcp.CORRECTOR_BYTES
+        if one is None and not corrector and address not in self._writable:
+            self._memory(address, 4)        # refuses an address where there is nothing
+            raise _Status(gvcp.WRITE_PROTECT)
+        if address == gvcp.place("ControlPrivilege").address:
+            self._write_control(value, peer)
+            return
+        if peer != self.controller:
+            raise _Status(gvcp.ACCESS_DENIED)
+        try:
+            if one is not None:
+                self._write_feature(one, value)
+            elif corrector:
+                self._corrector.write((address - gvcp.CORRECTOR_BASE) // 4, value)
+            else:
+                self._write_bootstrap(address, value)
+        except Refused as error:
+            raise _Status(_STATUS[error.reason]) from None
+
+    def _write_control(self, value, peer):
+        if self.controller not in (None, peer):
+            raise _Status(gvcp.ACCESS_DENIED)
+        if value & ~(gvcp.CCP_EXCLUSIVE | gvcp.CCP_CONTROL):
+            raise _Status(gvcp.INVALID_PARAMETER)
+        if value == 0:
+            self._release()
+            return
+        self.controller, self._heard = peer, time.monotonic()
+        self._words[gvcp.place("ControlPrivilege").address] = value
+
+    def _write_bootstrap(self, address, value):
+        name = self._writable[address]
+        if name.startswith("Stream") and self._acquiring:
+            fire = name == "StreamPacketSize" and value & gvcp.SCPS_FIRE
+            if name != "StreamPacketDelay" and not fire and value != self._words[address]:
+                raise Refused("locked")
+        if name == "HeartbeatTimeout":
+            value = max(value, gvcp.HEARTBEAT_MIN_MS)
+        elif name == "StreamPort" and value > 0xFFFF:
+            raise Refused("value")
+        elif name == "StreamPacketDelay" and value > feature("GevSCPD").high:
+            raise Refused("value")
+        elif name == "StreamPacketSize":
+            limits = feature("GevSCPSPacketSize")
+            if not limits.low <= value & 0xFFFF <= limits.high:
+                raise Refused("value")
+            fire, value = value & gvcp.SCPS_FIRE, value & ~gvcp.SCPS_FIRE
+            self._words[address] = value
+            if fire and (receiver := self._receiver()) is not None:
+                self._stream.fire_test(receiver)
+        elif name == "TimestampControl":
+            if value & 2:
+                now = self._camera.now_ns()
+                self._words[gvcp.place("TimestampHigh").address] = now >> 32
+                self._words[gvcp.place("TimestampLow").address] = now & 0xFFFFFFFF
+            return
+        self._words[address] = value
+
+    def _write_feature(self, one, value):
+        if one.access == "ro":
+            raise Refused("read only")
+        if one.table:
+            self._registers.write_feature(one, value)
+            return
+        if not one.low <= value <= one.high:
+            raise Refused("value")
+        if one.name == "AcquisitionMode":
+            if self._acquiring:
+                raise Refused("locked")
+            if value not in {choice.value for choice in one.choices}:
+                raise Refused("value")
+            self._mode = value
+        elif one.name == "TLParamsLocked":
+            self._tl_locked = value
+            self._registers.streaming = bool(value) or self._acquiring
+        elif one.name == "AcquisitionStart" and value:
+            self._start()
+        elif one.name == "AcquisitionStop" and value:
+            self._stop()
+        elif one.name == "SensorRegisterAddress":
+            self._sensor_address = value
+        elif one.name == "SensorRegisterValue":
+            self._registers.write(self._sensor_address, value)
+
+    def _receiver(self):
+        words = {name: self._words[gvcp.place(name).address] for name in (
+            "StreamPort", "StreamAddress", "StreamPacketSize", "StreamPacketDelay")}
+        if not words["StreamPort"] or not words["StreamAddress"]:
+            return None
+        size = words["StreamPacketSize"]
+        return Receiver((str(IPv4Address(words["StreamAddress"])), words["StreamPort"]),
+                        size & 0xFFFF, words["StreamPacketDelay"],
+                        not size & gvcp.SCPS_DO_NOT_FRAGMENT)
+
+    def _start(self):
+        receiver = self._receiver()
+        if self._acquiring:
+            return
+        if receiver is None:
+            raise Refused("locked")     # nobody to send to
+        self._acquiring = self._registers.streaming = True
+        self._stream.start(receiver, single=self._mode == 1, done=self._ended)
+
+    def _stop(self):
+        self._stream.stop()
+        self._ended()
+
+    def _ended(self):
+        self._acquiring = False
+        self._registers.streaming = bool(self._tl_locked)

@@ -1,0 +1,144 @@
+"""The corrector's own registers over the network: how a host gives a device another lens."""
+
+import threading
+
+import numpy as np
+
+from ncdc_host.device.correction import Correction
+from ncdc_host.device.registers import Refused
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.float_network import FloatNetwork
+from ncdc_model.geometry import ValidRows
+from ncdc_model.interface.host_values import host_values, table_words
+from ncdc_model.interface.register_map import (
+    CTRL_COMMIT,
+    ID,
+    STATUS_COMMITTED,
+    STATUS_REFUSED,
+    TABLE,
+    network_registers,
+    registers,
+)
+
+__all__ = ["CorrectorWindow", "descriptor_of_words"]
+
+
+# What a host may write as it likes: where frames lie in memory, and how the cache is used.
+_FREE = ("VALID_BANK", "SOURCE_BASE", "SOURCE_PITCH", "TARGET_BASE", "CACHE_SPLIT", "STRIP_WIDTH",
+         "FOLLOW")
+
+
+class CorrectorWindow:
+    """A window on registers as ``docs/registers.md`` has them.
+
+    A write changes a shadow; CTRL.COMMIT makes the network and the valid rows of the shadow those
+    of the selected lens. Geometry, fill and format of the device stay: a commit with others is
+    refused.
+    """
+    def __init__(self, state, camera):
+        self._state, self._camera = state, camera
+        self._lock = threading.Lock()
+        self._words, self._lens, self._base = {}, None, None
+        self._status = 0
+        descriptor = camera.corrections[0].descriptor
+        self._map = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
+        self._by_address = {r.address: r for r in self._map.values()}
+
+    def _load(self):
+        """Fill the shadow with the registers of the lens that is selected."""
+        lens = self._state.settings.lens
+        descriptor = self._camera.corrections[lens].descriptor
+        if lens != self._lens or descriptor is not self._base:
+            self._lens, self._base = lens, descriptor
+            self._words = {self._map[name].address: value & 0xFFFFFFFF
+                           for name, value in host_values(descriptor).items()}
+            self._words |= dict(table_words(descriptor.valid))
+            self._words |= {self._map["ID"].address: ID,
+                            self._map["DIGEST"].address: int(descriptor.digest[:8], 16),
+                            self._map["NEURONS"].address: descriptor.hidden_neurons}
+
+    def read(self, address):
+        """The word at a word address; 0 where there is none."""
+        with self._lock:
+            self._load()
+            if address == self._map["STATUS"].address:
+                return self._status
+            return self._words.get(address, 0)
+
+    def write(self, address, value):
+        """Write a word; raises :class:`Refused`."""
+        with self._lock:
+            self._load()
+            if address == self._map["STATUS"].address:
+                self._status &= ~(value & STATUS_REFUSED)
+                return
+            if self._status & STATUS_COMMITTED:
+                # The set is about to become active: it is not changed any more.
+                self._status |= STATUS_REFUSED
+                return
+            if address == self._map["CTRL"].address:
+                if value & CTRL_COMMIT:
+                    self._status |= STATUS_COMMITTED
+                    threading.Thread(target=self._commit, daemon=True).start()
+                return
+            register = self._by_address.get(address)
+            if register is not None and register.access not in ("shadow", "rw"):
+                raise Refused("read only")
+            if register is None and address < TABLE:
+                raise Refused("read only")
+            self._words[address] = value
+
+    def _commit(self):
+        """Make the lens of the shadow; takes seconds, while which STATUS.COMMITTED is high."""
+        try:
+            correction = Correction(self._checked())
+        except InputError:
+            correction = None
+        with self._lock:
+            if correction is None:
+                self._status |= STATUS_REFUSED
+            else:
+                self._camera.replace_lens(self._lens, correction)
+            self._status &= ~STATUS_COMMITTED
+
+    def _checked(self):
+        """The descriptor of the shadow."""
+        network = {r.name for r in network_registers(self._base.hidden_neurons,
+                                                     self._base.formats)}
+        for name, value in host_values(self._base).items():
+            if name not in network and name not in _FREE:
+                if self._words[self._map[name].address] != value & 0xFFFFFFFF:
+                    raise InputError(f"{name} cannot be changed")
+        return descriptor_of_words(self._base, self._words)
+
+
+def descriptor_of_words(base, words):
+    """``base`` with the network and valid rows of register ``words`` by word address.
+
+    Raises
+    ------
+    InputError
+        If they are no descriptor.
+    """
+    arrays = {"hidden": [base.hidden_weights.copy(), base.hidden_biases.copy()],
+              "output": [base.output_weights.copy(), base.output_biases.copy()]}
+    skip = None if base.skip_weights is None else base.skip_weights.copy()
+    for register in network_registers(base.hidden_neurons, base.formats):
+        value = words[register.address]
+        value -= (value & 1 << 31) << 1
+        layer, neuron, part, *weight = register.parameter
+        if part == "skip":
+            skip[(neuron, *weight)] = value
+        else:
+            arrays[layer][part == "bias"][(neuron, *weight)] = value
+    height = base.geometry.corrected_height
+    rows = [words.get(TABLE + k, 0) for k in range(2 * height)]
+    spans = np.array([[row & 0xFFFF, row >> 16] for row in rows]).reshape(height, 4)
+    q = base.formats
+    real = FloatNetwork(
+        q.hidden_weight.real(arrays["hidden"][0]), q.hidden_bias.real(arrays["hidden"][1]),
+        q.output_weight.real(arrays["output"][0]), q.output_bias.real(arrays["output"][1]),
+        gamma=1.0, skip_weights=None if skip is None else q.skip_weight.real(skip))
+    return Descriptor(base.geometry, real, *arrays["hidden"], *arrays["output"],
+                      ValidRows(spans), q, base.variant, skip)

@@ -1,0 +1,213 @@
+"""An emulated device: both protocols on one state."""
+
+import select
+import socket
+import threading
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass
+from importlib.metadata import version
+
+from ncdc_host.device.camera import Camera
+from ncdc_host.device.control import ControlAgent, Identity
+from ncdc_host.device.correction import Correction
+from ncdc_host.device.corrector_window import CorrectorWindow
+from ncdc_host.device.light import MovingScene, Photo
+from ncdc_host.device.registers import Registers
+from ncdc_host.device.stream import Stream
+from ncdc_host.device.table_server import TableServer
+from ncdc_model.errors import InputError
+from ncdc_model.interface.gvcp import DISCOVERY, PORT, parse_command
+from ncdc_model.interface.table_one import TCP_PORT
+
+__all__ = ["Announcer", "DeviceOptions", "EmulatedDevice", "lens_corrections"]
+
+_DATAGRAM = 2048        # bytes; a longer one is no GVCP command
+
+
+@dataclass(frozen=True)
+class DeviceOptions:
+    """How a device is emulated.
+
+    Parameters
+    ----------
+    address : str
+        IPv4 address of this machine that the device answers at.
+    serial : str
+    fps : float
+        Frames per second after reset, 0.1 to 120.
+    loss, loss_again : float
+        Shares of GVSP packets lost on purpose, when sent first and when sent again, 0 to 0.5.
+    noise : float
+        Read noise, grey levels, 0 to 50.
+    tcp_port : int
+        Of Table I; 0: a free one.
+
+    Raises
+    ------
+    InputError
+        If a value is outside its limits.
+    """
+    address: str = "127.0.0.1"
+    serial: str = "EMU-1"
+    fps: float = 30.0
+    loss: float = 0.0
+    loss_again: float = 0.0
+    noise: float = 1.0
+    tcp_port: int = TCP_PORT
+
+    def __post_init__(self):
+        for name, low, high in (("fps", 0.1, 120), ("loss", 0, 0.5), ("loss_again", 0, 0.5),
+                                ("noise", 0, 50)):
+            if not low <= getattr(self, name) <= high:
+                raise InputError(f"{name} is {getattr(self, name):g}, the limits are {low} and "
+                                 f"{high}")
+        try:
+            socket.inet_aton(self.address)
+        except OSError:
+            raise InputError(f"the address {self.address!r} is no IPv4 address") from None
+
+
+def lens_corrections(descriptors):
+    """The :class:`Correction` of each descriptor, the lenses of a device.
+
+    Raises
+    ------
+    InputError
+        If a side is odd, or two lenses differ in what a change of lens cannot change.
+    """
+    first = descriptors[0]
+    for value in (*first.geometry.corrected, *first.geometry.distorted):
+        if value % 2:
+            raise InputError(f"a side of the picture has {value} pixels, an emulated device needs "
+                             "even sides")
+    for k, other in enumerate(descriptors[1:], 2):
+        if other.geometry != first.geometry:
+            raise InputError(f"lens {k} has other sizes, Bayer pattern or fill than the first one")
+    return [Correction(descriptor) for descriptor in descriptors]
+
+
+class EmulatedDevice:
+    """A device that is there from construction to :meth:`close`.
+
+    Parameters
+    ----------
+    corrections : list of Correction
+        Of :func:`lens_corrections`; several devices may share them.
+    options : DeviceOptions
+    image : ndarray, optional
+        Photo that its camera looks at; the built-in scene in motion if absent.
+
+    Attributes
+    ----------
+    registers : Registers
+    camera : Camera
+    stream : Stream
+    agent : ControlAgent
+    table : TableServer
+
+    Raises
+    ------
+    InputError
+        If the address is not this machine's or is in use, or the photo is of another size.
+    """
+    def __init__(self, corrections, options=DeviceOptions(), image=None):
+        self.options = options
+        descriptor = corrections[0].descriptor
+        light = MovingScene(descriptor) if image is None else Photo(image, descriptor.geometry)
+        self.registers = Registers(descriptor.geometry, len(corrections), round(10 * options.fps))
+        self.camera = Camera(light, corrections, self.registers, options.noise)
+        self._closed = threading.Event()
+        with ExitStack() as opened:
+            try:
+                self.table = TableServer(self.registers, self.camera, options.address,
+                                         options.tcp_port)
+                opened.callback(self.table.close)
+                self.stream = Stream(self.camera, options.address, options.loss,
+                                     options.loss_again)
+                opened.callback(self.stream.close)
+                self._socket = _udp(options.address)
+            except OSError as error:
+                raise InputError(f"cannot answer at {options.address}: "
+                                 f"{error.strerror}") from error
+            opened.pop_all()
+        self.agent = ControlAgent(
+            Identity(options.address, options.serial, version("ncdc")), self.registers,
+            self.camera, self.stream, CorrectorWindow(self.registers, self.camera))
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def close(self):
+        """Take the device off the network."""
+        self._closed.set()
+        self._thread.join()
+        self.stream.close()
+        self.table.close()
+        self._socket.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def answer(self, data, peer):
+        """Answer a datagram that ``peer`` sent to this device, or to every device."""
+        answer = self.agent.handle(data, peer)
+        if answer is not None:
+            self._socket.sendto(answer, peer)
+
+    def _serve(self):
+        while not self._closed.is_set():
+            ready, _, _ = select.select([self._socket], [], [], 0.1)
+            self.agent.tick(time.monotonic())
+            if ready:
+                _receive(self._socket, self.answer)
+
+
+class Announcer:
+    """Lets the devices of this process answer a discovery that is sent to everybody.
+
+    Without it a device is found by its address alone. Also what is sent to an address of this
+    machine without a device arrives here: only discoveries are answered.
+    """
+    def __init__(self, devices):
+        self._devices = list(devices)
+        self._socket = _udp("")
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def close(self):
+        """End listening; the devices stay."""
+        self._closed.set()
+        self._thread.join()
+        self._socket.close()
+
+    def _serve(self):
+        while not self._closed.is_set():
+            ready, _, _ = select.select([self._socket], [], [], 0.1)
+            if ready:
+                _receive(self._socket, self._answer)
+
+    def _answer(self, data, peer):
+        command = parse_command(data)
+        if command is not None and command.code == DISCOVERY:
+            for device in self._devices:
+                device.answer(data, peer)
+
+
+def _receive(one, answer):
+    try:
+        answer(*one.recvfrom(_DATAGRAM))
+    except OSError:
+        pass        # a peer that is gone
+
+
+def _udp(address):
+    """A socket on GVCP's port; several devices share it, each at its own address."""
+    one = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    one.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+    one.bind((address, PORT))
+    return one

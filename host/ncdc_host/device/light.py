@@ -1,0 +1,99 @@
+"""What falls on the emulated sensor: a photo, or the built-in scene in motion."""
+
+import cv2
+import numpy as np
+from scipy.interpolate import LinearNDInterpolator
+
+from ncdc_model.corrector import check_raw
+from ncdc_model.example import scene_at
+from ncdc_model.images import is_raw, mosaic
+from ncdc_model.network import coordinates
+
+__all__ = ["POSITIONS", "MovingScene", "Photo"]
+
+POSITIONS = 16          # of the scene in motion, before it repeats
+_SWING = 0.05           # of the picture's width that it moves to either side
+_MARGIN = 0.25          # of the width that is painted around the corrected frame
+_KNOTS = 48             # of the inverted map along the longer side
+
+
+class Photo:
+    """The same raw frame again and again.
+
+    Parameters
+    ----------
+    image : ndarray
+        Raw frame, or an RGB picture, which is mosaiced; of the distorted size.
+    geometry : Geometry
+
+    Raises
+    ------
+    InputError
+        If it is of another size.
+    """
+    def __init__(self, image, geometry):
+        self._raw = image if is_raw(image) else mosaic(image, geometry.bayer)
+        check_raw(self._raw, geometry)
+
+    def position(self, number):
+        """Which of the pictures frame ``number`` shows."""
+        return 0
+
+    def raw(self, position):
+        """Raw uint8 (height, width) frame of that light at the reference exposure."""
+        return self._raw
+
+
+class MovingScene:
+    """The built-in scene, moved a little from frame to frame, through the lens of a descriptor.
+
+    The scene is flat in the corrected picture; the descriptor's map, inverted between knots, bends
+    it. So a device of any descriptor shows something that its correction makes straight.
+    """
+    def __init__(self, descriptor):
+        self._geometry = geometry = descriptor.geometry
+        width, height = geometry.corrected
+        self._margin = round(_MARGIN * width)
+        v, u = np.mgrid[-self._margin:height + self._margin, -self._margin:width + self._margin]
+        scale = 2.0 / width
+        painted = scene_at(((u - width / 2) * scale).astype(np.float32),
+                           ((v - height / 2) * scale).astype(np.float32))
+        self._world = cv2.GaussianBlur(painted.astype(np.uint8), (3, 3), 0)
+        self._map = _inverse(descriptor)
+
+    def position(self, number):
+        """Which of the pictures frame ``number`` shows: each one twice."""
+        return number // 2 % POSITIONS
+
+    def raw(self, position):
+        """Raw uint8 (height, width) frame of that light at the reference exposure."""
+        angle = 2 * np.pi * position / POSITIONS
+        swing = _SWING * self._geometry.corrected_width
+        x = self._map[0] + np.float32(self._margin + swing * np.sin(angle))
+        y = self._map[1] + np.float32(self._margin + swing / 2 * np.cos(angle))
+        light = cv2.remap(self._world, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+        return mosaic(light, self._geometry.bayer)
+
+
+def _inverse(descriptor):
+    """Corrected pixel (u, v) of every distorted one, two float32 arrays.
+
+    Outside of what the corrected frame sees, the nearest of its pixels.
+    """
+    geometry, scale = descriptor.geometry, 2.0**-descriptor.formats.coordinate.f_bits
+    width, height = geometry.corrected
+    u, v = np.meshgrid(np.linspace(0, width - 1, _KNOTS), np.linspace(0, height - 1, _KNOTS))
+    u, v = np.rint(u).astype(np.int64), np.rint(v).astype(np.int64)
+    x, y = (scale * value.ravel() for value in coordinates(descriptor, u, v))
+    inverse = LinearNDInterpolator(np.column_stack([x, y]),
+                                   np.column_stack([u.ravel(), v.ravel()]))
+    rows, columns = np.indices(geometry.distorted[::-1])
+    found = inverse(columns, rows)
+    outside = np.isnan(found[..., 0])
+    if outside.any():
+        nearest = cv2.distanceTransformWithLabels(
+            outside.astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)[1]
+        places = np.zeros((nearest.max() + 1, 2))
+        places[nearest[~outside]] = found[~outside]
+        found[outside] = places[nearest[outside]]
+    return tuple(np.ascontiguousarray(found[..., k], np.float32) for k in range(2))

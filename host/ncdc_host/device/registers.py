@@ -1,0 +1,296 @@
+"""The state of a device: the 16-bit words that Table I addresses, and the features in them.
+
+Both protocols read and write these words, so that there is one state, whoever asks.
+"""
+
+import threading
+from dataclasses import dataclass, replace
+
+from ncdc_model.errors import InputError
+from ncdc_model.interface.features import FEATURES, TEST_PATTERNS, feature, system_word
+from ncdc_model.interface.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
+from ncdc_model.interface.table_one import SYSTEM_PAGE, SYSTEM_WORDS
+from ncdc_model.sensors import mt9p031 as sensor
+
+__all__ = ["Refused", "Registers", "Settings", "View"]
+
+_SENSOR_REGISTERS = 0x100           # further addresses answer nothing: read as 0
+_EXPOSURE_NS = 10_000_000           # after reset: what the photo was taken with
+_READ_ONLY = {word.address for word in SYSTEM_WORDS if word.access == "ro"} | {
+    sensor.CHIP_VERSION, sensor.ROW_START, sensor.COLUMN_START, sensor.ROW_SIZE,
+    sensor.COLUMN_SIZE}
+_PATTERNS = {choice.word for choice in TEST_PATTERNS}
+_SHAPE = {address for one in FEATURES if one.locked for address in one.table}
+
+
+class Refused(Exception):
+    """A write that the device does not carry out.
+
+    Parameters
+    ----------
+    reason : str
+        "value": outside the limits; "locked": pictures stream; "read only".
+    """
+    def __init__(self, reason):
+        super().__init__(reason)
+        self.reason = reason
+
+
+@dataclass(frozen=True)
+class View:
+    """Which part of which picture goes out, and how.
+
+    Parameters
+    ----------
+    pixel_format : PixelFormat
+    x, y, width, height : int
+        Window of the whole picture, mirrored already.
+    reverse_x, reverse_y : bool
+    """
+    pixel_format: PixelFormat
+    x: int
+    y: int
+    width: int
+    height: int
+    reverse_x: bool = False
+    reverse_y: bool = False
+
+    @property
+    def size(self):
+        """Bytes of the picture."""
+        return self.width * self.height * self.pixel_format.pixel_bytes
+
+
+@dataclass(frozen=True)
+class Settings:
+    """All that a frame depends on, as it was when the frame began."""
+    view: View
+    lens: int
+    exposure_ns: int
+    gain_eighths: int
+    pattern: int
+    rate_tenths: int
+
+
+class Registers:
+    """The words, under one lock; every write is checked, or refused as a whole.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        Of every lens of the device.
+    lenses : int
+    rate_tenths : int
+        Frames per second after reset, tenths.
+
+    Attributes
+    ----------
+    lock : RLock
+        Held by who needs several words at one time.
+    reference_ns : int
+        Exposure time after reset, at which the light is as in the photo.
+    """
+    def __init__(self, geometry, lenses, rate_tenths):
+        self.lock = threading.RLock()
+        self._geometry, self._lens_max = geometry, lenses - 1
+        self._on_change = []
+        self._streaming = False
+        self._view = self._whole(View(BGR8, 0, 0, 0, 0))
+        self._lens, self._rate = 0, rate_tenths
+        self._sensor = [0] * _SENSOR_REGISTERS
+        self._sensor[sensor.GLOBAL_GAIN] = 8
+        self.reference_ns = self._set_lines(round(_EXPOSURE_NS / self._line_ns()))
+        self.dropped = self.torn = 0
+
+    def _set_lines(self, lines):
+        self._sensor[sensor.SHUTTER_UPPER], self._sensor[sensor.SHUTTER_LOWER] = divmod(lines,
+                                                                                       1 << 16)
+        return lines * self._line_ns()
+
+    def on_change(self, call):
+        """Have ``call()`` called, under the lock, whenever a setting of the picture changed."""
+        self._on_change.append(call)
+
+    @property
+    def settings(self):
+        """The present :class:`Settings`."""
+        with self.lock:
+            word = self._sensor
+            lines = word[sensor.SHUTTER_UPPER] << 16 | word[sensor.SHUTTER_LOWER]
+            gain = max(8, word[sensor.GLOBAL_GAIN] & 63)
+            return Settings(self._view, self._lens, max(1, lines) * self._line_ns(), gain,
+                            word[sensor.TEST_PATTERN], self._rate)
+
+    @property
+    def streaming(self):
+        """Whether pictures stream, so that their size and format are locked."""
+        return self._streaming
+
+    @streaming.setter
+    def streaming(self, value):
+        with self.lock:
+            self._streaming = value
+
+    # Words of Table I.
+
+    def read(self, address):
+        """The word at ``address``; 0 where there is none."""
+        with self.lock:
+            if address >= SYSTEM_PAGE:
+                return self._system().get(address, 0)
+            if address >= _SENSOR_REGISTERS:
+                return 0
+            return self._window().get(address, self._sensor[address])
+
+    def write(self, address, value):
+        """Write the word at ``address``; raises :class:`Refused`."""
+        with self.lock:
+            if address in _READ_ONLY:
+                raise Refused("read only")
+            changed = value ^ self.read(address)
+            if not changed:
+                return
+            if self._streaming and address in _SHAPE:
+                mirror = 1 << sensor.MIRROR_ROW | 1 << sensor.MIRROR_COLUMN
+                if address != sensor.READ_MODE_2 or changed & mirror:
+                    raise Refused("locked")
+            if address >= SYSTEM_PAGE:
+                self._write_system(address, value)
+            elif address < _SENSOR_REGISTERS:
+                self._write_sensor(address, value)
+            else:
+                raise Refused("read only")
+            for call in self._on_change:
+                call()
+
+    def _system(self):
+        view, line = self._view, self._line_ns()
+        whole = self._whole(view)
+        values = {
+            "SOURCE": int(not view.pixel_format.raw), "WIDTH": view.width, "HEIGHT": view.height,
+            "FORMAT": self._present(view).pixel_format.mraw, "FRAME_RATE": self._rate,
+            "LENS": self._lens, "OFFSET_X": view.x, "OFFSET_Y": view.y,
+            "WIDTH_MAX": whole.width, "HEIGHT_MAX": whole.height, "LENS_MAX": self._lens_max,
+            "STREAMING": int(self._streaming)}
+        for name, value in (("LINE_TIME", line), ("DROPPED", self.dropped), ("TORN", self.torn)):
+            values[f"{name}_UPPER"], values[f"{name}_LOWER"] = value >> 16 & 0xFFFF, value & 0xFFFF
+        return {system_word(name): value for name, value in values.items()}
+
+    def _window(self):
+        """The sensor's window registers, which follow from the picture."""
+        view = self._view
+        raw = view.pixel_format.raw
+        width, height = (view.width, view.height) if raw else self._geometry.distorted
+        x, y = (view.x, view.y) if raw else (0, 0)
+        return {sensor.CHIP_VERSION: sensor.CHIP_VERSION_VALUE,
+                sensor.ROW_START: sensor.FIRST_ROW + y,
+                sensor.COLUMN_START: sensor.FIRST_COLUMN + x,
+                sensor.ROW_SIZE: height - 1, sensor.COLUMN_SIZE: width - 1}
+
+    def _line_ns(self):
+        view = self._view
+        columns = view.width if view.pixel_format.raw else self._geometry.distorted_width
+        return sensor.line_time_ns(columns)
+
+    def _whole(self, view):
+        """``view`` without a window."""
+        width, height = (self._geometry.distorted if view.pixel_format.raw
+                         else self._geometry.corrected)
+        return replace(view, x=0, y=0, width=width, height=height)
+
+    def _present(self, view):
+        """``view`` with the raw format that its mirroring gives: the pattern's first sample moves.
+
+        Sides and offsets are even, so that each mirroring swaps the columns' or the rows' colours.
+        """
+        if not view.pixel_format.raw:
+            return view
+        pattern = self._geometry.bayer
+        if view.reverse_x:
+            pattern = pattern[1] + pattern[0] + pattern[3] + pattern[2]
+        if view.reverse_y:
+            pattern = pattern[2:] + pattern[:2]
+        return replace(view, pixel_format=bayer_format(pattern))
+
+    def _write_system(self, address, value):
+        name = {system_word(word.name): word.name for word in SYSTEM_WORDS}.get(address)
+        if name in ("WIDTH", "HEIGHT", "OFFSET_X", "OFFSET_Y"):
+            self._view = self._resized(name, value)
+        elif name == "SOURCE":
+            if value > 1:
+                raise Refused("value")
+            pixel_format = BGR8 if value else bayer_format(self._geometry.bayer)
+            self._view = self._present(self._whole(replace(self._view,
+                                                           pixel_format=pixel_format)))
+        elif name == "FORMAT":
+            self._view = self._reformatted(value)
+        elif name == "FRAME_RATE":
+            limits = feature("AcquisitionFrameRate")
+            if not limits.low <= value <= limits.high:
+                raise Refused("value")
+            self._rate = value
+        elif name == "LENS":
+            if value > self._lens_max:
+                raise Refused("value")
+            self._lens = value
+        else:
+            raise Refused("read only")
+
+    def _resized(self, name, value):
+        key = {"WIDTH": "width", "HEIGHT": "height", "OFFSET_X": "x", "OFFSET_Y": "y"}[name]
+        view, whole = replace(self._view, **{key: value}), self._whole(self._view)
+        if (value % 2 or view.width < 8 or view.height < 8 or view.x + view.width > whole.width
+                or view.y + view.height > whole.height):
+            raise Refused("value")
+        return view
+
+    def _reformatted(self, mraw):
+        try:
+            pixel_format = format_of_mraw(mraw)
+        except InputError:
+            raise Refused("value") from None
+        view = replace(self._view, pixel_format=pixel_format)
+        if pixel_format.raw and self._present(view).pixel_format != pixel_format:
+            raise Refused("value")      # the sensor's filter is another one
+        return view if pixel_format.raw == self._view.pixel_format.raw else self._whole(view)
+
+    def _write_sensor(self, address, value):
+        if address == sensor.SHUTTER_UPPER and value > 15:
+            raise Refused("value")
+        if address == sensor.GLOBAL_GAIN and value & 63 < 8:
+            raise Refused("value")
+        if address == sensor.TEST_PATTERN and value not in _PATTERNS:
+            raise Refused("value")
+        self._sensor[address] = value
+        if address == sensor.READ_MODE_2:
+            self._view = self._present(replace(
+                self._view, reverse_x=bool(value >> sensor.MIRROR_COLUMN & 1),
+                reverse_y=bool(value >> sensor.MIRROR_ROW & 1)))
+
+    # Features that lie in the words.
+
+    def read_feature(self, one):
+        """The 32-bit register of a feature that has a ``table``."""
+        with self.lock:
+            value = 0
+            for address in one.table:
+                value = value << 16 | self.read(address)
+            if one.field:
+                lowest, width = one.field
+                value = value >> lowest & (1 << width) - 1
+            return one.register_of(value)
+
+    def write_feature(self, one, register):
+        """Write the 32-bit register of such a feature; raises :class:`Refused`."""
+        if not one.choices and not one.low <= register <= one.high:
+            raise Refused("value")
+        if one.choices and register not in {choice.value for choice in one.choices}:
+            raise Refused("value")
+        value = one.word_of(register)
+        with self.lock:
+            if one.field:
+                lowest, width = one.field
+                mask = (1 << width) - 1 << lowest
+                value = self.read(one.table[0]) & ~mask | value << lowest
+            for k, address in enumerate(reversed(one.table)):
+                self.write(address, value >> 16 * k & 0xFFFF)

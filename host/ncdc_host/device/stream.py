@@ -1,0 +1,195 @@
+"""Pictures as GVSP packets, to one receiver or a multicast group; lost packets once more."""
+
+import errno
+import random
+import socket
+import threading
+import time
+from dataclasses import dataclass
+
+from ncdc_model.interface import gvsp
+from ncdc_model.interface.gvcp import PACKET_UNAVAILABLE
+
+__all__ = ["Receiver", "Stream"]
+
+_KEPT = 3                       # blocks that can be sent again
+_LINE_NS_PER_BYTE = 8           # of Gigabit Ethernet, whose pace the packets keep
+_LINE_OVERHEAD = 38             # bytes of a packet on the line besides IP: header, FCS, gap
+_BATCH = 16                     # packets between two looks at the clock
+
+
+@dataclass(frozen=True)
+class Receiver:
+    """Where the packets go, and how large they are.
+
+    Parameters
+    ----------
+    address : (str, int)
+        IPv4 address, or group, and UDP port.
+    packet_size : int
+        Bytes with IP and UDP header.
+    delay_ns : int
+        Between two packets.
+    fragment : bool
+        Whether the network may cut packets into pieces.
+    """
+    address: tuple
+    packet_size: int
+    delay_ns: int
+    fragment: bool
+
+
+class Stream:
+    """The stream channel of a device.
+
+    Parameters
+    ----------
+    camera : Camera
+    address : str
+        IPv4 address that the packets come from.
+    loss : float
+        Share of the packets that get lost on purpose when they are sent the first time.
+    loss_again : float
+        Share of those that are sent again because a receiver asked for them.
+    seed : int
+        Of the chance that picks them.
+
+    Attributes
+    ----------
+    port : int
+        UDP port that the packets come from.
+    sent, lost, resent : int
+        Packets since the device began; ``sent`` are all that were tried, ``lost`` those dropped on
+        purpose, ``resent`` those of ``sent`` that a receiver asked for.
+    """
+    def __init__(self, camera, address, loss=0.0, loss_again=0.0, seed=1):
+        self._camera, self._random = camera, random.Random(seed)
+        self._loss, self._loss_again = loss, loss_again
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 << 20)
+        self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF,
+                                socket.inet_aton(address))
+        self._socket.bind((address, 0))
+        self.port = self._socket.getsockname()[1]
+        self.sent = self.lost = self.resent = 0
+        self._blocks = {}               # number: (frame, payload bytes, packets)
+        self._block = 0
+        self._receiver = None
+        self._stop, self._thread = None, None
+        self._lock = threading.Lock()   # of the blocks and of the chance
+
+    def start(self, receiver, single=False, done=lambda: None):
+        """Send every frame from now on, or the next one only; then call ``done``."""
+        self.stop()
+        self._receiver, self._block = receiver, 0
+        with self._lock:
+            self._blocks.clear()
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, args=(self._stop, single, done),
+                                        daemon=True)
+        self._thread.start()
+
+    def stop(self):
+        """End the stream; the frame under way is cut off."""
+        if self._thread is not None:
+            self._stop.set()
+            if self._thread is not threading.current_thread():
+                self._thread.join()
+            self._thread = None
+
+    def close(self):
+        """End the stream for good."""
+        self.stop()
+        self._socket.close()
+
+    def fire_test(self, receiver):
+        """Send one packet of the full size, which tells the receiver that it gets through."""
+        self._set_fragment(receiver.fragment)
+        self._put([bytes(receiver.packet_size - 28)], receiver.address)
+
+    def resend(self, block, first, last):
+        """Send packets ``first`` to ``last`` of a block again, as far as they are still there."""
+        with self._lock:
+            kept = self._blocks.get(block)
+        receiver = self._receiver
+        if receiver is None:
+            return
+        if kept is None:
+            self._put([gvsp.header(block, gvsp.PAYLOAD, first, PACKET_UNAVAILABLE)],
+                      receiver.address)
+            return
+        frame, room, packets = kept
+        count = 0
+        for packet in range(first, min(last, packets + 1) + 1):
+            self._send(self._packet(block, frame, room, packets, packet), receiver,
+                       self._loss_again)
+            count += 1
+        self.resent += count
+
+    def _run(self, stop, single, done):
+        number = 0
+        receiver = self._receiver
+        self._set_fragment(receiver.fragment)
+        while not stop.is_set():
+            frame = self._camera.following(number, stop)
+            if frame is None:
+                break
+            number = frame.number
+            self._send_frame(frame, receiver, stop)
+            if single:
+                done()
+                break
+
+    def _send_frame(self, frame, receiver, stop):
+        self._block = self._block % 0xFFFF + 1
+        room, packets = gvsp.payload_packets(len(frame.data), receiver.packet_size)
+        with self._lock:
+            self._blocks[self._block] = frame, room, packets
+            while len(self._blocks) > _KEPT:
+                del self._blocks[next(iter(self._blocks))]
+        pace = max(receiver.delay_ns,
+                   (receiver.packet_size + _LINE_OVERHEAD) * _LINE_NS_PER_BYTE)
+        begin = time.monotonic_ns()
+        for packet in range(packets + 2):
+            if packet % _BATCH == 0:
+                early = begin + packet * pace - time.monotonic_ns()
+                if early > 0:
+                    time.sleep(early / 1e9)
+                if stop.is_set():
+                    return
+            self._send(self._packet(self._block, frame, room, packets, packet), receiver,
+                       self._loss)
+
+    def _packet(self, block, frame, room, packets, packet):
+        """The parts of packet number ``packet`` of a block."""
+        if packet == 0:
+            return [gvsp.leader(block, frame.time_ns, frame.pixel_format, frame.size,
+                                frame.offset)]
+        if packet > packets:
+            return [gvsp.trailer(block, packets + 1, frame.size[1])]
+        return [gvsp.header(block, gvsp.PAYLOAD, packet),
+                frame.data[(packet - 1) * room:packet * room]]
+
+    def _send(self, parts, receiver, loss):
+        self.sent += 1
+        if loss:
+            with self._lock:
+                lost = self._random.random() < loss
+            if lost:
+                self.lost += 1
+                return
+        self._put(parts, receiver.address)
+
+    def _put(self, parts, address):
+        try:
+            self._socket.sendmsg(parts, [], 0, address)
+        except OSError as error:
+            # Too large for the line, or nobody there: lost, as on a wire.
+            if error.errno not in (errno.EMSGSIZE, errno.ECONNREFUSED, errno.ENETUNREACH,
+                                   errno.EHOSTUNREACH, errno.ENOBUFS, errno.EINVAL, errno.EACCES,
+                                   errno.EPERM):
+                raise
+
+    def _set_fragment(self, fragment):
+        # IP_MTU_DISCOVER: IP_PMTUDISC_DONT (0) lets packets be cut, IP_PMTUDISC_DO (2) does not.
+        self._socket.setsockopt(socket.IPPROTO_IP, 10, 0 if fragment else 2)

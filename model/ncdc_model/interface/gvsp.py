@@ -1,0 +1,40 @@
+"""GVSP: pictures as UDP packets, a leader, numbered payload packets and a trailer, big endian."""
+
+import struct
+
+__all__ = ["HEADERS_BYTES", "IMAGE", "LEADER", "MIN_PACKET", "PAYLOAD", "TRAILER", "header",
+           "leader", "payload_packets", "trailer"]
+
+LEADER, TRAILER, PAYLOAD = 1, 2, 3      # the format byte
+IMAGE = 0x0001                          # payload type
+HEADERS_BYTES = 20 + 8 + 8              # IP, UDP and GVSP, all counted in a packet's size
+MIN_PACKET = 576                        # bytes with headers that a client may ask for at least
+
+_HEADER = struct.Struct(">HHI")         # status, block, format and packet number
+_LEADER = struct.Struct(">HHQIIIIIHH")
+_TRAILER = struct.Struct(">HHI")
+
+
+def header(block, kind, packet, status=0):
+    """The eight bytes that begin packet number ``packet`` of a ``block`` (1..65535)."""
+    return _HEADER.pack(status, block, kind << 24 | packet)
+
+
+def leader(block, time_ns, pixel_format, size, offset=(0, 0)):
+    """The packet that announces a picture: packet number 0.
+
+    ``size`` and ``offset``: (width, height) and (column, row) in pixels.
+    """
+    return header(block, LEADER, 0) + _LEADER.pack(0, IMAGE, time_ns, pixel_format.pfnc, *size,
+                                                   *offset, 0, 0)
+
+
+def trailer(block, packet, height):
+    """The last packet of a picture; ``packet``: number behind the last payload packet."""
+    return header(block, TRAILER, packet) + _TRAILER.pack(0, IMAGE, height)
+
+
+def payload_packets(size, packet_size):
+    """(payload bytes of a packet, number of packets) of a picture of ``size`` bytes."""
+    room = packet_size - HEADERS_BYTES
+    return room, -(-size // room)

@@ -1,0 +1,85 @@
+"""Table I of the paper: the commands between client and device, on TCP or any byte stream.
+
+All numbers are big endian. A request is an operating code and, for two of them, an address and a
+value of 16 bits; each answer begins with the code.
+"""
+
+import struct
+from dataclasses import dataclass
+
+__all__ = ["COMMANDS", "Command", "MAX_USERS", "MRAW", "READ", "REQUEST", "RESERVED", "SYSTEM_PAGE",
+           "SYSTEM_WORDS", "SystemWord", "TCP_PORT", "UNKNOWN", "WRITE"]
+
+TCP_PORT = 4000
+MAX_USERS = 16          # connections at once that a device accepts; at least 8 are promised
+
+READ, WRITE, RESERVED, MRAW = 0x80, 0x81, 0x82, 0x83
+UNKNOWN = 0xFF          # begins the answer to any other code
+
+REQUEST = struct.Struct(">BHH")     # of READ and WRITE, and of their answers
+
+
+@dataclass(frozen=True)
+class Command:
+    """A row of Table I, its first three columns as printed, and what the device answers."""
+    code: int
+    address: str
+    data: str
+    text: str
+    answer: str
+
+
+COMMANDS = (
+    Command(READ, "2 bytes", "2 bytes", "Read setting from CMOS sensor register.",
+            "the code, the address, the value; the request's data are ignored"),
+    Command(WRITE, "2 bytes", "2 bytes", "Write setting to CMOS sensor register.",
+            "the code, the address, the value as read back: another one than sent means refused"),
+    Command(RESERVED, "-", "-", "Reserve.", "none"),
+    Command(MRAW, "-", "-", "Receive an MRAW package.", "the package of Table II"),
+)
+
+SYSTEM_PAGE = 0xF000    # addresses from here on are the system's, below them the sensor's
+
+
+@dataclass(frozen=True)
+class SystemWord:
+    """A 16-bit word of the system's page.
+
+    Parameters
+    ----------
+    name : str
+    address : int
+    access : str
+        "rw" or "ro".
+    text : str
+    """
+    name: str
+    address: int
+    access: str
+    text: str
+
+
+SYSTEM_WORDS = (
+    SystemWord("SOURCE", 0xF000, "rw", "0 raw frames, 1 corrected ones"),
+    SystemWord("WIDTH", 0xF001, "rw", "pixels of a row of the picture"),
+    SystemWord("HEIGHT", 0xF002, "rw", "rows of the picture"),
+    SystemWord("FORMAT", 0xF003, "rw", "formation byte of Table II"),
+    SystemWord("FRAME_RATE", 0xF004, "rw", "frames per second, tenths"),
+    SystemWord("LENS", 0xF005, "rw", "number of the lens that is corrected"),
+    SystemWord("DROPPED_UPPER", 0xF006, "ro", "frames dropped, bits 31..16"),
+    SystemWord("DROPPED_LOWER", 0xF007, "ro", "and bits 15..0"),
+    SystemWord("OFFSET_X", 0xF008, "rw", "column of the whole picture that the picture begins at"),
+    SystemWord("OFFSET_Y", 0xF009, "rw", "row of the whole picture that it begins at"),
+    SystemWord("WIDTH_MAX", 0xF00A, "ro", "pixels of a row of the whole picture"),
+    SystemWord("HEIGHT_MAX", 0xF00B, "ro", "rows of the whole picture"),
+    SystemWord("LINE_TIME_UPPER", 0xF00C, "ro", "time of a line of the sensor, ns, bits 31..16"),
+    SystemWord("LINE_TIME_LOWER", 0xF00D, "ro", "and bits 15..0"),
+    SystemWord("LENS_MAX", 0xF00E, "ro", "number of the last lens"),
+    SystemWord("TORN_UPPER", 0xF00F, "ro", "frames torn, bits 31..16"),
+    SystemWord("TORN_LOWER", 0xF010, "ro", "and bits 15..0"),
+    SystemWord("STREAMING", 0xF011, "ro",
+               "1 while pictures stream over GVSP: their size and format are locked"),
+    SystemWord("NUMBER_UPPER", 0xF012, "ro",
+               "number of the frame that this connection received last, bits 31..16"),
+    SystemWord("NUMBER_LOWER", 0xF013, "ro", "and bits 15..0"),
+)

@@ -1,0 +1,1 @@
+"""Image sensors as data: their register maps."""

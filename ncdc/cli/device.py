@@ -1,0 +1,81 @@
+"""``ncdc device``: an emulated device on the network."""
+
+import signal
+import sys
+import time
+from ipaddress import IPv4Address
+
+from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.images import read_image
+from ncdc_model.interface.gvcp import PORT
+from ncdc_model.interface.table_one import TCP_PORT
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "an emulated device on the network: sensor, correction by the golden model, both protocols"
+EXAMPLE = "ncdc device serve net.toml --photo photo.raw.png --count 3"
+_COUNT_MAX = 16
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    serve = parser.add_subparsers(dest="action", metavar="ACTION", required=True).add_parser(
+        "serve", help=HELP, description=HELP, epilog=f"example: {EXAMPLE}")
+    serve.add_argument("descriptors", metavar="NET", nargs="+",
+                       help="descriptors of ncdc train, one a lens, all of one size")
+    serve.add_argument("--photo", metavar="IMAGE",
+                       help="what the camera looks at: a raw frame, or a colour picture to be "
+                       "mosaiced (default: the built-in scene, in motion)")
+    serve.add_argument("--address", default="127.0.0.2", metavar="IP",
+                       help="of this machine; further devices take the following ones "
+                       "(default: 127.0.0.2)")
+    serve.add_argument("--count", type=int, default=1, metavar="N", help="devices (default: 1)")
+    serve.add_argument("--fps", type=float, default=30.0, metavar="F",
+                       help="frames per second after reset (default: 30)")
+    serve.add_argument("--loss", type=float, default=0.0, metavar="P",
+                       help="share of the stream's packets lost on purpose (default: 0)")
+    serve.add_argument("--loss-again", type=float, default=0.0, metavar="P",
+                       help="share lost of those that are sent again (default: 0)")
+    serve.add_argument("--noise", type=float, default=1.0, metavar="S",
+                       help="read noise of the sensor, grey levels; 0: no noise at all "
+                       "(default: 1)")
+    serve.add_argument("--tcp-port", type=int, default=TCP_PORT, metavar="P",
+                       help=f"of Table I (default: {TCP_PORT})")
+
+
+def run(args):
+    """Serve until the process is told to end."""
+    if not 1 <= args.count <= _COUNT_MAX:
+        raise InputError(f"{args.count} devices are asked for, the limits are 1 and {_COUNT_MAX}")
+    if not 0 <= args.tcp_port <= 0xFFFF:
+        raise InputError(f"the TCP port is {args.tcp_port}, the limits are 0 and 65535")
+    image = None if args.photo is None else read_image(args.photo)
+    descriptors = [Descriptor.load(path) for path in args.descriptors]
+    try:
+        first = IPv4Address(args.address)
+        addresses = [str(first + k) for k in range(args.count)]
+    except ValueError as error:
+        raise InputError(f"the address {args.address!r} is no IPv4 address") from error
+    print("preparing the correction", file=sys.stderr, flush=True)
+    corrections = lens_corrections(descriptors)
+    devices, announcer = [], None
+    try:
+        for k, address in enumerate(addresses, 1):
+            options = DeviceOptions(address, f"EMU-{k}", args.fps, args.loss, args.loss_again,
+                                    args.noise, args.tcp_port)
+            devices.append(EmulatedDevice(corrections, options, image))
+            print(f"EMU-{k} at {address}: Table I on TCP port {devices[-1].table.port}, "
+                  f"GVCP on UDP port {PORT}", flush=True)
+        announcer = Announcer(devices)
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+        print("Ctrl-C ends it", file=sys.stderr, flush=True)
+        while True:
+            time.sleep(3600)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        for one in (announcer, *devices):
+            if one is not None:
+                one.close()
