@@ -14,7 +14,7 @@ setup: $(STAMP)
 $(STAMP): pyproject.toml constraints.txt .ci/debian
 	sh .ci/debian
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,litedram,client]'
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,litedram,gui]'
 	@touch $@
 
 demo: setup
