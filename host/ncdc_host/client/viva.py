@@ -144,6 +144,9 @@ class VivaDevice(Device):
     def load_lens(self, descriptor):
         LensLoader(self).load(descriptor)
 
+    def lens_limits(self):
+        return LensLoader(self).limits()
+
     def close(self):
         self._camera.close()
 
