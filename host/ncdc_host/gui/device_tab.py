@@ -30,6 +30,7 @@ __all__ = ["DeviceTab"]
 
 _COMPARING = ("side by side", "wipe")
 _PATIENCE = 3.0         # seconds without a picture, besides three frames, that are worth a word
+_PANEL = 300            # pixels that the settings want at least
 _SETTLE = 400           # ms after the last change of a setting until the raw frame is taken anew
 # What the raw frame of a comparison depends on.
 _RAW = ("ExposureTime", "Gain", "TestPattern", "ReverseX", "ReverseY")
@@ -59,7 +60,7 @@ class DeviceTab(QWidget):
         self.view, self.bar, self.messages = PictureView(), ViewBar(), MessageBar()
         self.histogram, self.settings = HistogramView(), SettingsPanel()
         self.lenses, self.statistics = LensPanel(), StatisticsPanel()
-        self.foot, self.pixel = QLabel(), QLabel()
+        self.foot, self.pixel, self.rate = QLabel(), QLabel(), QLabel()
         self._lay_out()
         self._connect_session()
         self._connect_widgets()
@@ -83,7 +84,7 @@ class DeviceTab(QWidget):
         scroll.setFrameShape(QScrollArea.Shape.NoFrame)
         scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         scroll.setWidget(panel)
-        scroll.setMinimumWidth(panel.minimumSizeHint().width()
+        scroll.setMinimumWidth(max(_PANEL, panel.minimumSizeHint().width())
                                + scroll.verticalScrollBar().sizeHint().width())
         left = QWidget()
         column = QVBoxLayout(left)
@@ -94,6 +95,8 @@ class DeviceTab(QWidget):
         foot.addWidget(self.foot)
         foot.addStretch(1)
         foot.addWidget(self.pixel)
+        foot.addSpacing(16)
+        foot.addWidget(self.rate)
         column.addWidget(self.bar)
         column.addWidget(self.messages)
         column.addWidget(self.view, 1)
@@ -103,6 +106,7 @@ class DeviceTab(QWidget):
         splitter.addWidget(scroll)
         splitter.setStretchFactor(0, 1)
         splitter.setCollapsible(0, False)
+        splitter.setSizes([10_000, scroll.minimumWidth()])
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         row.addWidget(splitter)
@@ -146,6 +150,7 @@ class DeviceTab(QWidget):
         ours = self.infos is not None and CORRECTION in self.infos
         control = self._state == "open"
         self.settings.setEnabled(control)
+        self.histogram.setEnabled(self.shown is not None)
         self.lenses.setEnabled(control and ours)
         for mode, button in self.bar.modes.items():
             button.setEnabled(mode == self.mode or control and ours)
@@ -329,6 +334,7 @@ class DeviceTab(QWidget):
         size = frame.pixels.shape[0] * frame.pixels.shape[1] * frame.pixel_format.pixel_bytes \
             if frame else 0
         self.statistics.show_counts(statistics, size)
+        self.rate.setText(f"{statistics.rate:.1f} pictures/s  ·  {statistics.lost} lost")
 
     # Lenses.
 

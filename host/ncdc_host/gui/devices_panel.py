@@ -118,9 +118,9 @@ class DevicesPanel(QWidget):
             self.wants.emit(url.strip() if "://" in url else f"gige://{url.strip()}", False, "")
 
     def _text(self, one):
-        mark = "   ● open" if one.address in self._opened else ""
-        name = " ".join(filter(None, (one.model, one.serial))) or one.address
-        return f"{name}{mark}\n{one.address}"
+        mark = "  ·  open" if one.address in self._opened else ""
+        name = " ".join(filter(None, (one.model, one.serial))) or "Device"
+        return f"{name}\n{one.address}{mark}"
 
     def _say(self, text, seen):
         self.empty.setText(text)

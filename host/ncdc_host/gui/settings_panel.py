@@ -68,7 +68,7 @@ class SettingsPanel(QWidget):
             lambda lines: self.changed.emit("ExposureTime", lines * self._line_us))
         self.exposure = NumberEditor("Exposure", 3, "ms", "log")
         self.exposure.edited.connect(lambda ms: self._expose(1000 * ms))
-        self.gain = NumberEditor("Gain", 3, "x", "linear")
+        self.gain = NumberEditor("Gain", 3, "×", "linear")
         self.gain.edited.connect(lambda value: self.changed.emit("Gain", value))
         self.speed = NumberEditor("Speed", 1, "frames/s", "log")
         self.speed.edited.connect(

@@ -1,6 +1,6 @@
 """The row above the picture: what is shown, how large, and what to keep of it."""
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QToolButton, QWidget
 
 from ncdc_host.gui.picture_view import MODES
@@ -38,8 +38,8 @@ class ViewBar(QWidget):
         self.freeze.setCheckable(True)
         self._row.addStretch(1)
         self.zoom_out = self._button("−", "Smaller (−)")
-        self.scale = QLabel("100 %")
-        self.scale.setMinimumWidth(52)
+        self.scale = QLabel("100 %", alignment=Qt.AlignmentFlag.AlignCenter)
+        self.scale.setFixedWidth(self.scale.fontMetrics().horizontalAdvance("3200 %"))
         self._row.addWidget(self.scale)
         self.zoom_in = self._button("+", "Larger (+)")
         self.fit = self._button("Fit", "As large as the window (F)")
