@@ -10,10 +10,19 @@
 """
 
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Statistics
-from ncdc_host.client.devices import Found, discover, open_device
-from ncdc_host.client.errors import BadValue, DeviceError, DeviceGone, NoFrame, Refused
+from ncdc_host.client.devices import discover, open_device
+from ncdc_host.client.errors import (
+    BadUrl,
+    BadValue,
+    DeviceError,
+    DeviceGone,
+    NoFrame,
+    Refused,
+)
+from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
 from ncdc_host.client.record import record
 
-__all__ = ["BadValue", "Device", "DeviceError", "DeviceGone", "FeatureInfo", "Found", "Frame",
-           "FrameStream", "NoFrame", "Refused", "Statistics", "discover", "open_device", "record"]
+__all__ = ["BadUrl", "BadValue", "Device", "DeviceError", "DeviceGone", "FeatureInfo", "Found",
+           "Frame", "FrameStream", "NoFrame", "Refused", "Statistics", "discover", "open_device",
+           "record"]

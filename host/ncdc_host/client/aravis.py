@@ -11,8 +11,8 @@ import time
 from pathlib import Path
 
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
-from ncdc_host.client.devices import Found
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
+from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
 from ncdc_host.client.lens import LensLoader
 from ncdc_model.errors import InputError

@@ -10,6 +10,7 @@ import sys
 
 __all__ = ["main"]
 
+_RETENTION_US = 1_000_000
 _BUFFERS = 12           # pictures that may wait for whoever takes them
 
 
@@ -124,6 +125,8 @@ class _Bridge:
         if packet_size:
             self._camera.gv_set_packet_size(packet_size)
         self._stream = self._camera.create_stream(None, None)
+        # A busy machine may take longer over a frame than the tenth of a second of the default.
+        self._stream.set_property("frame-retention", _RETENTION_US)
         for _ in range(_BUFFERS):
             self._stream.push_buffer(self._aravis.Buffer.new_allocate(self._camera.get_payload()))
         self._camera.start_acquisition()

@@ -186,7 +186,8 @@ class Device(ABC):
             Bytes of a GVSP packet with IP and UDP header; the device's if absent. Over TCP
             without effect.
         multicast : str, optional
-            Group that the pictures go to, so that monitors see them, too; GVSP only.
+            Group that the pictures go to, so that monitors see them, too; GVSP only. A monitor
+            joins the group that the controller has chosen.
         """
 
     def load_lens(self, descriptor):
@@ -226,8 +227,8 @@ class Device(ABC):
         self.close()
 
 
-_TRUE = {"1": True, "true": True, "on": True, "yes": True}
-_FALSE = {"0": False, "false": False, "off": False, "no": False}
+_BOOLEANS = {**dict.fromkeys(("1", "true", "on", "yes"), True),
+             **dict.fromkeys(("0", "false", "off", "no"), False)}
 
 
 def as_kind(info, value):
@@ -238,24 +239,30 @@ def as_kind(info, value):
     BadValue
         If it is none, or outside the limits.
     """
-    try:
-        if info.kind == "boolean":
-            return {**_TRUE, **_FALSE}[str(value).lower()]
-        if info.kind in ("integer", "float"):
-            number = (int if info.kind == "integer" else float)(value)
-            # A float's limits may be rounded in the last digit on their way.
-            slack = 1e-9 * abs(number) if info.kind == "float" else 0
-            low, high = info.minimum, info.maximum
-            if (low is not None and number < low - slack
-                    or high is not None and number > high + slack or number != number):
-                raise BadValue(f"{info.name} is {number:g}, the limits are {low:g} and "
-                               f"{high:g}")
-            if info.kind == "integer" and info.increment and (number - low) % info.increment:
-                raise BadValue(f"{info.name} is {number}, steps of {info.increment} from {low} "
-                               "on are needed")
-            return number
-    except (KeyError, ValueError, TypeError):
-        raise BadValue(f"{info.name} is {value!r}, a {info.kind} is needed") from None
+    if info.kind == "boolean":
+        if str(value).lower() not in _BOOLEANS:
+            raise BadValue(f"{info.name} is {value!r}, a boolean is needed")
+        return _BOOLEANS[str(value).lower()]
+    if info.kind in ("integer", "float"):
+        return _number(info, value)
     if info.kind == "enumeration" and value not in info.choices:
         raise BadValue(f"{info.name} is {value!r}, one of {', '.join(info.choices)} is needed")
     return str(value)
+
+
+def _number(info, value):
+    try:
+        number = (int if info.kind == "integer" else float)(value)
+    except (ValueError, TypeError):
+        raise BadValue(f"{info.name} is {value!r}, "
+                       f"{'a whole' if info.kind == 'integer' else 'a'} number is needed") from None
+    low, high = info.minimum, info.maximum
+    # A float's limits may be rounded in the last digit on their way.
+    slack = 1e-9 * abs(number) if info.kind == "float" else 0
+    if (number != number or low is not None and number < low - slack
+            or high is not None and number > high + slack):
+        raise BadValue(f"{info.name} is {number:g}, the limits are {low:g} and {high:g}")
+    if info.kind == "integer" and info.increment and (number - low) % info.increment:
+        raise BadValue(f"{info.name} is {number}, steps of {info.increment} from {low} on are "
+                       "needed")
+    return number

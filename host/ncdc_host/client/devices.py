@@ -1,40 +1,17 @@
 """Which devices there are, and opening one by its URL."""
 
-from dataclasses import dataclass
 from urllib.parse import urlsplit
 
-from ncdc_host.client.errors import DeviceError
+from ncdc_host.client.errors import BadUrl
 from ncdc_model.interface.table_one import TCP_PORT
 
-__all__ = ["Found", "SCHEMES", "discover", "open_device"]
+__all__ = ["SCHEMES", "discover", "open_device"]
 
 SCHEMES = {
     "gige": "GVCP and GVSP over UDP, by viva-genicam",
     "aravis": "the same by Aravis, of the system's own Python",
     "tcp": "Table I and II of the paper over TCP",
 }
-
-
-@dataclass(frozen=True)
-class Found:
-    """A device that answered a discovery.
-
-    Parameters
-    ----------
-    url : str
-        To open it by.
-    address : str
-        Its IPv4 address.
-    mac, vendor, model : str
-    serial : str
-        Empty if the back end does not tell.
-    """
-    url: str
-    address: str
-    mac: str
-    vendor: str
-    model: str
-    serial: str = ""
 
 
 def discover(seconds=1.0, interface=None, back_end="gige"):
@@ -70,15 +47,17 @@ def open_device(url, monitor=False):
 
     Raises
     ------
+    BadUrl
+        If the URL is none.
     DeviceError
-        If the URL is none, nobody answers, or another user has control.
+        If nobody answers, or another user has control.
     """
     scheme, address, port = _parts(url)
     if scheme == "tcp":
         from ncdc_host.client.table import TableDevice
         return TableDevice(address, port or TCP_PORT, monitor)
     if port is not None:
-        raise DeviceError(f"the URL {url!r} has a port, which {scheme}:// has not")
+        raise BadUrl(f"the URL {url!r} has a port, which {scheme}:// has not")
     if scheme == "aravis":
         from ncdc_host.client.aravis import AravisDevice
         return AravisDevice(address, monitor)
@@ -91,8 +70,8 @@ def _parts(url):
         parts = urlsplit(url if "//" in url else f"gige://{url}")
         scheme, address, port = parts.scheme, parts.hostname, parts.port
     except ValueError as error:
-        raise DeviceError(f"{url!r} is no URL of a device: {error}") from None
+        raise BadUrl(f"{url!r} is no URL of a device: {error}") from None
     if scheme not in SCHEMES or not address or parts.path not in ("", "/"):
-        raise DeviceError(f"{url!r} is no URL of a device: {', '.join(SCHEMES)} with an address, "
-                          "as in tcp://127.0.0.2, is needed")
+        raise BadUrl(f"{url!r} is no URL of a device: {', '.join(SCHEMES)} with an address, "
+                     "as in tcp://127.0.0.2, is needed")
     return scheme, address, port

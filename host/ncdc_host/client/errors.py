@@ -2,11 +2,15 @@
 
 from ncdc_model.errors import InputError
 
-__all__ = ["BadValue", "DeviceError", "DeviceGone", "NoFrame", "Refused"]
+__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "Refused"]
 
 
 class DeviceError(Exception):
     """A device, or the way to it, does not do what it was asked; the message is one sentence."""
+
+
+class BadUrl(DeviceError, InputError):
+    """A text that is no URL of a device."""
 
 
 class DeviceGone(DeviceError):

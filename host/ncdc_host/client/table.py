@@ -51,6 +51,12 @@ class Connection:
         """End the connection."""
         self._socket.close()
 
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
     def read(self, address):
         """The 16-bit word at ``address``."""
         return self._exchange(READ, address, 0)

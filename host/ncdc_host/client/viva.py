@@ -3,8 +3,8 @@
 import threading
 
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
-from ncdc_host.client.devices import Found
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
+from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
 from ncdc_host.client.lens import LensLoader
 from ncdc_model.errors import InputError
@@ -130,7 +130,8 @@ class VivaDevice(Device):
     def stream(self, packet_size=None, multicast=None):
         monitor = self.access == "monitor"
         native = self._call("the stream", lambda: self._camera.stream(
-            packet_size=None if monitor else packet_size, multicast=multicast, monitor=monitor))
+            packet_size=None if monitor else packet_size,
+            multicast=None if monitor else multicast, monitor=monitor))
         return VivaStream(self, native, self._viva)
 
     def read_memory(self, address, count):

@@ -181,7 +181,9 @@ class ControlAgent:
         _, block, first, last = struct.unpack_from(">HHII", payload)
         first, last = first & 0xFFFFFF, last & 0xFFFFFF
         address = IPv4Address(self._words[gvcp.place("StreamAddress").address])
-        if not self._acquiring or peer != self.controller and not address.is_multicast:
+        # A receiver asks from a socket of its own, perhaps, but from the controller's machine.
+        own = self.controller is not None and peer[0] == self.controller[0]
+        if not self._acquiring or not own and not address.is_multicast:
             raise _Status(gvcp.ACCESS_DENIED)
         then, budget = self._resend_budget
         now = time.monotonic()
@@ -237,7 +239,7 @@ class ControlAgent:
         one = self._features.get(address)
         corrector = gvcp.CORRECTOR_BASE <= address < gvcp.CORRECTOR_BASE + gvcp.CORRECTOR_BYTES
         if one is None and not corrector and address not in self._writable:
-            self._word(address)         # refuses an address where there is nothing
+            self._memory(address, 4)        # refuses an address where there is nothing
             raise _Status(gvcp.WRITE_PROTECT)
         if address == gvcp.place("ControlPrivilege").address:
             self._write_control(value, peer)

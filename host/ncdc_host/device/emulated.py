@@ -4,6 +4,7 @@ import select
 import socket
 import threading
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -115,13 +116,18 @@ class EmulatedDevice:
         self.registers = Registers(descriptor.geometry, len(corrections), round(10 * options.fps))
         self.camera = Camera(light, corrections, self.registers, options.noise)
         self._closed = threading.Event()
-        try:
-            self.table = TableServer(self.registers, self.camera, options.address,
-                                     options.tcp_port)
-            self.stream = Stream(self.camera, options.address, options.loss)
-            self._socket = _udp(options.address)
-        except OSError as error:
-            raise InputError(f"cannot answer at {options.address}: {error.strerror}") from error
+        with ExitStack() as opened:
+            try:
+                self.table = TableServer(self.registers, self.camera, options.address,
+                                         options.tcp_port)
+                opened.callback(self.table.close)
+                self.stream = Stream(self.camera, options.address, options.loss)
+                opened.callback(self.stream.close)
+                self._socket = _udp(options.address)
+            except OSError as error:
+                raise InputError(f"cannot answer at {options.address}: "
+                                 f"{error.strerror}") from error
+            opened.pop_all()
         self.agent = ControlAgent(
             Identity(options.address, options.serial, version("ncdc")), self.registers,
             self.camera, self.stream, CorrectorWindow(self.registers, self.camera))

@@ -1,0 +1,1 @@
+"""Networks for tests and benches: namespaces of their own, peers in them."""

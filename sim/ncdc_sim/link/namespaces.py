@@ -1,0 +1,105 @@
+"""A network of its own: a client's and a device's namespace, joined by a pair of interfaces.
+
+Nothing that runs in it reaches any other address. It needs no root: the kernel gives an
+unprivileged user namespaces in which it may make interfaces, where that is allowed.
+"""
+
+import os
+import shutil
+import signal
+import subprocess
+
+from ncdc_sim.tools import SimulationError
+
+__all__ = ["CLIENT", "DEVICES", "Network"]
+
+CLIENT = "10.77.0.1"
+DEVICES = ("10.77.0.11", "10.77.0.12", "10.77.0.13")
+_SECONDS = 900          # that the namespaces last at most, whatever becomes of who made them
+_CLIENT_LINK, _DEVICE_LINK = "client0", "device0"
+
+
+class Network:
+    """The two namespaces, from ``with`` to its end, when all that runs in them is killed.
+
+    Parameters
+    ----------
+    mtu : int
+        Bytes of an IP packet; 1500 of Ethernet, 9000 of jumbo packets.
+
+    Raises
+    ------
+    SimulationError
+        If the kernel allows no namespaces, or a program is missing.
+    """
+    def __init__(self, mtu=1500):
+        self._mtu = mtu
+        self._running = []
+
+    def __enter__(self):
+        for program in ("unshare", "nsenter", "ip"):
+            if shutil.which(program) is None:
+                raise SimulationError(f"the program {program} is missing")
+        try:
+            self._client = self._holder(["unshare", "-Urn"])
+            self._device = self._holder([*self._enter(self._client), "unshare", "-n"])
+            self._join()
+        except (OSError, subprocess.SubprocessError) as error:
+            self.__exit__()
+            raise SimulationError(f"no network namespaces here: {error}") from error
+        return self
+
+    def __exit__(self, *_):
+        for process in reversed(self._running):
+            if process.poll() is None:
+                process.send_signal(signal.SIGKILL)
+            process.wait()
+
+    def _holder(self, prefix):
+        """A process that keeps a new namespace, and says when it is there."""
+        process = subprocess.Popen([*prefix, "sh", "-c", f"echo here; exec sleep {_SECONDS}"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self._running.append(process)
+        if process.stdout.readline() != "here\n":
+            raise OSError(process.stderr.read().strip())
+        return process
+
+    @staticmethod
+    def _enter(process):
+        return ["nsenter", "--preserve-credentials", "-U", "-n", "-t", str(process.pid)]
+
+    def _join(self):
+        client, device = self._enter(self._client), self._enter(self._device)
+        group = "224.0.0.0/4"
+        commands = [
+            [*client, "ip", "link", "add", _CLIENT_LINK, "type", "veth", "peer", "name",
+             _DEVICE_LINK, "netns", str(self._device.pid)],
+            [*client, "ip", "addr", "add", f"{CLIENT}/24", "brd", "+", "dev", _CLIENT_LINK],
+            *([*device, "ip", "addr", "add", f"{address}/24", "brd", "+", "dev", _DEVICE_LINK]
+              for address in DEVICES)]
+        for side, link in ((client, _CLIENT_LINK), (device, _DEVICE_LINK)):
+            commands += [[*side, "ip", "link", "set", "lo", "up"],
+                         [*side, "ip", "link", "set", link, "mtu", str(self._mtu), "up"],
+                         [*side, "ip", "route", "add", group, "dev", link]]
+        for command in commands:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=20)
+            if done.returncode:
+                raise OSError(f"{' '.join(command[6:])}: {done.stderr.strip()}")
+
+    def run(self, command, timeout, **options):
+        """Run ``command`` on the client's side to its end: a CompletedProcess with texts."""
+        return subprocess.run([*self._enter(self._client), *command], capture_output=True,
+                              text=True, timeout=timeout, **options)
+
+    def start(self, command, device=False, **options):
+        """Start ``command`` on either side; killed at the end of the network."""
+        side = self._enter(self._device if device else self._client)
+        process = subprocess.Popen([*side, *command], text=True,
+                                   env={**os.environ, "PYTHONUNBUFFERED": "1"}, **options)
+        self._running.append(process)
+        return process
+
+    @property
+    def client_link(self):
+        """Name of the client's network interface."""
+        return _CLIENT_LINK

@@ -1,0 +1,161 @@
+"""Pictures of the emulated device: the golden model's, mirrored, cut and stored as declared."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cameras import barrel_descriptor
+from devices import SIZE, device, small_lens
+from ncdc_host.device.camera import picture_of
+from ncdc_host.device.correction import Correction
+from ncdc_host.device.corrector_window import descriptor_of_words
+from ncdc_host.device.emulated import lens_corrections
+from ncdc_host.device.light import POSITIONS, MovingScene, Photo
+from ncdc_host.device.registers import View
+from ncdc_host.device.sensor import Exposure, expose
+from ncdc_model.corrector import correct
+from ncdc_model.errors import InputError
+from ncdc_model.example import noise_picture
+from ncdc_model.formats import Formats
+from ncdc_model.geometry import BAYER_PHASE
+from ncdc_model.interface.features import TEST_PATTERNS
+from ncdc_model.interface.host_values import host_values, table_words
+from ncdc_model.interface.pixel_formats import BGR8, bayer_format, packed
+from ncdc_model.interface.register_map import registers
+
+
+def noise(size, seed=3):
+    return np.random.default_rng(seed).integers(0, 256, size[::-1], np.uint8)
+
+
+@pytest.mark.parametrize("bayer", BAYER_PHASE)
+@pytest.mark.parametrize("corrected,distorted,strength", [
+    ((48, 40), (48, 40), .25), ((90, 40), (64, 52), .6), ((40, 60), (120, 90), -.1)])
+def test_the_matrix_is_the_golden_model(bayer, corrected, distorted, strength):
+    lens = barrel_descriptor(corrected, distorted, strength=strength, bayer=bayer, fill=(9, 8, 7))
+    correction = Correction(lens)
+    for raw in (noise(distorted), noise_picture(*distorted), np.full(distorted[::-1], 255,
+                                                                     np.uint8)):
+        golden = correct(lens, raw)
+        assert golden.blank.any() or strength < 0
+        assert np.array_equal(correction(raw), golden.picture)
+
+
+def test_the_matrix_refuses_another_size():
+    with pytest.raises(InputError, match="48x48 pixels, the descriptor is for 64x48"):
+        Correction(small_lens())(np.zeros((48, 48), np.uint8))
+
+
+@pytest.mark.parametrize("reverse_x", [False, True])
+@pytest.mark.parametrize("reverse_y", [False, True])
+def test_pictures_are_mirrored_then_cut(reverse_x, reverse_y):
+    lens, raw = small_lens(), noise(SIZE)
+    flips = (slice(None, None, -1 if reverse_y else 1), slice(None, None, -1 if reverse_x else 1))
+    view = View(BGR8, 4, 6, 20, 10, reverse_x, reverse_y)
+    golden = correct(lens, raw).picture[flips]
+    assert np.array_equal(picture_of(raw, view, Correction(lens)),
+                          packed(golden[6:16, 4:24], BGR8))
+    view = replace(view, pixel_format=bayer_format("RGGB"))
+    assert np.array_equal(picture_of(raw, view, None), raw[flips][6:16, 4:24])
+
+
+@pytest.mark.parametrize("bayer", BAYER_PHASE)
+def test_a_mirrored_raw_frame_has_the_pattern_that_it_says(bayer):
+    """Samples of a filter that passes 10, 20 and 30 tell where its colours are."""
+    raw = np.full(SIZE[::-1], 20, np.uint8)
+    column, row = BAYER_PHASE[bayer]
+    raw[row::2, column::2], raw[1 - row::2, 1 - column::2] = 10, 30
+    with device([small_lens(bayer=bayer)], raw) as one:
+        one.registers.write(0xF000, 0)
+        for mirrors in (0x0000, 0x4000, 0x8000, 0xC000):
+            one.registers.write(0x20, mirrors)
+            frame = one.camera.newest()
+            said_column, said_row = BAYER_PHASE[frame.pixel_format.bayer]
+            got = np.frombuffer(frame.data, np.uint8).reshape(SIZE[::-1])
+            assert (got[said_row::2, said_column::2] == 10).all(), hex(mirrors)
+            assert (got[1 - said_row::2, 1 - said_column::2] == 30).all()
+            assert one.registers.read(0xF003) == frame.pixel_format.mraw
+
+
+def test_the_sensor_multiplies_and_clips():
+    light = np.array([[0, 10, 100, 200]], np.uint8)
+    assert expose(light, Exposure(1, 1, 0, 0), "RGGB", 0) is light
+    assert expose(light, Exposure(0.5, 2.125, 0, 0), "RGGB", 0).tolist() == [[0, 11, 106, 213]]
+    assert expose(light, Exposure(2, 1, 0, 0), "RGGB", 0).tolist() == [[0, 20, 200, 255]]
+    flat = np.full((100, 100), 100, np.uint8)
+    noisy = expose(flat, Exposure(1, 4, 0, 2.0), "RGGB", 1)
+    assert 250 < noisy.mean() <= 255
+    dark = expose(flat, Exposure(0.25, 4, 0, 2.0), "RGGB", 1).astype(float)
+    # Photons: 100 x 4 x 0.35 / 16; reading: (2 x 4)^2.
+    assert dark.std()**2 == pytest.approx(100 * 4 * 0.35 / 16 + 64, rel=0.1)
+    assert np.array_equal(noisy, expose(flat, Exposure(1, 4, 0, 2.0), "RGGB", 1))
+
+
+def test_every_test_pattern_is_another_picture():
+    light = noise(SIZE)
+    pictures = [expose(light, Exposure(1, 1, choice.word, 5.0), "RGGB", 0).tobytes()
+                for choice in TEST_PATTERNS[1:]]
+    assert len(set(pictures)) == len(TEST_PATTERNS) - 1
+
+
+def test_the_newest_frame_has_every_setting_written_before():
+    dim = noise(SIZE) // 4
+    with device(image=dim) as one:
+        for k in range(20):
+            one.registers.write(0x35, 8 + k)
+            raw = np.floor(dim * ((8 + k) / 8) + .5).astype(np.uint8)
+            frame = one.camera.newest()
+            golden = correct(one.camera.corrections[0].descriptor, raw).picture
+            assert np.array_equal(np.frombuffer(frame.data, np.uint8).reshape(golden.shape),
+                                  golden[..., ::-1])
+
+
+def test_the_frame_rate_is_kept():
+    with device(fps=50.0) as one:
+        first = one.camera.newest()
+        one.registers.write(0xF004, 100)      # 10 per second
+        second = one.camera.newest()
+        third = one.camera.frame(second.number + 1)
+        assert second.number > first.number
+        assert third.time_ns - second.time_ns == 100_000_000
+        assert one.camera.now_ns() >= third.time_ns
+
+
+def test_a_lens_changes_between_two_frames():
+    lenses = [small_lens(), small_lens(seed=5)]
+    with device(lenses) as one:
+        raw = noise_picture(*SIZE)
+        for lens in (1, 0, 1):
+            one.registers.write(0xF005, lens)
+            data = np.frombuffer(one.camera.newest().data, np.uint8).reshape(48, 64, 3)
+            assert np.array_equal(data[..., ::-1], correct(lenses[lens], raw).picture)
+
+
+def test_lenses_of_other_sizes_are_refused():
+    with pytest.raises(InputError, match="lens 2 has other sizes"):
+        lens_corrections([small_lens(), barrel_descriptor((64, 50), SIZE)])
+    with pytest.raises(InputError, match="63 pixels, an emulated device needs even sides"):
+        lens_corrections([barrel_descriptor((63, 48), SIZE)])
+
+
+def test_light_of_another_size_is_refused():
+    with pytest.raises(InputError, match="descriptor is for 64x48"):
+        Photo(np.zeros((48, 63), np.uint8), small_lens().geometry)
+
+
+def test_the_scene_moves_and_comes_back():
+    scene = MovingScene(small_lens())
+    pictures = {scene.raw(scene.position(number)).tobytes() for number in range(100)}
+    assert len(pictures) == POSITIONS
+    assert scene.position(0) == scene.position(2 * POSITIONS)
+
+
+def test_a_descriptor_goes_through_the_registers():
+    base, other = small_lens(), small_lens(seed=7)
+    table = {r.name: r.address for r in registers(base.hidden_neurons, Formats())}
+    words = {table[name]: value & 0xFFFFFFFF for name, value in host_values(other).items()}
+    words |= dict(table_words(other.valid))
+    assert descriptor_of_words(base, words).digest == other.digest
+
+

@@ -1,0 +1,107 @@
+"""viva-genicam, Aravis and tshark against emulated devices, in a network of their own."""
+
+import subprocess
+import time
+
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc.bench.client.command import complaints, rows_of, table
+from ncdc.bench.client.measure import Case, case_row, discovery_rows, killed_row, monitor_row
+from ncdc_model.interface.features import FEATURES
+from ncdc_sim.tools import SimulationError
+from peers import need, served
+
+LENS = barrel_descriptor((320, 240), (320, 240), 4)
+FAST = {"CorrectionEnable": 1, "AcquisitionFrameRate": 20}
+BOTH = ("gige", "aravis")
+
+
+@pytest.fixture(scope="module")
+def three(tmp_path_factory):
+    """Three devices that lose nothing."""
+    need("aravis")
+    with served(tmp_path_factory.mktemp("three"), LENS, count=3) as one:
+        yield one
+
+
+def test_both_find_every_device(three):
+    rows = discovery_rows(three, 3)
+    assert [row["found"] for row in rows] == [3, 3]
+
+
+@pytest.mark.parametrize("scheme", BOTH)
+def test_every_feature_and_frames_of_three_devices(three, scheme):
+    row = case_row(three, Case(scheme, 3, 5, every_feature=True, settings=FAST))
+    assert row["features"] == row["features_read_back"] == 3 * len(FEATURES)
+    assert (row["frames"], row["incomplete"], row["wrong_pixels"]) == (15, 0, 0)
+
+
+def test_a_wrong_pixel_is_seen(three, monkeypatch):
+    """Frames of the raw source, compared with the corrected picture."""
+    right = three.expected(True)
+    monkeypatch.setattr(three, "expected", lambda corrected: right)
+    row = case_row(three, Case("gige", 1, 2, settings={"CorrectionEnable": 0}))
+    assert row["wrong_pixels"] == 2 * 320 * 240 and complaints([row])
+
+
+def test_monitors_watch_and_do_not_write(three):
+    row = monitor_row(three, 5, 2)
+    assert (row["frames"], row["incomplete"], row["wrong_pixels"]) == (5, 0, 0)
+    assert row["writes_refused"] == 2
+
+
+def test_control_is_free_when_its_holder_is_killed(three):
+    row = killed_row(three)
+    # Not before the heartbeat's time, which runs from the last command before the death.
+    assert 1 < row["seconds_until_free"]
+
+
+def test_a_second_controller_is_refused(three):
+    holder = three.start(three.task("gige", frames=100_000))
+    while holder.stderr.readline() != "streaming\n":
+        assert holder.poll() is None
+    for scheme in BOTH:
+        with pytest.raises(SimulationError, match="Refused"):
+            three.report(three.start(three.task(scheme, settings={"Gain": 2})))
+    holder.kill()
+    holder.wait()
+
+
+@pytest.mark.parametrize("scheme", BOTH)
+def test_lost_packets_are_sent_again(tmp_path, scheme):
+    need("aravis")
+    with served(tmp_path, LENS, loss=0.05) as one:
+        row = case_row(one, Case(scheme, 1, 5, 0.05, settings=FAST))
+    assert (row["frames"], row["incomplete"], row["wrong_pixels"]) == (5, 0, 0)
+    assert row["resent"] > 0
+
+
+@pytest.mark.parametrize("scheme", BOTH)
+def test_nothing_is_malformed_to_tshark(tmp_path, scheme):
+    need("tshark", "aravis")
+    file = tmp_path / "capture.pcapng"
+    with served(tmp_path, LENS, loss=0.01) as one:
+        capture = one.network.start(["tshark", "-q", "-i", one.network.client_link, "-w",
+                                     str(file)], stderr=subprocess.PIPE)
+        while "Capture" not in (line := capture.stderr.readline()):
+            assert line
+        time.sleep(0.5)
+        case_row(one, Case(scheme, 1, 3, every_feature=True, settings=FAST))
+        one.report(one.start(one.task("discover")))
+        capture.terminate()
+        capture.wait(20)
+    done = subprocess.run(["tshark", "-r", str(file), "--enable-heuristic", "gvsp_udp", "-T",
+                           "fields", "-e", "frame.protocols", "-e", "_ws.malformed", "-e",
+                           "ip.checksum.status"], capture_output=True, text=True, check=True)
+    lines = done.stdout.splitlines()
+    assert sum("gvcp" in line for line in lines) > 200
+    assert sum("gvsp" in line for line in lines) > 400
+    assert [line for line in lines if "malformed" in line.lower()] == []
+
+
+@pytest.mark.regress
+def test_the_whole_bench():
+    need("aravis")
+    rows = rows_of(False, lambda step: None)
+    assert complaints(rows) == [], table(rows)
