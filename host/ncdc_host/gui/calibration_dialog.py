@@ -57,6 +57,8 @@ class CalibrationDialog(QDialog):
         self.progress = QProgressBar(maximum=1000, textVisible=True)
         self.progress.hide()
         self.state = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        self.state.setMinimumHeight(3 * self.fontMetrics().lineSpacing())
+        self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.state.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         column = QVBoxLayout(self)
         for widget in (text, self.picture):
@@ -66,6 +68,7 @@ class CalibrationDialog(QDialog):
             column.addWidget(widget)
         column.addWidget(self._buttons())
         self._connect()
+        self.resize(560, 640)
 
     def _form(self, number, reason):
         form = QFormLayout()

@@ -30,7 +30,7 @@ __all__ = ["DeviceTab"]
 
 _COMPARING = ("side by side", "wipe")
 _PATIENCE = 3.0         # seconds without a picture, besides three frames, that are worth a word
-_PANEL = 300            # pixels that the settings want at least
+_PANEL = 316            # pixels that the settings want at least
 _SETTLE = 400           # ms after the last change of a setting until the raw frame is taken anew
 # What the raw frame of a comparison depends on.
 _RAW = ("ExposureTime", "Gain", "TestPattern", "ReverseX", "ReverseY")
@@ -70,6 +70,7 @@ class DeviceTab(QWidget):
         self._silence.timeout.connect(self._no_picture_came)
         self._wait("Connecting to " + self.url + " …")
         self._enable()
+        self.session.start()
 
     def _lay_out(self):
         panel = QWidget()

@@ -55,7 +55,7 @@ class Still:
 
 
 class Session(QObject):
-    """A device from opening to closing, whatever happens to it in between.
+    """A device from :meth:`start` to :meth:`close`, whatever happens to it in between.
 
     Each method returns at once; what it leads to is told by a signal.
 
@@ -103,10 +103,13 @@ class Session(QObject):
         self._jobs, self._serial = queue.Queue(), 0
         self._wanted, self._lock = {}, threading.Lock()
         self._thread = threading.Thread(target=self._run, daemon=True)
-        self._jobs.put(self._open)
-        self._thread.start()
 
     # Called by widgets.
+
+    def start(self):
+        """Begin to open the device, after the signals are connected."""
+        self._jobs.put(self._open)
+        self._thread.start()
 
     def open(self, monitor=None):
         """Try again to open the device, perhaps as another kind of user."""

@@ -5,7 +5,8 @@ from PySide6.QtWidgets import QFormLayout, QGroupBox, QLabel
 __all__ = ["StatisticsPanel"]
 
 _ROWS = {
-    "rate": ("Rate", "Pictures a second that arrive, and how much data that is."),
+    "rate": ("Rate", "Pictures a second that arrive."),
+    "data": ("Data", "Megabytes a second that their pixels are."),
     "frames": ("Pictures", "Whole pictures received since the device was opened."),
     "lost": ("Lost", "Pictures that were sent and did not arrive whole."),
     "skipped": ("Skipped", "Pictures that the device made and this client did not ask for: TCP "
@@ -33,7 +34,8 @@ class StatisticsPanel(QGroupBox):
     def show_counts(self, statistics, frame_bytes):
         """Show what arrived, of pictures of ``frame_bytes`` bytes."""
         rate = statistics.rate
-        self.values["rate"].setText(f"{rate:.1f} pictures/s, {rate * frame_bytes / 1e6:.1f} MB/s")
+        self.values["rate"].setText(f"{rate:.1f} pictures/s")
+        self.values["data"].setText(f"{rate * frame_bytes / 1e6:.1f} MB/s")
         for key in ("frames", "lost", "skipped", "resent"):
             self.values[key].setText(f"{getattr(statistics, key):,}".replace(",", " "))
 
