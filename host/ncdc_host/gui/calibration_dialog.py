@@ -84,8 +84,8 @@ class CalibrationDialog(QDialog):
         form.addRow("&Neurons", self.neurons)
         goes = f"lens {number} of the device, as soon as it is trained" if self._limits else \
             f"a file only: {reason}"
-        place = QLabel(goes, wordWrap=True)
-        form.addRow("Goes into", place)
+        self.place = QLabel(goes, wordWrap=True)
+        form.addRow("Goes into", self.place)
         return form
 
     def _buttons(self):
