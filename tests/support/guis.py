@@ -46,10 +46,11 @@ def tab_on(qtbot, url, monitor=False, pictures=True):
     tab.show()
     try:
         if pictures:
-            qtbot.waitUntil(lambda: tab.shown is not None and tab.infos is not None, timeout=SECONDS)
+            qtbot.waitUntil(lambda: tab.shown is not None and tab.infos is not None,
+                            timeout=SECONDS)
         yield tab
     finally:
-        with qtbot.waitSignal(tab.session.closed, timeout=SECONDS):
+        with qtbot.waitSignal(tab.session.closed, timeout=2 * SECONDS):
             tab.session.close()
 
 

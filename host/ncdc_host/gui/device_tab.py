@@ -247,8 +247,9 @@ class DeviceTab(QWidget):
         self._silence.start(int(1000 * (_PATIENCE + (3 / rate.value if rate else 0))))
 
     def _no_picture_came(self):
-        self._wait("The device answers, but no picture comes.\nA firewall may keep them away, or "
-                   "packets are too large for the network.", shade=self.shown is not None)
+        self._wait("No picture comes.\nIf the device goes on to answer, a firewall may keep the "
+                   "pictures away, or packets are too large for the network.",
+                   shade=self.shown is not None)
 
     def _picture(self):
         shown = self.session.take()

@@ -201,9 +201,9 @@ class Session(QObject):
     def _lose(self, error):
         if self._device is None:
             return
-        self._release()
         self._lost = True
         self.lost.emit(str(error))
+        self._release()         # which takes its time: nobody answers
 
     def _release(self):
         device, self._device = self._device, None
