@@ -36,6 +36,8 @@ def add_arguments(parser):
                        help="frames per second after reset (default: 30)")
     serve.add_argument("--loss", type=float, default=0.0, metavar="P",
                        help="share of the stream's packets lost on purpose (default: 0)")
+    serve.add_argument("--loss-again", type=float, default=0.0, metavar="P",
+                       help="share lost of those that are sent again (default: 0)")
     serve.add_argument("--noise", type=float, default=1.0, metavar="S",
                        help="read noise of the sensor, grey levels; 0: no noise at all "
                        "(default: 1)")
@@ -61,8 +63,8 @@ def run(args):
     devices, announcer = [], None
     try:
         for k, address in enumerate(addresses, 1):
-            options = DeviceOptions(address, f"EMU-{k}", args.fps, args.loss, args.noise,
-                                    args.tcp_port)
+            options = DeviceOptions(address, f"EMU-{k}", args.fps, args.loss, args.loss_again,
+                                    args.noise, args.tcp_port)
             devices.append(EmulatedDevice(corrections, options, image))
             print(f"EMU-{k} at {address}: Table I on TCP port {devices[-1].table.port}, "
                   f"GVCP on UDP port {PORT}", flush=True)

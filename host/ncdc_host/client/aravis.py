@@ -173,7 +173,8 @@ class AravisStream(FrameStream):
 
     def __init__(self, device, bridge):
         self._device, self._bridge = device, bridge
-        self._rate, self._frames, self._broken, self._resent = Rate(), 0, 0, 0
+        self._rate, self._frames, self._broken = Rate(), 0, 0
+        self._resent = self._untaken = 0
         self._first = self._last = None
         self._closed = False
 
@@ -204,10 +205,10 @@ class AravisStream(FrameStream):
     @property
     def statistics(self):
         if not self._closed:
-            self._resent, _ = self._bridge.call("statistics")
+            self._resent, self._untaken = self._bridge.call("statistics")
         missed = 0 if self._last is None else self._last - self._first + 1 - self._frames
-        return Statistics(self._frames, max(missed, self._broken), 0, self._resent,
-                          self._rate.value)
+        lost = max(missed - self._untaken, self._broken)
+        return Statistics(self._frames, lost, self._untaken, self._resent, self._rate.value)
 
     def close(self):
         if not self._closed:

@@ -149,10 +149,11 @@ class _Bridge:
         return head, data
 
     def statistics(self):
-        """Packets sent again, and packets that never came."""
-        # GvStream has a method of this name of its own; Stream's counts buffers.
-        found = self._aravis.GvStream.get_statistics(self._stream)
-        return [found[0], found[1]]
+        """Packets that came at the second try; frames for which no buffer was free."""
+        # GvStream hides a method of this name by its own: one counts packets, one buffers.
+        packets = self._aravis.GvStream.get_statistics(self._stream)
+        buffers = self._aravis.Stream.get_statistics(self._stream)
+        return [packets[0], buffers[2]]
 
     def stop(self):
         if self._stream is not None:

@@ -54,10 +54,10 @@ class Statistics:
     frames : int
         Whole frames handed out.
     lost : int
-        Frames that were sent and did not arrive whole, or that nobody took in time. Over TCP,
-        frames that the device made between two that were asked for are not lost but skipped.
+        Frames that were sent and did not arrive whole, resent packets included; 0 over TCP.
     skipped : int
-        The latter; 0 over GVSP.
+        Frames that nobody took in time; over TCP, that the device made between two that were
+        asked for.
     resent : int
         Packets that arrived at the second try; 0 over TCP, which does so by itself.
     rate : float

@@ -165,6 +165,8 @@ class VivaStream(FrameStream):
     def __init__(self, device, native, viva):
         self._device, self._native, self._viva = device, native, viva
         self._rate, self._block, self._number, self._final = Rate(), 0, 0, None
+        # A monitor joins in the middle of a frame, which is not lost: None until it has one.
+        self._before = None if device.access == "monitor" else 0
         device._call("the stream", native.__enter__)
 
     def next(self, timeout=5.0):
@@ -184,14 +186,17 @@ class VivaStream(FrameStream):
         self._number += (frame.block_id - self._block) % _BLOCKS or _BLOCKS
         self._block = frame.block_id
         self._rate.count()
+        if self._before is None:
+            self._before = _lost(self._native.stats())
         return Frame.of_bytes(frame.payload(), (frame.width, frame.height), pixel_format,
                               self._number, frame.ts_dev or 0)
 
     @property
     def statistics(self):
         counted = self._final or self._native.stats()
-        return Statistics(counted.frames_complete, counted.frames_lost, 0,
-                          counted.resend_recovered, self._rate.value)
+        return Statistics(counted.frames_complete, _lost(counted) - (self._before or 0),
+                          counted.frames_backpressure, counted.resend_recovered,
+                          self._rate.value)
 
     def close(self):
         if self._final is None:
@@ -200,3 +205,7 @@ class VivaStream(FrameStream):
                 self._native.__exit__(None, None, None)
             except self._viva.GenicamError:
                 pass        # the device is gone, and the stream with it
+
+
+def _lost(counted):
+    return counted.frames_incomplete + counted.frames_missed

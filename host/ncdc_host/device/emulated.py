@@ -36,8 +36,8 @@ class DeviceOptions:
     serial : str
     fps : float
         Frames per second after reset, 0.1 to 120.
-    loss : float
-        Share of GVSP packets lost on purpose, 0 to 0.5.
+    loss, loss_again : float
+        Shares of GVSP packets lost on purpose, when sent first and when sent again, 0 to 0.5.
     noise : float
         Read noise, grey levels, 0 to 50.
     tcp_port : int
@@ -52,11 +52,13 @@ class DeviceOptions:
     serial: str = "EMU-1"
     fps: float = 30.0
     loss: float = 0.0
+    loss_again: float = 0.0
     noise: float = 1.0
     tcp_port: int = TCP_PORT
 
     def __post_init__(self):
-        for name, low, high in (("fps", 0.1, 120), ("loss", 0, 0.5), ("noise", 0, 50)):
+        for name, low, high in (("fps", 0.1, 120), ("loss", 0, 0.5), ("loss_again", 0, 0.5),
+                                ("noise", 0, 50)):
             if not low <= getattr(self, name) <= high:
                 raise InputError(f"{name} is {getattr(self, name):g}, the limits are {low} and "
                                  f"{high}")
@@ -121,7 +123,8 @@ class EmulatedDevice:
                 self.table = TableServer(self.registers, self.camera, options.address,
                                          options.tcp_port)
                 opened.callback(self.table.close)
-                self.stream = Stream(self.camera, options.address, options.loss)
+                self.stream = Stream(self.camera, options.address, options.loss,
+                                     options.loss_again)
                 opened.callback(self.stream.close)
                 self._socket = _udp(options.address)
             except OSError as error:

@@ -48,7 +48,9 @@ class Stream:
     address : str
         IPv4 address that the packets come from.
     loss : float
-        Share of the packets, sent or sent again, that get lost on purpose.
+        Share of the packets that get lost on purpose when they are sent the first time.
+    loss_again : float
+        Share of those that are sent again because a receiver asked for them.
     seed : int
         Of the chance that picks them.
 
@@ -60,8 +62,9 @@ class Stream:
         Packets since the device began; ``sent`` are all that were tried, ``lost`` those dropped on
         purpose, ``resent`` those of ``sent`` that a receiver asked for.
     """
-    def __init__(self, camera, address, loss=0.0, seed=1):
-        self._camera, self._loss, self._random = camera, loss, random.Random(seed)
+    def __init__(self, camera, address, loss=0.0, loss_again=0.0, seed=1):
+        self._camera, self._random = camera, random.Random(seed)
+        self._loss, self._loss_again = loss, loss_again
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 << 20)
         self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF,
@@ -118,7 +121,8 @@ class Stream:
         frame, room, packets = kept
         count = 0
         for packet in range(first, min(last, packets + 1) + 1):
-            self._send(self._packet(block, frame, room, packets, packet), receiver)
+            self._send(self._packet(block, frame, room, packets, packet), receiver,
+                       self._loss_again)
             count += 1
         self.resent += count
 
@@ -153,7 +157,8 @@ class Stream:
                     time.sleep(early / 1e9)
                 if stop.is_set():
                     return
-            self._send(self._packet(self._block, frame, room, packets, packet), receiver)
+            self._send(self._packet(self._block, frame, room, packets, packet), receiver,
+                       self._loss)
 
     def _packet(self, block, frame, room, packets, packet):
         """The parts of packet number ``packet`` of a block."""
@@ -165,11 +170,11 @@ class Stream:
         return [gvsp.header(block, gvsp.PAYLOAD, packet),
                 frame.data[(packet - 1) * room:packet * room]]
 
-    def _send(self, parts, receiver):
+    def _send(self, parts, receiver, loss):
         self.sent += 1
-        if self._loss:
+        if loss:
             with self._lock:
-                lost = self._random.random() < self._loss
+                lost = self._random.random() < loss
             if lost:
                 self.lost += 1
                 return

@@ -139,7 +139,7 @@ def case_row(served, case):
     reports = served.report(served.start(task))
     total = {key: sum(report[key] for report in reports)
              for key in ("frames", "incomplete", "wrong_pixels", "features",
-                         "features_read_back", "resent")}
+                         "features_read_back", "resent", "skipped")}
     peer, transport = PEERS[case.scheme]
     rates = [report.get("frames_per_second", 0.0) for report in reports]
     return {"peer": peer, "transport": transport, "devices": case.devices, **total,
@@ -157,10 +157,10 @@ def discovery_rows(served, count):
             for scheme in ("gige", "aravis")]
 
 
-def monitor_row(served, frames, monitors):
+def monitor_row(served, frames, monitors, settings):
     """One controller that streams to a group, and ``monitors`` that watch and try to write."""
     expected = str(served.expected())
-    control = _streaming(served, multicast=_GROUP)
+    control = _streaming(served, multicast=_GROUP, settings=settings)
     watch = [served.start(served.task("gige", frames=frames, expected=expected, monitor=True,
                                       multicast=_GROUP)) for _ in range(monitors)]
     reports = [served.report(process)[0] for process in watch]
