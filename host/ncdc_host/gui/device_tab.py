@@ -30,7 +30,7 @@ __all__ = ["DeviceTab"]
 
 _COMPARING = ("side by side", "wipe")
 _PATIENCE = 3.0         # seconds without a picture, besides three frames, that are worth a word
-_PANEL = 316            # pixels that the settings want at least
+_PANEL = 332            # pixels that the settings want at least
 _SETTLE = 400           # ms after the last change of a setting until the raw frame is taken anew
 # What the raw frame of a comparison depends on.
 _RAW = ("ExposureTime", "Gain", "TestPattern", "ReverseX", "ReverseY")

@@ -41,9 +41,9 @@ class DevicesPanel(QWidget):
         self.list.itemActivated.connect(self._activated)
         self.list.currentItemChanged.connect(self._enable)
         self.list.customContextMenuRequested.connect(self._menu)
-        self.empty = QLabel(_EMPTY, self.list, wordWrap=True)
+        self.empty = QLabel(_EMPTY, wordWrap=True)
+        QVBoxLayout(self.list.viewport()).addWidget(self.empty)
         self.empty.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.empty.setMargin(12)
         self.empty.setEnabled(False)
         self.open = QPushButton("Open")
         self.open.setToolTip("Open the device that is chosen (Enter); the arrow has other ways")
@@ -66,10 +66,6 @@ class DevicesPanel(QWidget):
             column.addLayout(row)
         self._opened = set()
         self._enable()
-
-    def resizeEvent(self, event):
-        super().resizeEvent(event)
-        self.empty.resize(self.list.viewport().size())
 
     def show_found(self, found):
         """Show the :class:`Found` devices; the one that was chosen stays so."""

@@ -9,8 +9,7 @@ _ROWS = {
     "data": ("Data", "Megabytes a second that their pixels are."),
     "frames": ("Pictures", "Whole pictures received since the device was opened."),
     "lost": ("Lost", "Pictures that were sent and did not arrive whole."),
-    "skipped": ("Skipped", "Pictures that the device made and this client did not ask for: TCP "
-                "fetches the newest one each time."),
+    "skipped": ("Skipped", "Pictures that were not taken in time, or, over TCP, not asked for."),
     "resent": ("Resent packets", "Packets that arrived at the second try."),
     "dropped": ("Dropped by device", "Frames that were due and not made in time."),
     "torn": ("Torn by device", "Frames that were overwritten while they were read."),
