@@ -1,24 +1,28 @@
 # make demo      the whole chain on the built-in example camera, into demo/
 # make test      ruff, then every test, Verilator and Icarus; lists what it skipped, and why
 # make regress   the long version: exhaustive sweeps, full-size frames
+# make gui       the window of the client, with two emulated devices
 # make setup     install only: .venv, pinned packages, missing Debian packages
 
 PYTHON ?= python3
 BIN    := .venv/bin
 STAMP  := .venv/installed
 
-.PHONY: setup demo test regress clean
+.PHONY: setup demo gui test regress clean
 
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt .ci/debian
 	sh .ci/debian
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,litedram,client]'
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,litedram,gui]'
 	@touch $@
 
 demo: setup
 	$(BIN)/ncdc demo -o demo
+
+gui: setup
+	$(BIN)/ncdc client gui --demo
 
 # The first run of YoWASP's Yosys compiles it; two at once, and one reads what the other writes.
 test: setup

@@ -12,6 +12,9 @@ from amaranth.hdl import UnusedElaboratable
 # for one at full speed. Read when NumPy is imported, which neither of the above does.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+# Windows are painted without a screen.
+os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+
 # A netlist is a million objects without a cycle to be found: to look for one after every 700 new
 # ones takes a fifth of the time in which it is made.
 gc.set_threshold(100_000, 50, 50)

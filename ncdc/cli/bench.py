@@ -11,14 +11,15 @@ from ncdc.bench.synth import command as synth
 from ncdc.bench.synth.flows import SynthesisError
 from ncdc.bench.tansig import command as tansig
 from ncdc.bench.throughput import command as throughput
+from ncdc.bench.window import command as window
 
 __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
 BENCHES = {"accuracy": accuracy, "client": client, "lines": lines, "nodes": nodes,
-           "photos": photos, "synth": synth,
-           "tansig": tansig, "throughput": throughput}
+           "photos": photos, "synth": synth, "tansig": tansig, "throughput": throughput,
+           "window": window}
 
 
 def add_arguments(parser):

@@ -36,6 +36,11 @@ def add_arguments(parser):
     setting = actions.add_parser("set", help="write features")
     setting.add_argument("assignments", nargs="+", metavar="NAME=VALUE")
     setting.set_defaults(run_action=_set)
+    window = actions.add_parser("gui", help="a window: live pictures, settings, lenses")
+    window.add_argument("urls", nargs="*", metavar="URL",
+                        help="devices to open (default: none; the window lists those it finds)")
+    window.add_argument("--demo", action="store_true", help="with two emulated devices")
+    window.set_defaults(run_action=_gui)
     for action in (show, grab, setting):
         action.add_argument("--device", metavar="URL", help=f"{', '.join(SCHEMES)} with an "
                             "address, as in tcp://127.0.0.2 (default: the only one that answers)")
@@ -109,6 +114,18 @@ def _grab(args):
     if not write_report(report, args.json):
         print(f"{args.output}: {len(paths)} pictures; {counted.lost} lost, {counted.skipped} "
               f"skipped, {counted.resent} packets resent")
+
+
+def _gui(args):
+    try:
+        from ncdc_host.gui.application import run as run_window
+    except ImportError as error:
+        if (error.name or "").partition(".")[0] == "PySide6" and "lib" not in str(error):
+            raise InputError("the package PySide6-Essentials is missing: pip install 'ncdc[gui]'"
+                             ) from None
+        raise InputError(f"Qt cannot be loaded: {error}; on Debian: apt install libegl1 libgl1 "
+                         "libxkbcommon0 libfontconfig1 libdbus-1-3") from None
+    return run_window(args.urls, args.demo)
 
 
 def _set(args):

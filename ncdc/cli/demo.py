@@ -90,6 +90,7 @@ def run(args):
     write_text(folder / "report.html", report_page(report, _sections(report, trained)))
     if not write_report(report, args.json):
         print(f"look at {folder / 'report.html'}")
+        print("see it live: ncdc client gui --demo")
     message = difference(simulation)
     if message:
         print(f"ncdc demo: {message}", file=sys.stderr)

@@ -150,6 +150,9 @@ class AravisDevice(Device):
     def load_lens(self, descriptor):
         LensLoader(self).load(descriptor)
 
+    def lens_limits(self):
+        return LensLoader(self).limits()
+
     def read_memory(self, address, count):
         """``count`` bytes of the device's memory, a multiple of 4."""
         words = self._bridge.call("read_memory", address, count)

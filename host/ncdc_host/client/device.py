@@ -202,6 +202,16 @@ class Device(ABC):
         """
         raise DeviceError(f"{self.url} takes no lens: only GVCP reaches the corrector's registers")
 
+    def lens_limits(self):
+        """The :class:`~ncdc_host.client.lens.LensLimits` of :meth:`load_lens`.
+
+        Raises
+        ------
+        DeviceError
+            If the transport cannot tell: Table I does not reach the corrector's registers.
+        """
+        raise DeviceError(f"{self.url} takes no lens: only GVCP reaches the corrector's registers")
+
     @abstractmethod
     def close(self):
         """Give control back and close; a second time does nothing."""

@@ -2,9 +2,11 @@
 
 import struct
 import time
+from dataclasses import dataclass
 
 from ncdc_host.client.errors import DeviceError, Refused
-from ncdc_model.formats import MAX_NEURONS
+from ncdc_model.formats import MAX_NEURONS, Formats
+from ncdc_model.geometry import BAYER_PHASE
 from ncdc_model.interface.gvcp import CORRECTOR_BASE
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import (
@@ -16,7 +18,7 @@ from ncdc_model.interface.register_map import (
     registers,
 )
 
-__all__ = ["LensLoader"]
+__all__ = ["LensLimits", "LensLoader"]
 
 _CHUNK = 64             # words of a write
 _SECONDS = 60           # that a device may take until a lens is active
@@ -26,11 +28,45 @@ _FIXED = ("CORRECTED_WIDTH", "CORRECTED_HEIGHT", "DISTORTED_WIDTH", "DISTORTED_H
           "BAYER_PHASE", "FILL")
 
 
+@dataclass(frozen=True)
+class LensLimits:
+    """What a lens must be like to be loaded into a device.
+
+    Parameters
+    ----------
+    neurons : int
+        Most hidden neurons.
+    corrected, distorted : (int, int)
+        Width and height.
+    bayer : str
+        Colour filter of the sensor, first two rows.
+    fill : (int, int, int)
+        Colour of pixels without a source.
+    """
+    neurons: int
+    corrected: tuple
+    distorted: tuple
+    bayer: str
+    fill: tuple
+
+
 class LensLoader:
     """Writes descriptors to the corrector of ``device``, which has read_memory and write_memory."""
 
     def __init__(self, device):
         self._device = device
+
+    def limits(self):
+        """See :meth:`ncdc_host.client.device.Device.lens_limits`."""
+        table = {r.name: r for r in registers(1, Formats())}
+        if self._read(table["ID"].address) != ID:
+            raise DeviceError(f"{self._device.url} has no corrector")
+        values = {name: self._read(table[name].address) for name in ("NEURONS", *_FIXED)}
+        names = {phase[0] | phase[1] << 1: name for name, phase in BAYER_PHASE.items()}
+        sizes = [tuple(values[f"{side}_{part}"] for part in ("WIDTH", "HEIGHT"))
+                 for side in ("CORRECTED", "DISTORTED")]
+        return LensLimits(values["NEURONS"], *sizes, names[values["BAYER_PHASE"] & 3],
+                          tuple(values["FILL"].to_bytes(4, "big")[1:]))
 
     def load(self, descriptor):
         """See :meth:`ncdc_host.client.device.Device.load_lens`."""

@@ -71,13 +71,12 @@ class VivaDevice(Device):
         try:
             with self._lock:
                 return call()
-        except viva.TransportError as error:
+        except viva.GenicamError as error:
+            # A silent device is a TransportError of some calls, and a GenApiError of features.
             text = _sentence(error)
             if "timeout" in text.lower() or "timed out" in text.lower():
                 raise DeviceGone(f"{self.url} does not answer any more: {text}") from error
             raise Refused(f"{name} is refused: {text}") from error
-        except viva.GenicamError as error:
-            raise Refused(f"{name} is refused: {_sentence(error)}") from error
 
     @property
     def access(self):
@@ -144,6 +143,9 @@ class VivaDevice(Device):
 
     def load_lens(self, descriptor):
         LensLoader(self).load(descriptor)
+
+    def lens_limits(self):
+        return LensLoader(self).limits()
 
     def close(self):
         self._camera.close()

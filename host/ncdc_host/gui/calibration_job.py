@@ -1,0 +1,88 @@
+"""A process that makes a lens of one photo: calibrates, trains, tells on the way how far it is.
+
+    python -m ncdc_host.gui.calibration_job PHOTO FOLDER --neurons 8 --target auto ...
+
+Each line of its output is a JSON object: {"step": text}, {"share": 0..1, "mse": px^2},
+{"points": count, "target": name, "overlay": path}, at the end {"report": {...}, "lens": path} or
+{"error": sentence}. A process of its own can be ended at once, and takes the window no time.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from ncdc_model.calibration.detect import detect_points
+from ncdc_model.calibration.frame import ideal_frame
+from ncdc_model.calibration.overlay import draw_points
+from ncdc_model.errors import InputError
+from ncdc_model.images import demosaic, read_image, write_image
+from ncdc_model.training.choices import TrainingChoices
+from ncdc_model.training.pipeline import train_camera
+from ncdc_model.training.source import load_source
+
+__all__ = ["LENS", "main"]
+
+LENS = "net.toml"
+
+
+def main(arguments=None):
+    """Run it; returns the exit status."""
+    args = _parser().parse_args(arguments)
+    try:
+        # What overflows becomes not-a-number, which the checks of the training name.
+        with np.errstate(all="ignore"):
+            _run(args)
+    except InputError as error:
+        _tell(error=str(error))
+        return 2
+    return 0
+
+
+def _parser():
+    parser = argparse.ArgumentParser(prog="calibration_job")
+    parser.add_argument("photo", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--target", default="auto")
+    parser.add_argument("--neurons", type=int, default=8)
+    parser.add_argument("--bayer", default="RGGB")
+    parser.add_argument("--size", type=int, nargs=2)
+    parser.add_argument("--fill", type=int, nargs=3, default=(0, 0, 0))
+    return parser
+
+
+def _tell(**about):
+    print(json.dumps(about), flush=True)
+
+
+def _run(args):
+    _tell(step="Looking for the target")
+    raw = read_image(args.photo)
+    points = detect_points([(args.photo.name, raw)], args.target)
+    points.save(args.folder / "points.json")
+    overlay = args.folder / "points.png"
+    try:
+        frame = ideal_frame(points)
+    except InputError:
+        frame = None        # the picture shows the points without arrows; training tells why
+    write_image(overlay, draw_points(demosaic(raw, args.bayer), points.photos[0], frame))
+    _tell(points=points.count, target=points.target, overlay=str(overlay))
+    _tell(step=f"Training {args.neurons} hidden neurons")
+    source = load_source(args.folder / "points.json", args.size, None, args.bayer, args.fill)
+    trained = train_camera(source, args.neurons, TrainingChoices(),
+                           lambda share, mse: _tell(share=share, mse=float(mse)))
+    lens = args.folder / LENS
+    trained.descriptor.save(lens)
+    report = trained.report
+    errors = report["map_error_fixed_px"]
+    _tell(lens=str(lens), report={
+        "neurons": report["hidden_neurons"], "measured_on": report["measured_on"],
+        "mean_px": errors["mean"], "max_px": errors["max"],
+        "valid_percent": report["valid_percent"],
+        "straightness_rms_px": report["straightness_rms_px"]})
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,431 @@
+"""One device: its picture, its settings, its lenses, and what there is to say about it."""
+
+from pathlib import Path
+
+from PySide6.QtCore import QPoint, QSettings, Qt, QTimer, Signal
+from PySide6.QtGui import QGuiApplication
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QGroupBox,
+    QHBoxLayout,
+    QLabel,
+    QScrollArea,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ncdc_host.gui.calibration_dialog import CalibrationDialog
+from ncdc_host.gui.histogram_view import HistogramView
+from ncdc_host.gui.lens_panel import LensPanel
+from ncdc_host.gui.message_bar import MessageBar
+from ncdc_host.gui.picture_view import PictureView
+from ncdc_host.gui.session import Session
+from ncdc_host.gui.settings_panel import SettingsPanel
+from ncdc_host.gui.statistics_panel import StatisticsPanel
+from ncdc_host.gui.view_bar import ViewBar
+from ncdc_host.gui.view_state import CORRECTION
+
+__all__ = ["DeviceTab"]
+
+_COMPARING = ("side by side", "wipe")
+_PATIENCE = 3.0         # seconds without a picture, besides three frames, that are worth a word
+_PANEL = 332            # pixels that the settings want at least
+_SETTLE = 400           # ms after the last change of a setting until the raw frame is taken anew
+# What the raw frame of a comparison depends on.
+_RAW = ("ExposureTime", "Gain", "TestPattern", "ReverseX", "ReverseY")
+
+
+class DeviceTab(QWidget):
+    """Shows a :class:`Session`; asks the window for another transport or a closed tab.
+
+    Signals
+    -------
+    titled(text, tip, state)
+        For the tab; state is "open", "watching", "waiting" or "trouble".
+    wants(url, monitor)
+        Open this URL instead.
+    said(text)
+        For the status line.
+    """
+    titled, wants, said = Signal(str, str, str), Signal(str, bool), Signal(str)
+
+    def __init__(self, url, name="", monitor=False):
+        super().__init__()
+        self.url, self.name = url, name or url.partition("://")[2]
+        self.session = Session(url, monitor)
+        self.shown = self.infos = self.dialog = None
+        self.mode, self.frozen, self.access, self._state = "after", False, "", ""
+        self._raw_path = self._corrected = None
+        self.view, self.bar, self.messages = PictureView(), ViewBar(), MessageBar()
+        self.histogram, self.settings = HistogramView(), SettingsPanel()
+        self.lenses, self.statistics = LensPanel(), StatisticsPanel()
+        self.foot, self.pixel, self.rate = QLabel(), QLabel(), QLabel()
+        self._lay_out()
+        self._connect_session()
+        self._connect_widgets()
+        self._settle = QTimer(self, singleShot=True, interval=_SETTLE)
+        self._settle.timeout.connect(self.take_again)
+        self._silence = QTimer(self, singleShot=True)
+        self._silence.timeout.connect(self._no_picture_came)
+        self._wait("Connecting to " + self.url + " …")
+        self._enable()
+        self.session.start()
+
+    def _lay_out(self):
+        panel = QWidget()
+        column = QVBoxLayout(panel)
+        column.setContentsMargins(10, 8, 10, 10)
+        group = QGroupBox("Histogram")
+        QVBoxLayout(group).addWidget(self.histogram)
+        for widget in (group, self.settings, self.lenses, self.statistics):
+            column.addWidget(widget)
+        column.addStretch(1)
+        scroll = QScrollArea(widgetResizable=True)
+        scroll.setFrameShape(QScrollArea.Shape.NoFrame)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scroll.setWidget(panel)
+        scroll.setMinimumWidth(max(_PANEL, panel.minimumSizeHint().width())
+                               + scroll.verticalScrollBar().sizeHint().width())
+        left = QWidget()
+        column = QVBoxLayout(left)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        foot = QHBoxLayout()
+        foot.setContentsMargins(8, 4, 8, 4)
+        foot.addWidget(self.foot)
+        foot.addStretch(1)
+        foot.addWidget(self.pixel)
+        foot.addSpacing(16)
+        foot.addWidget(self.rate)
+        column.addWidget(self.bar)
+        column.addWidget(self.messages)
+        column.addWidget(self.view, 1)
+        column.addLayout(foot)
+        splitter = QSplitter()
+        splitter.addWidget(left)
+        splitter.addWidget(scroll)
+        splitter.setStretchFactor(0, 1)
+        splitter.setCollapsible(0, False)
+        splitter.setSizes([10_000, scroll.minimumWidth()])
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addWidget(splitter)
+
+    def _connect_session(self):
+        s = self.session
+        for signal, slot in (
+                (s.opened, self._opened), (s.failed, self._failed), (s.lost, self._lost),
+                (s.features, self._features), (s.written, self.settings.written),
+                (s.refused, self._refused), (s.saved, self._saved), (s.busy, self._busy),
+                (s.picture, self._picture), (s.no_pictures, self._no_pictures),
+                (s.still, self._still), (s.counted, self._counted),
+                (s.lens_loaded, self._lens_loaded)):
+            signal.connect(slot)
+
+    def _connect_widgets(self):
+        self.settings.changed.connect(self.set_feature)
+        self.settings.window_changed.connect(self.session.set_window)
+        self.lenses.chosen.connect(lambda number: self.set_feature("LensSelector", number))
+        self.lenses.load.clicked.connect(self.ask_lens)
+        self.lenses.calibrate.clicked.connect(self.calibrate)
+        self.bar.mode_chosen.connect(self.set_mode)
+        self.bar.again.clicked.connect(self.take_again)
+        self.bar.freeze.clicked.connect(self.freeze)
+        self.bar.save.clicked.connect(self.ask_picture)
+        for button, act in ((self.bar.zoom_in, self.view.zoom_in),
+                            (self.bar.zoom_out, self.view.zoom_out), (self.bar.fit, self.view.fit),
+                            (self.bar.whole, lambda: self.view.set_scale(1))):
+            button.clicked.connect(lambda _=False, act=act: act())
+        self.view.scaled.connect(self.bar.show_scale)
+        self.view.pointed.connect(self._pointed)
+
+    # States.
+
+    def _become(self, state):
+        self._state = state
+        self.titled.emit(self.name, self.url, state)
+        self._enable()
+
+    def _enable(self):
+        ours = self.infos is not None and CORRECTION in self.infos
+        control = self._state == "open"
+        self.settings.setEnabled(control)
+        self.histogram.setEnabled(self.shown is not None)
+        self.lenses.setEnabled(control and ours)
+        for mode, button in self.bar.modes.items():
+            button.setEnabled(mode == self.mode or control and ours)
+        for button in (self.bar.save, self.bar.freeze):
+            button.setEnabled(self.shown is not None)
+        self.bar.show_mode(self.mode, self.mode in _COMPARING and control)
+
+    def _wait(self, text, shade=False):
+        self.view.set_text(text, shade)
+
+    def _opened(self, access):
+        self.access = access
+        self.messages.clear()
+        self._wait("Waiting for the first picture …")
+        self._become("watching" if access == "monitor" else "open")
+        if access == "monitor":
+            self.messages.show_message("You watch only: another user has control, and settings "
+                                       "cannot be changed.", "info", self._other_ways(False),
+                                       lasting=True)
+        self._listen()
+
+    def _failed(self, reason, text):
+        self.access = ""
+        self._become("trouble")
+        if reason == "held":
+            self._wait("Another user has control of this device.")
+            self.messages.show_message(
+                "Another user has control. You can watch beside them, or try again when they "
+                "have left.", "warning", self._other_ways(True), lasting=True)
+            self.messages.setToolTip(text)
+        else:
+            self._wait("No picture: the device could not be opened.")
+            self.messages.show_message(_sentence(text), "error",
+                                       [("Try again", self.try_again)], lasting=True)
+
+    def _other_ways(self, watch):
+        ways = [("Watch only", self.watch)] if watch else []
+        ways.append(("Try again", self.try_again) if watch
+                    else ("Take control", self.take_control))
+        if not self.url.startswith("tcp:"):
+            ways.append(("Open over TCP", self.open_over_tcp))
+        return ways
+
+    def _lost(self, text):
+        self.access = ""
+        self._silence.stop()
+        self._become("waiting")
+        self._wait("The device does not answer any more.\nIt is tried again every two seconds.",
+                   shade=True)
+        self.messages.show_message(_sentence(text), "warning", lasting=True)
+
+    def try_again(self):
+        """Open the device as before."""
+        self.messages.clear()
+        self._wait("Connecting to " + self.url + " …")
+        self.session.open()
+
+    def watch(self):
+        """Open it to watch only."""
+        self.messages.clear()
+        self._wait("Connecting to " + self.url + " …")
+        self.session.open(monitor=True)
+
+    def take_control(self):
+        """Open it anew, with control if that is free."""
+        self.wants.emit(self.url, False)
+
+    def open_over_tcp(self):
+        """Open the same device by Table I, where all users are equal."""
+        self.wants.emit("tcp://" + self.url.partition("://")[2], False)
+
+    def _no_pictures(self, text):
+        self._silence.stop()
+        self._wait("No pictures to watch: the user who has control does not send them to a group."
+                   if self.access == "monitor" else _sentence(text))
+
+    def _refused(self, text):
+        self.messages.show_message(_sentence(text), "warning")
+
+    def _busy(self, text):
+        if text:
+            self.messages.show_message(text, "info")
+        else:
+            self.messages.clear()
+
+    def _saved(self, path):
+        self.said.emit(f"Saved {path}")
+
+    # Pictures.
+
+    def _listen(self):
+        rate = self.infos.get("AcquisitionFrameRate") if self.infos else None
+        self._silence.start(int(1000 * (_PATIENCE + (3 / rate.value if rate else 0))))
+
+    def _no_picture_came(self):
+        self._wait("No picture comes.\nIf the device goes on to answer, a firewall may keep the "
+                   "pictures away, or packets are too large for the network.",
+                   shade=self.shown is not None)
+
+    def _picture(self):
+        shown = self.session.take()
+        if shown is None:
+            return
+        self._listen()
+        if self.frozen:
+            return
+        first, self.shown = self.shown is None, shown
+        if self.view.text or self.view.shade:
+            self._wait("")
+        self.view.show_live(shown.image)
+        self.histogram.show_counts(shown.histogram)
+        frame = shown.frame
+        width, height = shown.image.width(), shown.image.height()
+        self.foot.setText(f"{width} × {height}  ·  {frame.pixel_format.name}  ·  picture "
+                          f"{frame.number}  ·  {frame.time_ns / 1e9:.3f} s")
+        if first:
+            self._enable()
+
+    def _pointed(self, pixel, colour):
+        self.pixel.setText("" if pixel == QPoint(-1, -1) else
+                           f"({pixel.x()}, {pixel.y()})  RGB {colour}")
+
+    def freeze(self, on=None):
+        """Keep the picture on the screen, or go on; None: the other one."""
+        self.frozen = not self.frozen if on is None else on
+        self.bar.freeze.setChecked(self.frozen)
+
+    def set_mode(self, mode):
+        """Show "before", "after", "side by side" or "wipe"."""
+        if not self.bar.modes[mode].isEnabled():
+            return
+        self.session.show_corrected(mode != "before")
+        self._corrected = mode != "before"
+        self._show_mode(mode)
+        if mode in _COMPARING:
+            self.take_again()
+
+    def _show_mode(self, mode):
+        self.mode = mode
+        self.view.set_mode(mode)
+        self._enable()
+
+    def take_again(self):
+        """Take another raw frame to compare with."""
+        if self.mode in _COMPARING:
+            self.session.take_still("compare")
+
+    def _still(self, still):
+        if still.purpose == "compare":
+            self.view.show_still(still.shown.image)
+        elif still.purpose == "save":
+            self.session.save(self._raw_path, still.shown.frame.pixels)
+        elif still.purpose == "calibrate":
+            self._open_dialog(still)
+
+    # Settings.
+
+    def set_feature(self, name, value):
+        """Change a feature, as the panel does."""
+        self.settings.wait_for(name, self.session.set(name, value))
+
+    def _features(self, infos):
+        before, self.infos = self.infos or {}, infos
+        self.settings.show_features(infos)
+        self.statistics.show_device(infos)
+        if "LensSelector" in infos:
+            self.lenses.show_lenses(infos["LensMax"].value + 1, infos["LensSelector"].value)
+        if CORRECTION in infos:
+            corrected = infos[CORRECTION].value
+            # Another user may have changed it.
+            if CORRECTION not in before or corrected != before[CORRECTION].value:
+                if corrected != self._corrected:
+                    self._corrected = corrected
+                    self._show_mode("after" if corrected else "before")
+        if self.mode in _COMPARING and any(
+                name in before and infos[name].value != before[name].value for name in _RAW):
+            self._settle.start()
+        self._enable()
+
+    def _counted(self, statistics):
+        frame = self.shown and self.shown.frame
+        size = frame.pixels.shape[0] * frame.pixels.shape[1] * frame.pixel_format.pixel_bytes \
+            if frame else 0
+        self.statistics.show_counts(statistics, size)
+        self.rate.setText(f"{statistics.rate:.1f} pictures/s  ·  {statistics.lost} lost")
+
+    # Lenses.
+
+    def ask_lens(self):
+        """Ask for a lens file, and load it into the lens that is chosen."""
+        path, _ = QFileDialog.getOpenFileName(self, "Load lens file", _folder(),
+                                              "Lens files (*.toml);;All files (*)")
+        if path:
+            _keep_folder(path)
+            self.load_lens(path)
+
+    def load_lens(self, path, name=""):
+        """Load a lens file into the lens that is chosen."""
+        self.session.load_lens(path, name or Path(path).name, self.lenses.active)
+
+    def _lens_loaded(self, number, name):
+        self.lenses.name_lens(number, name)
+        self.said.emit(f"Lens {number} is {name} now")
+        if self.dialog is not None:
+            self.dialog.lens_loaded()
+
+    def calibrate(self):
+        """Take a raw frame, and open the dialog that makes a lens of it."""
+        self.session.take_still("calibrate", mirrored=False)
+
+    def _open_dialog(self, still):
+        if self.dialog is not None:
+            self.dialog.close()
+        dialog = self.dialog = CalibrationDialog(still.shown, still.limits, self.lenses.active,
+                                                 still.reason, self)
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.photo_wanted.connect(self.session.save)
+        self.session.saved.connect(dialog.photo_written)
+        self.session.refused.connect(dialog.trouble)
+        dialog.lens_ready.connect(lambda path: self.load_lens(path, "calibrated here"))
+        dialog.finished.connect(self._dialog_closed)
+        dialog.open()
+
+    def _dialog_closed(self):
+        self.dialog = None
+
+    # Files.
+
+    def ask_picture(self):
+        """Ask for a name, and save the picture that is shown."""
+        if self.shown is None:
+            return
+        shown = self.shown
+        path = self._ask_name("Save picture", f"picture-{shown.frame.number:06d}.png",
+                              "Pictures (*.png *.bmp *.tif)")
+        if path:
+            self.save_picture(path, shown)
+
+    def save_picture(self, path, shown=None):
+        """Save the colours that are shown; of a raw frame, demosaiced."""
+        self.session.save(path, (shown or self.shown).frame.picture())
+
+    def ask_raw(self):
+        """Ask for a name, and save a raw frame."""
+        number = self.shown.frame.number if self.shown else 0
+        path = self._ask_name("Save raw frame", f"frame-{number:06d}.raw.png",
+                              "Raw frames, one channel (*.png)")
+        if path:
+            self.save_raw(path)
+
+    def save_raw(self, path):
+        """Take a raw frame, as ``ncdc correct`` wants it, and save it."""
+        self._raw_path = path
+        self.session.take_still("save", mirrored=False)
+
+    def _ask_name(self, title, name, kinds):
+        path, _ = QFileDialog.getSaveFileName(self, title, str(Path(_folder()) / name), kinds)
+        if path:
+            _keep_folder(path)
+        return path
+
+    def copy_picture(self):
+        """Put what is seen on the clipboard."""
+        QGuiApplication.clipboard().setPixmap(self.view.grab())
+        self.said.emit("The picture is on the clipboard")
+
+
+def _sentence(text):
+    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+
+
+def _folder():
+    return QSettings().value("folder", str(Path.home()))
+
+
+def _keep_folder(path):
+    QSettings().setValue("folder", str(Path(path).parent))

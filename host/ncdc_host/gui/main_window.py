@@ -1,0 +1,220 @@
+"""The window: devices at the left, a tab for each that is open."""
+
+from PySide6.QtCore import QSettings, Qt
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import (
+    QLabel,
+    QMainWindow,
+    QMessageBox,
+    QSplitter,
+    QStackedWidget,
+    QTabWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ncdc_host.gui.device_tab import DeviceTab
+from ncdc_host.gui.devices_panel import DevicesPanel
+from ncdc_host.gui.picture_view import MODES
+
+__all__ = ["MainWindow"]
+
+_END = 3.0              # seconds that devices may take to give control back at the end
+_MARKS = {"open": "", "watching": " (watching)", "waiting": " …", "trouble": " !"}
+_WELCOME = """<h2>NCDC</h2>
+<p>Open a device of the list: a double click, or Enter.</p>
+<p>No camera yet? <code>ncdc client gui --demo</code> brings two emulated ones.</p>"""
+
+
+class MainWindow(QMainWindow):
+    """Opens devices in tabs.
+
+    Parameters
+    ----------
+    discovery : Discovery, optional
+        None: the list stays empty.
+    """
+    def __init__(self, discovery=None):
+        super().__init__()
+        self.setWindowTitle("NCDC")
+        self.resize(1280, 820)
+        self.discovery, self._ending = discovery, []
+        self.devices, self.tabs = DevicesPanel(), QTabWidget(tabsClosable=True, movable=True,
+                                                             documentMode=True)
+        self.welcome = QLabel(_WELCOME, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
+        self.middle = QStackedWidget()
+        empty = QWidget()
+        QVBoxLayout(empty).addWidget(self.welcome)
+        self.middle.addWidget(empty)
+        self.middle.addWidget(self.tabs)
+        splitter = QSplitter()
+        splitter.addWidget(self.devices)
+        splitter.addWidget(self.middle)
+        splitter.setStretchFactor(1, 1)
+        splitter.setSizes([230, 1050])
+        splitter.setCollapsible(1, False)
+        self.setCentralWidget(splitter)
+        self.devices.wants.connect(self.open_device)
+        self.tabs.tabCloseRequested.connect(self.close_tab)
+        self.tabs.currentChanged.connect(self._enable)
+        self._make_menus()
+        self.statusBar().setSizeGripEnabled(True)
+        if discovery is not None:
+            discovery.found.connect(self.devices.show_found)
+            discovery.failed.connect(self.devices.show_failed)
+            discovery.looking.connect(self.devices.show_looking)
+            self.devices.look.connect(discovery.again)
+            discovery.start()
+        geometry = QSettings().value("geometry")
+        if geometry is not None:
+            self.restoreGeometry(geometry)
+        self._enable()
+
+    # Menus.
+
+    def _make_menus(self):
+        bar = self.menuBar()
+        self.of_tab = []            # actions that need a device
+        menu = bar.addMenu("&Device")
+        self._add(menu, "&Look for devices", "F5", self.devices.look.emit)
+        self._add(menu, "&Add address …", "Ctrl+O", self.devices.ask_address)
+        menu.addSeparator()
+        self._add_of_tab(menu, "Load &lens file …", "Ctrl+L", "ask_lens")
+        self._add_of_tab(menu, "&Calibrate from this picture …", "Ctrl+K", "calibrate")
+        menu.addSeparator()
+        self.of_tab.append(self._add(menu, "&Close tab", QKeySequence.StandardKey.Close,
+                                     lambda: self.close_tab(self.tabs.currentIndex())))
+        self._add(menu, "&Quit", QKeySequence.StandardKey.Quit, self.close)
+        menu = bar.addMenu("&Picture")
+        self._add_of_tab(menu, "&Save picture …", QKeySequence.StandardKey.Save, "ask_picture")
+        self._add_of_tab(menu, "Save &raw frame …", "Ctrl+Shift+S", "ask_raw")
+        self._add_of_tab(menu, "&Copy", QKeySequence.StandardKey.Copy, "copy_picture")
+        menu.addSeparator()
+        self._add_of_tab(menu, "&Freeze", "Space", "freeze")
+        self._add_of_tab(menu, "Take ra&w frame again", "R", "take_again")
+        menu = bar.addMenu("&View")
+        for k, mode in enumerate(MODES, 1):
+            self.of_tab.append(self._add(menu, f"&{k} {mode.capitalize()}", str(k),
+                                         lambda mode=mode: self.tab.set_mode(mode)))
+        menu.addSeparator()
+        for text, key, act in (
+                ("&Larger", "+", lambda: self.tab.view.zoom_in()),
+                ("&Smaller", "-", lambda: self.tab.view.zoom_out()),
+                ("As large as the &window", "F", lambda: self.tab.view.fit()),
+                ("1:&1", "0", lambda: self.tab.view.set_scale(1))):
+            self.of_tab.append(self._add(menu, text, key, act))
+        menu.addSeparator()
+        self._add(menu, "F&ull screen", "F11", self._full_screen)
+        self._add(menu, "&Next tab", QKeySequence.StandardKey.NextChild, self._next_tab)
+        menu = bar.addMenu("&Help")
+        self._add(menu, "&About NCDC", "F1", self._about)
+
+    def _add(self, menu, text, key, act):
+        action = QAction(text, self)
+        action.setShortcut(QKeySequence(key))
+        action.triggered.connect(lambda _=False: act())
+        menu.addAction(action)
+        return action
+
+    def _add_of_tab(self, menu, text, key, name):
+        self.of_tab.append(self._add(menu, text, key, lambda: getattr(self.tab, name)()))
+
+    def _enable(self, *_):
+        for action in self.of_tab:
+            action.setEnabled(self.tab is not None)
+        self.middle.setCurrentIndex(int(self.tabs.count() > 0))
+        self.devices.show_opened(tab.url for tab in self.open_tabs())
+        self.setWindowTitle(f"{self.tab.name} - NCDC" if self.tab is not None else "NCDC")
+
+    def _next_tab(self):
+        if self.tabs.count():
+            self.tabs.setCurrentIndex((self.tabs.currentIndex() + 1) % self.tabs.count())
+
+    def _full_screen(self):
+        self.setWindowState(self.windowState() ^ Qt.WindowState.WindowFullScreen)
+
+    def _about(self):
+        QMessageBox.about(self, "NCDC", "<b>NCDC</b><p>Client of cameras whose wide-angle "
+                          "distortion is corrected in hardware.<p>It speaks the paper's Table I "
+                          "and II, and GVCP and GVSP as Aravis does.<p>Qt by PySide6, "
+                          "LGPL version 3.")
+
+    # Tabs.
+
+    @property
+    def tab(self):
+        """The :class:`DeviceTab` in front, or None."""
+        return self.tabs.currentWidget()
+
+    def open_tabs(self):
+        """All of them."""
+        return [self.tabs.widget(k) for k in range(self.tabs.count())]
+
+    def open_device(self, url, monitor=False, name=""):
+        """A tab for the device of ``url``: the one there is, or a new one."""
+        for tab in self.open_tabs():
+            if tab.url == url and tab.session.monitor == monitor:
+                self.tabs.setCurrentWidget(tab)
+                return tab
+        tab = DeviceTab(url, name, monitor)
+        tab.titled.connect(self._titled)
+        tab.wants.connect(self._instead)
+        tab.said.connect(self._say)
+        self.tabs.setCurrentIndex(self.tabs.addTab(tab, tab.name))
+        self.tabs.setTabToolTip(self.tabs.indexOf(tab), url)
+        self._enable()
+        return tab
+
+    def close_tab(self, index):
+        """Close a tab; its device is given back in the background."""
+        tab = self.tabs.widget(index)
+        if tab is None:
+            return
+        self.tabs.removeTab(index)
+        self._end(tab)
+        self._enable()
+
+    def _end(self, tab):
+        self._ending.append(tab)
+        tab.session.closed.connect(self._ended)
+        if tab.dialog is not None:
+            tab.dialog.close()
+        tab.hide()
+        tab.session.close()
+
+    def _ended(self):
+        session = self.sender()
+        for tab in [tab for tab in self._ending if tab.session is session]:
+            self._ending.remove(tab)
+            tab.deleteLater()
+
+    def _instead(self, url, monitor):
+        tab = self.sender()
+        name = tab.name
+        self.close_tab(self.tabs.indexOf(tab))
+        self.open_device(url, monitor, name)
+
+    def _titled(self, name, tip, state):
+        index = self.tabs.indexOf(self.sender())
+        if index >= 0:
+            scheme = tip.partition("://")[0]
+            how = "" if scheme == "gige" else f" ({scheme})"
+            self.tabs.setTabText(index, name + how + _MARKS[state])
+            self._enable()
+
+    def _say(self, text):
+        self.statusBar().showMessage(text, 8000)
+
+    def closeEvent(self, event):
+        QSettings().setValue("geometry", self.saveGeometry())
+        self.hide()
+        if self.discovery is not None:
+            self.discovery.close()
+        while self.tabs.count():
+            self.close_tab(0)
+        # The window is gone from the screen: devices may take a moment to give control back.
+        for tab in self._ending:
+            tab.session.wait(_END)
+        if self.discovery is not None:
+            self.discovery.wait(_END)
+        event.accept()

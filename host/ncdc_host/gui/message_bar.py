@@ -1,0 +1,84 @@
+"""A line above the picture that tells what is wrong, with what can be done about it."""
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QStyle, QToolButton
+
+__all__ = ["MessageBar"]
+
+_SECONDS = 10           # that a passing message stays
+_COLOURS = {"error": ("#fde7e6", "#b3261e"), "warning": ("#fff4d6", "#8a6100"),
+            "info": ("#e4effc", "#1a5fb4")}
+_ICONS = {"error": QStyle.StandardPixmap.SP_MessageBoxCritical,
+          "warning": QStyle.StandardPixmap.SP_MessageBoxWarning,
+          "info": QStyle.StandardPixmap.SP_MessageBoxInformation}
+
+
+class MessageBar(QFrame):
+    """Shows a sentence until it is closed, replaced, or, if it passes, for ten seconds."""
+
+    def __init__(self):
+        super().__init__()
+        self.setObjectName("messageBar")
+        self._icon, self._label = QLabel(), QLabel()
+        self._label.setWordWrap(True)
+        self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(10, 6, 6, 6)
+        self._row.addWidget(self._icon)
+        self._row.addWidget(self._label, 1)
+        close = QToolButton(text="✕", autoRaise=True, toolTip="Close this message")
+        close.clicked.connect(self.clear)
+        self._row.addWidget(close)
+        self.buttons = []
+        self._timer = QTimer(self, singleShot=True, interval=1000 * _SECONDS)
+        self._timer.timeout.connect(self.clear)
+        self.lasting = False
+        self.hide()
+
+    @property
+    def text(self):
+        """The sentence that is shown; empty if none is."""
+        return "" if self.isHidden() else self._label.text()
+
+    def show_message(self, text, kind="error", actions=(), lasting=False):
+        """Show a sentence.
+
+        Parameters
+        ----------
+        text : str
+        kind : {"error", "warning", "info"}
+        actions : sequence of (str, callable)
+            Buttons.
+        lasting : bool
+            Stays until :meth:`clear`; passing messages do not replace it.
+        """
+        if self.lasting and not lasting:
+            return
+        self._clear_buttons()
+        self.lasting = lasting
+        paper, ink = _COLOURS[kind]
+        self.setStyleSheet(f"#messageBar {{background: {paper}; border-bottom: 1px solid {ink}}} "
+                           f"#messageBar QLabel {{color: #1d1d1d}}")
+        size = self.style().pixelMetric(QStyle.PixelMetric.PM_SmallIconSize)
+        self._icon.setPixmap(self.style().standardIcon(_ICONS[kind]).pixmap(size))
+        self._label.setText(text)
+        for name, act in actions:
+            button = QPushButton(name)
+            button.clicked.connect(act)
+            self._row.insertWidget(self._row.count() - 1, button)
+            self.buttons.append(button)
+        self.show()
+        self._timer.stop() if lasting else self._timer.start()
+
+    def clear(self):
+        """Show nothing."""
+        self._timer.stop()
+        self._clear_buttons()
+        self.lasting = False
+        self.hide()
+
+    def _clear_buttons(self):
+        for button in self.buttons:
+            self._row.removeWidget(button)
+            button.deleteLater()
+        self.buttons = []

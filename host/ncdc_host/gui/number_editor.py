@@ -1,0 +1,118 @@
+"""A number with limits: a box to type it in, and a slider where one helps."""
+
+import math
+
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSlider, QSpinBox, QWidget
+
+__all__ = ["NumberEditor"]
+
+_TICKS = 1000           # of a slider
+_WHOLE_MAX = 2**31 - 1  # of Qt's box for whole numbers
+
+
+class _Careful:
+    """Scrolling past a box must not change it: the wheel counts only after a click into it."""
+
+    def wheelEvent(self, event):
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+class _Whole(_Careful, QSpinBox):
+    pass
+
+
+class _Real(_Careful, QDoubleSpinBox):
+    pass
+
+
+class _Slider(_Careful, QSlider):
+    pass
+
+
+class NumberEditor(QWidget):
+    """Signals ``edited(value)`` for what the user does, never for :meth:`show_value`.
+
+    Parameters
+    ----------
+    name : str
+        For screen readers.
+    decimals : int
+        0: whole numbers.
+    unit : str
+    slider : {"", "linear", "log"}
+    """
+    edited = Signal(float)
+
+    def __init__(self, name, decimals=0, unit="", slider=""):
+        super().__init__()
+        self.box = _Real() if decimals else _Whole()
+        if decimals:
+            self.box.setDecimals(decimals)
+        self.box.setSuffix(f" {unit}" if unit else "")
+        self.box.setKeyboardTracking(False)
+        self.box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.box.setAccessibleName(name)
+        self.box.valueChanged.connect(self._box_changed)
+        self._log, self.slider = slider == "log", None
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        if slider:
+            self.slider = _Slider(Qt.Orientation.Horizontal)
+            self.slider.setRange(0, _TICKS)
+            self.slider.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+            self.slider.setAccessibleName(name)
+            self.slider.setMinimumWidth(60)
+            self.slider.valueChanged.connect(self._slider_changed)
+            row.addWidget(self.slider, 1)
+        self.box.setMinimumWidth(96)
+        row.addWidget(self.box, 0 if slider else 1)
+        self.setFocusProxy(self.box)
+
+    @property
+    def value(self):
+        """The number in the box."""
+        return self.box.value()
+
+    def show_value(self, value, low, high, step):
+        """Show what the device has, with the limits and the step that it has now."""
+        whole = isinstance(self.box, QSpinBox)
+        with QSignalBlocker(self.box):
+            if whole:
+                low, high = int(low), int(min(high, _WHOLE_MAX))
+                self.box.setRange(low, high)
+                self.box.setSingleStep(max(1, int(step)))
+                self.box.setValue(int(value))
+            else:
+                self.box.setRange(low, high)
+                self.box.setSingleStep(step)
+                self.box.setValue(value)
+        self._show_slider()
+
+    def _show_slider(self):
+        if self.slider is None:
+            return
+        low, high, value = self.box.minimum(), self.box.maximum(), self.box.value()
+        if self._log:
+            low, high, value = (math.log(max(number, 1e-6)) for number in (low, high, value))
+        share = (value - low) / (high - low) if high > low else 0
+        with QSignalBlocker(self.slider):
+            self.slider.setValue(round(_TICKS * share))
+
+    def _box_changed(self, value):
+        self._show_slider()
+        self.edited.emit(value)
+
+    def _slider_changed(self, tick):
+        low, high, share = self.box.minimum(), self.box.maximum(), tick / _TICKS
+        if self._log:
+            low = max(low, 1e-6)
+            value = low * (high / low)**share
+        else:
+            value = low + share * (high - low)
+        with QSignalBlocker(self.box):
+            self.box.setValue(round(value) if isinstance(self.box, QSpinBox) else value)
+        self.edited.emit(self.box.value())

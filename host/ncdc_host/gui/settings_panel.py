@@ -1,0 +1,218 @@
+"""The sensor's settings and the picture's: shutter, exposure, gain, speed, size, format, mirror."""
+
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QFormLayout,
+    QGridLayout,
+    QGroupBox,
+    QLabel,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ncdc_host.gui.number_editor import NumberEditor
+from ncdc_host.gui.view_state import CORRECTION, WINDOW
+
+__all__ = ["SettingsPanel"]
+
+_PATTERNS = {
+    "Off": "Off", "GreyHorizontalRamp": "Ramp, left to right",
+    "GreyVerticalRamp": "Ramp, top to bottom", "GreyDiagonalRamp": "Ramp, diagonal",
+    "HorizontalBars": "Bars, horizontal", "VerticalBars": "Bars, vertical",
+    "ColorBar": "Colour bars"}
+_FORMATS = {"BGR8": "Colour, 24 bit (BGR8)", "BGRa8": "Colour, 32 bit (BGRa8)",
+            "Mono8": "Brightness (Mono8)"}
+_SHARES = {"Whole picture": 1.0, "Three quarters": 0.75, "Half": 0.5, "Quarter": 0.25}
+_OTHER = "Other window"
+_EXPOSURE_MAX = 1e6     # us: longer ones are set as a shutter
+
+
+class _Box(QComboBox):
+    """The wheel counts only after a click."""
+
+    def wheelEvent(self, event):
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+class SettingsPanel(QWidget):
+    """Shows features, and signals what the user changes.
+
+    Values that the device has not answered yet are not overwritten by older ones.
+
+    Signals
+    -------
+    changed(name, value)
+    window_changed(x, y, width, height)
+    """
+    changed, window_changed = Signal(str, object), Signal(int, int, int, int)
+
+    def __init__(self):
+        super().__init__()
+        self._infos, self._waiting, self._line_us = {}, {}, 1.0
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self._sensor_group())
+        column.addWidget(self._picture_group())
+
+    def _sensor_group(self):
+        group = QGroupBox("Sensor")
+        form = _form(group)
+        self.shutter = NumberEditor("Shutter", unit="lines")
+        self.shutter.setToolTip("The exposure as the sensor counts it, in lines of the picture.")
+        self.shutter.edited.connect(
+            lambda lines: self.changed.emit("ExposureTime", lines * self._line_us))
+        self.exposure = NumberEditor("Exposure", 3, "ms", "log")
+        self.exposure.edited.connect(lambda ms: self._expose(1000 * ms))
+        self.gain = NumberEditor("Gain", 3, "×", "linear")
+        self.gain.edited.connect(lambda value: self.changed.emit("Gain", value))
+        self.speed = NumberEditor("Speed", 1, "frames/s", "log")
+        self.speed.edited.connect(
+            lambda value: self.changed.emit("AcquisitionFrameRate", value))
+        self.pattern = self._combo("TestPattern", "Test pattern")
+        for name, widget in (("S&hutter", self.shutter), ("&Exposure", self.exposure),
+                             ("&Gain", self.gain), ("S&peed", self.speed),
+                             ("&Test pattern", self.pattern)):
+            form.addRow(name, widget)
+        return group
+
+    def _picture_group(self):
+        group = QGroupBox("Picture")
+        form = _form(group)
+        self.format = self._combo("PixelFormat", "Format")
+        self.size = _Box()
+        self.size.setAccessibleName("Size")
+        self.size.activated.connect(self._size_chosen)
+        form.addRow("For&mat", self.format)
+        form.addRow("Si&ze", self.size)
+        grid = QGridLayout()
+        grid.setContentsMargins(0, 0, 0, 0)
+        self.window = {}
+        for k, (name, label) in enumerate(zip(WINDOW, ("Width", "Height", "Left", "Top"))):
+            editor = self.window[name] = NumberEditor(label)
+            editor.box.setMinimumWidth(64)
+            editor.edited.connect(lambda value, name=name: self.changed.emit(name, int(value)))
+            grid.addWidget(QLabel(label), k // 2, 2 * (k % 2))
+            grid.addWidget(editor, k // 2, 2 * (k % 2) + 1)
+        for column in (1, 3):
+            grid.setColumnStretch(column, 1)
+        form.addRow(grid)
+        self.mirror = {"ReverseX": QCheckBox("Left to right"), "ReverseY": QCheckBox("Upside down")}
+        row = QVBoxLayout()
+        for name, box in self.mirror.items():
+            box.clicked.connect(lambda on, name=name: self.changed.emit(name, on))
+            row.addWidget(box)
+        form.addRow("Mirror", row)
+        return group
+
+    def _combo(self, feature, label):
+        box = _Box()
+        box.setAccessibleName(label)
+        box.activated.connect(lambda k: self.changed.emit(feature, box.itemData(k)))
+        return box
+
+    def _expose(self, exposure_us):
+        """Whole lines: what the sensor can do."""
+        lines = max(1, round(exposure_us / self._line_us))
+        self.changed.emit("ExposureTime", lines * self._line_us)
+
+    # What the device has.
+
+    def wait_for(self, name, serial):
+        """Older values of the feature are not shown until :meth:`written` says so."""
+        self._waiting[name] = serial
+
+    def written(self, name, serial):
+        """The device has answered the change of that serial number; shows what it has now."""
+        if self._waiting.get(name) == serial:
+            del self._waiting[name]
+            self.show_features(self._infos)
+
+    def show_features(self, infos, enabled=None):
+        """Show the :class:`FeatureInfo` of every feature by name; ``enabled``: can be changed."""
+        self._infos = infos
+        if enabled is not None:
+            self.setEnabled(enabled)
+        if "LineTime" in infos:
+            self._line_us = infos["LineTime"].value / 1000
+        shown = {name: info for name, info in infos.items() if name not in self._waiting}
+        self._show_sensor(shown)
+        self._show_picture(shown)
+
+    def _show_sensor(self, shown):
+        if info := shown.get("ExposureTime"):
+            line, lines = self._line_us, round(info.value / self._line_us)
+            self.shutter.show_value(lines, 1, info.maximum / line, 1)
+            highest = max(info.value, min(info.maximum, _EXPOSURE_MAX))
+            self.exposure.show_value(info.value / 1000, info.minimum / 1000, highest / 1000, 1.0)
+        for name, editor, step in (("Gain", self.gain, 0.125),
+                                   ("AcquisitionFrameRate", self.speed, 1.0)):
+            if info := shown.get(name):
+                editor.show_value(info.value, info.minimum, info.maximum, step)
+        if info := shown.get("TestPattern"):
+            _show_choice(self.pattern, info.choices, info.value, _PATTERNS)
+
+    def _show_picture(self, shown):
+        if info := shown.get("PixelFormat"):
+            choices = [info.value] if info.value.startswith("Bayer") else \
+                [name for name in info.choices if not name.startswith("Bayer")]
+            if CORRECTION not in self._infos:
+                choices = info.choices
+            _show_choice(self.format, choices, info.value, _FORMATS)
+        for name in WINDOW:
+            if info := shown.get(name):
+                self.window[name].show_value(info.value, info.minimum, info.maximum,
+                                             info.increment or 1)
+        if all(name in shown for name in (*WINDOW, "WidthMax", "HeightMax")):
+            self._show_size(*(shown[name].value for name in (*WINDOW, "WidthMax", "HeightMax")))
+        for name, box in self.mirror.items():
+            if info := shown.get(name):
+                with QSignalBlocker(box):
+                    box.setChecked(info.value)
+
+    def _show_size(self, width, height, x, y, *whole):
+        self._whole = whole
+        sizes = {name: _middle(whole, share) for name, share in _SHARES.items()}
+        names = {window: name for name, window in sizes.items()}
+        present = names.get((x, y, width, height), _OTHER)
+        with QSignalBlocker(self.size):
+            self.size.clear()
+            for name, (_, _, *size) in sizes.items():
+                self.size.addItem(f"{name}, {size[0]} × {size[1]}", name)
+            self.size.addItem(f"{_OTHER}, {width} × {height}" if present == _OTHER
+                              else f"{_OTHER}: type it below", _OTHER)
+            self.size.setCurrentIndex(self.size.findData(present))
+
+    def _size_chosen(self, index):
+        name = self.size.itemData(index)
+        if name == _OTHER:
+            self.window["Width"].box.setFocus(Qt.FocusReason.OtherFocusReason)
+            self.show_features(self._infos)
+        else:
+            self.window_changed.emit(*_middle(self._whole, _SHARES[name]))
+
+
+def _middle(whole, share):
+    """(x, y, width, height) of the middle of the whole picture, even as the colour filter is."""
+    size = [int(side * share) // 2 * 2 for side in whole]
+    return tuple((side - part) // 4 * 2 for side, part in zip(whole, size)) + tuple(size)
+
+
+def _show_choice(box, choices, value, names):
+    with QSignalBlocker(box):
+        if [box.itemData(k) for k in range(box.count())] != list(choices):
+            box.clear()
+            for choice in choices:
+                box.addItem(names.get(choice, choice), choice)
+        box.setCurrentIndex(box.findData(value))
+
+
+def _form(group):
+    form = QFormLayout(group)
+    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    form.setLabelAlignment(Qt.AlignmentFlag.AlignLeft)
+    return form

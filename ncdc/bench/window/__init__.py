@@ -1,0 +1,1 @@
+"""The client's window under a stopwatch, and its pictures for the documentation."""
