@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.geometry import check_strip_width
+from ncdc_model.interpolation import FAST
 
 __all__ = ["DATA_WIDTHS", "FETCHERS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "OUTPUTS", "Hardware",
            "check_lanes"]
@@ -98,7 +99,8 @@ class Hardware:
 
     def cache_for(self, geometry):
         """Sizes of the tile cache for a camera of ``geometry``."""
-        return self.cache or CacheOptions.for_width(geometry.distorted_width)
+        return self.cache or CacheOptions.for_width(geometry.distorted_width,
+                                                    geometry.interpolation)
 
     def split_for(self, geometry):
         """The tile cache's split for a camera of ``geometry``.
@@ -133,9 +135,17 @@ class Hardware:
         ------
         InputError
             If the pixels per clock do not divide the corrected width, a tan-sigmoid is to serve
-            more neurons than there are, or the tile cache has no such split.
+            more neurons than there are, the tile cache has no such split, or the windows of the
+            descriptor's interpolation cannot be fetched.
         """
         geometry = descriptor.geometry
+        needed = geometry.interpolation
+        if not self.cached and needed != FAST:
+            raise InputError(f"the descriptor's interpolation is {needed.name}, the multiport "
+                             f"fetcher can have {FAST.name} only")
+        if self.cached and self.cache_for(geometry).interpolation != needed:
+            raise InputError(f"the tile cache is for the interpolation "
+                             f"{self.cache.interpolation.name}, the descriptor's is {needed.name}")
         check_lanes(geometry.corrected_width, self.lanes)
         self.units(descriptor.hidden_neurons)
         self.split_for(geometry)

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.cache.layouts import tile_layout
 from ncdc_hdl.frontend.layouts import SIZE
-from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
+from ncdc_model.fetch.cache_options import TILE_WIDTH
 
 __all__ = ["TileRequests"]
 
@@ -15,7 +15,7 @@ __all__ = ["TileRequests"]
 class TileRequests(wiring.Component):
     """One read command per row of a tile, top down::
 
-        address = base + (4 y + row) pitch + 16 x
+        address = base + (H y + row) pitch + 16 x       H rows per tile
 
     Timing: ``latency`` clocks from a tile to its first address; tiles follow each other without a
     gap.
@@ -37,6 +37,7 @@ class TileRequests(wiring.Component):
     """Clocks from a tile to its first address: factors, product 2, address, row."""
 
     def __init__(self, options):
+        self.options = options
         super().__init__({
             "base": In(ADDRESS_BITS), "pitch": In(SIZE),
             "i": In(stream.Signature(tile_layout(options))),
@@ -45,6 +46,7 @@ class TileRequests(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
+        height = self.options.tile_height
         # The oldest tile waits in front of registers that always run, as those of multipliers do.
         # F: the factors of the product, and the tile's column.
         f_x = Signal.like(self.i.p.x, reset_less=True)
@@ -60,16 +62,16 @@ class TileRequests(wiring.Component):
                      p_product.eq(product), m_product.eq(p_product),
                      m_start.eq(self.base + f_x * TILE_WIDTH)]
         known = Signal(3)               # how far the tile has come: a bit for each of F, P, M
-        # A: the address of a tile's first row. O: those of its four rows, one after the other.
+        # A: the address of a tile's first row. O: those of its rows, one after the other.
         a_valid = Signal()                                  # there is a tile in stage A
         a_address = Signal(ADDRESS_BITS, reset_less=True)   # the address of its first row
-        row = Signal(range(TILE_HEIGHT))                    # the row whose address is at ``o``
+        row = Signal(range(height))                         # the row whose address is at ``o``
         done = Signal()                                     # ``o`` takes what is in stage A
         m.d.comb += [self.i.ready.eq(known[-1] & ~a_valid),
-                     done.eq(~self.o.valid | (self.o.ready & (row == TILE_HEIGHT - 1)))]
+                     done.eq(~self.o.valid | (self.o.ready & (row == height - 1)))]
         m.d.sync += known.eq(Mux(self.i.ready, 0, Cat(self.i.valid, known)))
         with m.If(~a_valid):
-            m.d.sync += [a_valid.eq(known[-1]), a_address.eq(m_start + m_product * TILE_HEIGHT)]
+            m.d.sync += [a_valid.eq(known[-1]), a_address.eq(m_start + m_product * height)]
         with m.Elif(done):
             m.d.sync += a_valid.eq(0)
         with m.If(done):
