@@ -4,6 +4,7 @@ import sys
 
 from ncdc.bench.accuracy import command as accuracy
 from ncdc.bench.lines import command as lines
+from ncdc.bench.pictures import command as pictures
 from ncdc.bench.synth import command as synth
 from ncdc.bench.synth.flows import SynthesisError
 from ncdc.bench.tansig import command as tansig
@@ -13,8 +14,8 @@ __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
-BENCHES = {"accuracy": accuracy, "lines": lines, "synth": synth, "tansig": tansig,
-           "throughput": throughput}
+BENCHES = {"accuracy": accuracy, "lines": lines, "pictures": pictures, "synth": synth,
+           "tansig": tansig, "throughput": throughput}
 
 
 def add_arguments(parser):

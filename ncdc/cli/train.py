@@ -14,6 +14,7 @@ from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
 from ncdc_model.formats import MAX_NEURONS, Formats
 from ncdc_model.geometry import BAYER_PHASE
+from ncdc_model.interpolation import FAST, INTERPOLATIONS, interpolation_of
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
 from ncdc_model.tansig import FRACTION_BITS, VARIANTS, choose_variant
 from ncdc_model.training.backprop import Stop
@@ -61,6 +62,10 @@ def add_arguments(parser):
                         help=f"one point in K only measures; 0: none (default: {HELD_OUT})")
     parser.add_argument("--bayer", choices=list(BAYER_PHASE), default="RGGB",
                         help="colour filter of the sensor, first two rows (default: RGGB)")
+    parser.add_argument("--interpolation", choices=list(INTERPOLATIONS), default=FAST.name,
+                        help="fast: the paper's, from 3x3 raw samples, for every fetcher and the "
+                             "smallest core (default); gradient: gradient-corrected colour from "
+                             "6x6, five decibels better, for the tile cache")
     parser.add_argument("--fill", default="0,0,0", metavar="R,G,B",
                         help="colour of pixels without a source (default: 0,0,0)")
     parser.add_argument("--tansig", choices=[*VARIANTS, "auto"], default="mmhbc",
@@ -93,7 +98,8 @@ def run(args):
     if (args.neurons == "auto") != (args.max_error is not None):
         raise InputError("--neurons auto and --max-error belong together, one of them is missing")
     source = load_source(args.source, _size(args.size) if args.size else None, args.zoom,
-                         args.bayer, _colour(args.fill), args.camera)
+                         args.bayer, _colour(args.fill), args.camera,
+                         interpolation_of(args.interpolation))
     trained = _train(args, source)
     trained.descriptor.save(args.output)
     plots = plot_training(trained, source, args.output, args.held_out)

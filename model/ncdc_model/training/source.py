@@ -12,6 +12,7 @@ from ncdc_model.calibration.points import TargetPoints
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
 from ncdc_model.geometry import Geometry
+from ncdc_model.interpolation import FAST
 from ncdc_model.valid import REACH, Calibrated, grid_pitch
 
 __all__ = ["Source", "is_points_file", "load_source"]
@@ -63,7 +64,8 @@ def is_points_file(path):
     return isinstance(table, dict) and table.get("format") == "ncdc points"
 
 
-def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None):
+def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None,
+                interpolation=FAST):
     """Read a points or camera file and choose the corrected frame.
 
     Parameters
@@ -73,7 +75,7 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
         Corrected width and height; default that of the photos.
     zoom : str or float, optional
         As in :func:`ncdc_model.lens.choose_frame`; default fit.
-    bayer, fill
+    bayer, fill, interpolation
         As in :class:`Geometry`.
     camera : str, optional
         Which camera of a camchain.
@@ -83,7 +85,7 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
     InputError
         If the file or an option is bad.
     """
-    options = dict(bayer=bayer, fill=tuple(fill))
+    options = dict(bayer=bayer, fill=tuple(fill), interpolation=interpolation)
     if not is_points_file(path):
         return _of_camera(path, size, zoom, camera, options)
     if camera is not None:
