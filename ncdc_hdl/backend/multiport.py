@@ -95,7 +95,7 @@ class Multiport(wiring.Component):
         # The place of the last window that was not blank, if there was one in this frame.
         last = Signal(data.StructLayout({"x0": len(request.x0), "y0": len(request.y0),
                                          "known": 1}))
-        sent = Signal(FAST.window + 1)           # which of readers and tokens have taken the request
+        sent = Signal(FAST.window + 1)          # which of readers and tokens have taken the request
         taken = Signal(FAST.window + 1)          # which of them have when this clock ends
         fetch = ~a.blank & ~a_reuse
         first_byte = Signal(ADDRESS_BITS)   # address of the window's first byte

@@ -25,8 +25,9 @@ def check_windows(dut, raw, places, rng, *, gap, stall, wait, latency, margin=64
     ``places``: x0, y0, blank of the windows, in order. ``gap``, ``stall``, ``wait``, ``latency``:
     of the source, the sink and the memory, as :func:`memory.read_agent` has them. ``margin``: bytes
     of memory behind the frame. ``needs``: the interpolation; of one whose windows may leave the
-    frame, ``width`` are its columns that count. ``controls``: further inputs of the fetcher, by name. Returns the
-    number of reads that it counts and the commands (address, words) of each of its ports.
+    frame, ``width`` are its columns that count. ``controls``: further inputs of the fetcher, by
+    name. Returns the number of reads that it counts and the commands (address, words) of each of
+    its ports.
     """
     x0, y0, blank = places
     count, pitch = len(x0), raw.shape[1]

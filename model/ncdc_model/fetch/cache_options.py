@@ -30,7 +30,8 @@ class CacheOptions:
 
     Several pixels per clock make groups, each one look-up if its samples (x0, y0) to (x1, y1), the
     windows of all its pixels that are not blank, fit a box: ``(x1 >> 3) - (x0 >> 3) <= 1``,
-    ``y1 - y0 <= 3`` (gradient: 7), and no more than R rows of tiles. A group that does not is cut in halves, these likewise, from left to right.
+    ``y1 - y0 <= 3`` (gradient: 7), and no more than R rows of tiles. A group that does not is cut
+    in halves, these likewise, from left to right.
 
     The tiles that a window, or a box, can touch are in different banks, so no window evicts its own
     tiles.

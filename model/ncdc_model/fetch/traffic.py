@@ -22,7 +22,8 @@ def distinct_bytes(windows, geometry):
 
 
 def worst_span(missed, lookups, tile_bytes, span=SPAN):
-    """Bytes per look-up, with tiles of ``tile_bytes``, in the ``span`` look-ups in a row that read most.
+    """Bytes per look-up in the ``span`` look-ups in a row that read most, of tiles of
+    ``tile_bytes``.
 
     A frame of fewer look-ups is one span.
     """

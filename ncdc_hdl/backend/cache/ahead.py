@@ -76,7 +76,8 @@ class Ahead(wiring.Component):
         # Of the look-up in R and one ahead of it: `touches`, the entries that the one ahead
         # touches as well; `present`, whether both mean the same tile there; `between`, how many
         # look-ups are between the two.
-        relation = data.StructLayout({"touches": self.options.tag_banks, "present": self.options.tag_banks,
+        banks = self.options.tag_banks
+        relation = data.StructLayout({"touches": banks, "present": banks,
                                       "between": range(AHEAD)})
         # R: a relation to each look-up ahead, the nearest one first.
         r_ahead = Signal(data.ArrayLayout(relation, AHEAD), reset_less=True)

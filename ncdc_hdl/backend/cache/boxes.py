@@ -30,8 +30,9 @@ class Boxes(wiring.Component):
     """One box for all windows of a group if it can be read in one clock; else of its halves.
 
     A box fits if it has at most two words of eight bytes across, each on a multiple of eight, as
-    many rows as the tile memory gives, and as many rows of tiles as can be looked up. A group that does not fit is cut in halves, these likewise, from left to right; the
-    window of one pixel always fits. Blank pixels take no part.
+    many rows as the tile memory gives, and as many rows of tiles as can be looked up. A group that
+    does not fit is cut in halves, these likewise, from left to right; the window of one pixel
+    always fits. Blank pixels take no part.
 
     Of windows with a margin, only what is in the frame counts.
 

@@ -59,14 +59,15 @@ class Interlock(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        bits = self.options.sequence_bits
+        bits, banks = self.options.sequence_bits, banks
+        between = between_layout(self.options)
 
         # D: the comparisons with the numbers of pending look-ups, made on the way from stage C.
-        d_touched = Signal(self.options.tag_banks)           # a look-up ahead touches the entry
-        d_between = Signal(between_layout(self.options))    # look-ups between that one and this one
-        d_last_use = Signal(data.ArrayLayout(bits, self.options.tag_banks), reset_less=True)  # by the memory
-        d_since = Signal(self.options.tag_banks)             # the last use is not below `retired`
-        d_before = Signal(self.options.tag_banks)            # the last use is below `number`
+        d_touched = Signal(banks)               # a look-up ahead touches the entry
+        d_between = Signal(between)         # look-ups between that one and this one
+        d_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)  # by the memory
+        d_since = Signal(banks)             # the last use is not below `retired`
+        d_before = Signal(banks)                # the last use is below `number`
         d_wrapped = Signal()                    # `wrapped`, when the two were compared
         with m.If(self.shift):
             m.d.sync += [
@@ -78,16 +79,16 @@ class Interlock(wiring.Component):
             for bank, last_use in enumerate(self.last_use):
                 m.d.sync += [d_since[bank].eq(last_use >= self.retired),
                              d_before[bank].eq(last_use < self.number)]
-        for bank in range(self.options.tag_banks):
+        for bank in range(banks):
             m.d.comb += self.d_busy[bank].eq(
                 d_touched[bank] | self._in_flight(d_since[bank], d_before[bank], d_wrapped))
 
         # A: the same for as long as the look-up stays.
         a_new = Signal()                        # the look-up is in its first clock in stage A
-        a_touched = Signal(self.options.tag_banks)           # a look-up that was ahead touched the entry
-        a_between = Signal(between_layout(self.options))    # look-ups between that one and this one
+        a_touched = Signal(banks)               # a look-up that was ahead touched the entry
+        a_between = Signal(between)         # look-ups between that one and this one
         # The last user: in the first clock that of the memory, later of the look-ups ahead as well.
-        a_last_use = Signal(data.ArrayLayout(bits, self.options.tag_banks), reset_less=True)
+        a_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)
         m.d.sync += a_new.eq(self.shift)
         with m.If(self.shift):
             m.d.sync += [a_touched.eq(d_touched), a_between.eq(d_between),

@@ -107,9 +107,14 @@ class Locate(wiring.Component):
             m.d.comb += [set_y[r].eq(pair_y << self.split),
                          o.pair_y[r].eq(pair_y), o.set_y[r].eq(set_y[r])]
         m.d.comb += [place.next_set.eq(set_x[0] | set_y[0]), place.set.eq(set_x[1] | set_y[-1])]
-        for bank in range(self.options.tag_banks):
-            below = Signal(row, name=f"below{bank}")    # rows of tiles from the first one to this
-            m.d.comb += [
-                below.eq((bank >> 1) - tile_y[:row]),
-                o.need[bank].eq(t.used & (t_across | (tile_x[0] == bank & 1)) & (below <= t_down))]
+        self._needs(m, o.need, t.used, (tile_x[0], t_across), (tile_y[:row], t_down))
         return m
+
+    def _needs(self, m, need, used, columns, rows):
+        """Which banks a box needs: ``columns`` and ``rows`` are what its first tile leaves, divided
+        by their number of banks, and how many more it reaches into."""
+        for bank in range(self.options.tag_banks):
+            below = Signal.like(rows[0], name=f"below{bank}")   # rows from the first one to this
+            m.d.comb += [
+                below.eq((bank >> 1) - rows[0]),
+                need[bank].eq(used & (columns[1] | (columns[0] == bank & 1)) & (below <= rows[1]))]

@@ -140,7 +140,8 @@ class Retire(wiring.Component):
         """
         # Below 0 as long as the oldest look-up has to wait. At most the tiles of all pending
         # look-ups and of the one in the act stage.
-        balance = Signal(signed(ceil_log2(self.options.tag_banks * (self.options.pending + 1) + 1) + 1))
+        most = self.options.tag_banks * (self.options.pending + 1)
+        balance = Signal(signed(ceil_log2(most + 1) + 1))
         m.d.comb += enough.eq(self._enough(balance))
         with m.If(comes):
             # A tile that arrives goes in as a carry: there is one adder behind the queue.

@@ -35,8 +35,8 @@ def box_layout(options, word_bytes):
     """Where a box begins.
 
     ``set`` is the set of its first tile, ``odd_tile`` that tile's column modulo 2 and row modulo R;
-    ``next_set`` is the set of the next tiles to the right and below; ``row`` and ``word``, of ``word_bytes`` bytes, are those in
-    the first tile.
+    ``next_set`` is the set of the next tiles to the right and below; ``row`` and ``word``, of
+    ``word_bytes`` bytes, are those in the first tile.
     """
     return data.StructLayout({
         "set": set_bits(options), "next_set": set_bits(options),

@@ -10,8 +10,8 @@
 // tiles that a direct-mapped cache of this size must ask for, in order; commands and windows that
 // are refused stay as they are. Arguments: name=value, see main. Prints RESULT name value.
 //
-// Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, what an interpolation needs, and for each field of a request (I_) and a
-// window (O_) its first bit in lane 0, with the bits of a lane: see cache_stress.py.
+// Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, what an interpolation needs, and for each
+// field of a request (I_) and a window (O_) its first bit in lane 0, with the bits of a lane: see cache_stress.py.
 
 #include <algorithm>
 #include <cstdint>
@@ -189,7 +189,10 @@ private:
         return group;
     }
 
-    static std::uint32_t first(std::uint32_t place) { return place < kMargin ? 0 : place - kMargin; }
+    // First and last sample in the frame of the window of a place.
+    static std::uint32_t first(std::uint32_t place) {
+        return place < kMargin ? 0 : place - kMargin;
+    }
 
     static std::uint32_t last(std::uint32_t place, std::uint32_t size) {
         return kMargin ? std::min(place + kAfter, size - 1) : place + kAfter;
@@ -224,7 +227,8 @@ private:
         }
         for (std::uint32_t bank = 0; bank < kBanks; bank++) {
             const std::uint32_t tx = (x0 >> 4) + (((x0 >> 4) ^ bank) & 1);
-            const std::uint32_t top = y0 / kHeight, ty = top + (bank / 2 + kRows - top % kRows) % kRows;
+            const std::uint32_t top = y0 / kHeight;
+            const std::uint32_t ty = top + (bank / 2 + kRows - top % kRows) % kRows;
             if (tx > x1 >> 4 || ty > y1 / kHeight) continue;
             const std::uint32_t kx = 1u << f.split, ky = kSets >> f.split;
             const std::uint32_t slot = bank * kSets + (ty / kRows % ky) * kx + tx / 2 % kx;
@@ -340,8 +344,10 @@ private:
             for (int j = 0; j < kCore + 2 * kMargin; j++) {
                 for (int i = 0; i < kCore + 2 * kMargin; i++) {
                     if (away(j) + away(i) > kMargin) continue;
-                    const std::uint32_t row = inside(static_cast<int>(p.y) - kMargin + j, f.height);
-                    const std::uint32_t column = inside(static_cast<int>(p.x) - kMargin + i, f.width);
+                    const int below = static_cast<int>(p.y) - kMargin + j;
+                    const int across = static_cast<int>(p.x) - kMargin + i;
+                    const std::uint32_t row = inside(below, f.height);
+                    const std::uint32_t column = inside(across, f.width);
                     right &= bits(window, O_SAMPLES + at + 8 * n++, 8)
                              == sample(f.base + row * f.pitch + column);
                 }

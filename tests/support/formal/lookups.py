@@ -46,8 +46,8 @@ class _Lookups(Wrapper):
         self.odd_frame = Signal()
         super().__init__({
             "valid": In(1), "tile_x": In(_BITS), "tile_y": In(_BITS), "across": In(1),
-            "down": In(range(self.rows)), "blank": In(1), "last": In(1), "filled": In(1), "ready": In(1),
-            "watch": In(4)})
+            "down": In(range(self.rows)), "blank": In(1), "last": In(1), "filled": In(1),
+            "ready": In(1), "watch": In(4)})
 
     def start(self, m):
         """The design with its look-ups and fills; its parts, and the tiles outstanding."""

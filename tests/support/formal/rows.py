@@ -60,7 +60,8 @@ class Rows(Wrapper):
         if self.state:
             always(m, (rows < self.need) | shown | (self.need == 0), "rows_are_shown")
             always(m, self.start | ~self.follow | (limit == 0) | Mux(
-                limit == MAX_SIZE, rows >= self.height, rows >= limit + self.needs.after), "limit_is_of_rows")
+                limit == MAX_SIZE, rows >= self.height, rows >= limit + self.needs.after),
+                "limit_is_of_rows")
             always(m, ~started[0] | (limit == 0), "limit_starts_anew")
         for k, lane in enumerate(lanes_of(dut.o.p)):
             last = (lane.y0 + self.needs.after) | (self.needs.tile_height - 1)
