@@ -59,14 +59,14 @@ class Interlock(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        bits, banks = self.options.sequence_bits, banks
+        bits, banks = self.options.sequence_bits, self.options.tag_banks
         between = between_layout(self.options)
 
         # D: the comparisons with the numbers of pending look-ups, made on the way from stage C.
         d_touched = Signal(banks)               # a look-up ahead touches the entry
-        d_between = Signal(between)         # look-ups between that one and this one
+        d_between = Signal(between)             # look-ups between that one and this one
         d_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)  # by the memory
-        d_since = Signal(banks)             # the last use is not below `retired`
+        d_since = Signal(banks)                 # the last use is not below `retired`
         d_before = Signal(banks)                # the last use is below `number`
         d_wrapped = Signal()                    # `wrapped`, when the two were compared
         with m.If(self.shift):
@@ -86,7 +86,7 @@ class Interlock(wiring.Component):
         # A: the same for as long as the look-up stays.
         a_new = Signal()                        # the look-up is in its first clock in stage A
         a_touched = Signal(banks)               # a look-up that was ahead touched the entry
-        a_between = Signal(between)         # look-ups between that one and this one
+        a_between = Signal(between)             # look-ups between that one and this one
         # The last user: in the first clock that of the memory, later of the look-ups ahead as well.
         a_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)
         m.d.sync += a_new.eq(self.shift)

@@ -11,7 +11,8 @@
 // are refused stay as they are. Arguments: name=value, see main. Prints RESULT name value.
 //
 // Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, what an interpolation needs, and for each
-// field of a request (I_) and a window (O_) its first bit in lane 0, with the bits of a lane: see cache_stress.py.
+// field of a request (I_) and a window (O_) its first bit in lane 0, with the bits of a lane: see
+// cache_stress.py.
 
 #include <algorithm>
 #include <cstdint>
