@@ -63,7 +63,9 @@ class Bilinear(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         fy = delay(m, self.fy, 7, "fy")
+        minus_fy = None
         if self.colour.signed:
+            minus_fy = pipeline.register(m, "minus_fy", -delay(m, self.fy, 6, "fy_above"))
             # From the other end, the place is 1 - fx.
             rows = [pipeline.register(m, f"fx{j}_d1", pipeline.register(
                 m, f"fx{j}_d0", Mux(self.reversed[j], (1 << self.f_bits) - self.fx, self.fx),
@@ -86,8 +88,11 @@ class Bilinear(wiring.Component):
             product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
             # Cycle 5, if cut: add the product of the bits above the block.
             if cut:
-                high = difference[place:].as_signed() * fraction
-                above = register(f"{name}_h1", register(f"{name}_h0", high))
+                high = difference[place:].as_signed()
+                if self.colour.signed:
+                    above = self._added(m, f"{name}_h", high, fraction, minus_fy)
+                else:
+                    above = register(f"{name}_h1", register(f"{name}_h0", high * fraction))
                 product = register(f"{name}_p2", product + (above << place))
             # The last cycle: add a.
             first = delay(m, a, 5 if cut else 4, f"{name}_a") << self.f_bits
@@ -113,3 +118,22 @@ class Bilinear(wiring.Component):
             m.d.sync += self.o[colour].eq(
                 Mux(rounded < 0, 0, rounded[:8] | (rounded > 255).replicate(8)))
         return m
+
+    @staticmethod
+    def _added(m, name, high, fraction, minus):
+        """``high * fraction`` 2 clocks later, with adders: ``high``, signed, has few bits.
+
+        In digits of -2..2 to the base 4 (Booth's recoding). ``minus``: the negated fraction.
+        """
+        digits = []
+        for k in range(0, len(high), 2):
+            below = high[k - 1] if k else Const(0, 1)
+            upper = high[min(k + 1, len(high) - 1)]
+            once, twice = high[k] ^ below, (upper ^ high[k]) & ~(high[k] ^ below)
+            signed_fraction = Mux(upper, minus, fraction)
+            digits.append(Mux(once, signed_fraction, Mux(twice, signed_fraction << 1, 0)))
+        sums = [pipeline.register(m, f"{name}0_{k}", sum(
+            digit << 2 * n for n, digit in enumerate(digits[k:k + 2])))
+            for k in range(0, len(digits), 2)]
+        return pipeline.register(m, f"{name}1", sum(
+            value << 4 * n for n, value in enumerate(sums)))
