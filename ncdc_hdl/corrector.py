@@ -93,12 +93,13 @@ class Corrector(wiring.Component):
             self.backmap = NodeBackMap(descriptor.hidden_neurons, formats, descriptor.nodes,
                                        variant=descriptor.variant, hardware=self.hardware)
         self.table = ValidTable(descriptor.valid, *descriptor.geometry.corrected)
-        self.window = WindowAddress(formats, lanes)
+        needs = descriptor.geometry.interpolation
+        self.window = WindowAddress(formats, lanes, needs)
         f_bits = formats.coordinate.f_bits
-        self.row_gate = RowGate(f_bits, lanes)
+        self.row_gate = RowGate(f_bits, lanes, needs)
         self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes) if hardware.cached
                       else Multiport(f_bits, data_width))
-        self.interpolator = Interpolator(f_bits, lanes)
+        self.interpolator = Interpolator(f_bits, lanes, needs)
         self.registers = Registers(
             registers(descriptor.hidden_neurons, formats, descriptor.nodes),
             host_values(descriptor, self.hardware),

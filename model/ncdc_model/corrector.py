@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.geometry import WINDOW, scan_order
+from ncdc_model.geometry import scan_order
 from ncdc_model.network import coordinates
-from ncdc_model.picture import bayer_quads, bilinear, fetches, window_address
+from ncdc_model.picture import bilinear, fetches, place_colours, raw_windows, window_address
 
 __all__ = ["Corrected", "check_raw", "correct", "window_bands"]
 
@@ -47,13 +47,14 @@ def correct(descriptor, raw, progress=lambda done, total: None, strip=0):
     geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
     check_raw(raw, geometry)
     width, height = geometry.corrected
-    windows = np.lib.stride_tricks.sliding_window_view(raw, (WINDOW, WINDOW))
+    windows = raw_windows(raw, geometry.interpolation)
     picture = np.empty((height, width, 3), np.uint8)
     valid = np.empty((height, width), bool)
     origins = np.empty((2, height, width), np.int64)
     for rows, x0, y0, fx, fy, not_blank in window_bands(descriptor):
-        quads = bayer_quads(windows[y0, x0], x0, y0, geometry.phase)
-        picture[rows] = bilinear(quads, fx, fy, coordinate.f_bits)
+        places = place_colours(windows[y0, x0], x0, y0, geometry)
+        picture[rows] = bilinear(places, fx, fy, coordinate.f_bits,
+                                 geometry.interpolation.unit_bits)
         origins[:, rows], valid[rows] = (x0, y0), not_blank
         progress(rows.stop, height)
     picture[~valid] = geometry.fill

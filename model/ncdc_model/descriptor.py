@@ -13,6 +13,7 @@ from ncdc_model.fixed import Q
 from ncdc_model.float_network import FloatNetwork, check_gamma
 from ncdc_model.formats import MAX_NEURONS, Formats
 from ncdc_model.geometry import Geometry, ValidRows
+from ncdc_model.interpolation import FAST, interpolation_of
 from ncdc_model.nodes import check_nodes
 
 __all__ = ["Descriptor", "FloatNetwork", "Formats", "MAX_NEURONS", "VERSION"]
@@ -149,6 +150,8 @@ class Descriptor:
         for name, _, _ in self._layers():
             state.update(getattr(self, name).astype("<i8").tobytes())
         state.update(self.valid.spans.astype("<i8").tobytes())
+        if self.geometry.interpolation != FAST:
+            state.update(self.geometry.interpolation.name.encode())
         return state.hexdigest()[:12]
 
     @classmethod
@@ -194,6 +197,8 @@ class Descriptor:
 def _of_table(table):
     geometry = dict(table["geometry"])
     geometry["fill"] = tuple(geometry["fill"])
+    if "interpolation" in geometry:
+        geometry["interpolation"] = interpolation_of(geometry["interpolation"])
     scan = {name: geometry.pop(name) for name in _SCAN}
     geometry = Geometry(**geometry)
     if tuple(scan.values()) != geometry.scan():
@@ -228,7 +233,11 @@ def _integers(values, name):
 def _to_toml(d):
     lines = ["# NCDC descriptor: a trained camera distortion corrector.",
              f"version = {VERSION}", "", "[geometry]  # pixels"]
-    lines += [f"{name} = {_toml(value)}" for name, value in vars(d.geometry).items()]
+    geometry = dict(vars(d.geometry))
+    interpolation = geometry.pop("interpolation")
+    lines += [f"{name} = {_toml(value)}" for name, value in geometry.items()]
+    if interpolation != FAST:
+        lines.append(f"interpolation = {_toml(interpolation.name)}")
     lines += [f"{name} = {value}" for name, value in zip(_SCAN, d.geometry.scan())]
     lines += ["", "[formats]  # integer bits with sign, fraction bits"]
     lines += [f"{name} = [{q.i_bits}, {q.f_bits}]" for name, q in d.formats.items()]

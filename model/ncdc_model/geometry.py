@@ -1,16 +1,16 @@
 """Image sizes, the colour filter phase, the scan normalisation, and which pixels have a source."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
+from ncdc_model.interpolation import FAST, Interpolation
 
 __all__ = ["BAYER_PHASE", "Geometry", "MAX_SIZE", "MIN_SIZE", "SCAN", "STRIP_UNIT", "ValidRows",
-           "WINDOW", "check_strip_width", "scan_order"]
+           "check_strip_width", "scan_order"]
 
-WINDOW = 3             # rows and columns of the raw window that one corrected pixel is made from
 MIN_SIZE = 8           # pixels per side: a row has time to fetch the next one's valid spans
 MAX_SIZE = 4096        # pixels per side that the coordinate formats can address
 SPANS = 2              # spans of pixels with a source that one row can have
@@ -48,7 +48,8 @@ def scan_order(values, strip_width=0):
 
 @dataclass(frozen=True)
 class Geometry:
-    """Sizes in pixels of the corrected and the distorted image, filter phase and fill colour.
+    """Sizes in pixels of the corrected and the distorted image, filter phase and fill colour,
+    and the interpolation.
 
     Pixel centres are at integer coordinates; the corrected image spans (0, 0) to
     (corrected_width - 1, corrected_height - 1).
@@ -64,6 +65,9 @@ class Geometry:
     distorted_height: int
     bayer: str = "RGGB"
     fill: tuple = (0, 0, 0)
+    # Not in the text of a geometry, of which the digest of a descriptor is made: an older one's
+    # digest stays what it was.
+    interpolation: Interpolation = field(default=FAST, repr=False)
 
     def __post_init__(self):
         for name in ("corrected_width", "corrected_height", "distorted_width", "distorted_height"):
@@ -109,14 +113,16 @@ class Geometry:
         return origin_x + np.asarray(u) * step_x, origin_y + np.asarray(v) * step_y
 
     def window_inside(self, x, y):
-        """Whether the 3x3 window of distorted coordinates (x, y) lies wholly in the image.
+        """Whether the places around distorted coordinates (x, y) lie wholly in the image.
 
-        The window's origin is floor(x - 0.5): four quads of 2x2 samples, whose centres are half
-        a pixel right of and below the samples', surround the point.
+        The first place is named by floor(x - offset), see :class:`Interpolation`: of the fast one
+        four quads of 2x2 samples, whose centres are half a pixel right of and below the samples',
+        surround the point.
         """
-        x0, y0 = np.floor(np.asarray(x) - 0.5), np.floor(np.asarray(y) - 0.5)
-        return ((x0 >= 0) & (x0 <= self.distorted_width - WINDOW)
-                & (y0 >= 0) & (y0 <= self.distorted_height - WINDOW))
+        core, offset = self.interpolation.core, self.interpolation.offset
+        x0, y0 = np.floor(np.asarray(x) - offset), np.floor(np.asarray(y) - offset)
+        return ((x0 >= 0) & (x0 <= self.distorted_width - core)
+                & (y0 >= 0) & (y0 <= self.distorted_height - core))
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.geometry import check_strip_width
+from ncdc_model.interpolation import FAST
 from ncdc_model.nodes import row_nodes
 
 __all__ = ["DATA_WIDTHS", "FETCHERS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "NODE_CLOCKS",
@@ -101,7 +102,8 @@ class Hardware:
 
     def cache_for(self, geometry):
         """Sizes of the tile cache for a camera of ``geometry``."""
-        return self.cache or CacheOptions.for_width(geometry.distorted_width)
+        return self.cache or CacheOptions.for_width(geometry.distorted_width,
+                                                    geometry.interpolation)
 
     def split_for(self, geometry):
         """The tile cache's split for a camera of ``geometry``.
@@ -165,9 +167,17 @@ class Hardware:
         InputError
             If the pixels per clock do not divide the corrected width, a tan-sigmoid is to serve
             more neurons than there are, hidden neurons at nodes are to follow the scan of pixels,
-            or the tile cache has no such split.
+            the tile cache has no such split, or the windows of the descriptor's interpolation
+            cannot be fetched.
         """
         geometry = descriptor.geometry
+        needed = geometry.interpolation
+        if not self.cached and needed != FAST:
+            raise InputError(f"the descriptor's interpolation is {needed.name}, the multiport "
+                             f"fetcher can have {FAST.name} only")
+        if self.cached and self.cache_for(geometry).interpolation != needed:
+            raise InputError(f"the tile cache is for the interpolation "
+                             f"{self.cache.interpolation.name}, the descriptor's is {needed.name}")
         check_lanes(geometry.corrected_width, self.lanes)
         if self.hidden == "raster" and descriptor.nodes > 1:
             raise InputError(f"hidden is raster, a network at every {descriptor.nodes}th pixel "

@@ -14,8 +14,8 @@ __all__ = ["check_suffix", "demosaic", "is_raw", "mosaic", "read_image", "write_
 
 # OpenCV names a pattern by the 2x2 block that starts at the second row and column, so that its
 # "BG" is the pattern whose first two samples are R, G.
-_OPENCV = {"RGGB": cv2.COLOR_BayerBG2RGB, "GRBG": cv2.COLOR_BayerGB2RGB,
-           "GBRG": cv2.COLOR_BayerGR2RGB, "BGGR": cv2.COLOR_BayerRG2RGB}
+_OPENCV = {"RGGB": "BG", "GRBG": "GB", "GBRG": "GR", "BGGR": "RG"}
+_METHODS = {"bilinear": "", "edge-aware": "_EA", "vng": "_VNG"}     # of OpenCV's demosaicing
 
 
 def read_image(path, bits=None, told=lambda sentence: None):
@@ -92,6 +92,7 @@ def mosaic(rgb, bayer="RGGB"):
     return raw
 
 
-def demosaic(raw, bayer="RGGB"):
-    """RGB (h, w, 3) of a uint8 ``raw`` frame by OpenCV's bilinear interpolation."""
-    return cv2.cvtColor(np.ascontiguousarray(raw), _OPENCV[bayer])
+def demosaic(raw, bayer="RGGB", method="bilinear"):
+    """RGB (h, w, 3) of a uint8 ``raw`` frame by OpenCV: bilinear, edge-aware or vng."""
+    code = getattr(cv2, f"COLOR_Bayer{_OPENCV[bayer]}2RGB{_METHODS[method]}")
+    return cv2.cvtColor(np.ascontiguousarray(raw), code)

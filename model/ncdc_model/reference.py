@@ -3,32 +3,35 @@
 import cv2
 import numpy as np
 
-from ncdc_model.geometry import WINDOW
 from ncdc_model.images import demosaic, mosaic
+from ncdc_model.interpolation import FAST
 
 __all__ = ["bayer_psnr", "correct_real", "grey_level_difference", "psnr"]
 
 
-def correct_real(descriptor, raw, offset=0.5):
+def correct_real(descriptor, raw, offset=None):
     """Corrected frame (height, width, 3) in real numbers: float network, float interpolation.
 
-    The same fast Bayer interpolation as the hardware's, nothing rounded. Windows that leave the
-    image by up to one pixel are moved back in, as in ``picture.window_address``; those further
-    out, and pixels without a source, are ``nan``.
-    ``offset``: half a pixel between a quad's centre and its first sample; another value shows
-    what forgetting it costs.
+    The same Bayer interpolation as the hardware's, nothing rounded. Places that leave the image by
+    up to one pixel are moved back in, as in ``picture.window_address``; those further out, and
+    pixels without a source, are ``nan``.
+    ``offset``: of the interpolation if absent (half a pixel between a quad's centre and its first
+    sample); another value shows what forgetting it costs.
     """
     geometry = descriptor.geometry
+    interpolation = geometry.interpolation
+    offset = interpolation.offset if offset is None else offset
     v, u = np.indices(geometry.corrected[::-1])
     x, y = descriptor.network(*geometry.normalise(u, v))
     blank = ~descriptor.valid.mask(geometry.corrected_width)
     place = []
     for value, size in ((x - offset, geometry.distorted_width),
                         (y - offset, geometry.distorted_height)):
-        blank |= (value < -1) | (value >= size - WINDOW + 2)
-        place.append(np.clip(value, 0, size - WINDOW + 1))
-    quads = _quads(raw.astype(np.float64), geometry.phase)
-    result = np.stack([_sample(plane, *place) for plane in quads], axis=-1)
+        blank |= (value < -1) | (value >= size - interpolation.core + 2)
+        place.append(np.clip(value, 0, size - interpolation.core + 1))
+    planes = _quads if interpolation == FAST else _gradient_corrected
+    result = np.stack([_sample(plane, *place) for plane in
+                       planes(raw.astype(np.float64), geometry.phase)], axis=-1).clip(0, 255)
     result[blank] = np.nan
     return result
 
@@ -93,6 +96,41 @@ def _quads(raw, phase):
 
     return (total(np.where(is_red, raw, 0)), total(np.where(is_red | is_blue, 0, raw)) / 2,
             total(np.where(is_blue, raw, 0)))
+
+
+def _gradient_corrected(raw, phase):
+    """Red, green, blue planes: the colour of each sample by Malvar, He and Cutler (2004).
+
+    The bilinear estimate of a missing colour, and a share of the difference of the sample from the
+    mean of those of its own colour nearest to it: 1/2 for green, 5/8 for a chroma at a green
+    sample, 3/4 for the other chroma.
+    """
+    column, row = phase
+    framed = np.pad(raw, 2, mode="reflect")
+
+    def at(down, across):
+        return framed[2 + down:, 2 + across:][:raw.shape[0], :raw.shape[1]]
+
+    def mean(*places):
+        return sum(at(*place) for place in places) / len(places)
+
+    beside, above = mean((0, -1), (0, 1)), mean((-1, 0), (1, 0))
+    corners = mean((-1, -1), (-1, 1), (1, -1), (1, 1))
+    far_beside, far_above = mean((0, -2), (0, 2)), mean((-2, 0), (2, 0))
+    step = raw - (far_beside + far_above) / 2
+    green = (beside + above) / 2 + step / 2
+    chroma = corners + 3 / 4 * step
+    # Around a green sample the nearest greens are the corners and the far ones along the line; the
+    # far ones across it count against.
+    along = 5 / 8 * (raw - (4 * corners + 2 * far_beside - far_above) / 5)
+    across = 5 / 8 * (raw - (4 * corners + 2 * far_above - far_beside) / 5)
+    v, u = np.indices(raw.shape)
+    red_row, red_column = (v - row) % 2 == 0, (u - column) % 2 == 0
+    red = np.select([red_row & red_column, red_row, red_column],
+                    [raw, beside + along, above + across], chroma)
+    blue = np.select([~red_row & ~red_column, ~red_row, ~red_column],
+                     [raw, beside + along, above + across], chroma)
+    return red, np.where(red_row == red_column, green, raw), blue
 
 
 def _sample(plane, x, y):

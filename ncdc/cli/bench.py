@@ -7,6 +7,7 @@ from ncdc.bench.client import command as client
 from ncdc.bench.lines import command as lines
 from ncdc.bench.nodes import command as nodes
 from ncdc.bench.photos import command as photos
+from ncdc.bench.pictures import command as pictures
 from ncdc.bench.synth import command as synth
 from ncdc.bench.synth.flows import SynthesisError
 from ncdc.bench.tansig import command as tansig
@@ -18,8 +19,8 @@ __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
 BENCHES = {"accuracy": accuracy, "client": client, "lines": lines, "nodes": nodes,
-           "photos": photos, "synth": synth, "tansig": tansig, "throughput": throughput,
-           "window": window}
+           "photos": photos, "pictures": pictures, "synth": synth, "tansig": tansig,
+           "throughput": throughput, "window": window}
 
 
 def add_arguments(parser):

@@ -5,7 +5,7 @@ from dataclasses import replace
 from ncdc.terminal import Progress
 from ncdc_model.fetch.lookups import frame_windows
 from ncdc_model.fetch.plan import Fixed, choose
-from ncdc_model.fetch.traffic import TILE_BYTES, distinct_bytes
+from ncdc_model.fetch.traffic import distinct_bytes
 from ncdc_model.hardware import (
     DATA_WIDTHS,
     FETCHERS,
@@ -132,12 +132,12 @@ def _planned_cache(hardware, fixed, descriptor):
     InputError
         If an option is outside its limits.
     """
+    geometry = descriptor.geometry
     if not hardware.cached:
         return replace(hardware, strip=fixed.strip or 0), None
     if fixed.everything:
-        return replace(hardware, cache=fixed.caches()[0], split=fixed.split,
-                       strip=fixed.strip), None
-    geometry = descriptor.geometry
+        return replace(hardware, cache=fixed.caches(geometry.interpolation)[0],
+                       split=fixed.split, strip=fixed.strip), None
     width, height = geometry.corrected
     fixed.strips(width, hardware.stream)        # refuses what cannot be before the long work
     progress = Progress("planning") if width * height >= _LONG else lambda fraction: None
@@ -145,6 +145,6 @@ def _planned_cache(hardware, fixed, descriptor):
     distinct = distinct_bytes(windows, geometry)
     choice = choose(windows, distinct, geometry, hardware, fixed,
                     lambda fraction: progress(.7 + .3 * fraction))[0]
-    read = choice.misses * TILE_BYTES
+    read = choice.bytes_read
     return choice.hardware, choice_line(choice.hardware, read / (width * height),
                                         read / max(1, distinct))

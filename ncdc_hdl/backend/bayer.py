@@ -5,7 +5,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.lib.pipeline import register
-from ncdc_model.geometry import WINDOW
+from ncdc_model.interpolation import FAST
 
 __all__ = ["BayerQuads", "QUADS"]
 
@@ -32,16 +32,16 @@ class BayerQuads(wiring.Component):
     latency = 2
 
     def __init__(self):
-        super().__init__({"samples": In(data.ArrayLayout(8, WINDOW * WINDOW)),
+        super().__init__({"samples": In(data.ArrayLayout(8, FAST.window * FAST.window)),
                           "red_column": In(1), "red_row": In(1), "o": Out(QUADS)})
 
     def elaborate(self, platform):
         m = Module()
         for j in range(2):
             for i in range(2):
-                k = WINDOW * j + i
+                k = FAST.window * j + i
                 a, b = self.samples[k], self.samples[k + 1]
-                c, d = self.samples[k + WINDOW], self.samples[k + WINDOW + 1]
+                c, d = self.samples[k + FAST.window], self.samples[k + FAST.window + 1]
                 # A quad one further on starts in a column, a row, of the other kind.
                 red_column, red_row = self.red_column ^ i, self.red_row ^ j
                 # Cycle 1: choose the quad's red, its blue and its two greens.

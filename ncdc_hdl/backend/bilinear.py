@@ -1,4 +1,4 @@
-"""Bilinear interpolation between the colours of four quads."""
+"""Bilinear interpolation between the colours of four places."""
 
 from functools import partial
 
@@ -9,6 +9,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.bayer import QUADS
 from ncdc_hdl.lib import pipeline
 from ncdc_hdl.lib.pipeline import delay
+from ncdc_model.interpolation import FAST
 
 __all__ = ["Bilinear"]
 
@@ -18,39 +19,59 @@ _BLOCK = 18     # bits of a multiplier block
 class Bilinear(wiring.Component):
     """Separable linear interpolation, equations (30)-(32) and Fig. 15, one rounding at the end::
 
-        upper = 2**f q00 + fx (q01 - q00)       lower likewise from the second row of quads
-        o     = (2**f upper + fy (lower - upper) + half) >> (2 f + 1)
+        upper = 2**f q00 + fx (q01 - q00)       lower likewise from the second row of places
+        o     = (2**f upper + fy (lower - upper) + half) >> (2 f + u)
 
-    for each colour; the last bit dropped is the quads' unit of a half. Equal bit for bit to
-    ``ncdc_model.picture.bilinear``. Timing: free-running, ``latency`` clocks; a register stands
-    before each product, beside that of the difference, and two after it. Nine multipliers of 18
-    bits: the second step's differences have two bits more, whose products with fy are of a few
-    bits and added one clock later.
+    for each colour; u are the bits of the places' unit: one of quads, in halves, four of
+    gradient-corrected colours, in sixteenths. The latter may leave 0..255: the result is clamped.
+    Equal bit for bit to ``ncdc_model.picture.bilinear``. Timing: free-running, ``latency`` clocks;
+    a register stands before each product, beside that of the difference, and two after it. Nine
+    multipliers of 18 bits: the second step's differences have a few bits more, whose products with
+    fy are added one clock later.
 
     Parameters
     ----------
     f_bits : int
         Fraction bits of fx and fy.
+    interpolation : Interpolation
+        What the colours are in units of.
+    places : ArrayLayout
+        Four colours: place (j, i), colour k has the index 6 j + 3 i + k.
 
     Members
     -------
-    i : ``In(QUADS)``
+    i : ``In(places)``
     fx, fy : ``In(f_bits)``
+    reversed : ``In(2)``
+        For each row, whether its places come right to left; of signed colours only.
     o : ``Out(ArrayLayout(8, 3))``
         Red, green, blue.
     """
 
-    latency = 12
+    def __init__(self, f_bits, interpolation=FAST, places=QUADS):
+        self.f_bits, self.unit_bits = f_bits, interpolation.unit_bits
+        self.colour = Shape.cast(places.elem_shape)
+        super().__init__({"i": In(places), "fx": In(f_bits), "fy": In(f_bits),
+                          "o": Out(data.ArrayLayout(8, 3))}
+                         | ({"reversed": In(2)} if self.colour.signed else {}))
 
-    def __init__(self, f_bits):
-        self.f_bits = f_bits
-        super().__init__({"i": In(QUADS), "fx": In(f_bits), "fy": In(f_bits),
-                          "o": Out(data.ArrayLayout(8, 3))})
+    @property
+    def latency(self):
+        """Clocks from four colours to the pixel: the last one clamps what can leave 0..255."""
+        return 13 if self.colour.signed else 12
 
     def elaborate(self, platform):
         m = Module()
-        fx = delay(m, self.fx, 2, "fx")
         fy = delay(m, self.fy, 7, "fy")
+        minus_fy = None
+        if self.colour.signed:
+            minus_fy = pipeline.register(m, "minus_fy", -delay(m, self.fy, 6, "fy_above"))
+            # From the other end, the place is 1 - fx.
+            rows = [pipeline.register(m, f"fx{j}_d1", pipeline.register(
+                m, f"fx{j}_d0", Mux(self.reversed[j], (1 << self.f_bits) - self.fx, self.fx),
+                self.f_bits + 1)) for j in range(2)]
+        else:
+            rows = [delay(m, self.fx, 2, "fx")] * 2
 
         register = partial(pipeline.register, m)
 
@@ -67,22 +88,52 @@ class Bilinear(wiring.Component):
             product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
             # Cycle 5, if cut: add the product of the bits above the block.
             if cut:
-                high = difference[place:].as_signed() * fraction
-                above = register(f"{name}_h1", register(f"{name}_h0", high))
+                high = difference[place:].as_signed()
+                if self.colour.signed:
+                    above = self._added(m, f"{name}_h", high, fraction, minus_fy)
+                else:
+                    above = register(f"{name}_h1", register(f"{name}_h0", high * fraction))
                 product = register(f"{name}_p2", product + (above << place))
             # The last cycle: add a.
             first = delay(m, a, 5 if cut else 4, f"{name}_a") << self.f_bits
-            return register(f"{name}_s", first + product, unsigned(len(a) + self.f_bits))
+            return register(f"{name}_s", first + product,
+                            Shape(len(a) + self.f_bits, self.colour.signed))
 
         for colour in range(3):
             q00, q01, q10, q11 = (self.i[6 * j + 3 * i + colour]
                                   for j in range(2) for i in range(2))
-            # Cycles 1 to 5: interpolate along both rows of quads.
-            upper = lerp(f"u{colour}", q00, q01, fx)
-            lower = lerp(f"l{colour}", q10, q11, fx)
+            # Cycles 1 to 5: interpolate along both rows of places.
+            upper = lerp(f"u{colour}", q00, q01, rows[0])
+            lower = lerp(f"l{colour}", q10, q11, rows[1])
             # Cycles 6 to 11: interpolate between the rows.
-            shift = 2 * self.f_bits + 1
+            shift = 2 * self.f_bits + self.unit_bits
             total = lerp(f"v{colour}", upper, lower, fy, cut=True)
             # Cycle 12: round. Adding a half carries exactly if the highest bit dropped is set.
-            m.d.sync += self.o[colour].eq(total[shift:] + total[shift - 1])
+            whole = total[shift:]
+            if not self.colour.signed:
+                m.d.sync += self.o[colour].eq(whole + total[shift - 1])
+                continue
+            rounded = register(f"r{colour}", whole.as_signed() + total[shift - 1])
+            # Cycle 13: clamp.
+            m.d.sync += self.o[colour].eq(
+                Mux(rounded < 0, 0, rounded[:8] | (rounded > 255).replicate(8)))
         return m
+
+    @staticmethod
+    def _added(m, name, high, fraction, minus):
+        """``high * fraction`` 2 clocks later, with adders: ``high``, signed, has few bits.
+
+        In digits of -2..2 to the base 4 (Booth's recoding). ``minus``: the negated fraction.
+        """
+        digits = []
+        for k in range(0, len(high), 2):
+            below = high[k - 1] if k else Const(0, 1)
+            upper = high[min(k + 1, len(high) - 1)]
+            once, twice = high[k] ^ below, (upper ^ high[k]) & ~(high[k] ^ below)
+            signed_fraction = Mux(upper, minus, fraction)
+            digits.append(Mux(once, signed_fraction, Mux(twice, signed_fraction << 1, 0)))
+        sums = [pipeline.register(m, f"{name}0_{k}", sum(
+            digit << 2 * n for n, digit in enumerate(digits[k:k + 2])))
+            for k in range(0, len(digits), 2)]
+        return pipeline.register(m, f"{name}1", sum(
+            value << 4 * n for n, value in enumerate(sums)))

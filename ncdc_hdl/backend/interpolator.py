@@ -6,10 +6,12 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.bayer import BayerQuads
 from ncdc_hdl.backend.bilinear import Bilinear
+from ncdc_hdl.backend.gradient import GradientPlaces
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.pipeline import delay
+from ncdc_model.interpolation import FAST
 
 __all__ = ["Interpolator"]
 
@@ -26,28 +28,36 @@ class Interpolator(wiring.Component):
         Fraction bits of the place in the window.
     lanes : int
         Pixels of a group, each with a decoder and an interpolator of its own.
+    interpolation : Interpolation
 
     Members
     -------
     phase, fill : ``In(2)``, ``In(24)``
         (column, row) parity of the red samples; colour of blank pixels, red in the top byte.
         Constant during a frame.
-    i : ``In(stream.Signature(window_layout(f_bits, lanes)))``
+    i : ``In(stream.Signature(window_layout(f_bits, lanes, interpolation)))``
     o : ``Out(stream.Signature(pixel_layout(lanes)))``
     """
 
-    latency = BayerQuads.latency + Bilinear.latency
-    """Clocks from a window to its pixel in the queue."""
     queued = 32
     """Groups that the queue and the pipeline before it hold."""
 
-    def __init__(self, f_bits, lanes=1):
-        self.f_bits, self.lanes = f_bits, lanes
+    def __init__(self, f_bits, lanes=1, interpolation=FAST):
+        self.f_bits, self.lanes, self.interpolation = f_bits, lanes, interpolation
+        self.decoders = [BayerQuads() if interpolation == FAST else GradientPlaces()
+                         for _ in range(lanes)]
+        self.bilinears = [Bilinear(f_bits, interpolation, decoder.signature.members["o"].shape)
+                          for decoder in self.decoders]
         super().__init__({
             "phase": In(2), "fill": In(24),
-            "i": In(stream.Signature(window_layout(f_bits, lanes))),
+            "i": In(stream.Signature(window_layout(f_bits, lanes, interpolation))),
             "o": Out(stream.Signature(pixel_layout(lanes))),
         })
+
+    @property
+    def latency(self):
+        """Clocks from a window to its pixel in the queue."""
+        return self.decoders[0].latency + self.bilinears[0].latency
 
     def elaborate(self, platform):
         m = Module()
@@ -59,9 +69,10 @@ class Interpolator(wiring.Component):
             Cat(queue.i.first, queue.i.last).eq(
                 delay(m, Cat(self.i.p.first, self.i.p.last), self.latency, "flags")),
         ]
-        for k, (window, pixel) in enumerate(zip(lanes_of(self.i.p), lanes_of(queue.i))):
-            m.submodules[f"bayer{k}"] = bayer = BayerQuads()
-            m.submodules[f"bilinear{k}"] = bilinear = Bilinear(self.f_bits)
+        for k, (window, pixel, bayer, bilinear) in enumerate(zip(
+                lanes_of(self.i.p), lanes_of(queue.i), self.decoders, self.bilinears)):
+            m.submodules[f"bayer{k}"] = bayer
+            m.submodules[f"bilinear{k}"] = bilinear
             m.d.comb += [
                 bayer.samples.eq(window.samples),
                 bayer.red_column.eq(~(window.odd_column ^ self.phase[0])),
@@ -71,7 +82,11 @@ class Interpolator(wiring.Component):
                 bilinear.fy.eq(delay(m, window.fy, bayer.latency, f"fy{k}")),
             ]
             blank = delay(m, window.blank, self.latency, f"blank{k}")
-            m.d.comb += Cat(pixel.b, pixel.g, pixel.r).eq(
-                Mux(blank, self.fill, Cat(bilinear.o[2], bilinear.o[1], bilinear.o[0])))
+            colours = Cat(bilinear.o[2], bilinear.o[1], bilinear.o[0])
+            if self.interpolation != FAST:
+                m.d.comb += bilinear.reversed.eq(bayer.reversed)
+                swapped = delay(m, bayer.swapped, bilinear.latency, f"swapped{k}")
+                colours = Mux(swapped, Cat(bilinear.o[0], bilinear.o[1], bilinear.o[2]), colours)
+            m.d.comb += Cat(pixel.b, pixel.g, pixel.r).eq(Mux(blank, self.fill, colours))
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m

@@ -3,22 +3,39 @@
 from amaranth.lib import data
 
 from ncdc_hdl.lib.groups import grouped
-from ncdc_model.geometry import MAX_SIZE, WINDOW
+from ncdc_model.geometry import MAX_SIZE
+from ncdc_model.interpolation import FAST
 
-__all__ = ["pixel_layout", "request_layout", "window_layout"]
+__all__ = ["edge_layout", "edges", "pixel_layout", "request_layout", "window_layout"]
 
 
-def request_layout(f_bits, lanes=1):
-    """A window to fetch: origin in pixels, place in it as fractions of ``f_bits`` bits, whether
-    the pixel is blank; ``lanes`` of them as :func:`ncdc_hdl.lib.groups.grouped`."""
+def edge_layout(interpolation):
+    """How many columns, or rows, of a window are outside the frame, and whether they are behind
+    its last one (else before its first one)."""
+    return data.StructLayout({"missing": range(interpolation.margin + 1), "behind": 1})
+
+
+def edges(interpolation):
+    """Fields ``edge_x`` and ``edge_y`` of a window that may leave the frame; none of others."""
+    if not interpolation.margin:
+        return {}
+    return {"edge_x": edge_layout(interpolation), "edge_y": edge_layout(interpolation)}
+
+
+def request_layout(f_bits, lanes=1, interpolation=FAST):
+    """A window to fetch: the sample that names its first place, the pixel's place from there on as
+    fractions of ``f_bits`` bits, whether the pixel is blank, and :func:`edges`; ``lanes`` of them
+    as :func:`ncdc_hdl.lib.groups.grouped`."""
     return grouped({"x0": range(MAX_SIZE), "y0": range(MAX_SIZE), "fx": f_bits, "fy": f_bits,
-                    "blank": 1}, lanes)
+                    "blank": 1, **edges(interpolation)}, lanes)
 
 
-def window_layout(f_bits, lanes=1):
-    """A fetched window: samples row by row, parity of the origin, place in it, whether the pixel
-    is blank; ``lanes`` of them as :func:`ncdc_hdl.lib.groups.grouped`."""
-    return grouped({"samples": data.ArrayLayout(8, WINDOW * WINDOW), "odd_column": 1, "odd_row": 1,
+def window_layout(f_bits, lanes=1, interpolation=FAST):
+    """A fetched window: those samples of it that ``interpolation`` uses, row by row, parity of the
+    sample that names the first place, the pixel's place, whether the pixel is blank; ``lanes`` of
+    them as :func:`ncdc_hdl.lib.groups.grouped`."""
+    samples = data.ArrayLayout(8, len(interpolation.samples))
+    return grouped({"samples": samples, "odd_column": 1, "odd_row": 1,
                     "fx": f_bits, "fy": f_bits, "blank": 1}, lanes)
 
 

@@ -11,7 +11,7 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.frontend.layouts import SIZE
-from ncdc_model.geometry import WINDOW
+from ncdc_model.interpolation import FAST
 
 __all__ = ["Multiport"]
 
@@ -58,7 +58,7 @@ class Multiport(wiring.Component):
         The oldest window waits for the memory.
     """
 
-    ports = WINDOW
+    ports = FAST.window
 
     def __init__(self, f_bits, data_width, *, in_flight=4):
         self.f_bits, self.data_width, self.in_flight = f_bits, data_width, in_flight
@@ -67,7 +67,7 @@ class Multiport(wiring.Component):
             "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
             "i": In(stream.Signature(request_layout(f_bits))),
             "o": Out(stream.Signature(window_layout(f_bits))),
-            **{f"bus{r}": Out(ReadHost(data_width, _MAX_BURST)) for r in range(WINDOW)},
+            **{f"bus{r}": Out(ReadHost(data_width, _MAX_BURST)) for r in range(FAST.window)},
             "fetched": Out(1), "waiting": Out(1),
         })
 
@@ -77,7 +77,7 @@ class Multiport(wiring.Component):
         byte_bits = ceil_log2(word_bytes)
 
         readers, fences = [], []
-        for r in range(WINDOW):
+        for r in range(FAST.window):
             reader = BurstReader(self.data_width, depth=_MAX_BURST * self.in_flight,
                                  max_burst=_MAX_BURST)
             m.submodules[f"reader{r}"] = reader
@@ -112,21 +112,21 @@ class Multiport(wiring.Component):
         # The place of the last window that was not blank, if there was one in this frame.
         last = Signal(data.StructLayout({"x0": len(request.x0), "y0": len(request.y0),
                                          "known": 1}))
-        sent = Signal(WINDOW + 1)           # which of readers and tokens have taken the request
-        taken = Signal(WINDOW + 1)          # which of them have when this clock ends
+        sent = Signal(FAST.window + 1)          # which of readers and tokens have taken the request
+        taken = Signal(FAST.window + 1)          # which of them have when this clock ends
         fetch = ~a.blank & ~a_reuse
         first_byte = Signal(ADDRESS_BITS)   # address of the window's first byte
         end = Signal(byte_bits + 1)         # the last byte's place from the first byte's word on
         token = Signal(token_layout)        # what the window's answer has to know
         m.d.comb += [
             first_byte.eq(self.base + a_offset + a.x0),
-            end.eq(a.x0[:byte_bits] + WINDOW - 1),
+            end.eq(a.x0[:byte_bits] + FAST.window - 1),
             token.fetch.eq(fetch), token.two_words.eq(end[byte_bits]),
             token.offset.eq(a.x0), token.odd_column.eq(a.x0[0]), token.odd_row.eq(a.y0[0]),
             *(token[name].eq(a[name]) for name in ("fx", "fy", "blank", "first", "last")),
             tokens.w_data.eq(token),
-            tokens.w_en.eq(a_valid & ~sent[WINDOW]),
-            taken[WINDOW].eq(sent[WINDOW] | tokens.w_rdy),
+            tokens.w_en.eq(a_valid & ~sent[FAST.window]),
+            taken[FAST.window].eq(sent[FAST.window] | tokens.w_rdy),
         ]
         for r, fence in enumerate(fences):
             address = first_byte + (0, self.pitch, self.pitch << 1)[r]
@@ -169,9 +169,9 @@ class Multiport(wiring.Component):
             with m.If(self.o.valid & self.o.ready):
                 m.d.sync += count.eq(0)
             complete.append(count == needed)
-            row = (words >> (here << 3))[:8 * WINDOW]
-            m.d.comb += [self.o.p.samples[WINDOW * r + k].eq(row.word_select(k, 8))
-                         for k in range(WINDOW)]
+            row = (words >> (here << 3))[:8 * FAST.window]
+            m.d.comb += [self.o.p.samples[FAST.window * r + k].eq(row.word_select(k, 8))
+                         for k in range(FAST.window)]
         m.d.comb += [
             here.eq(Mux(token.fetch, token.offset, offset)),
             self.o.valid.eq(tokens.r_rdy & (~token.fetch | Cat(complete).all())),

@@ -7,8 +7,8 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_model.fetch.cache_options import TILE_HEIGHT
-from ncdc_model.geometry import MAX_SIZE, WINDOW
+from ncdc_model.geometry import MAX_SIZE
+from ncdc_model.interpolation import FAST
 
 __all__ = ["RowGate"]
 
@@ -16,9 +16,11 @@ __all__ = ["RowGate"]
 class RowGate(wiring.Component):
     """Lets a group of windows pass once every row that the fetcher may read for it is written.
 
-    A window ends in row y0 + 2; a cache reads that row's whole tile, so that a pixel passes if::
+    A window ends in row y0 + 2, that of the gradient-corrected interpolation in y0 + 3, and a cache
+    reads that row's whole tile of four rows, or two, so that a pixel passes if::
 
-        blank  or  not follow  or  rows >= min(((y0 + 2) | 3) + 1, height)
+        blank  or  not follow  or  rows >= min(((y0 + 2) | 3) + 1, height)      fast
+                                   rows >= min(((y0 + 3) | 1) + 1, height)      gradient
 
     with ``rows`` the largest ``camera_rows`` of this frame, the first one that of ``start``. Once
     the frame is complete the camera's counter may thus begin again. The same rule is kept for a
@@ -33,6 +35,7 @@ class RowGate(wiring.Component):
         Fraction bits of the place in the window.
     lanes : int
         Pixels of a group.
+    interpolation : Interpolation
 
     Members
     -------
@@ -46,19 +49,20 @@ class RowGate(wiring.Component):
         Pixels that would have to wait pass as blank ones instead: the camera may have stopped.
     camera_rows : ``In(SIZE)``
         Rows of the frame, from the top, that are in memory.
-    i, o : streams of ``request_layout(f_bits, lanes)``
+    i, o : streams of ``request_layout(f_bits, lanes, interpolation)``
     """
 
     latency = 1
     rows_latency = 2
     """Clocks from a change of ``camera_rows`` to that of what passes: the count, the limit."""
 
-    def __init__(self, f_bits, lanes=1):
+    def __init__(self, f_bits, lanes=1, interpolation=FAST):
+        self.interpolation = interpolation
         super().__init__({
             "start": In(1), "follow": In(1), "height": In(SIZE), "abort": In(1),
             "camera_rows": In(SIZE),
-            "i": In(stream.Signature(request_layout(f_bits, lanes))),
-            "o": Out(stream.Signature(request_layout(f_bits, lanes))),
+            "i": In(stream.Signature(request_layout(f_bits, lanes, interpolation))),
+            "o": Out(stream.Signature(request_layout(f_bits, lanes, interpolation))),
         })
 
     def elaborate(self, platform):
@@ -67,13 +71,14 @@ class RowGate(wiring.Component):
         limit = Signal(SIZE)    # windows that start above it pass: one comparison, to a register
         with m.If(self.start | (self.camera_rows > rows)):
             m.d.sync += rows.eq(self.camera_rows)
-        tiles = rows >> (TILE_HEIGHT - 1).bit_length()
+        height, after = self.interpolation.tile_height, self._after(self.interpolation)
+        tiles = rows >> (height - 1).bit_length()
         with m.If(self.start):
             m.d.sync += limit.eq(0)
         with m.Elif(~self.follow | (rows >= self.height)):
             m.d.sync += limit.eq(MAX_SIZE)
         with m.Else():
-            m.d.sync += limit.eq(Mux(tiles == 0, 0, tiles * TILE_HEIGHT - (WINDOW - 1)))
+            m.d.sync += limit.eq(Mux(tiles <= after // height, 0, tiles * height - after))
 
         payload = Signal.like(self.i.payload)
         m.d.comb += payload.eq(self.i.payload)
@@ -86,3 +91,11 @@ class RowGate(wiring.Component):
             m.d.comb += self.i.ready.eq(passes)
             m.d.sync += [self.o.valid.eq(self.i.valid & passes), self.o.payload.eq(payload)]
         return m
+
+    @staticmethod
+    def _after(interpolation):
+        """Rows of a window below y0.
+
+        A method of its own only so that proofs and tests can open the gate a row early.
+        """
+        return interpolation.after

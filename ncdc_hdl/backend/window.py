@@ -7,19 +7,20 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.frontend.layouts import SIZE, coordinate_layout
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_model.geometry import WINDOW
+from ncdc_model.interpolation import FAST
 
 __all__ = ["WindowAddress"]
 
 
 class WindowAddress(wiring.Component):
-    """Origin of the 3x3 window and the place within it, per pixel and axis::
+    """The sample that names a pixel's first place, and where from there on it lies, per axis::
 
-        x0, fx = floor(x' - 0.5), x' - 0.5 - x0
-        blank  = the input's, or x0 outside -1 .. width - 2
+        x0, fx = floor(x' - offset), x' - offset - x0       offset 0.5 (fast), 0 (gradient)
+        blank  = the input's, or x0 outside -1 .. width - core + 1      core 3 (fast), 2 (gradient)
 
-    An origin of -1 or width - 2 is moved to the window's nearest place inside, see
-    ``ncdc_model.picture.window_address``, to which this is equal bit for bit.
+    An x0 of -1 or width - core + 1 is moved to the nearest place inside, see
+    ``ncdc_model.picture.window_address``, to which this is equal bit for bit. Of windows with a
+    margin it also tells how much of them is outside the frame.
     Timing: three stream stages (subtract, compare, choose), latency 3, one group per clock.
 
     Parameters
@@ -28,33 +29,35 @@ class WindowAddress(wiring.Component):
         ``coordinate`` is used.
     lanes : int
         Pixels of a group.
+    interpolation : Interpolation
 
     Members
     -------
     width, height : ``In``
         Distorted image in pixels, constant during a frame.
     i : ``In(stream.Signature(coordinate_layout(formats, lanes)))``
-    o : ``Out(stream.Signature(request_layout(formats.coordinate.f_bits, lanes)))``
+    o : ``Out(stream.Signature(request_layout(formats.coordinate.f_bits, lanes, ...)))``
     """
 
     latency = 3
 
-    def __init__(self, formats, lanes=1):
-        self.q = formats.coordinate
+    def __init__(self, formats, lanes=1, interpolation=FAST):
+        self.q, self.interpolation = formats.coordinate, interpolation
         super().__init__({
             "width": In(SIZE), "height": In(SIZE),
             "i": In(stream.Signature(coordinate_layout(formats, lanes))),
-            "o": Out(stream.Signature(request_layout(self.q.f_bits, lanes))),
+            "o": Out(stream.Signature(request_layout(self.q.f_bits, lanes, interpolation))),
         })
 
     def elaborate(self, platform):
         m = Module()
-        # Per axis, the last origin inside the image and the one after it.
+        core = self.interpolation.core
+        # Per axis, the last x0 or y0 inside the image and the one after it.
         limits = []
         for axis, size in (("x", self.width), ("y", self.height)):
             last_inside = Signal(signed(self.q.i_bits + 1), name=f"inside_{axis}")
             beyond = Signal(signed(self.q.i_bits + 1), name=f"beyond_{axis}")
-            m.d.sync += [last_inside.eq(size - WINDOW), beyond.eq(size - (WINDOW - 1))]
+            m.d.sync += [last_inside.eq(size - core), beyond.eq(size - (core - 1))]
             limits.append((last_inside, beyond))
         # Each stage takes what the one before it has, unless it must hold its own.
         stages = [(Signal(name=f"{name}_valid"), Signal(2, name=f"{name}_flags"),
@@ -76,7 +79,7 @@ class WindowAddress(wiring.Component):
 
     def _address(self, m, k, i, o, limits, takes):
         """The window ``o`` of the coordinate ``i`` in lane ``k``."""
-        half = 1 << (self.q.f_bits - 1)
+        offset = int(self.interpolation.offset * (1 << self.q.f_bits))
         shift, compare, choose = takes
         blank = Signal(name=f"blank{k}")        # the input's, with the shifted coordinates
         inside = []                             # conditions that the origin is not too far out
@@ -85,14 +88,14 @@ class WindowAddress(wiring.Component):
         for axis, coordinate, (last, beyond), origin, fraction in (
                 ("x", i.x, limits[0], o.x0, o.fx), ("y", i.y, limits[1], o.y0, o.fy)):
             shape = signed(self.q.width + 1)
-            shifted = Signal(shape, name=f"shifted_{axis}{k}")  # the coordinate less a half
+            shifted = Signal(shape, name=f"shifted_{axis}{k}")  # the coordinate less the offset
             held = Signal(shape, name=f"held_{axis}{k}")        # the same, a stage later
             before = Signal(name=f"before_{axis}{k}")           # its whole part is -1
             at_end = Signal(name=f"at_end_{axis}{k}")           # its whole part is `beyond`
             whole = shifted >> self.q.f_bits
             # Stage 1: subtract.
             with m.If(shift):
-                m.d.sync += shifted.eq(coordinate - half)
+                m.d.sync += shifted.eq(coordinate - offset)
             # Stage 2: compare.
             with m.If(compare):
                 m.d.sync += [held.eq(shifted), before.eq(whole == -1), at_end.eq(whole == beyond)]
@@ -104,9 +107,29 @@ class WindowAddress(wiring.Component):
                 with m.Elif(at_end):
                     m.d.sync += [origin.eq(last), fraction.eq(-1)]
             inside += [whole >= -1, whole <= beyond]
+            if self.interpolation.margin:
+                self._edge(m, compare, choose, whole, last, getattr(o, f"edge_{axis}"),
+                           f"{axis}{k}")
         passed = Signal(name=f"passed{k}")                  # the input's `blank`, a stage later
         within = Signal(len(inside), name=f"within{k}")     # `inside`, a stage later
         with m.If(compare):
             m.d.sync += [passed.eq(blank), within.eq(Cat(inside))]
         with m.If(choose):
             m.d.sync += o.blank.eq(passed | ~within.all())
+
+    def _edge(self, m, compare, choose, whole, last, edge, name):
+        """How much of a window is outside: ``whole`` is its first place before it is moved in."""
+        margin = self.interpolation.margin
+        near = Signal(margin, name=f"near_{name}")      # bit n: n + 1 are missing at the beginning
+        far = Signal(margin, name=f"far_{name}")        # bit n: n + 1 are missing at the end
+        with m.If(compare):
+            for n in range(margin):
+                inward = margin - 1 - n
+                at_start, at_end = whole == inward, whole == last - inward
+                if inward == 0:
+                    at_start, at_end = at_start | (whole == -1), at_end | (whole == last + 1)
+                m.d.sync += [near[n].eq(at_start), far[n].eq(at_end)]
+        with m.If(choose):
+            m.d.sync += edge.behind.eq(far.any())
+            m.d.sync += edge.missing.eq(sum(Mux(near[n] | far[n], n + 1, 0)
+                                            for n in range(margin)))

@@ -39,10 +39,14 @@ def stress_cache(cache, *, groups, seed=1, resets=0):
     SimulationError
         If the cache reads a wrong tile, breaks a rule of its ports, or hangs.
     """
+    needs = cache.options.interpolation
     defines = {"NCDC_LANES": cache.lanes, "NCDC_DATA_WIDTH": cache.data_width,
-               "NCDC_TILES": cache.options.tiles, "NCDC_PLACE": cache.f_bits}
-    for letter, layout in (("I", request_layout(cache.f_bits, cache.lanes)),
-                           ("O", window_layout(cache.f_bits, cache.lanes))):
+               "NCDC_TILES": cache.options.tiles, "NCDC_PLACE": cache.f_bits,
+               "NCDC_CORE": needs.core, "NCDC_MARGIN": needs.margin,
+               "NCDC_TILE_HEIGHT": needs.tile_height, "NCDC_TILE_ROWS": needs.tile_rows,
+               "NCDC_BOX_ROWS": needs.box_rows}
+    for letter, layout in (("I", request_layout(cache.f_bits, cache.lanes, needs)),
+                           ("O", window_layout(cache.f_bits, cache.lanes, needs))):
         fields, lanes = dict(layout), 0
         if cache.lanes > 1:
             lanes = layout["lane"].shape.elem_shape.size

@@ -54,8 +54,8 @@ def test_live_tiles_are_those_between_first_and_last_use():
 def test_the_worst_span_may_begin_anywhere():
     lookup = np.array([0, 1, 5, 6, 7, 8, 20])
     missed = Misses(lookup, *(np.zeros_like(lookup),) * 3)
-    assert worst_span(missed, 30, span=4) == 4 * 64 / 4
-    assert worst_span(missed, 2, span=4) == 2 * 64 / 2
+    assert worst_span(missed, 30, 64, span=4) == 4 * 64 / 4
+    assert worst_span(missed, 2, 64, span=4) == 2 * 64 / 2
 
 
 def made(descriptor, memory="ddr3", *, fixed=(None, None, None), rate=None, **choices):

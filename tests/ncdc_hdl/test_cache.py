@@ -6,42 +6,49 @@ import pytest
 from fetchers import BASE, check_windows
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.interpolation import FAST, GRADIENT
 
 F = 10
 WIDTH, HEIGHT = 93, 70
 SMALL = CacheOptions(tiles=16, pending=8, outstanding=3, sequence_bits=5)
+LARGE_WINDOWS = CacheOptions(tiles=32, pending=8, outstanding=3, sequence_bits=5,
+                             interpolation=GRADIENT)
 
 
-def places(rng, count, near):
-    """Origins that wander and jump, ``near`` of them next to the one before; corners first."""
-    x0, y0 = rng.integers(0, WIDTH - 2, count), rng.integers(0, HEIGHT - 2, count)
+def places(rng, count, near, core=3):
+    """First places that wander and jump, ``near`` of them next to the one before; corners first."""
+    last_x, last_y = WIDTH - core, HEIGHT - core
+    x0, y0 = rng.integers(0, last_x + 1, count), rng.integers(0, last_y + 1, count)
     for k in range(4, count):
         if rng.random() < near:
-            x0[k] = np.clip(x0[k - 1] + rng.integers(-1, 3), 0, WIDTH - 3)
-            y0[k] = np.clip(y0[k - 1] + rng.integers(-1, 2), 0, HEIGHT - 3)
-    x0[:4], y0[:4] = (0, WIDTH - 3, 0, WIDTH - 3), (0, 0, HEIGHT - 3, HEIGHT - 3)
+            x0[k] = np.clip(x0[k - 1] + rng.integers(-1, 3), 0, last_x)
+            y0[k] = np.clip(y0[k - 1] + rng.integers(-1, 2), 0, last_y)
+    x0[:4], y0[:4] = (0, last_x, 0, last_x), (0, 0, last_y, last_y)
     return x0, y0, rng.random(count) < .15
 
 
 def misses(x0, y0, blank, options, split):
     """Tiles (tx, ty) that an empty cache asks for, in order."""
-    held, asked = {}, []
+    held, asked, needs = {}, [], options.interpolation
+    height, kinds = (4, 2) if needs == FAST else (2, 4)
     for x, y, no in zip(x0.tolist(), y0.tolist(), blank.tolist()):
         if no:
             continue
-        touched = {((tx & 1) | (ty & 1) << 1): (tx, ty) for tx in (x >> 4, (x + 2) >> 4)
-                   for ty in (y >> 2, (y + 2) >> 2)}
+        columns = range(max(x - needs.margin, 0), min(x + needs.after, WIDTH - 1) + 1)
+        rows = range(max(y - needs.margin, 0), min(y + needs.after, HEIGHT - 1) + 1)
+        touched = {(tx % 2) + ty % kinds * 2: (tx, ty) for tx in {k // 16 for k in columns}
+                   for ty in {k // height for k in rows}}
         for bank in sorted(touched):
             tx, ty = touched[bank]
-            rows = options.sets >> split
-            slot = bank, (ty >> 1) % rows, (tx >> 1) % (1 << split)
+            slot = bank, ty // kinds % (options.sets >> split), tx // 2 % (1 << split)
             if held.get(slot) != (tx, ty):
                 held[slot] = tx, ty
                 asked.append((tx, ty))
     return asked
 
 
-CACHES = [(32, SMALL, 1), (64, SMALL, 0), (128, CacheOptions(tiles=64), 2)]
+CACHES = [(32, SMALL, 1), (64, SMALL, 0), (128, CacheOptions(tiles=64), 2),
+          (32, LARGE_WINDOWS, 1), (128, LARGE_WINDOWS, 2)]
 PAUSES = [(0, 0, 0, (1, 1), .9), (.3, 0, .5, (1, 20), .7), (0, .5, .3, (8, 8), .5),
           (.1, .1, .7, (1, 60), 0)]
 
@@ -55,11 +62,13 @@ def test_windows_and_misses(data_width, options, split, gap, stall, wait, latenc
     word = data_width // 8
     pitch = -(-WIDTH // word) * word
     raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)
-    found = places(rng, count, near)
+    needs = options.interpolation
+    found = places(rng, count, near, needs.core)
     fetched, (log,) = check_windows(Cache(F, data_width, options), raw, found, rng, gap=gap,
                                     stall=stall, wait=wait, latency=latency, margin=4 * pitch,
-                                    split=split)
+                                    needs=needs, width=WIDTH, split=split)
     expected = misses(*found, options, split)
     assert fetched == len(expected)
-    assert log == [(BASE + (4 * ty + row) * pitch + 16 * tx, 16 // word)
-                   for tx, ty in expected for row in range(4)]
+    height = needs.tile_height
+    assert log == [(BASE + (height * ty + row) * pitch + 16 * tx, 16 // word)
+                   for tx, ty in expected for row in range(height)]

@@ -3,47 +3,69 @@
 import numpy as np
 import pytest
 
-from ncdc_hdl.backend.cache.align import Align
+from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.boxes import Boxes
 from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.interpolation import FAST, GRADIENT
 from pipelines import get, put, run_bench
 
-OPTIONS = CacheOptions(tiles=64, pending=8)
+OPTIONS = {each: CacheOptions(tiles=64, pending=8, interpolation=each)
+           for each in (FAST, GRADIENT)}
+# Of each interpolation, the word widths of its tile memory, and all splits.
+MEMORIES = [(each, word_bytes, split) for each, options in OPTIONS.items()
+            for word_bytes in ((4, 8) if each == FAST else (8,))
+            for split in range(options.max_split + 1)]
 F = 10
 
 
-def parts(x0, y0, blank, lanes):
+def edge(first, size, needs):
+    """What the window address says of a window in a frame of ``size`` columns, or rows."""
+    before = max(needs.margin - first, 0)
+    behind = max(first + needs.after - (size - 1), 0)
+    return {"missing": max(before, behind), "behind": int(behind > 0)}
+
+
+def parts(x0, y0, blank, lanes, needs, size):
     """(lanes, box or None) of each look-up of a group, by the rule of ``CacheOptions``."""
     used = [k for k in lanes if not blank[k]]
     if not used:
         return [(lanes, None)]
-    box = (min(x0[k] for k in used), min(y0[k] for k in used), max(x0[k] for k in used) + 2,
-           max(y0[k] for k in used) + 2)
-    if len(lanes) == 1 or ((box[2] >> 3) - (box[0] >> 3) <= 1 and box[3] - box[1] <= 3):
+    box = (min(max(x0[k] - needs.margin, 0) for k in used),
+           min(max(y0[k] - needs.margin, 0) for k in used),
+           max(min(x0[k] + needs.after, size - 1) for k in used),
+           max(min(y0[k] + needs.after, size - 1) for k in used))
+    rows, tile_rows = (4, 2) if needs == FAST else (8, 4)
+    height = 4 if needs == FAST else 2
+    if len(lanes) == 1 or ((box[2] >> 3) - (box[0] >> 3) <= 1 and box[3] - box[1] < rows
+                           and box[3] // height - box[1] // height < tile_rows):
         return [(lanes, box)]
     half = len(lanes) // 2
-    return parts(x0, y0, blank, lanes[:half]) + parts(x0, y0, blank, lanes[half:])
+    return (parts(x0, y0, blank, lanes[:half], needs, size)
+            + parts(x0, y0, blank, lanes[half:], needs, size))
 
 
-@pytest.mark.parametrize("lanes", [2, 4])
+@pytest.mark.parametrize("needs,lanes", [(FAST, 2), (FAST, 4), (GRADIENT, 1), (GRADIENT, 2),
+                                         (GRADIENT, 4)])
 @pytest.mark.parametrize("gap,stall", [(0, 0), (.3, .5)])
-def test_groups_become_boxes(lanes, gap, stall):
-    rng, count = np.random.default_rng(lanes), 400
+def test_groups_become_boxes(needs, lanes, gap, stall):
+    rng, count, size = np.random.default_rng(lanes), 400, 61
     first = rng.integers(0, 60, (count, 1, 2))
-    places = np.clip(first + rng.integers(-4, 8, (count, lanes, 2)) // [1, 3], 0, 4093)
+    places = np.clip(first + rng.integers(-4, 8, (count, lanes, 2)) // [1, 3], 0, size - needs.core)
     blank = rng.random((count, lanes)) < .2
     blank[:3] = True
     items, expected = [], []
     for k, (place, no) in enumerate(zip(places.tolist(), blank.tolist())):
         x0, y0 = zip(*place)
-        items.append({"lane": [{"x0": x, "y0": y, "fx": 0, "fy": k, "blank": int(b)}
-                               for x, y, b in zip(x0, y0, no)],
-                      "first": k == 0, "last": k == count - 1})
-        found = parts(x0, y0, no, list(range(lanes)))
+        group = [{"x0": x, "y0": y, "fx": 0, "fy": k, "blank": int(b)}
+                 | ({"edge_x": edge(x, size, needs), "edge_y": edge(y, size, needs)}
+                    if needs.margin else {}) for x, y, b in zip(x0, y0, no)]
+        items.append((group[0] if lanes == 1 else {"lane": group})
+                     | {"first": k == 0, "last": k == count - 1})
+        found = parts(x0, y0, no, list(range(lanes)), needs, size)
         expected += [(k, sum(1 << n for n in chosen), box, place is found[-1])
                      for place in found for chosen, box in [place]]
-    dut, got, sizes = Boxes(F, lanes), [], set()
+    dut, got, sizes = Boxes(F, lanes, needs), [], set()
 
     async def source(ctx):
         await put(ctx, dut.i, items, lambda: rng.random() < gap)
@@ -55,66 +77,87 @@ def test_groups_become_boxes(lanes, gap, stall):
     run_bench(dut, source, sink)
     assert len(got) == len(expected)
     for out, (k, mask, box, end) in zip(got, expected):
-        assert (out.group.lane[0].fy, out.mask, out.end) == (k, mask, end)
+        assert ((out.group if lanes == 1 else out.group.lane[0]).fy, out.mask, out.end) == (
+            k, mask, end)
         assert out.used == (box is not None)
         if box:
             assert (out.x0, out.y0, out.x1, out.y1) == box
         sizes.add(mask.bit_count())
-    assert sizes == {1, 2, 4} if lanes == 4 else sizes == {1, 2}
+    assert sizes == {1 << k for k in range(lanes.bit_length())}
 
 
-@pytest.mark.parametrize("word_bytes", [4, 8])
-@pytest.mark.parametrize("split", range(OPTIONS.max_split + 1))
-def test_any_window_in_one_clock(word_bytes, split):
+@pytest.mark.parametrize("needs,word_bytes,split", MEMORIES)
+def test_any_window_in_one_clock(needs, word_bytes, split):
     """A frame that fits the cache as a whole; every place of a window in a block of tiles."""
     rng = np.random.default_rng(split)
-    across, down = 2 << split, 2 * (OPTIONS.sets >> split)
-    frame = rng.integers(0, 256, (4 * down, 16 * across), np.uint8)
-    tiles, align = Tiles(OPTIONS, word_bytes), Align(word_bytes)
+    options, height, kinds = OPTIONS[needs], needs.tile_height, needs.tile_rows
+    size, rows = needs.window, needs.box_rows
+    across, down = 2 << split, kinds * (options.sets >> split)
+    frame = rng.integers(0, 256, (height * down, 16 * across), np.uint8)
+    tiles = Tiles(options, word_bytes)
 
     def place(tx, ty):
-        return (ty >> 1) % (OPTIONS.sets >> split) << split | (tx >> 1) % (1 << split)
+        return (ty // kinds) % (options.sets >> split) << split | (tx >> 1) % (1 << split)
 
     async def bench(ctx):
         ctx.set(tiles.split, split)
         ctx.set(tiles.shift, 1)
         for ty in range(down):
             for tx in range(across):
-                slot = ((tx & 1) | (ty & 1) << 1) * OPTIONS.sets + place(tx, ty)
-                for row in range(4):
+                slot = ((tx & 1) | ty % kinds << 1) * options.sets + place(tx, ty)
+                for row in range(height):
                     for word in range(16 // (2 * word_bytes)):
                         start = 16 * tx + 2 * word_bytes * word
-                        pair = [int.from_bytes(frame[4 * ty + row, start + word_bytes * k:][
+                        pair = [int.from_bytes(frame[height * ty + row, start + word_bytes * k:][
                             :word_bytes].tobytes(), "little") for k in range(2)]
                         ctx.set(tiles.fill, {"enable": 3, "slot": slot, "row": row, "word": word,
                                              "data": pair})
                         await ctx.tick()
         ctx.set(tiles.fill.enable, 0)
         for _ in range(300):
-            x, y = int(rng.integers(0, 16 * across - 2)), int(rng.integers(0, 4 * down - 2))
-            ctx.set(tiles.box, {"set": place(x >> 4, y >> 2),
-                                "next_set": place((x >> 4) + 1, (y >> 2) + 1),
-                                "odd_tile": {"x": x >> 4 & 1, "y": y >> 2 & 1},
-                                "row": y & 3, "word": (x & 15) // word_bytes})
+            x = int(rng.integers(0, 16 * across - size + 1))
+            y = int(rng.integers(0, height * down - size + 1))
+            tx, ty = x // 16, y // height
+            ctx.set(tiles.box, {"set": place(tx, ty),
+                                "next_set": place(tx + 1, ty + kinds - 1),
+                                "odd_tile": {"x": tx & 1, "y": ty % kinds},
+                                "row": y % height, "word": (x & 15) // word_bytes})
             await ctx.tick().repeat(tiles.latency)
-            window = [[ctx.get(tiles.samples[(y + j) % 4][(x + i) % (2 * word_bytes)])
-                       for i in range(3)] for j in range(3)]
-            assert window == frame[y:y + 3, x:x + 3].tolist(), (x, y)
+            window = [[ctx.get(tiles.samples[(y + j) % rows][(x + i) % (2 * word_bytes)])
+                       for i in range(size)] for j in range(size)]
+            assert window == frame[y:y + size, x:x + size].tolist(), (x, y)
 
     run_bench(tiles, bench)
+
+
+@pytest.mark.parametrize("needs,word_bytes", sorted({each[:2] for each in MEMORIES}, key=str))
+def test_windows_are_cut_from_the_samples(needs, word_bytes):
+    """Every place modulo the samples; of windows with a margin, with every edge now and then."""
+    rng = np.random.default_rng(word_bytes)
+    align, rows, columns = align_for(word_bytes, needs), needs.box_rows, 2 * word_bytes
+    block = rng.integers(0, 256, (rows, columns))
+
+    def inside(k, edge):
+        """Row or column k of the window, or that which stands for it."""
+        first, last = ((edge["missing"], 99) if not edge["behind"] else
+                       (0, needs.window - 1 - edge["missing"]))
+        return 2 * first - k if k < first else 2 * last - k if k > last else k
 
     async def cut(ctx):
         ctx.set(align.shift, 1)
         ctx.set(align.take, 1)
-        block = rng.integers(0, 256, (4, 2 * word_bytes))
         ctx.set(align.samples, block.tolist())
-        for x in range(16):
-            for y in range(4):
-                ctx.set(align.x, x)
-                ctx.set(align.y, y)
-                await ctx.tick().repeat(align.latency)
-                assert [ctx.get(sample) for sample in align.o] == [
-                    block[(y + j) % 4, (x + i) % (2 * word_bytes)] for j in range(3)
-                    for i in range(3)], (x, y)
+        for x, y in np.ndindex(16, rows):
+            ctx.set(align.x, x)
+            ctx.set(align.y, y)
+            edges = {name: {"missing": int(rng.integers(0, needs.margin + 1)),
+                            "behind": int(rng.integers(0, 2))} for name in "xy"}
+            for name, edge in edges.items() if needs.margin else ():
+                ctx.set(getattr(align, f"edge_{name}"), edge)
+            await ctx.tick().repeat(align.latency)
+            assert [ctx.get(sample) for sample in align.o] == [
+                block[(y - needs.margin + inside(j, edges["y"])) % rows,
+                      (x - needs.margin + inside(i, edges["x"])) % columns]
+                for j, i in needs.samples], (x, y, edges)
 
     run_bench(align, cut)

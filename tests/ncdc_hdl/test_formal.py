@@ -20,6 +20,7 @@ from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.backend.packer import Packer
+from ncdc_model.interpolation import GRADIENT
 
 regress = pytest.mark.regress
 
@@ -142,8 +143,14 @@ PROOFS = {
     "progress": (Progress, "prove", 11),
     "fill order": (FillOrder, "bmc", 19),
     "places": (Places, "bmc", 14),
+    # The tiles and tag banks of the gradient-corrected interpolation.
+    "fill room, gradient": (lambda: FillRoom(needs=GRADIENT), "prove", 2),
+    "tokens, gradient": (lambda: Tokens(needs=GRADIENT), "prove", 2),
+    "fill order, gradient": (lambda: FillOrder(needs=GRADIENT), "bmc", 19),
 }
 LONG = {
+    "progress, gradient": (lambda: Progress(needs=GRADIENT), "prove", 15),
+    "places, gradient": (lambda: Places(needs=GRADIENT), "bmc", 14),
     "fill order": (FillOrder, "bmc", 24),
     "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 24),
     **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 15)

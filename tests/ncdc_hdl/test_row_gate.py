@@ -5,9 +5,9 @@ import pytest
 
 from formal import sby
 from formal.rows import Rows
-from ncdc_hdl.backend import row_gate
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_model.fetch.follow import rows_needed
+from ncdc_model.interpolation import FAST, GRADIENT
 from pipelines import get, put, run_bench
 
 F_BITS, HEIGHT = 10, 30
@@ -141,13 +141,14 @@ def test_an_abort_blanks_what_would_wait(lanes):
 
 
 @pytest.mark.parametrize("lanes", [1, 2])
-def test_no_group_passes_before_its_rows_are_there(lanes, tmp_path):
+@pytest.mark.parametrize("needs", [FAST, GRADIENT], ids=lambda each: each.name)
+def test_no_group_passes_before_its_rows_are_there(lanes, needs, tmp_path):
     """Proved for all time, all requests and all ways that the counter may go."""
-    assert sby.run(Rows(lanes), tmp_path, mode="prove", depth=3) == (sby.PASS, set())
+    assert sby.run(Rows(lanes, needs=needs), tmp_path, mode="prove", depth=3) == (sby.PASS, set())
 
 
 def test_a_proof_of_a_gate_that_opens_a_row_early_fails(tmp_path, monkeypatch):
-    monkeypatch.setattr(row_gate, "WINDOW", row_gate.WINDOW - 1)
+    monkeypatch.setattr(RowGate, "_after", staticmethod(lambda each: each.after - 1))
     gate = Rows(state=False)
     assert sby.run(gate, tmp_path, mode="bmc", depth=10) == (sby.FAIL, {"row_is_there0"})
 

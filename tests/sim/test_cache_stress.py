@@ -4,6 +4,8 @@ The bench counts wrong windows, and stops at a read of a wrong tile, a breach of
 hang. Each guard against a hazard is taken out once, which must be seen.
 """
 
+from dataclasses import replace
+
 import pytest
 from amaranth import Const
 
@@ -14,6 +16,7 @@ from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.interpolation import GRADIENT
 from ncdc_sim.cache_stress import stress_cache
 from ncdc_sim.tools import SimulationError
 
@@ -21,6 +24,7 @@ F = 10
 SMALL = CacheOptions(tiles=16, pending=8, outstanding=3, sequence_bits=5)
 TINY = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4)
 MIDDLE = CacheOptions(tiles=64, pending=32, outstanding=8, sequence_bits=8)
+LARGE_WINDOWS = replace(MIDDLE, interpolation=GRADIENT)
 
 
 def check(groups, data_width, options, lanes=1, **settings):
@@ -31,7 +35,8 @@ def check(groups, data_width, options, lanes=1, **settings):
 
 
 @pytest.mark.parametrize("data_width,options,lanes", [
-    (32, TINY, 1), (64, MIDDLE, 1), (128, SMALL, 1), (128, MIDDLE, 2), (32, SMALL, 4)])
+    (32, TINY, 1), (64, MIDDLE, 1), (128, SMALL, 1), (128, MIDDLE, 2), (32, SMALL, 4),
+    (32, replace(TINY, interpolation=GRADIENT), 1), (128, LARGE_WINDOWS, 4)])
 def test_random_windows(data_width, options, lanes):
     check(50000 // lanes, data_width, options, lanes)
     assert check(10000, data_width, options, lanes, resets=100, seed=2)["resets"] > 2
@@ -40,7 +45,8 @@ def test_random_windows(data_width, options, lanes):
 @pytest.mark.regress
 @pytest.mark.parametrize("data_width,options,lanes,groups", [
     (32, SMALL, 1, 2_000_000), (64, MIDDLE, 1, 3_000_000), (128, CacheOptions(), 1, 4_000_000),
-    (128, SMALL, 1, 1_000_000), (64, MIDDLE, 2, 1_000_000), (128, CacheOptions(), 4, 1_000_000)])
+    (128, SMALL, 1, 1_000_000), (64, MIDDLE, 2, 1_000_000), (128, CacheOptions(), 4, 1_000_000),
+    (32, LARGE_WINDOWS, 1, 1_000_000), (128, LARGE_WINDOWS, 2, 1_000_000)])
 def test_ten_million_random_windows(data_width, options, lanes, groups):
     check(groups, data_width, options, lanes, seed=3)
     check(groups // 10, data_width, options, lanes, resets=100, seed=4)

@@ -8,7 +8,7 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc.bench.throughput.lenses import Lens, trained
 from ncdc.cli import main
-from ncdc_hdl.backend import row_gate
+from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
 from ncdc_model.corrector import correct
@@ -17,6 +17,7 @@ from ncdc_model.fetch.follow import camera_line, follow_bound, rows_needed
 from ncdc_model.hardware import Hardware
 from ncdc_model.images import write_image
 from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, registers
+from ncdc_model.interpolation import GRADIENT
 from ncdc_model.memory_timing import memory_timing
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Camera, Program, simulate_frame
@@ -53,6 +54,7 @@ def followed(descriptor, hardware=Hardware(output="stream"), *, memory="sdram", 
 def test_rows_needed_are_those_of_whole_tiles():
     y0, used = np.array([0, 1, 2, 5, 6, 27, 3]), np.array([1, 1, 1, 1, 1, 1, 0], bool)
     assert rows_needed(y0, used, 30).tolist() == [4, 4, 8, 8, 12, 30, 0]
+    assert rows_needed(y0, used, 30, GRADIENT).tolist() == [4, 6, 6, 10, 10, 30, 0]
 
 
 def test_a_frame_follows_its_camera(small, verilog):
@@ -67,7 +69,7 @@ def test_a_frame_follows_its_camera(small, verilog):
 
 
 def test_a_gate_that_opens_a_row_early_is_caught(small, monkeypatch):
-    monkeypatch.setattr(row_gate, "WINDOW", row_gate.WINDOW - 1)
+    monkeypatch.setattr(RowGate, "_after", staticmethod(lambda each: each.after - 1))
     simulation, _ = followed(small, verilog=corrector_verilog(small, Hardware(output="stream")))
     assert simulation.follow["follow_early_reads"] > 0
 

@@ -4,6 +4,7 @@ import numpy as np
 from amaranth.sim import Simulator
 
 from memory import read_agent
+from ncdc_model.interpolation import FAST
 from pipelines import get, put
 
 __all__ = ["BASE", "check_windows"]
@@ -11,19 +12,34 @@ __all__ = ["BASE", "check_windows"]
 BASE = 64       # byte address of the raw frame
 
 
-def check_windows(dut, raw, places, rng, *, gap, stall, wait, latency, margin=64, **controls):
+def _edge(first, size, needs):
+    """How much of a window is outside of a frame of ``size`` columns, or rows."""
+    before, behind = needs.margin - first, first + needs.after - (size - 1)
+    return {"missing": max(before, behind, 0), "behind": int(behind > 0)}
+
+
+def check_windows(dut, raw, places, rng, *, gap, stall, wait, latency, margin=64, needs=FAST,
+                  width=None, **controls):
     """Fetch windows of ``raw`` (height, pitch) with ``dut`` and compare every field of each.
 
     ``places``: x0, y0, blank of the windows, in order. ``gap``, ``stall``, ``wait``, ``latency``:
     of the source, the sink and the memory, as :func:`memory.read_agent` has them. ``margin``: bytes
-    of memory behind the frame. ``controls``: further inputs of the fetcher, by name. Returns the
-    number of reads that it counts and the commands (address, words) of each of its ports.
+    of memory behind the frame. ``needs``: the interpolation; of one whose windows may leave the
+    frame, ``width`` are its columns that count. ``controls``: further inputs of the fetcher, by
+    name. Returns the number of reads that it counts and the commands (address, words) of each of
+    its ports.
     """
     x0, y0, blank = places
     count, pitch = len(x0), raw.shape[1]
     content = np.concatenate([np.zeros(BASE, np.uint8), raw.ravel(), np.zeros(margin, np.uint8)])
     items = [{"x0": int(x0[k]), "y0": int(y0[k]), "fx": k, "fy": 1023 - k, "blank": int(blank[k]),
               "first": k == 0, "last": k == count - 1} for k in range(count)]
+    framed = raw
+    if needs.margin:
+        framed = np.pad(raw[:, :width], needs.margin, mode="reflect")
+        for item in items:
+            item["edge_x"] = _edge(item["x0"], width, needs)
+            item["edge_y"] = _edge(item["y0"], raw.shape[0], needs)
     got, fetched, logs = [], [], [[] for _ in range(dut.ports)]
 
     async def source(ctx):
@@ -54,7 +70,7 @@ def check_windows(dut, raw, places, rng, *, gap, stall, wait, latency, margin=64
         assert (window.fx, window.fy, window.blank) == (k, 1023 - k, blank[k])
         assert (window.first, window.last) == (k == 0, k == count - 1)
         if not blank[k]:
-            expected = raw[y0[k]:y0[k] + 3, x0[k]:x0[k] + 3]
-            assert list(window.samples) == expected.ravel().tolist(), f"window {k}"
+            expected = [framed[y0[k] + j, x0[k] + i] for j, i in needs.samples]
+            assert list(window.samples) == expected, f"window {k}"
             assert (window.odd_column, window.odd_row) == (x0[k] & 1, y0[k] & 1)
     return sum(fetched), logs

@@ -3,33 +3,37 @@
 from dataclasses import dataclass
 
 from ncdc_model.errors import InputError
+from ncdc_model.interpolation import FAST, Interpolation
 
-__all__ = ["CacheOptions", "TAG_BANKS", "TILE_HEIGHT", "TILE_WIDTH"]
+__all__ = ["CacheOptions", "TILE_WIDTH"]
 
-TILE_WIDTH, TILE_HEIGHT = 16, 4     # samples, a byte each
-TAG_BANKS = 4                       # one for each parity of a tile's column and row
+TILE_WIDTH = 16                     # samples, a byte each
 _LEAST_TILES, _MAX_TILES = 16, 4096
 _MAX_PENDING = 1024
 _MAX_OUTSTANDING = 64
-_ROWS = 4                           # of tiles, that a cache for a raster scan holds
+_LINES = 16                         # of the raw frame, that a cache for a raster scan holds
 
 
 @dataclass(frozen=True)
 class CacheOptions:
-    """A direct-mapped cache of ``tiles`` tiles of 16 x 4 bytes; all choices give the same windows.
+    """A direct-mapped cache of ``tiles`` tiles of 16 x H bytes; all choices give the same windows.
 
-    The index rule. Sample (x, y) of the raw frame lies in tile (tx, ty) = (x >> 4, y >> 2), whose
-    place is fixed by::
+    The index rule. Sample (x, y) of the raw frame lies in tile (tx, ty) = (x div 16, y div H),
+    whose place is fixed by::
 
-        bank = (tx & 1) | (ty & 1) << 1
-        set  = ((ty >> 1) mod Ky) Kx + (tx >> 1) mod Kx      Kx = 2**split, Kx Ky = tiles / 4
-        slot = bank tiles / 4 + set
+        bank = (tx mod 2) + 2 (ty mod R)
+        set  = ((ty div R) mod Ky) Kx + (tx div 2) mod Kx    Kx = 2**split, Kx Ky = tiles / (2 R)
+        slot = bank tiles / (2 R) + set
+
+    with the heights of a tile H and of a bank's pattern R of the interpolation: 4 and 2 of the fast
+    one, 2 and 4 of the gradient-corrected one.
 
     Several pixels per clock make groups, each one look-up if its samples (x0, y0) to (x1, y1), the
-    windows of all its pixels that are not blank, fit a box: ``(x1 >> 3) - (x0 >> 3) <= 1`` and
-    ``y1 - y0 <= 3``. A group that does not is cut in halves, these likewise, from left to right.
+    windows of all its pixels that are not blank, fit a box: ``(x1 >> 3) - (x0 >> 3) <= 1``,
+    ``y1 - y0 <= 3`` (gradient: 7), and no more than R rows of tiles. A group that does not is cut
+    in halves, these likewise, from left to right.
 
-    The four tiles that a window, or a box, can touch are in four banks, so no window evicts its own
+    The tiles that a window, or a box, can touch are in different banks, so no window evicts its own
     tiles.
     ``split``, 0..max_split, is chosen at run time (register CACHE_SPLIT): Kx large for a scan along
     the rows of the raw frame, small for one along its columns.
@@ -47,6 +51,9 @@ class CacheOptions:
         Of the number by which a tile knows its last user; at least one more than counts
         ``pending``, at most 24. The more, the seldomer a tile looks used that is not.
 
+    interpolation : Interpolation
+        Whose windows are fetched.
+
     Raises
     ------
     InputError
@@ -56,6 +63,7 @@ class CacheOptions:
     pending: int = 128
     outstanding: int = 16
     sequence_bits: int = 12
+    interpolation: Interpolation = FAST
 
     def __post_init__(self):
         for name, least, most in (("tiles", _LEAST_TILES, _MAX_TILES),
@@ -72,14 +80,34 @@ class CacheOptions:
                              f"{self.pending.bit_length() + 1} and 24")
 
     @property
+    def tile_height(self):
+        """Rows of a tile, H."""
+        return self.interpolation.tile_height
+
+    @property
+    def tile_bytes(self):
+        """Of samples that a tile holds."""
+        return TILE_WIDTH * self.tile_height
+
+    @property
+    def tile_rows(self):
+        """Rows of tiles whose tiles are in different banks, R."""
+        return self.interpolation.tile_rows
+
+    @property
+    def tag_banks(self):
+        """Banks of tags: for each parity of a tile's column, and each row modulo R, one."""
+        return 2 * self.tile_rows
+
+    @property
     def bytes(self):
         """Of samples that the cache holds."""
-        return self.tiles * TILE_WIDTH * TILE_HEIGHT
+        return self.tiles * self.tile_bytes
 
     @property
     def sets(self):
         """Tiles of each tag bank."""
-        return self.tiles // TAG_BANKS
+        return self.tiles // self.tag_banks
 
     @property
     def max_split(self):
@@ -87,14 +115,15 @@ class CacheOptions:
         return self.sets.bit_length() - 1
 
     @classmethod
-    def for_width(cls, width):
+    def for_width(cls, width, interpolation=FAST):
         """The least cache that holds 16 lines of a raw frame ``width`` samples wide: enough for a
         raster scan of a moderately rotated lens of up to 120 degrees."""
         tiles_across = 1 << max(0, (width - 1).bit_length() - (TILE_WIDTH - 1).bit_length())
-        return cls(tiles=max(_LEAST_TILES, _ROWS * tiles_across))
+        rows = _LINES // interpolation.tile_height
+        return cls._sized(max(_LEAST_TILES, rows * tiles_across), interpolation)
 
     @classmethod
-    def of_bytes(cls, size):
+    def of_bytes(cls, size, interpolation=FAST):
         """The cache that holds ``size`` bytes of samples.
 
         Raises
@@ -102,12 +131,18 @@ class CacheOptions:
         InputError
             If that is no power of two, or outside the limits.
         """
-        tile = TILE_WIDTH * TILE_HEIGHT
+        tile = TILE_WIDTH * interpolation.tile_height
         least, most = _LEAST_TILES * tile, _MAX_TILES * tile
         if not least <= size <= most or size & (size - 1):
             raise InputError(f"the cache's size is {size} bytes, a power of two from {least} to "
                              f"{most} is needed")
-        return cls(tiles=size // tile)
+        return cls._sized(size // tile, interpolation)
+
+    @classmethod
+    def _sized(cls, tiles, interpolation):
+        """A cache of ``tiles`` tiles, with as many bytes under way whatever the tiles' height."""
+        return cls(tiles=tiles, interpolation=interpolation,
+                   outstanding=cls.outstanding * FAST.tile_height // interpolation.tile_height)
 
     def split_for(self, width):
         """The split by which each tile column of a raw frame ``width`` samples wide has sets of its

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.fetch.cache_options import TILE_HEIGHT
 from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.fetch.timing import predict_clocks
 from ncdc_model.fetch.writes import frame_writes
-from ncdc_model.geometry import WINDOW
 from ncdc_model.interface.frames import FramePlaces
+from ncdc_model.interpolation import FAST
 
 __all__ = ["FollowBound", "camera_line", "follow_bound", "rows_needed"]
 
@@ -67,10 +66,10 @@ def camera_line(line, geometry):
     return line
 
 
-def rows_needed(y0, used, height):
-    """Rows of a raw frame of ``height`` rows that must be in memory for windows from row y0 on:
-    to the end of the tiles of their last rows; none where not ``used``."""
-    last = (np.asarray(y0) + WINDOW - 1) | (TILE_HEIGHT - 1)
+def rows_needed(y0, used, height, interpolation=FAST):
+    """Rows of a raw frame of ``height`` rows that must be in memory for windows whose first place
+    is in row y0: to the end of the tiles of their last rows; none where not ``used``."""
+    last = (np.asarray(y0) + interpolation.after) | (interpolation.tile_height - 1)
     return np.where(used, np.minimum(last + 1, height), 0)
 
 
@@ -115,7 +114,7 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None
         memory, timing, places, writes, lambda done, total: progress(.5 + .5 * done / total))
     free.read.settle(len(boxes))
     _, y0, used = windows.scanned(strip)
-    needed = rows_needed(y0, used, geometry.distorted_height)
+    needed = rows_needed(y0, used, geometry.distorted_height, geometry.interpolation)
     # All pixels of a group wait together.
     needed = needed.reshape(-1, lanes).max(axis=1)[boxes.pixel // lanes]
     number = np.arange(len(boxes))

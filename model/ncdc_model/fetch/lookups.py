@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.corrector import window_bands
-from ncdc_model.fetch.cache_options import TILE_HEIGHT
-from ncdc_model.geometry import WINDOW, scan_order
+from ncdc_model.geometry import scan_order
 from ncdc_model.hardware import check_lanes
+from ncdc_model.interpolation import FAST, Interpolation
 
 __all__ = ["BOX_WORD", "Lookups", "Windows", "frame_windows", "lookups"]
 
@@ -15,18 +15,23 @@ BOX_WORD = 8            # samples of a word of the tile memory, if there are sev
 
 @dataclass(frozen=True)
 class Windows:
-    """Where the 3x3 windows of a corrected frame start: arrays of shape (height, width).
+    """Where the windows of a corrected frame are: arrays of shape (height, width).
 
     Parameters
     ----------
     x0, y0 : ndarray of int32
-        First column and row; zero where the pixel is blank.
+        Column and row that name the first place; zero where the pixel is blank.
     used : ndarray of bool
         False where the pixel is blank and reads nothing.
+    interpolation : Interpolation
+    distorted : (int, int), optional
+        Width and height of the raw frame; needed of an interpolation whose windows may leave it.
     """
     x0: np.ndarray
     y0: np.ndarray
     used: np.ndarray
+    interpolation: Interpolation = FAST
+    distorted: tuple = (None, None)
 
     def scanned(self, strip=0):
         """x0, y0, used, each of shape (pixels,), in the order of the scan.
@@ -50,6 +55,7 @@ class Lookups:
         First pixel, in the order of the scan.
     pixels : int
         Corrected pixels of the frame.
+    interpolation : Interpolation
     """
     x0: np.ndarray
     y0: np.ndarray
@@ -58,6 +64,7 @@ class Lookups:
     used: np.ndarray
     pixel: np.ndarray
     pixels: int
+    interpolation: Interpolation = FAST
 
     def __len__(self):
         return len(self.x0)
@@ -71,15 +78,17 @@ def frame_windows(descriptor, progress=lambda done, total: None):
     for rows, columns, lines, _, _, valid in window_bands(descriptor):
         x0[rows], y0[rows], used[rows] = columns, lines, valid
         progress(rows.stop, height)
-    return Windows(x0, y0, used)
+    geometry = descriptor.geometry
+    return Windows(x0, y0, used, geometry.interpolation, geometry.distorted)
 
 
 def lookups(windows, strip=0, lanes=1):
     """:class:`Lookups` of a frame in raster order, or in strips of ``strip`` columns.
 
     One for each group of ``lanes`` neighbours of a row, if all samples of its pixels, those that
-    are not blank, fit a box that the tile memory gives in one clock: four rows, and two words of
-    :data:`BOX_WORD` samples across. Else the group is cut in halves, these likewise.
+    are not blank, fit a box that the tile memory gives in one clock: four rows, or eight of an
+    interpolation with larger windows, and two words of :data:`BOX_WORD` samples across. Else the
+    group is cut in halves, these likewise.
 
     Raises
     ------
@@ -87,12 +96,14 @@ def lookups(windows, strip=0, lanes=1):
         If ``lanes`` does not divide the width.
     """
     x0, y0, used = windows.scanned(strip)
-    far = WINDOW - 1
+    needs = windows.interpolation
+    (x0, x1), (y0, y1) = (needs.bounds(first, size)
+                          for first, size in zip((x0, y0), windows.distorted))
     if lanes == 1:
-        return Lookups(x0, y0, x0 + far, y0 + far, used, np.arange(x0.size), x0.size)
+        return Lookups(x0, y0, x1, y1, used, np.arange(x0.size), x0.size, needs)
     check_lanes(windows.x0.shape[1], lanes)
     # A group is cut where it has no box of its own: `begins` marks the first lane of each box.
-    edges = _Edges(x0, y0, x0 + far, y0 + far, used)
+    edges = _Edges(x0, y0, x1, y1, used, needs)
     boxes, begins = edges, np.ones(x0.shape, bool)
     while lanes > 1:
         joined = edges.joined()
@@ -101,7 +112,8 @@ def lookups(windows, strip=0, lanes=1):
         boxes = boxes.where(whole, joined, span)
         begins &= ~whole | (np.arange(x0.size) % span == 0)
         edges, lanes = joined, lanes // 2
-    return Lookups(*(array[begins] for array in boxes.arrays()), np.flatnonzero(begins), x0.size)
+    return Lookups(*(array[begins] for array in boxes.arrays()), np.flatnonzero(begins), x0.size,
+                   needs)
 
 
 @dataclass(frozen=True)
@@ -112,6 +124,7 @@ class _Edges:
     x1: np.ndarray
     y1: np.ndarray
     used: np.ndarray
+    interpolation: Interpolation
 
     def arrays(self):
         return self.x0, self.y0, self.x1, self.y1, self.used
@@ -119,19 +132,23 @@ class _Edges:
     @property
     def fits(self):
         """Whether one clock is enough."""
+        needs = self.interpolation
         across = self.x1 // BOX_WORD - self.x0 // BOX_WORD
-        return ~self.used | ((across <= 1) & (self.y1 - self.y0 < TILE_HEIGHT))
+        down = self.y1 // needs.tile_height - self.y0 // needs.tile_height
+        return ~self.used | ((across <= 1) & (self.y1 - self.y0 < needs.box_rows)
+                             & (down < needs.tile_rows))
 
     def joined(self):
         """Boxes around each two neighbours, of which a blank one takes no part."""
-        a, b = (_Edges(*(array[k::2] for array in self.arrays())) for k in (0, 1))
+        a, b = (_Edges(*(array[k::2] for array in self.arrays()), self.interpolation)
+                for k in (0, 1))
         both = a.used & b.used
         return _Edges(*(np.where(both, least(one, other), np.where(b.used, other, one))
                         for one, other, least in zip(a.arrays()[:4], b.arrays()[:4],
                                                      (np.minimum,) * 2 + (np.maximum,) * 2)),
-                      a.used | b.used)
+                      a.used | b.used, self.interpolation)
 
     def where(self, chosen, other, span):
         """These, or where ``chosen`` those of ``other``, each repeated ``span`` times."""
         return _Edges(*(np.where(chosen, np.repeat(new, span), old)
-                        for old, new in zip(self.arrays(), other.arrays())))
+                        for old, new in zip(self.arrays(), other.arrays())), self.interpolation)

@@ -8,11 +8,12 @@ from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.fetch.timing import predict_clocks
-from ncdc_model.fetch.traffic import TILE_BYTES, distinct_bytes, live_tiles, worst_span
+from ncdc_model.fetch.traffic import distinct_bytes, live_tiles, worst_span
 from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.geometry import check_strip_width
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces
+from ncdc_model.interpolation import FAST
 from ncdc_model.memory_timing import memory_at
 
 __all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "Plan", "STRIPS", "best_split",
@@ -64,9 +65,9 @@ class Fixed:
         """Whether nothing is left open."""
         return None not in (self.cache_bytes, self.split, self.strip)
 
-    def caches(self):
+    def caches(self, interpolation=FAST):
         """Tile caches to choose from, the smallest first: list of CacheOptions."""
-        sizes = [CacheOptions.of_bytes(size) for size in
+        sizes = [CacheOptions.of_bytes(size, interpolation) for size in
                  (CACHE_BYTES if self.cache_bytes is None else [self.cache_bytes])]
         if self.split is None:
             return sizes
@@ -95,6 +96,11 @@ class Choice:
     """A hardware with a tile cache, a split and a scan, and how many tiles it reads for a frame."""
     hardware: Hardware
     misses: int
+
+    @property
+    def bytes_read(self):
+        """For a frame."""
+        return self.misses * self.hardware.cache.tile_bytes
 
     @property
     def amplification_goal(self):
@@ -142,7 +148,7 @@ class Plan:
     @property
     def amplification(self):
         """Bytes read over distinct bytes."""
-        return self.misses * TILE_BYTES / max(1, self.distinct)
+        return self.misses * self.hardware.cache.tile_bytes / max(1, self.distinct)
 
     @property
     def frames_per_second(self):
@@ -158,7 +164,7 @@ class Plan:
             "memory": self.memory, "clock_mhz": self.clock_mhz, "data_width": hardware.data_width,
             "misses": self.misses,
             "predicted_clocks_per_pixel": self.clocks_per_pixel,
-            "bytes_read_per_pixel": self.misses * TILE_BYTES / self.pixels,
+            "bytes_read_per_pixel": self.misses * hardware.cache.tile_bytes / self.pixels,
             "distinct_bytes_per_pixel": self.distinct / self.pixels,
             "amplification": self.amplification, "worst_bytes_per_pixel": self.worst,
             "live_bytes": self.live, "interlock_clocks": self.interlock,
@@ -189,7 +195,7 @@ def choose(windows, distinct, geometry, hardware, fixed=Fixed(), progress=lambda
     InputError
         If strips are asked of a stream.
     """
-    found, caches = [], fixed.caches()
+    found, caches = [], fixed.caches(geometry.interpolation)
     strips = fixed.strips(geometry.corrected_width, hardware.stream)
     for k, strip in enumerate(strips):
         accessed = accesses(lookups(windows, strip))
@@ -200,8 +206,8 @@ def choose(windows, distinct, geometry, hardware, fixed=Fixed(), progress=lambda
             progress((k * len(caches) + j + 1) / (len(strips) * len(caches)))
 
     def order(choice):
-        good = choice.misses * TILE_BYTES <= choice.amplification_goal * distinct
-        tiles = choice.hardware.cache.tiles
+        read, tiles = choice.bytes_read, choice.hardware.cache.tiles
+        good = read <= choice.amplification_goal * distinct
         return (0, tiles, choice.misses) if good else (1, choice.misses, tiles)
     return sorted(found, key=order)
 
@@ -294,7 +300,8 @@ def _timed(windows, geometry, hardware, memory, timing, progress):
     clocks = predict_clocks(missed, boxes, hardware, memory, timing, places, writes, progress)
     return {"pixels": boxes.pixels, "misses": len(missed), "clocks": clocks.clocks,
             "interlock": clocks.interlock, "credit": clocks.credit,
-            "worst": worst_span(missed, len(boxes)), "live": live_tiles(accessed) * TILE_BYTES}
+            "worst": worst_span(missed, len(boxes), hardware.cache.tile_bytes),
+            "live": live_tiles(accessed) * hardware.cache.tile_bytes}
 
 
 def _worth_timing(choices):

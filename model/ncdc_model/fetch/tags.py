@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
+from ncdc_model.fetch.cache_options import TILE_WIDTH
+from ncdc_model.interpolation import FAST, Interpolation
 
 __all__ = ["Accesses", "Misses", "accesses", "misses"]
 
-_TX, _TY = TILE_WIDTH.bit_length() - 1, TILE_HEIGHT.bit_length() - 1
+_TX = TILE_WIDTH.bit_length() - 1
 _ROW = 12              # bits of a tile's column in its number
 
 
@@ -23,9 +24,12 @@ class Accesses:
         last look-up of the run, the tile's number (row << 12 | column).
     lookups : int
         Look-ups of the scan, those that read nothing included.
+    interpolation : Interpolation
+        Which tiles there are.
     """
     banks: tuple
     lookups: int
+    interpolation: Interpolation = FAST
 
 
 @dataclass(frozen=True)
@@ -64,8 +68,10 @@ class Misses:
 def accesses(boxes):
     """:class:`Accesses` of the look-ups ``boxes`` (:class:`ncdc_model.fetch.lookups.Lookups`)."""
     used = np.flatnonzero(boxes.used)
+    rows_apart = boxes.interpolation.tile_rows - 1      # from one tile row of a bank to the next
+    ty = boxes.interpolation.tile_height.bit_length() - 1
     left, right = boxes.x0[used] >> _TX, boxes.x1[used] >> _TX
-    top, bottom = boxes.y0[used] >> _TY, boxes.y1[used] >> _TY
+    top, bottom = boxes.y0[used] >> ty, boxes.y1[used] >> ty
     # Neighbours mostly touch the same tiles: those runs are one access from here on.
     fresh = np.ones(len(used), bool)
     fresh[1:] = ((np.diff(left) != 0) | (np.diff(right) != 0) | (np.diff(top) != 0)
@@ -74,15 +80,15 @@ def accesses(boxes):
     first, last = used[start], used[np.append(start, len(used))[1:] - 1]
     left, right, top, bottom = (edge[start].astype(np.int64) for edge in (left, right, top, bottom))
     banks = []
-    for bank in range(TAG_BANKS):
+    for bank in range(2 * (rows_apart + 1)):
         column = left + ((left ^ bank) & 1)
-        row = top + ((top ^ bank >> 1) & 1)
+        row = top + ((bank >> 1) - top & rows_apart)
         touched = np.flatnonzero((column <= right) & (row <= bottom))
         tile = row[touched] << _ROW | column[touched]
         begin = np.flatnonzero(np.diff(tile, prepend=-1))
         end = np.append(begin, len(touched))[1:] - 1
         banks.append((first[touched[begin]], last[touched[end]], tile[begin]))
-    return Accesses(tuple(banks), len(boxes))
+    return Accesses(tuple(banks), len(boxes), boxes.interpolation)
 
 
 def misses(accessed, options, split):
@@ -105,10 +111,11 @@ def misses(accessed, options, split):
     """
     options.check_split(split)
     kx, ky = 1 << split, options.sets >> split
+    across = options.tile_rows.bit_length() - 1
     found = []
     for bank, (first, last, tile) in enumerate(accessed.banks):
         column, row = tile & ((1 << _ROW) - 1), tile >> _ROW
-        place = ((row >> 1 & (ky - 1)) * kx + (column >> 1 & (kx - 1))).astype(np.uint16)
+        place = ((row >> across & (ky - 1)) * kx + (column >> 1 & (kx - 1))).astype(np.uint16)
         order = np.argsort(place, kind="stable")
         same_place = np.diff(place[order], prepend=place[order[:1]] + 1) == 0
         missed = ~same_place | (np.diff(tile[order], prepend=-1) != 0)

@@ -3,7 +3,7 @@
 from collections import deque
 from dataclasses import dataclass
 
-from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
+from ncdc_model.fetch.cache_options import TILE_WIDTH
 from ncdc_model.fetch.lags import Lags
 from ncdc_model.fetch.ports import memory_port
 
@@ -65,8 +65,9 @@ def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
         writes = writes.by_lookup(boxes.pixel)
     run = _Frame(hardware, memory, timing, writes)
     columns = (missed.columns * TILE_WIDTH + places.source).tolist()
-    lines = (missed.rows * (TILE_HEIGHT * places.pitch)).tolist()
-    rows = [row * places.pitch for row in range(TILE_HEIGHT)]
+    tile_height = hardware.cache.tile_height
+    lines = (missed.rows * (tile_height * places.pitch)).tolist()
+    rows = [row * places.pitch for row in range(tile_height)]
     total = len(missed)
     for k, (i, victim, column, line) in enumerate(zip(
             missed.lookup.tolist(), missed.victim.tolist(), columns, lines)):

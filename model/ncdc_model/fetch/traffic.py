@@ -2,13 +2,9 @@
 
 import numpy as np
 
-from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
-from ncdc_model.geometry import WINDOW
-
-__all__ = ["SPAN", "TILE_BYTES", "distinct_bytes", "live_tiles", "worst_span"]
+__all__ = ["SPAN", "distinct_bytes", "live_tiles", "worst_span"]
 
 SPAN = 8192                                 # pixels
-TILE_BYTES = TILE_WIDTH * TILE_HEIGHT
 
 
 def distinct_bytes(windows, geometry):
@@ -17,20 +13,24 @@ def distinct_bytes(windows, geometry):
     touched[windows.y0[windows.used], windows.x0[windows.used]] = True
     for axis in (0, 1):
         starts = np.moveaxis(touched, axis, 0).copy()
-        for shift in range(1, WINDOW):
-            np.moveaxis(touched, axis, 0)[shift:] |= starts[:-shift]
+        grown = np.moveaxis(touched, axis, 0)
+        for shift in range(1, windows.interpolation.after + 1):
+            grown[shift:] |= starts[:-shift]
+        for shift in range(1, windows.interpolation.margin + 1):
+            grown[:-shift] |= starts[shift:]
     return int(touched.sum())
 
 
-def worst_span(missed, lookups, span=SPAN):
-    """Bytes per look-up in the ``span`` look-ups in a row that read most.
+def worst_span(missed, lookups, tile_bytes, span=SPAN):
+    """Bytes per look-up in the ``span`` look-ups in a row that read most, of tiles of
+    ``tile_bytes``.
 
     A frame of fewer look-ups is one span.
     """
     span = min(span, lookups)
     until = np.searchsorted(missed.lookup, missed.lookup + span)
     most = (until - np.arange(len(missed))).max(initial=0)
-    return float(most) * TILE_BYTES / span
+    return float(most) * tile_bytes / span
 
 
 def live_tiles(accessed):

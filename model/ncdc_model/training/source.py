@@ -14,6 +14,7 @@ from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.errors import InputError
 from ncdc_model.files import parse_text, read_bytes
 from ncdc_model.geometry import Geometry
+from ncdc_model.interpolation import FAST
 from ncdc_model.valid import REACH, Calibrated, grid_pitch
 
 __all__ = ["Source", "is_points_file", "load_source"]
@@ -90,7 +91,7 @@ def is_points_file(path):
 
 
 def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None,
-                sensor=None):
+                sensor=None, interpolation=FAST):
     """Read a points or camera file and choose the corrected frame, or read remap tables.
 
     Parameters
@@ -101,7 +102,7 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
         Corrected width and height; default that of the photos. A map has its own.
     zoom : str or float, optional
         As in :func:`ncdc_model.lens.choose_frame`; default fit.
-    bayer, fill
+    bayer, fill, interpolation
         As in :class:`Geometry`.
     camera : str, optional
         Which camera of a camchain, or which of several maps in a file.
@@ -113,7 +114,7 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
     InputError
         If the file or an option is bad.
     """
-    options = dict(bayer=bayer, fill=tuple(fill))
+    options = dict(bayer=bayer, fill=tuple(fill), interpolation=interpolation)
     paths, tables = are_remap_files(path)
     if tables:
         return _of_remap(paths, size or zoom, sensor, camera, options)

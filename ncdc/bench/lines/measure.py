@@ -10,9 +10,8 @@ import numpy as np
 
 from ncdc_model.example.render import expose, ideal_samples, sensor
 from ncdc_model.formats import Formats
-from ncdc_model.geometry import WINDOW
 from ncdc_model.lens.inverse import planar_inverse
-from ncdc_model.picture import bayer_quads, bilinear, window_address
+from ncdc_model.picture import bilinear, place_colours, raw_windows, window_address
 
 __all__ = ["Line", "board_photo", "board_pitch", "corrected", "crossings", "find_lines",
            "summary"]
@@ -90,7 +89,7 @@ def corrected(back_map, raw, geometry):
     """
     coordinate = Formats().coordinate
     width, height = geometry.corrected
-    windows = np.lib.stride_tricks.sliding_window_view(raw, (WINDOW, WINDOW))
+    windows = raw_windows(raw, geometry.interpolation)
     picture, valid = np.zeros((height, width, 3), np.uint8), np.zeros((height, width), bool)
     for top in range(0, height, 32):
         rows = slice(top, min(top + 32, height))
@@ -100,8 +99,9 @@ def corrected(back_map, raw, geometry):
         x0, y0, fx, fy, inside = window_address(
             *(coordinate.quantise(np.clip(place, -limit, limit)) for place in (x, y)),
             geometry, coordinate)
-        quads = bayer_quads(windows[y0, x0], x0, y0, geometry.phase)
-        picture[rows] = np.where(inside[..., None], bilinear(quads, fx, fy, coordinate.f_bits), 0)
+        places = place_colours(windows[y0, x0], x0, y0, geometry)
+        colours = bilinear(places, fx, fy, coordinate.f_bits, geometry.interpolation.unit_bits)
+        picture[rows] = np.where(inside[..., None], colours, 0)
         valid[rows] = inside
     return picture, valid
 

@@ -16,12 +16,14 @@ from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.formats import Formats
 from ncdc_model.geometry import Geometry, ValidRows
 from ncdc_model.hardware import Hardware
+from ncdc_model.interpolation import GRADIENT
 from ncdc_model.tansig import design_for
 
 __all__ = ["BLOCKS", "component", "traits"]
 
 _GEOMETRY = Geometry(1280, 1024, 1280, 1024)
 _CACHE = CacheOptions.of_bytes(32 << 10)
+_GRADIENT_CACHE = CacheOptions.of_bytes(32 << 10, GRADIENT)
 _DATA_WIDTH = 32
 _NODES = 16             # pixels from node to node, as on most of the reference lenses
 
@@ -84,9 +86,14 @@ BLOCKS = {
                   "HN 4, 2 lanes": _front_end(4, lanes=2)},
     "nodes to coordinates": {"1 lane": _between(), "4 lanes": _between(4)},
     "fetcher": {"cache 32 KB":
-                lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _CACHE)},
+                lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _CACHE),
+                "cache 32 KB gradient":
+                lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _GRADIENT_CACHE)},
     "interpolator": {"bayer bilinear":
-                     lambda bits: Interpolator(Formats().coordinate.f_bits)},
+                     lambda bits: Interpolator(Formats().coordinate.f_bits),
+                     "gradient bilinear":
+                     lambda bits: Interpolator(Formats().coordinate.f_bits,
+                                               interpolation=GRADIENT)},
     "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),
              "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),
              "HN 8, nodes, 8 KB": _core(8, nodes=_NODES, output="memory", strip=128,

@@ -5,7 +5,6 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.cache.layouts import stalls_layout
-from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["Act"]
 
@@ -23,14 +22,15 @@ class Act(wiring.Component):
 
     Parameters
     ----------
-    None; the number of banks is the cache's.
+    banks : int
+        Of tags.
 
     Members
     -------
-    d_valid, d_missing, d_busy : ``In(1)``, ``In(4)``, ``In(4)``
+    d_valid, d_missing, d_busy : ``In(1)``, ``In(banks)``, ``In(banks)``
         Of the look-up in stage D: whether there is one, which of its tiles are missing, and which
         of its entries are busy.
-    valid, busy : ``In(1)``, ``In(4)``
+    valid, busy : ``In(1)``, ``In(banks)``
         Of the look-up in stage A: whether there is one, and which of its entries are busy.
     credit : ``In(1)``
         A tile may be claimed.
@@ -38,9 +38,9 @@ class Act(wiring.Component):
         A look-up may be passed on.
     shift : ``Out(1)``
         All look-ups move on by one stage in this clock; the one in stage A, if any, leaves.
-    claim, bank : ``Out(1)``, ``Out(4)``
+    claim, bank : ``Out(1)``, ``Out(banks)``
         The tile of the one bank whose bit is set is claimed in this clock.
-    push, misses : ``Out(1)``, ``Out(range(5))``
+    push, misses : ``Out(1)``, ``Out(range(banks + 1))``
         The look-up is passed on in this clock; the tiles claimed for it, this clock's included.
     stalls : ``Out(stalls_layout())``
         Why the look-up neither claims nor leaves in this clock, if so.
@@ -49,32 +49,33 @@ class Act(wiring.Component):
     latency = 2
     """Clocks from a change of ``busy`` to the claim that it allows: a register, ``a_open``."""
 
-    def __init__(self):
+    def __init__(self, banks):
+        self.banks = banks
         super().__init__({
             "d_valid": In(1),
-            "d_missing": In(TAG_BANKS),
-            "d_busy": In(TAG_BANKS),
+            "d_missing": In(banks),
+            "d_busy": In(banks),
             "valid": In(1),
-            "busy": In(TAG_BANKS),
+            "busy": In(banks),
             "credit": In(1),
             "room": In(1),
             "shift": Out(1),
             "claim": Out(1),
-            "bank": Out(TAG_BANKS),
+            "bank": Out(banks),
             "push": Out(1),
-            "misses": Out(range(TAG_BANKS + 1)),
+            "misses": Out(range(banks + 1)),
             "stalls": Out(stalls_layout()),
         })
 
     def elaborate(self, platform):
         m = Module()
-        a_missing = Signal(TAG_BANKS)           # tiles that are still to be claimed
-        a_busy = Signal(TAG_BANKS)              # `busy`, a clock ago
+        a_missing = Signal(self.banks)           # tiles that are still to be claimed
+        a_busy = Signal(self.banks)              # `busy`, a clock ago
         a_misses = Signal.like(self.misses)     # tiles claimed in the clocks before
         a_hit = Signal(init=1)                  # no tile is missing, or there is no look-up
         a_open = Signal()                       # the lowest missing tile's entry is not busy
         a_final = Signal()                      # `a_open`, and no other tile is missing
-        others = Signal(TAG_BANKS)              # the missing tiles but for the lowest one
+        others = Signal(self.banks)              # the missing tiles but for the lowest one
         complete = Signal()                     # nothing is left to claim after this clock
         m.d.comb += [
             self.bank.eq(_lowest(a_missing)),

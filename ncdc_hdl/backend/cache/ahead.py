@@ -5,16 +5,15 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.cache.layouts import tiles_layout
-from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["AHEAD", "Ahead", "between_layout"]
 
 AHEAD = 4       # look-ups that may be ahead: one in each of the stages R, C, D and A
 
 
-def between_layout():
+def between_layout(options):
     """For each bank, how many look-ups are between this one and the one that touches its entry."""
-    return data.ArrayLayout(range(AHEAD), TAG_BANKS)
+    return data.ArrayLayout(range(AHEAD), options.tag_banks)
 
 
 class Ahead(wiring.Component):
@@ -42,13 +41,13 @@ class Ahead(wiring.Component):
         Tiles of the look-ups in these stages; ``need`` is zero where there is none.
     r_valid, c_valid, d_valid : ``In(1)``
         Whether there is a look-up in this stage.
-    touched : ``Out(4)``
+    touched : ``Out(tag_banks)``
         Of the look-up in stage C: whether a look-up ahead touches the entry.
     between : ``Out(between_layout())``
         Of the look-up in stage C, where ``touched``: how many look-ups are between the two.
-    known : ``Out(4)``
+    known : ``Out(tag_banks)``
         Of the look-up in stage D: ``hit`` holds, whatever the entry in the memory is.
-    hit : ``Out(4)``
+    hit : ``Out(tag_banks)``
         Of the look-up in stage D, where ``known``: it needs no tile of this bank, or its tile is
         in the entry when it reaches stage A.
     """
@@ -66,10 +65,10 @@ class Ahead(wiring.Component):
             "r_valid": In(1),
             "c_valid": In(1),
             "d_valid": In(1),
-            "touched": Out(TAG_BANKS),
-            "between": Out(between_layout()),
-            "known": Out(TAG_BANKS),
-            "hit": Out(TAG_BANKS),
+            "touched": Out(options.tag_banks),
+            "between": Out(between_layout(options)),
+            "known": Out(options.tag_banks),
+            "hit": Out(options.tag_banks),
         })
 
     def elaborate(self, platform):
@@ -77,17 +76,18 @@ class Ahead(wiring.Component):
         # Of the look-up in R and one ahead of it: `touches`, the entries that the one ahead
         # touches as well; `present`, whether both mean the same tile there; `between`, how many
         # look-ups are between the two.
-        relation = data.StructLayout({"touches": TAG_BANKS, "present": TAG_BANKS,
+        banks = self.options.tag_banks
+        relation = data.StructLayout({"touches": banks, "present": banks,
                                       "between": range(AHEAD)})
         # R: a relation to each look-up ahead, the nearest one first.
         r_ahead = Signal(data.ArrayLayout(relation, AHEAD), reset_less=True)
         self._relate(m, r_ahead)
 
         # C: whether `hit` does not depend on the memory, and `hit`, as of the members.
-        c_known = Signal(TAG_BANKS)
-        c_hit = Signal(TAG_BANKS)
+        c_known = Signal(self.options.tag_banks)
+        c_hit = Signal(self.options.tag_banks)
         with m.If(self.shift):
-            for bank in range(TAG_BANKS):
+            for bank in range(self.options.tag_banks):
                 touched, present, between = self._nearest(r_ahead, bank)
                 m.d.sync += [
                     self.touched[bank].eq(touched),
@@ -106,7 +106,7 @@ class Ahead(wiring.Component):
                                           (self.r_valid, self.c_valid, self.d_valid, None)):
             with m.If(self.shift):
                 m.d.sync += relation.between.eq(sum(nearer, start=Const(0)))
-                for bank in range(TAG_BANKS):
+                for bank in range(self.options.tag_banks):
                     px, py = bank & 1, bank >> 1
                     same_set = ((self.entering.set_x[px] == other.set_x[px])
                                 & (self.entering.set_y[py] == other.set_y[py]))

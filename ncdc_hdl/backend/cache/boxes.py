@@ -7,33 +7,37 @@ from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_model.fetch.cache_options import TILE_HEIGHT
-from ncdc_model.geometry import MAX_SIZE, WINDOW
+from ncdc_model.geometry import MAX_SIZE
+from ncdc_model.interpolation import FAST
 
 __all__ = ["Boxes", "box_layout"]
 
 _WORD_BITS = 3          # a word of the tile memory has 8 bytes if there are several lanes
+_EDGES = "x0", "y0", "x1", "y1"     # of a box
 
 
-def box_layout(f_bits, lanes):
+def box_layout(f_bits, lanes, interpolation=FAST):
     """A box: samples (x0, y0) to (x1, y1), both included, of the lanes in ``mask`` of ``group``.
 
     ``used`` is high unless all of these lanes are blank; ``end`` marks the group's last box.
     """
     return data.StructLayout({
-        "x0": range(MAX_SIZE), "y0": range(MAX_SIZE), "x1": range(MAX_SIZE), "y1": range(MAX_SIZE),
-        "used": 1, "mask": lanes, "end": 1, "group": request_layout(f_bits, lanes)})
+        **dict.fromkeys(_EDGES, range(MAX_SIZE)), "used": 1, "mask": lanes, "end": 1,
+        "group": request_layout(f_bits, lanes, interpolation)})
 
 
 class Boxes(wiring.Component):
     """One box for all windows of a group if it can be read in one clock; else of its halves.
 
-    A box fits if it has at most two words of eight bytes across, each on a multiple of eight, and
-    four rows. A group that does not fit is cut in halves, these likewise, from left to right; the
-    window of one pixel always fits. Blank pixels take no part.
+    A box fits if it has at most two words of eight bytes across, each on a multiple of eight, as
+    many rows as the tile memory gives, and as many rows of tiles as can be looked up. A group that
+    does not fit is cut in halves, these likewise, from left to right; the window of one pixel
+    always fits. Blank pixels take no part.
+
+    Of windows with a margin, only what is in the frame counts.
 
     Timing: a single lane passes as it is, with latency 0. Several lanes take one more stage than
-    halvings to a single lane; one box per clock.
+    halvings to a single lane; one box per clock. Windows with a margin take one stage more.
 
     Parameters
     ----------
@@ -41,51 +45,74 @@ class Boxes(wiring.Component):
         Fraction bits of the place in the window.
     lanes : int
         Pixels of a group: 1, 2 or 4.
+    interpolation : Interpolation
 
     Members
     -------
-    i : ``In(stream.Signature(request_layout(f_bits, lanes)))``
-    o : ``Out(stream.Signature(box_layout(f_bits, lanes)))``
+    i : ``In(stream.Signature(request_layout(f_bits, lanes, interpolation)))``
+    o : ``Out(stream.Signature(box_layout(f_bits, lanes, interpolation)))``
     """
 
-    def __init__(self, f_bits, lanes):
-        self.f_bits, self.lanes = f_bits, lanes
+    def __init__(self, f_bits, lanes, interpolation=FAST):
+        self.f_bits, self.lanes, self.interpolation = f_bits, lanes, interpolation
         super().__init__({
-            "i": In(stream.Signature(request_layout(f_bits, lanes))),
-            "o": Out(stream.Signature(box_layout(f_bits, lanes))),
+            "i": In(stream.Signature(request_layout(f_bits, lanes, interpolation))),
+            "o": Out(stream.Signature(box_layout(f_bits, lanes, interpolation))),
         })
 
     @property
     def latency(self):
-        """Clocks from a group to its first box: a stage per halving, and the boxes one by one."""
-        return 0 if self.lanes == 1 else ceil_log2(self.lanes) + 1
+        """Clocks from a group to its first box: a stage for what is in the frame, one per halving,
+        and the boxes one by one."""
+        clipped = 1 if self.interpolation.margin else 0
+        return clipped + (0 if self.lanes == 1 else ceil_log2(self.lanes) + 1)
 
     def elaborate(self, platform):
         m = Module()
+        ready = Signal()        # what follows the boxes of the single lanes takes them
+        group, valid, boxes = self._single(m, ready)
         if self.lanes == 1:
-            i, o = self.i.p, self.o.p
-            m.d.comb += [
-                o.x0.eq(i.x0), o.y0.eq(i.y0), o.x1.eq(i.x0 + WINDOW - 1),
-                o.y1.eq(i.y0 + WINDOW - 1), o.used.eq(~i.blank), o.mask.eq(1), o.end.eq(1),
-                o.group.eq(i), self.o.valid.eq(self.i.valid), self.i.ready.eq(self.o.ready)]
+            (box,), o = boxes, self.o.p
+            m.d.comb += [o[name].eq(box[name]) for name in (*_EDGES, "used")]
+            m.d.comb += [o.mask.eq(1), o.end.eq(1), o.group.eq(group), self.o.valid.eq(valid),
+                         ready.eq(self.o.ready)]
             return m
-        self._parts(m)
+        self._parts(m, group, valid, boxes, ready)
         return m
 
-    def _parts(self, m):
+    def _single(self, m, ready):
+        """The group at hand, whether there is one, and the box of each of its lanes."""
+        needs = self.interpolation
+        layout = data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1, "fits": 1})
+        boxes = [Signal(layout) for _ in range(self.lanes)]
+        for lane, box in zip(lanes_of(self.i.p), boxes):
+            m.d.comb += [box.used.eq(~lane.blank), box.fits.eq(1)]
+            for axis in "xy":
+                low, high = lane[f"{axis}0"] - needs.margin, lane[f"{axis}0"] + needs.after
+                if needs.margin:
+                    edge = lane[f"edge_{axis}"]
+                    low = low + Mux(edge.behind, 0, edge.missing)
+                    high = high - Mux(edge.behind, edge.missing, 0)
+                m.d.comb += [box[f"{axis}0"].eq(low), box[f"{axis}1"].eq(high)]
+        if not needs.margin:
+            m.d.comb += self.i.ready.eq(ready)
+            return self.i.p, self.i.valid, boxes
+        group = Signal.like(self.i.p, name="clipped_group")
+        valid = Signal(name="clipped_valid")
+        clipped = [Signal(layout, name=f"clipped_box{k}") for k in range(self.lanes)]
+        m.d.comb += self.i.ready.eq(~valid | ready)
+        with m.If(self.i.ready):
+            m.d.sync += [valid.eq(self.i.valid), group.eq(self.i.p)]
+            m.d.sync += [new.eq(old) for new, old in zip(clipped, boxes)]
+        return group, valid, clipped
+
+    def _parts(self, m, group, valid, boxes, taken):
         """Several lanes: a tree of boxes, a level per stage, and one part of it after the other."""
-        edges = data.StructLayout({name: range(MAX_SIZE) for name in ("x0", "y0", "x1", "y1")}
-                                  | {"used": 1, "fits": 1})
+        edges = boxes[0].shape()
         # Level 0: the lanes themselves. All levels of a group move on together.
-        group, valid, boxes = self.i.p, self.i.valid, []
-        for lane in lanes_of(group):
-            box = Signal(edges)
-            m.d.comb += [box.x0.eq(lane.x0), box.y0.eq(lane.y0), box.x1.eq(lane.x0 + WINDOW - 1),
-                         box.y1.eq(lane.y0 + WINDOW - 1), box.used.eq(~lane.blank), box.fits.eq(1)]
-            boxes.append(box)
         tree = [boxes]
         last_ready = Signal()
-        m.d.comb += self.i.ready.eq(last_ready)
+        m.d.comb += taken.eq(last_ready)
         for level in range(1, ceil_log2(self.lanes) + 1):
             joined = [self._join(m, edges, left, right)
                       for left, right in zip(tree[-1][::2], tree[-1][1::2])]
@@ -125,9 +152,15 @@ class Boxes(wiring.Component):
         both = Signal()         # both boxes are used
         box = Signal(edges)     # the box around those that are
         m.d.comb += [both.eq(a.used & b.used), box.used.eq(a.used | b.used)]
+        needs = self.interpolation
         for name, chooses_b in (("x0", b.x0 < a.x0), ("y0", b.y0 < a.y0), ("x1", b.x1 > a.x1),
                                 ("y1", b.y1 > a.y1)):
             m.d.comb += box[name].eq(Mux(Mux(both, chooses_b, b.used), b[name], a[name]))
         across = box.x1[_WORD_BITS:] - box.x0[_WORD_BITS:]
-        m.d.comb += box.fits.eq(~box.used | ((across <= 1) & (box.y1 - box.y0 < TILE_HEIGHT)))
+        fits = (across <= 1) & (box.y1 - box.y0 < needs.box_rows)
+        if (needs.tile_rows - 1) * needs.tile_height + 1 < needs.box_rows:
+            # So few rows may yet touch more rows of tiles than can be looked up.
+            low = ceil_log2(needs.tile_height)
+            fits &= box.y1[low:] - box.y0[low:] < needs.tile_rows
+        m.d.comb += box.fits.eq(~box.used | fits)
         return box

@@ -20,13 +20,13 @@ __all__ = ["Cache"]
 
 
 class Cache(wiring.Component):
-    """Fetch of 3x3 windows through a cache whose misses are asked for ahead.
+    """Fetch of windows through a cache whose misses are asked for ahead.
 
     Each window is looked up as soon as its place is known; tiles that are missing are claimed and
     asked for at once, and it waits in a queue until they have arrived. Windows leave in order; a
     blank request reads nothing. Byte (x, y) of the raw frame is at ``base + y pitch + x``; tiles
-    are 16 bytes by 4 rows, of which those at the frame's edges reach up to 15 bytes and 3 rows
-    beyond it; what of them is outside the frame's place in memory is not read.
+    are 16 bytes by 4 rows, or 2, of which those at the frame's edges reach up to 15 bytes and 3
+    rows beyond it; what of them is outside the frame's place in memory is not read.
 
     Timing: one group per clock, whatever the memory's latency, as far as ``pending`` windows and
     ``outstanding`` tiles hide it; see ``Tags`` for what it waits for. Requests marked ``last`` end
@@ -39,6 +39,7 @@ class Cache(wiring.Component):
     data_width : int
         Bits of a memory word: 32, 64 or 128.
     options : CacheOptions
+        Sizes, and the interpolation whose windows are fetched.
     lanes : int
         Windows of a group, 1, 2 or 4. A group is looked up in one clock if its samples fit a box,
         see ``Boxes``, and else in two or more.
@@ -51,8 +52,8 @@ class Cache(wiring.Component):
         log2 Kx of the index rule, constant during a frame.
     memory_rst : ``In(1)``
         As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
-    i : ``In(stream.Signature(request_layout(f_bits, lanes)))``
-    o : ``Out(stream.Signature(window_layout(f_bits, lanes)))``
+    i : ``In(stream.Signature(request_layout(f_bits, lanes, options.interpolation)))``
+    o : ``Out(stream.Signature(window_layout(f_bits, lanes, options.interpolation)))``
     bus0 : ``Out(ReadHost(...))``
     outside, empty : ``Out(1)``
         As of :class:`Fills`.
@@ -68,8 +69,9 @@ class Cache(wiring.Component):
 
     def __init__(self, f_bits, data_width, options=CacheOptions(), lanes=1):
         self.f_bits, self.data_width, self.options, self.lanes = f_bits, data_width, options, lanes
-        width = word_bytes(data_width, lanes)
-        self.boxes = Boxes(f_bits, lanes)
+        needs = options.interpolation
+        width = word_bytes(data_width, lanes, needs)
+        self.boxes = Boxes(f_bits, lanes, needs)
         self.locate = Locate(f_bits, options, lanes)
         self.tags = Tags(f_bits, options, lanes)
         self.fills = Fills(options, data_width, width)
@@ -79,8 +81,8 @@ class Cache(wiring.Component):
             "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
             "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
             "split": In(range(set_bits(options) + 1)),
-            "i": In(stream.Signature(request_layout(f_bits, lanes))),
-            "o": Out(stream.Signature(window_layout(f_bits, lanes))),
+            "i": In(stream.Signature(request_layout(f_bits, lanes, needs))),
+            "o": Out(stream.Signature(window_layout(f_bits, lanes, needs))),
             "bus0": Out(ReadHost(data_width, self.fills.burst)),
             "fetched": Out(1), "waiting": Out(1), "stalls": Out(stalls_layout()),
         })

@@ -13,7 +13,7 @@ from ncdc_hdl.backend.cache.requests import TileRequests
 from ncdc_hdl.backend.cache.tiles import fill_layout
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.lib.memory import Fifo
-from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
+from ncdc_model.fetch.cache_options import TILE_WIDTH
 
 __all__ = ["Fills"]
 
@@ -84,7 +84,7 @@ class Fills(wiring.Component):
         m.submodules.requests = requests = TileRequests(self.options)
         m.submodules.fence = fence = ReadFence(self.data_width, self.burst, shortest=self.burst)
         m.submodules.commands = commands = ReadCommands(
-            self.data_width, self.burst, limit=most * TILE_HEIGHT * self.burst)
+            self.data_width, self.burst, limit=most * self.options.tile_height * self.burst)
         wiring.connect(m, commands.bus, wiring.flipped(self.bus))
         m.d.comb += commands.memory_rst.eq(self.memory_rst)
         claim = Signal()                                    # a tile was claimed a clock ago
@@ -127,7 +127,7 @@ class Fills(wiring.Component):
         came = Signal()                                     # a word came in the clock before
         arrived = Signal(self.data_width, reset_less=True)  # that word
         m.d.sync += [came.eq(commands.valid), arrived.eq(commands.word)]
-        beats = TILE_HEIGHT * self.burst
+        beats = self.options.tile_height * self.burst
         beat = Signal(range(beats))     # its number among the words of its tile
         with m.If(came):
             m.d.sync += beat.eq(beat + 1)

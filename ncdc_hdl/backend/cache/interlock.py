@@ -5,7 +5,6 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.cache.ahead import between_layout
-from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["Interlock"]
 
@@ -31,15 +30,15 @@ class Interlock(wiring.Component):
     -------
     shift : ``In(1)``
         All look-ups move on by one stage in this clock.
-    touched, between : ``In(4)``, ``In(between_layout())``
+    touched, between : ``In(tag_banks)``, ``In(between_layout(options))``
         Of the look-up in stage C, as of ``Ahead``.
-    last_use : ``In(ArrayLayout(sequence_bits, 4))``
+    last_use : ``In(ArrayLayout(sequence_bits, tag_banks))``
         Of the look-up in stage C, as of ``TagMemory``.
     number, retired, wrapped : ``In``
         Numbers of the pending look-ups, as of ``Pending``.
-    d_busy : ``Out(4)``
+    d_busy : ``Out(tag_banks)``
         Whether each entry of the look-up in stage D is busy.
-    a_busy : ``Out(4)``
+    a_busy : ``Out(tag_banks)``
         Whether each entry of the look-up in stage A is busy.
     """
 
@@ -48,26 +47,27 @@ class Interlock(wiring.Component):
         number = options.sequence_bits
         super().__init__({
             "shift": In(1),
-            "touched": In(TAG_BANKS),
-            "between": In(between_layout()),
-            "last_use": In(data.ArrayLayout(number, TAG_BANKS)),
+            "touched": In(options.tag_banks),
+            "between": In(between_layout(options)),
+            "last_use": In(data.ArrayLayout(number, options.tag_banks)),
             "number": In(number),
             "retired": In(number),
             "wrapped": In(1),
-            "d_busy": Out(TAG_BANKS),
-            "a_busy": Out(TAG_BANKS),
+            "d_busy": Out(options.tag_banks),
+            "a_busy": Out(options.tag_banks),
         })
 
     def elaborate(self, platform):
         m = Module()
-        bits = self.options.sequence_bits
+        bits, banks = self.options.sequence_bits, self.options.tag_banks
+        between = between_layout(self.options)
 
         # D: the comparisons with the numbers of pending look-ups, made on the way from stage C.
-        d_touched = Signal(TAG_BANKS)           # a look-up ahead touches the entry
-        d_between = Signal(between_layout())    # look-ups between that one and this one
-        d_last_use = Signal(data.ArrayLayout(bits, TAG_BANKS), reset_less=True)  # by the memory
-        d_since = Signal(TAG_BANKS)             # the last use is not below `retired`
-        d_before = Signal(TAG_BANKS)            # the last use is below `number`
+        d_touched = Signal(banks)               # a look-up ahead touches the entry
+        d_between = Signal(between)             # look-ups between that one and this one
+        d_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)  # by the memory
+        d_since = Signal(banks)                 # the last use is not below `retired`
+        d_before = Signal(banks)                # the last use is below `number`
         d_wrapped = Signal()                    # `wrapped`, when the two were compared
         with m.If(self.shift):
             m.d.sync += [
@@ -79,16 +79,16 @@ class Interlock(wiring.Component):
             for bank, last_use in enumerate(self.last_use):
                 m.d.sync += [d_since[bank].eq(last_use >= self.retired),
                              d_before[bank].eq(last_use < self.number)]
-        for bank in range(TAG_BANKS):
+        for bank in range(banks):
             m.d.comb += self.d_busy[bank].eq(
                 d_touched[bank] | self._in_flight(d_since[bank], d_before[bank], d_wrapped))
 
         # A: the same for as long as the look-up stays.
         a_new = Signal()                        # the look-up is in its first clock in stage A
-        a_touched = Signal(TAG_BANKS)           # a look-up that was ahead touched the entry
-        a_between = Signal(between_layout())    # look-ups between that one and this one
+        a_touched = Signal(banks)               # a look-up that was ahead touched the entry
+        a_between = Signal(between)             # look-ups between that one and this one
         # The last user: in the first clock that of the memory, later of the look-ups ahead as well.
-        a_last_use = Signal(data.ArrayLayout(bits, TAG_BANKS), reset_less=True)
+        a_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)
         m.d.sync += a_new.eq(self.shift)
         with m.If(self.shift):
             m.d.sync += [a_touched.eq(d_touched), a_between.eq(d_between),

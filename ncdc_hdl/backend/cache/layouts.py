@@ -5,17 +5,33 @@ from collections import namedtuple
 from amaranth.lib import data
 from amaranth.utils import ceil_log2
 
-from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
+from ncdc_hdl.backend.layouts import edges
+from ncdc_model.fetch.cache_options import TILE_WIDTH
 from ncdc_model.geometry import MAX_SIZE
 
-__all__ = ["PAIR_X_BITS", "PAIR_Y_BITS", "TILE_X_BITS", "TILE_Y_BITS", "bank_tile",
-           "lookup_layout", "set_bits", "slot_bits", "stalls_layout", "tile_layout", "tiles_layout",
+__all__ = ["PAIR_X_BITS", "TILE_X_BITS", "bank_tile", "lookup_layout", "pair_y_bits", "row_bits",
+           "set_bits", "slot_bits", "stalls_layout", "tile_layout", "tile_y_bits", "tiles_layout",
            "tiles_of", "window_place_layout", "word_bytes"]
 
 TILE_X_BITS = ceil_log2(MAX_SIZE // TILE_WIDTH)
-TILE_Y_BITS = ceil_log2(MAX_SIZE // TILE_HEIGHT)
-# Tiles come in pairs, an even one and the odd one behind it; a bank holds one of each pair.
-PAIR_X_BITS, PAIR_Y_BITS = TILE_X_BITS - 1, TILE_Y_BITS - 1
+# Tiles come in pairs, an even one and the odd one behind it; a bank holds one of each pair. Rows of
+# tiles come likewise in pairs, or fours if a look-up may touch more than two.
+PAIR_X_BITS = TILE_X_BITS - 1
+
+
+def tile_y_bits(options):
+    """Bits of the number of a tile's row."""
+    return ceil_log2(MAX_SIZE // options.tile_height)
+
+
+def row_bits(options):
+    """Bits of a tile's row within its pair, or its four."""
+    return ceil_log2(options.tile_rows)
+
+
+def pair_y_bits(options):
+    """Bits of the number of a pair of rows of tiles, or of a four."""
+    return tile_y_bits(options) - row_bits(options)
 
 
 def set_bits(options):
@@ -28,47 +44,52 @@ def slot_bits(options):
     return ceil_log2(options.tiles)
 
 
-def word_bytes(data_width, lanes):
-    """Bytes that one bank of the tile memory gives per clock, see ``tiles``."""
-    return 8 if data_width == 128 or lanes > 1 else 4
+def word_bytes(data_width, lanes, interpolation):
+    """Bytes that one bank of the tile memory gives per clock, see ``tiles``: a window at any place
+    is in two words of four bytes only if it has at most five columns."""
+    return 8 if data_width == 128 or lanes > 1 or interpolation.window > 5 else 4
 
 
 def window_place_layout(f_bits, options, lanes):
     """What a pending look-up has to know until its samples are read.
 
-    ``set`` is that of its first tile, whose column and row parity are ``odd_tile``; ``next_set`` is
-    that of the tile right of and below it. Each lane has its window's origin ``x``, ``y`` in the
-    tile that holds it, the pixel's place ``fx``, ``fy`` in the window, and whether it is ``blank``.
-    A group of several lanes may take several look-ups: ``mask`` tells which lanes are this one's,
-    ``end`` whether it is the group's last, ``word`` and ``row`` where in the first tile its box
-    begins.
+    ``set`` is that of its first tile, whose column modulo 2 and row modulo R are ``odd_tile``;
+    ``next_set`` is that of the next tiles of the same bank to the right and below. Each lane has
+    the low bits ``x``, ``y`` of the sample that names its first place, the pixel's place ``fx``,
+    ``fy`` from there on, whether it is ``blank``, and :func:`edges`. A group of several lanes may
+    take several look-ups: ``mask`` tells which lanes are this one's, ``end`` whether it is the
+    group's last. ``word`` and ``row`` tell where in the first tile the box begins; a single window
+    without a margin begins at its ``x`` and ``y``.
     """
+    needs = options.interpolation
     fields = {
         "set": set_bits(options), "next_set": set_bits(options),
-        "odd_tile": data.StructLayout({"x": 1, "y": 1}),
+        "odd_tile": data.StructLayout({"x": 1, "y": row_bits(options)}),
         "lane": data.ArrayLayout(data.StructLayout(
-            {"x": ceil_log2(TILE_WIDTH), "y": ceil_log2(TILE_HEIGHT), "fx": f_bits, "fy": f_bits,
-             "blank": 1}), lanes),
+            {"x": ceil_log2(TILE_WIDTH), "y": ceil_log2(needs.box_rows), "fx": f_bits,
+             "fy": f_bits, "blank": 1, **edges(needs)}), lanes),
         "first": 1, "last": 1}
     if lanes > 1:
-        fields |= {"mask": lanes, "end": 1, "word": 1, "row": ceil_log2(TILE_HEIGHT)}
+        fields |= {"mask": lanes, "end": 1}
+    if lanes > 1 or needs.margin:
+        fields |= {"word": 1, "row": ceil_log2(options.tile_height)}
     return data.StructLayout(fields)
 
 
 def tiles_layout(options):
-    """Up to 2 x 2 tiles, as a look-up names them.
+    """Up to 2 x R tiles, as a look-up names them.
 
     Index 0 of ``pair_x`` and ``set_x`` is for the even tile column of the box, 1 for the odd one;
-    ``pair_y`` and ``set_y`` likewise for rows. Bank b = px | py << 1 holds the tile of the pairs
+    ``pair_y`` and ``set_y`` for rows modulo R. Bank b = px | py << 1 holds the tile of the pairs
     ``pair_x[px]``, ``pair_y[py]`` in the set ``set_x[px] | set_y[py]``; bit b of ``need`` tells
     whether the box touches it.
     """
     return data.StructLayout({
         "pair_x": data.ArrayLayout(PAIR_X_BITS, 2),
-        "pair_y": data.ArrayLayout(PAIR_Y_BITS, 2),
+        "pair_y": data.ArrayLayout(pair_y_bits(options), options.tile_rows),
         "set_x": data.ArrayLayout(set_bits(options), 2),
-        "set_y": data.ArrayLayout(set_bits(options), 2),
-        "need": TAG_BANKS,
+        "set_y": data.ArrayLayout(set_bits(options), options.tile_rows),
+        "need": options.tag_banks,
     })
 
 
@@ -98,7 +119,8 @@ def bank_tile(tiles, bank):
 
 def tile_layout(options):
     """A tile to be read from memory, and the slot it is for."""
-    return data.StructLayout({"x": TILE_X_BITS, "y": TILE_Y_BITS, "slot": slot_bits(options)})
+    return data.StructLayout({"x": TILE_X_BITS, "y": tile_y_bits(options),
+                              "slot": slot_bits(options)})
 
 
 def stalls_layout():

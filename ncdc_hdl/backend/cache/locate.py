@@ -6,14 +6,21 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.boxes import box_layout
-from ncdc_hdl.backend.cache.layouts import PAIR_X_BITS, PAIR_Y_BITS, lookup_layout, set_bits
+from ncdc_hdl.backend.cache.layouts import (
+    PAIR_X_BITS,
+    lookup_layout,
+    pair_y_bits,
+    row_bits,
+    set_bits,
+)
+from ncdc_hdl.backend.layouts import edges
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.relay import Relay
-from ncdc_model.fetch.cache_options import TAG_BANKS, TILE_HEIGHT, TILE_WIDTH
+from ncdc_model.fetch.cache_options import TILE_WIDTH
 
 __all__ = ["Locate"]
 
-_X_BITS, _Y_BITS = ceil_log2(TILE_WIDTH), ceil_log2(TILE_HEIGHT)
+_X_BITS = ceil_log2(TILE_WIDTH)
 
 
 class Locate(wiring.Component):
@@ -40,24 +47,28 @@ class Locate(wiring.Component):
         self.options, self.lanes = options, lanes
         super().__init__({
             "split": In(range(set_bits(options) + 1)),
-            "i": In(stream.Signature(box_layout(f_bits, lanes))),
+            "i": In(stream.Signature(box_layout(f_bits, lanes, options.interpolation))),
             "o": Out(stream.Signature(lookup_layout(f_bits, options, lanes))),
         })
 
     def elaborate(self, platform):
         m = Module()
+        y_bits, rows = ceil_log2(self.options.tile_height), self.options.tile_rows
+        row = row_bits(self.options)
         # T: the tiles of the box are known.
         t_valid = Signal()                              # there is a box in this stage
         t = Signal(self.i.payload.shape())              # the box
         t_across = Signal()                             # it reaches into the tile on the right
-        t_down = Signal()                               # it reaches into the tile below
+        t_down = Signal(row)                            # rows of tiles below that it reaches into
         t_even_x = Signal(PAIR_X_BITS, reset_less=True)     # the pair of its even tile column
-        t_even_y = Signal(PAIR_Y_BITS, reset_less=True)     # the pair of its even tile row
+        # The pair, or the four, of its tile row of each kind but the last one.
+        t_pair_y = [Signal(pair_y_bits(self.options), name=f"t_pair_y{r}", reset_less=True)
+                    for r in range(rows - 1)]
         # S: the sets are known. The relay keeps ``ready`` of what follows from going further back.
         m.submodules.sets = sets = Relay(self.o.payload.shape())
         wiring.connect(m, sets.o, wiring.flipped(self.o))
         o, place = sets.i.p, sets.i.p.place
-        tile_x, tile_y = t.x0[_X_BITS:], t.y0[_Y_BITS:]
+        tile_x, tile_y = t.x0[_X_BITS:], t.y0[y_bits:]
         mask_x = Signal(set_bits(self.options))
         m.d.sync += mask_x.eq((1 << self.split) - 1)
         with m.If(~t_valid | sets.i.ready):
@@ -66,34 +77,44 @@ class Locate(wiring.Component):
             m.d.sync += [
                 t_valid.eq(self.i.valid), t.eq(self.i.payload),
                 t_across.eq(self.i.p.x0[_X_BITS] ^ self.i.p.x1[_X_BITS]),
-                t_down.eq(self.i.p.y0[_Y_BITS] ^ self.i.p.y1[_Y_BITS]),
+                t_down.eq(self.i.p.y1[y_bits:][:row] - self.i.p.y0[y_bits:][:row]),
                 # Of an odd column and the even one behind it, the even one is in the next pair.
                 t_even_x.eq((self.i.p.x0[_X_BITS:] + 1) >> 1),
-                t_even_y.eq((self.i.p.y0[_Y_BITS:] + 1) >> 1),
+                *(t_pair_y[r].eq((self.i.p.y0[y_bits:] + (rows - 1 - r)) >> row)
+                  for r in range(rows - 1)),
             ]
         m.d.comb += [
             sets.i.valid.eq(t_valid),
-            place.odd_tile.x.eq(tile_x[0]), place.odd_tile.y.eq(tile_y[0]),
+            place.odd_tile.x.eq(tile_x[0]), place.odd_tile.y.eq(tile_y),
             place.first.eq(t.group.first), place.last.eq(t.group.last & t.end),
         ]
         for lane, pixel in zip(place.lane, lanes_of(t.group)):
             m.d.comb += [lane.x.eq(pixel.x0), lane.y.eq(pixel.y0), lane.fx.eq(pixel.fx),
                          lane.fy.eq(pixel.fy), lane.blank.eq(pixel.blank)]
+            m.d.comb += [lane[edge].eq(pixel[edge]) for edge in edges(self.options.interpolation)]
         if self.lanes > 1:
-            m.d.comb += [place.mask.eq(t.mask), place.end.eq(t.end),
-                         place.word.eq(t.x0[_X_BITS - 1]), place.row.eq(t.y0)]
+            m.d.comb += [place.mask.eq(t.mask), place.end.eq(t.end)]
+        if "word" in place.shape().members:
+            m.d.comb += [place.word.eq(t.x0[_X_BITS - 1]), place.row.eq(t.y0)]
         # The tile beside an even one is in the same pair, that beside an odd one in the next.
-        for odd, pair_x, pair_y, place_set in ((0, t_even_x, t_even_y, place.next_set),
-                                               (1, tile_x[1:], tile_y[1:], place.set)):
-            # Not read back from ``o``: simulators take a vector for one thing.
-            set_x = Signal(len(mask_x), name=f"set_x{odd}")
-            set_y = Signal(len(mask_x), name=f"set_y{odd}")
-            m.d.comb += [
-                set_x.eq(pair_x & mask_x), set_y.eq(pair_y << self.split),
-                o.pair_x[odd].eq(pair_x), o.pair_y[odd].eq(pair_y),
-                o.set_x[odd].eq(set_x), o.set_y[odd].eq(set_y), place_set.eq(set_x | set_y)]
-        for bank in range(TAG_BANKS):
-            m.d.comb += o.need[bank].eq(
-                t.used & (t_across | (tile_x[0] == bank & 1))
-                & (t_down | (tile_y[0] == bank >> 1)))
+        # Not read back from ``o``: simulators take a vector for one thing.
+        set_x = [Signal(len(mask_x), name=f"set_x{odd}") for odd in range(2)]
+        set_y = [Signal(len(mask_x), name=f"set_y{r}") for r in range(rows)]
+        for odd, pair_x in enumerate((t_even_x, tile_x[1:])):
+            m.d.comb += [set_x[odd].eq(pair_x & mask_x),
+                         o.pair_x[odd].eq(pair_x), o.set_x[odd].eq(set_x[odd])]
+        for r, pair_y in enumerate((*t_pair_y, tile_y[row:])):
+            m.d.comb += [set_y[r].eq(pair_y << self.split),
+                         o.pair_y[r].eq(pair_y), o.set_y[r].eq(set_y[r])]
+        m.d.comb += [place.next_set.eq(set_x[0] | set_y[0]), place.set.eq(set_x[1] | set_y[-1])]
+        self._needs(m, o.need, t.used, (tile_x[0], t_across), (tile_y[:row], t_down))
         return m
+
+    def _needs(self, m, need, used, columns, rows):
+        """Which banks a box needs: ``columns`` and ``rows`` are what its first tile leaves, divided
+        by their number of banks, and how many more it reaches into."""
+        for bank in range(self.options.tag_banks):
+            below = Signal.like(rows[0], name=f"below{bank}")   # rows from the first one to this
+            m.d.comb += [
+                below.eq((bank >> 1) - rows[0]),
+                need[bank].eq(used & (columns[1] | (columns[0] == bank & 1)) & (below <= rows[1]))]

@@ -8,7 +8,7 @@ from amaranth.utils import exact_log2
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.cache.layouts import tile_layout
 from ncdc_hdl.frontend.layouts import SIZE
-from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
+from ncdc_model.fetch.cache_options import TILE_WIDTH
 
 __all__ = ["TileRequests"]
 
@@ -16,7 +16,7 @@ __all__ = ["TileRequests"]
 class TileRequests(wiring.Component):
     """One read command per row of a tile, top down::
 
-        address = base + (4 y + row) pitch + 16 x
+        address = base + (H y + row) pitch + 16 x       H rows per tile
 
     Of the lowest tiles some rows may be below the frame: ``beyond``.
 
@@ -44,6 +44,7 @@ class TileRequests(wiring.Component):
     """Clocks from a tile to its first address: factors, product 2, address, row."""
 
     def __init__(self, options):
+        self.options = options
         super().__init__({
             "base": In(ADDRESS_BITS), "pitch": In(SIZE), "height": In(SIZE),
             "i": In(stream.Signature(tile_layout(options))),
@@ -52,6 +53,7 @@ class TileRequests(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
+        tile_height = self.options.tile_height
         # The oldest tile waits in front of registers that always run, as those of multipliers do.
         # F: the factors of the product, and the tile's column.
         f_x = Signal.like(self.i.p.x, reset_less=True)
@@ -67,16 +69,16 @@ class TileRequests(wiring.Component):
                      p_product.eq(product), m_product.eq(p_product),
                      m_start.eq(self.base + f_x * TILE_WIDTH)]
         known = Signal(3)               # how far the tile has come: a bit for each of F, P, M
-        # A: the address of a tile's first row. O: those of its four rows, one after the other.
+        # A: the address of a tile's first row. O: those of its rows, one after the other.
         a_valid = Signal()                                  # there is a tile in stage A
         a_address = Signal(ADDRESS_BITS, reset_less=True)   # the address of its first row
-        row = Signal(range(TILE_HEIGHT))                    # the row whose address is at ``o``
+        row = Signal(range(tile_height))                       # the row whose address is at ``o``
         done = Signal()                                     # ``o`` takes what is in stage A
         m.d.comb += [self.i.ready.eq(known[-1] & ~a_valid),
-                     done.eq(~self.o.valid | (self.o.ready & (row == TILE_HEIGHT - 1)))]
+                     done.eq(~self.o.valid | (self.o.ready & (row == tile_height - 1)))]
         m.d.sync += known.eq(Mux(self.i.ready, 0, Cat(self.i.valid, known)))
         with m.If(~a_valid):
-            m.d.sync += [a_valid.eq(known[-1]), a_address.eq(m_start + m_product * TILE_HEIGHT)]
+            m.d.sync += [a_valid.eq(known[-1]), a_address.eq(m_start + m_product * tile_height)]
         with m.Elif(done):
             m.d.sync += a_valid.eq(0)
         # Which tiles are the lowest ones, and how many rows of them are in the frame, less one.
@@ -84,13 +86,13 @@ class TileRequests(wiring.Component):
         m.d.sync += last_row.eq(self.height - 1)
         p_lowest, m_lowest, a_lowest, o_lowest = (Signal(name=f"{stage}_lowest", reset_less=True)
                                                   for stage in "pmao")
-        m.d.sync += [p_lowest.eq(f_y == last_row[exact_log2(TILE_HEIGHT):]),
+        m.d.sync += [p_lowest.eq(f_y == last_row[exact_log2(tile_height):]),
                      m_lowest.eq(p_lowest)]
         with m.If(~a_valid):
             m.d.sync += a_lowest.eq(m_lowest)
         with m.If(done):
             m.d.sync += o_lowest.eq(a_lowest)
-        m.d.comb += self.beyond.eq(o_lowest & (row > last_row[:exact_log2(TILE_HEIGHT)]))
+        m.d.comb += self.beyond.eq(o_lowest & (row > last_row[:exact_log2(tile_height)]))
         with m.If(done):
             m.d.sync += [self.o.valid.eq(a_valid), self.o.payload.eq(a_address), row.eq(0)]
         with m.Elif(self.o.ready):

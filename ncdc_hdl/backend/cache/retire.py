@@ -5,14 +5,13 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
-from ncdc_hdl.backend.cache.align import Align
+from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.layouts import window_place_layout
 from ncdc_hdl.backend.cache.tiles import Tiles, box_layout, samples_layout
-from ncdc_hdl.backend.layouts import window_layout
+from ncdc_hdl.backend.layouts import edges, window_layout
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.memory import Fifo
 from ncdc_hdl.lib.relay import Relay
-from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["Retire"]
 
@@ -46,34 +45,42 @@ class Retire(wiring.Component):
         The oldest look-up waits for a tile.
     shift, box, samples :
         To the tile memory, as of :class:`Tiles`.
-    o : ``Out(stream.Signature(window_layout(f_bits, lanes)))``
+    o : ``Out(stream.Signature(window_layout(f_bits, lanes, ...)))``
     """
 
     push_to_retire = 1 + Fifo.latency + 1 + 1
     """Clocks from ``push`` to ``retire``: a register, the queue, the oldest look-up, B."""
     filled_to_retire = 1 + 1
     """Clocks from ``filled`` to ``retire`` of the look-up that waits for it: the balance, B."""
-    retire_to_window = Tiles.latency - 1 + Align.latency + Relay.latency
-    """Clocks from ``retire``, which is B, to the window at ``o``: M and S, W and O, the relay."""
-    latency = 1 + retire_to_window
-    """Clocks from the oldest look-up to its window at ``o``."""
 
     def __init__(self, f_bits, options, word_bytes, lanes=1):
         self.f_bits, self.options = f_bits, options
         self.word_bytes, self.lanes = word_bytes, lanes
         self.place_shape = window_place_layout(f_bits, options, lanes)
+        self.aligns = [align_for(word_bytes, options.interpolation) for _ in range(lanes)]
         super().__init__({
             "push": In(1),
             "place": In(self.place_shape),
-            "misses": In(range(TAG_BANKS + 1)),
+            "misses": In(range(options.tag_banks + 1)),
             "filled": In(1),
             "retire": Out(1),
             "waiting": Out(1),
             "shift": Out(1),
             "box": Out(box_layout(options, word_bytes)),
-            "samples": In(samples_layout(word_bytes)),
-            "o": Out(stream.Signature(window_layout(f_bits, lanes))),
+            "samples": In(samples_layout(word_bytes, options.interpolation)),
+            "o": Out(stream.Signature(window_layout(f_bits, lanes, options.interpolation))),
         })
+
+    @property
+    def retire_to_window(self):
+        """Clocks from ``retire``, which is B, to the window at ``o``: M and S, the alignment, the
+        relay."""
+        return Tiles.latency - 1 + self.aligns[0].latency + Relay.latency
+
+    @property
+    def latency(self):
+        """Clocks from the oldest look-up to its window at ``o``."""
+        return 1 + self.retire_to_window
 
     def elaborate(self, platform):
         m = Module()
@@ -96,7 +103,7 @@ class Retire(wiring.Component):
         with m.If(load):
             m.d.sync += [oldest_valid.eq(following_valid), oldest.eq(following)]
         self._count(m, load & following_valid, following_owed, enough)
-        (b_valid, _), _, (_, s), (w_valid, w) = self._stages(m, shift, pop, oldest)
+        (b_valid, _), _, (_, s), *_, (w_valid, w) = self._stages(m, shift, pop, oldest)
         word, row = self._corner(oldest)
         m.d.comb += [
             self.retire.eq(b_valid & shift),
@@ -133,7 +140,8 @@ class Retire(wiring.Component):
         """
         # Below 0 as long as the oldest look-up has to wait. At most the tiles of all pending
         # look-ups and of the one in the act stage.
-        balance = Signal(signed(ceil_log2(TAG_BANKS * (self.options.pending + 1) + 1) + 1))
+        most = self.options.tag_banks * (self.options.pending + 1)
+        balance = Signal(signed(ceil_log2(most + 1) + 1))
         m.d.comb += enough.eq(self._enough(balance))
         with m.If(comes):
             # A tile that arrives goes in as a carry: there is one adder behind the queue.
@@ -142,13 +150,15 @@ class Retire(wiring.Component):
             m.d.sync += balance.eq(balance + self.filled)
 
     def _stages(self, m, shift, pop, oldest):
-        """Registers of the four stages behind the oldest look-up, each (valid, place).
+        """Registers of the stages behind the oldest look-up, each (valid, place).
 
         B: the tile memory has the box's address. M: its banks put out their words. S: they are
-        samples. W: the rows of each window are chosen; then they are in the output.
+        samples. W, and as many more as the alignment has: each window is cut out of them; with the
+        last stage of the alignment it is in the output.
         """
         stages, before = [], (pop, oldest)
-        for name in "bmsw":
+        cuts = self.aligns[0].latency - 1
+        for name in (*"bms", *(f"w{k}" if k else "w" for k in range(cuts))):
             valid = Signal(name=f"{name}_valid")
             place = Signal(self.place_shape, name=name, reset_less=True)
             with m.If(shift):
@@ -166,10 +176,12 @@ class Retire(wiring.Component):
                          o.p.first.eq(w.first), o.p.last.eq(w.last)]
         for k, out in enumerate(lanes_of(o.p)):
             take = w_valid & w.mask[k] if several else w_valid
-            m.submodules[f"align{k}"] = align = Align(self.word_bytes)
+            m.submodules[f"align{k}"] = align = self.aligns[k]
             m.d.comb += [
                 align.shift.eq(shift), align.take.eq(take), align.samples.eq(self.samples),
                 align.x.eq(s.lane[k].x), align.y.eq(s.lane[k].y), out.samples.eq(align.o),
+                *(getattr(align, edge).eq(s.lane[k][edge])
+                  for edge in edges(self.options.interpolation)),
             ]
             with m.If(shift & take):
                 m.d.sync += [
@@ -187,7 +199,7 @@ class Retire(wiring.Component):
 
     def _corner(self, place):
         """Word and row of a look-up's first tile in which its box begins."""
-        if self.lanes > 1:
+        if "word" in self.place_shape.members:
             return place.word, place.row
         lane = place.lane[0]
         return lane.x[ceil_log2(self.word_bytes):], lane.y

@@ -6,13 +6,12 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.cache.layouts import (
     PAIR_X_BITS,
-    PAIR_Y_BITS,
     bank_tile,
+    pair_y_bits,
     set_bits,
     tiles_layout,
 )
 from ncdc_hdl.lib.memory import block_memory
-from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["TagMemory", "entry_layout"]
 
@@ -28,13 +27,13 @@ def entry_layout(options):
     return data.StructLayout({
         "valid": 1,
         "pair_x": PAIR_X_BITS,
-        "pair_y": PAIR_Y_BITS,
+        "pair_y": pair_y_bits(options),
         "last_use": options.sequence_bits,
     })
 
 
 class TagMemory(wiring.Component):
-    """Four banks of entries, one entry per set; each look-up reads one of each bank.
+    """Banks of entries, one entry per set; each look-up reads one of each bank.
 
     The entries of a look-up leave the memory while it is in stage R, and are compared with its
     tiles while it is in stage C; the result is there in stage D. A look-up in stage A writes all
@@ -63,9 +62,9 @@ class TagMemory(wiring.Component):
         A look-up leaves stage A in this clock.
     clearing, clear_set : ``In(1)``, ``In``
         The entries of this set are to be made invalid in this clock, as of ``Clearing``.
-    last_use : ``Out(ArrayLayout(sequence_bits, 4))``
+    last_use : ``Out(ArrayLayout(sequence_bits, tag_banks))``
         The last user of each entry of the look-up in stage C.
-    same : ``Out(4)``
+    same : ``Out(tag_banks)``
         Whether each entry of the look-up in stage D holds its tile, as far as the memory knows.
     """
 
@@ -80,8 +79,8 @@ class TagMemory(wiring.Component):
             "push": In(1),
             "clearing": In(1),
             "clear_set": In(set_bits(options)),
-            "last_use": Out(data.ArrayLayout(options.sequence_bits, TAG_BANKS)),
-            "same": Out(TAG_BANKS),
+            "last_use": Out(data.ArrayLayout(options.sequence_bits, options.tag_banks)),
+            "same": Out(options.tag_banks),
         })
 
     def elaborate(self, platform):
@@ -91,7 +90,7 @@ class TagMemory(wiring.Component):
         written = Signal(self.options.sequence_bits)
         with m.If(self.push):
             m.d.sync += written.eq(self.number)
-        for bank in range(TAG_BANKS):
+        for bank in range(self.options.tag_banks):
             read = self._memory(m, bank, written)
             self._compare(m, bank, read.data)
         return m

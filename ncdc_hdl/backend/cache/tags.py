@@ -10,6 +10,7 @@ from ncdc_hdl.backend.cache.clearing import Clearing
 from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.layouts import (
     lookup_layout,
+    row_bits,
     stalls_layout,
     tile_layout,
     tiles_of,
@@ -17,7 +18,6 @@ from ncdc_hdl.backend.cache.layouts import (
 )
 from ncdc_hdl.backend.cache.pending import Pending
 from ncdc_hdl.backend.cache.tag_memory import TagMemory
-from ncdc_model.fetch.cache_options import TAG_BANKS
 
 __all__ = ["Tags"]
 
@@ -25,7 +25,7 @@ __all__ = ["Tags"]
 class Tags(wiring.Component):
     """Looks tiles up, claims those that are missing, and passes the place on, in order.
 
-    Four banks of entries {valid, tag, last_use}, one entry per set. A look-up goes through four
+    Banks of entries {valid, tag, last_use}, one entry per set. A look-up goes through four
     stages, which shift together:
 
     - R: its entries leave the memory; it learns which look-ups ahead touch the same ones;
@@ -82,7 +82,7 @@ class Tags(wiring.Component):
         self.memory = TagMemory(options)
         self.pending = Pending(options)
         self.interlock = Interlock(options)
-        self.act = Act()
+        self.act = Act(options.tag_banks)
         super().__init__({
             "i": In(stream.Signature(lookup_layout(f_bits, options, lanes))),
             "claim": Out(1),
@@ -90,7 +90,7 @@ class Tags(wiring.Component):
             "credit": In(1),
             "push": Out(1),
             "place": Out(window_place_layout(f_bits, options, lanes)),
-            "misses": Out(range(TAG_BANKS + 1)),
+            "misses": Out(range(options.tag_banks + 1)),
             "retire": In(1),
             "stalls": Out(stalls_layout()),
         })
@@ -188,11 +188,14 @@ class Tags(wiring.Component):
     def _claimed_tile(self, m, a):
         """The tile of the bank that the look-up in stage A claims, and its slot."""
         bank = self.act.bank
-        px, py = bank[1] | bank[3], bank[2] | bank[3]
-        chosen_set = Mux(px, a.set_x[1], a.set_x[0]) | Mux(py, a.set_y[1], a.set_y[0])
+        # The number of the bank's bit, of which that of the column is the lowest bit.
+        px, *rows = (Cat(bit for k, bit in enumerate(bank) if k >> n & 1).any()
+                     for n in range(1 + row_bits(self.options)))
+        py = Cat(rows)
+        chosen_set = Mux(px, a.set_x[1], a.set_x[0]) | _chosen(a.set_y, rows)
         m.d.comb += [
             self.tile.x.eq(Cat(px, Mux(px, a.pair_x[1], a.pair_x[0]))),
-            self.tile.y.eq(Cat(py, Mux(py, a.pair_y[1], a.pair_y[0]))),
+            self.tile.y.eq(Cat(py, _chosen(a.pair_y, rows))),
             self.tile.slot.eq(Cat(chosen_set, px, py)),
         ]
 
@@ -203,3 +206,11 @@ class Tags(wiring.Component):
         A method of its own only so that proofs and tests can take out the clearing.
         """
         return place.last
+
+
+def _chosen(values, bits):
+    """Element of ``values`` whose number has the binary digits ``bits``, the lowest one first."""
+    values = list(values)
+    for bit in bits:
+        values = [Mux(bit, odd, even) for even, odd in zip(values[::2], values[1::2])]
+    return values[0]

@@ -5,9 +5,9 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
-from ncdc_hdl.backend.cache.layouts import set_bits, slot_bits
+from ncdc_hdl.backend.cache.layouts import row_bits, set_bits, slot_bits
 from ncdc_hdl.lib.memory import block_memory
-from ncdc_model.fetch.cache_options import TILE_HEIGHT, TILE_WIDTH
+from ncdc_model.fetch.cache_options import TILE_WIDTH
 
 __all__ = ["COLUMNS", "Tiles", "box_layout", "fill_layout", "samples_layout"]
 
@@ -26,7 +26,7 @@ def fill_layout(options, word_bytes):
     words of one bank along the row.
     """
     return data.StructLayout({
-        "enable": COLUMNS, "slot": slot_bits(options), "row": range(TILE_HEIGHT),
+        "enable": COLUMNS, "slot": slot_bits(options), "row": range(options.tile_height),
         "word": ceil_log2(_words(word_bytes)),
         "data": data.ArrayLayout(8 * word_bytes, COLUMNS)})
 
@@ -34,32 +34,35 @@ def fill_layout(options, word_bytes):
 def box_layout(options, word_bytes):
     """Where a box begins.
 
-    ``set`` and ``odd_tile`` are set and parities of its first tile, ``next_set`` is the set of the
-    tile right of and below it; ``row`` and ``word``, of ``word_bytes`` bytes, are those in
-    the first tile.
+    ``set`` is the set of its first tile, ``odd_tile`` that tile's column modulo 2 and row modulo R;
+    ``next_set`` is the set of the next tiles to the right and below; ``row`` and ``word``, of
+    ``word_bytes`` bytes, are those in the first tile.
     """
     return data.StructLayout({
         "set": set_bits(options), "next_set": set_bits(options),
-        "odd_tile": data.StructLayout({"x": 1, "y": 1}),
-        "row": range(TILE_HEIGHT), "word": ceil_log2(TILE_WIDTH // word_bytes)})
+        "odd_tile": data.StructLayout({"x": 1, "y": row_bits(options)}),
+        "row": range(options.tile_height), "word": ceil_log2(TILE_WIDTH // word_bytes)})
 
 
-def samples_layout(word_bytes):
+def samples_layout(word_bytes, interpolation):
     """The samples of a box, as the banks give them.
 
-    Row r is the one of the box whose y is r modulo 4; byte k of a row is the sample whose x is
-    k modulo ``2 word_bytes``.
+    Row r is the one of the box whose y is r modulo ``interpolation.box_rows``; byte k of a row is
+    the sample whose x is k modulo ``2 word_bytes``.
     """
-    return data.ArrayLayout(data.ArrayLayout(8, COLUMNS * word_bytes), TILE_HEIGHT)
+    return data.ArrayLayout(data.ArrayLayout(8, COLUMNS * word_bytes), interpolation.box_rows)
 
 
 class Tiles(wiring.Component):
-    """Samples of all slots, in 4 x 2 banks by row modulo 4 and word modulo 2.
+    """Samples of all slots, in M x 2 banks by row modulo M and word modulo 2.
 
-    A box of four rows and two words of ``word_bytes`` bytes has one word in each bank, whatever
-    tiles it lies in: any window of 3 x 3, or of 4 rows and ``word_bytes + 1`` columns, is read in
-    one clock. Word (row, w) of the tile in a slot is in bank (row, w mod 2) at the address
-    ``slot n + w / 2``, n = 16 / (2 word_bytes) words per bank and row.
+    M is ``box_rows`` of the interpolation: 4 of the fast one, 8 of the gradient-corrected one. A
+    box of M rows and two words of ``word_bytes`` bytes has one word in each bank, whatever tiles it
+    lies in: any window of at most M rows and ``word_bytes + 1`` columns is read in one clock. Word
+    w of a row y of the frame is in bank (y mod M, w mod 2) at the address ``s n + w / 2``, with n =
+    16 / (2 word_bytes) words per bank and row, and s the number of the tile's slot among those that
+    have rows in that bank: all slots if a tile has M rows, else those whose tile's row leaves the
+    same rest.
 
     Timing: ``samples`` follow ``box`` after 3 shifts: address, memory, samples.
 
@@ -82,13 +85,20 @@ class Tiles(wiring.Component):
             "split": In(range(set_bits(options) + 1)),
             "fill": In(fill_layout(options, word_bytes)),
             "shift": In(1), "box": In(box_layout(options, word_bytes)),
-            "samples": Out(samples_layout(word_bytes)),
+            "samples": Out(samples_layout(word_bytes, options.interpolation)),
         })
 
     def elaborate(self, platform):
         m = Module()
         fill, box = self.fill, self.box
         sets, words = set_bits(self.options), _words(self.word_bytes)
+        needs = self.options.interpolation
+        # Bits of a tile's row that the bank tells, and those that are left to the address.
+        in_tile = ceil_log2(needs.tile_height)
+        told = ceil_log2(needs.box_rows) - in_tile
+        fill_column, fill_row = fill.slot[:sets + 1], fill.slot[sets + 1:]
+        # Row modulo M in which the box begins.
+        begin = Cat(box.row, box.odd_tile.y[:told])
         mask_x = Signal(sets)
         m.d.sync += mask_x.eq((1 << self.split) - 1)
         # Without reset, so that they may be the memories' own output registers.
@@ -100,17 +110,19 @@ class Tiles(wiring.Component):
             # This bank's word is the box's first, or the one behind it.
             m.d.comb += Cat(word, in_next_tile).eq(box.word + (box.word[0] != column))
             odd_x = box.odd_tile.x ^ in_next_tile
-            for row in range(TILE_HEIGHT):
+            for row in range(needs.box_rows):
                 bank = f"bank{row}{column}"
                 # A tile is not read before it is complete, nor written before it has been read.
                 m.submodules[bank] = memory = block_memory(8 * self.word_bytes,
-                                                           self.options.tiles * words)
+                                                           (self.options.tiles >> told) * words)
                 write, read = memory.write_port(), memory.read_port()
                 m.d.comb += [
-                    write.addr.eq(Cat(fill.word, fill.slot)), write.data.eq(fill.data[column]),
-                    write.en.eq(fill.enable[column] & (fill.row == row)),
+                    write.addr.eq(Cat(fill.word, fill_column, fill_row[told:])),
+                    write.data.eq(fill.data[column]),
+                    write.en.eq(fill.enable[column] & (Cat(fill.row, fill_row[:told]) == row)),
                 ]
-                lower = box.row > row if row < TILE_HEIGHT - 1 else Const(0, 1)
+                # The bank's row is not in the box's first M rows of the frame, but in the next.
+                lower = begin > row if row < needs.box_rows - 1 else Const(0, 1)
                 address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")
                 # A set has bits of the column, where the mask has ones, and bits of the row.
                 chosen = Signal(sets, name=f"set{row}{column}")
@@ -121,7 +133,9 @@ class Tiles(wiring.Component):
                     read.addr.eq(address), read.en.eq(self.shift)]
                 with m.If(self.shift):
                     m.d.sync += [
-                        address.eq(Cat(word[1:], chosen, odd_x, box.odd_tile.y ^ lower)),
+                        address.eq(Cat(word[1:], chosen, odd_x, box.odd_tile.y[told:] ^ lower)
+                                   if told < len(box.odd_tile.y) else
+                                   Cat(word[1:], chosen, odd_x)),
                         Value.cast(samples[row])[
                             8 * self.word_bytes * column:][:8 * self.word_bytes].eq(read.data)]
         return m

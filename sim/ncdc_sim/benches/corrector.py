@@ -5,11 +5,11 @@ import numpy as np
 
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
-from ncdc_model.fetch.cache_options import TILE_HEIGHT
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
 from ncdc_model.interface.host_values import host_values, place_values, table_words
 from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
+from ncdc_model.interpolation import FAST
 from ncdc_sim.benches.avalon import Host, read_memory, write_memory
 from ncdc_sim.benches.common import clocks, settings, start
 from ncdc_sim.system.corrector import tiles_fetched
@@ -69,7 +69,7 @@ async def two_frames_equal_model(dut):
     count, fetched = frame_bytes(g), 0
     for k in range(2):
         golden = correct(d, raw[k])
-        fetched += golden.fetches if len(readers) == 3 else TILE_HEIGHT * tiles_fetched(
+        fetched += golden.fetches if len(readers) == 3 else FAST.tile_height * tiles_fetched(
             d, Hardware())
         stored = np.frombuffer(bytes(memory[(2 * k + 1) * size:(2 * k + 2) * size]), np.uint8)
         pixels = stored[:count].reshape(g.corrected_height, g.corrected_width, 4)

@@ -10,9 +10,11 @@
 // tiles that a direct-mapped cache of this size must ask for, in order; commands and windows that
 // are refused stay as they are. Arguments: name=value, see main. Prints RESULT name value.
 //
-// Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, and for each field of a request (I_) and a
-// window (O_) its first bit in lane 0, with the bits of a lane: see cache_stress.py.
+// Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, what an interpolation needs, and for each
+// field of a request (I_) and a window (O_) its first bit in lane 0, with the bits of a lane: see
+// cache_stress.py.
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -31,7 +33,11 @@
 
 namespace {
 
-constexpr int kLanes = NCDC_LANES, kWord = NCDC_DATA_WIDTH / 8, kSets = NCDC_TILES / 4;
+// A window are kCore samples in each direction and kMargin around them, of which the latter may lie
+// outside the frame; a tile has kHeight rows, and kRows rows of tiles are in different banks.
+constexpr int kCore = NCDC_CORE, kMargin = NCDC_MARGIN, kAfter = kCore + kMargin - 1;
+constexpr int kHeight = NCDC_TILE_HEIGHT, kRows = NCDC_TILE_ROWS, kBanks = 2 * kRows;
+constexpr int kLanes = NCDC_LANES, kWord = NCDC_DATA_WIDTH / 8, kSets = NCDC_TILES / kBanks;
 constexpr int kPlace = NCDC_PLACE;          // bits of fx and of fy
 
 struct Random {
@@ -97,7 +103,7 @@ struct Frame {
 class Bench {
 public:
     Bench(std::uint64_t seed, int resets) : random{seed * 0x9E3779B97F4A7C15 + 1}, resets(resets) {
-        held.assign(4 * kSets, -1);
+        held.assign(kBanks * kSets, -1);
         dut->clk = 0, dut->rst = 1, dut->memory_rst = 0;
         dut->PORT(i, valid) = 0, dut->PORT(o, ready) = 0;
         dut->PORT(bus0, waitrequest) = 0, dut->PORT(bus0, readdatavalid) = 0;
@@ -109,7 +115,7 @@ public:
         choose(limit);
         dut->base = f.base, dut->pitch = f.pitch, dut->split = f.split;
         dut->limit = f.limit, dut->height = f.height;
-        held.assign(4 * kSets, -1);
+        held.assign(kBanks * kSets, -1);
         sent = done = 0;
         x = f.area_x, y = f.area_y;
         while (done < f.groups) {
@@ -127,17 +133,20 @@ public:
 
 private:
     void place() {
-        f.width = random.chance(32) ? random.between(3, 40) : random.between(3, 4096);
-        f.height = random.chance(32) ? random.between(3, 20) : random.between(3, 4096);
+        // With a margin, a window may not leave the frame on both sides.
+        const int least = kMargin ? 8 : kCore;
+        f.width = random.chance(32) ? random.between(least, 40) : random.between(least, 4096);
+        f.height = random.chance(32) ? random.between(least, 20) : random.between(least, 4096);
         f.pitch = (f.width + 15) / 16 * 16 + 16 * random.below(8);
         int splits = 1;
         while (1 << splits < 2 * kSets) splits++;
         f.split = random.below(splits);
         const int scale = 1 << random.between(2, 12);
-        f.area_w = std::min<std::uint32_t>(f.width - 2, scale);
-        f.area_h = std::min<std::uint32_t>(f.height - 2, std::max(1, scale >> random.below(6)));
-        f.area_x = random.below(f.width - 1 - f.area_w);
-        f.area_y = random.below(f.height - 1 - f.area_h);
+        f.area_w = std::min<std::uint32_t>(f.width - (kCore - 1), scale);
+        f.area_h = std::min<std::uint32_t>(f.height - (kCore - 1),
+                                         std::max(1, scale >> random.below(6)));
+        f.area_x = random.below(f.width - (kCore - 2) - f.area_w);
+        f.area_y = random.below(f.height - (kCore - 2) - f.area_h);
     }
 
     void choose(std::uint64_t limit) {
@@ -184,8 +193,25 @@ private:
         return group;
     }
 
-    // What the cache must ask for: a box of two words of 8 bytes by four rows is one look-up; a
-    // group that needs more is cut in halves.
+    // First and last sample in the frame of the window of a place.
+    static std::uint32_t first(std::uint32_t place) {
+        return place < kMargin ? 0 : place - kMargin;
+    }
+
+    static std::uint32_t last(std::uint32_t place, std::uint32_t size) {
+        return kMargin ? std::min(place + kAfter, size - 1) : place + kAfter;
+    }
+
+    // Mirrored about the first or last column, or row.
+    static std::uint32_t inside(int place, int size) {
+        return place < 0 ? -place : kMargin && place >= size ? 2 * (size - 1) - place : place;
+    }
+
+    // Steps of row, or column, k of a window from its core.
+    static int away(int k) { return std::max({kMargin - k, k - kAfter, 0}); }
+
+    // What the cache must ask for: a box of two words of 8 bytes by NCDC_BOX_ROWS rows, of no more
+    // than kRows rows of tiles, is one look-up; a group that needs more is cut in halves.
     void ask(const Group& group, int from, int count) {
         std::uint32_t x0 = ~0u, x1 = 0, y0 = ~0u, y1 = 0;
         bool any = false;
@@ -193,27 +219,29 @@ private:
             const Pixel& p = group.lane[k];
             if (p.blank) continue;
             any = true;
-            x0 = std::min(x0, p.x), x1 = std::max(x1, p.x + 2);
-            y0 = std::min(y0, p.y), y1 = std::max(y1, p.y + 2);
+            x0 = std::min(x0, first(p.x)), x1 = std::max(x1, last(p.x, f.width));
+            y0 = std::min(y0, first(p.y)), y1 = std::max(y1, last(p.y, f.height));
         }
         if (!any) return;
-        if (count > 1 && ((x1 >> 3) > (x0 >> 3) + 1 || y1 > y0 + 3)) {
+        if (count > 1 && ((x1 >> 3) > (x0 >> 3) + 1 || y1 >= y0 + NCDC_BOX_ROWS
+                          || y1 / kHeight >= y0 / kHeight + kRows)) {
             ask(group, from, count / 2);
             ask(group, from + count / 2, count / 2);
             return;
         }
-        for (std::uint32_t bank = 0; bank < 4; bank++) {
+        for (std::uint32_t bank = 0; bank < kBanks; bank++) {
             const std::uint32_t tx = (x0 >> 4) + (((x0 >> 4) ^ bank) & 1);
-            const std::uint32_t ty = (y0 >> 2) + (((y0 >> 2) ^ bank >> 1) & 1);
-            if (tx > x1 >> 4 || ty > y1 >> 2) continue;
+            const std::uint32_t top = y0 / kHeight;
+            const std::uint32_t ty = top + (bank / 2 + kRows - top % kRows) % kRows;
+            if (tx > x1 >> 4 || ty > y1 / kHeight) continue;
             const std::uint32_t kx = 1u << f.split, ky = kSets >> f.split;
-            const std::uint32_t slot = bank * kSets + (ty / 2 % ky) * kx + tx / 2 % kx;
+            const std::uint32_t slot = bank * kSets + (ty / kRows % ky) * kx + tx / 2 % kx;
             const std::int64_t tile = static_cast<std::int64_t>(ty) << 16 | tx;
             if (held[slot] == tile) continue;
             held[slot] = tile;
             tiles++;
-            for (std::uint32_t row = 0; row < 4; row++) {
-                const std::uint32_t at = f.base + (4 * ty + row) * f.pitch + 16 * tx;
+            for (std::uint32_t row = 0; row < kHeight; row++) {
+                const std::uint32_t at = f.base + (kHeight * ty + row) * f.pitch + 16 * tx;
                 expected.push_back(at + 16 > f.limit ? f.base : at);
             }
         }
@@ -232,6 +260,10 @@ private:
                 put(dut->PORT(i, payload), I_FX + at, kPlace, current.number + k);
                 put(dut->PORT(i, payload), I_FY + at, kPlace, (current.number >> kPlace) ^ k);
                 put(dut->PORT(i, payload), I_BLANK + at, 1, p.blank);
+#if NCDC_MARGIN
+                put(dut->PORT(i, payload), I_EDGE_X + at, 3, edge(p.x, f.width));
+                put(dut->PORT(i, payload), I_EDGE_Y + at, 3, edge(p.y, f.height));
+#endif
             }
             put(dut->PORT(i, payload), I_FIRST, 1, current.first);
             put(dut->PORT(i, payload), I_LAST, 1, current.last);
@@ -321,15 +353,30 @@ private:
             if (p.blank) continue;
             right &= bits(window, O_ODD_COLUMN + at, 1) == (p.x & 1);
             right &= bits(window, O_ODD_ROW + at, 1) == (p.y & 1);
-            for (std::uint32_t n = 0; n < 9; n++)
-                right &= bits(window, O_SAMPLES + at + 8 * n, 8)
-                         == sample(f.base + (p.y + n / 3) * f.pitch + p.x + n % 3);
+            int n = 0;
+            for (int j = 0; j < kCore + 2 * kMargin; j++) {
+                for (int i = 0; i < kCore + 2 * kMargin; i++) {
+                    if (away(j) + away(i) > kMargin) continue;
+                    const int below = static_cast<int>(p.y) - kMargin + j;
+                    const int across = static_cast<int>(p.x) - kMargin + i;
+                    const std::uint32_t row = inside(below, f.height);
+                    const std::uint32_t column = inside(across, f.width);
+                    right &= bits(window, O_SAMPLES + at + 8 * n++, 8)
+                             == sample(f.base + row * f.pitch + column);
+                }
+            }
         }
         windows += kLanes;
         wrong += right ? 0 : kLanes;
         done++;
         moved = clocks;
         flying.pop_front();
+    }
+
+    // Samples outside in the low two bits; the third tells whether they are behind the last one.
+    static std::uint32_t edge(int place, int size) {
+        const int before = kMargin - place, behind = place + kAfter - (size - 1);
+        return behind > 0 ? behind | 4 : std::max(before, 0);
     }
 
     // The memory goes on, and what it owes must not reach the next frame; or it is reset as well.

@@ -7,8 +7,9 @@ from formal.avalon import MEMORY, check_read_host, taken_away
 from formal.properties import always, given, inner, reached
 from formal.wrapper import Wrapper
 from ncdc_hdl.backend.cache.fills import Fills
-from ncdc_hdl.backend.cache.layouts import tile_layout
-from ncdc_model.fetch.cache_options import TILE_HEIGHT, CacheOptions
+from ncdc_hdl.backend.cache.layouts import tile_layout, word_bytes
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.interpolation import FAST
 
 __all__ = ["FillOrder", "FillRoom"]
 
@@ -18,7 +19,8 @@ class _Fills(Wrapper):
 
     def __init__(self, dut):
         self.dut = dut
-        self.beats = TILE_HEIGHT * dut.burst
+        self.rows = dut.options.tile_height
+        self.beats = self.rows * dut.burst
         self.limit = dut.options.outstanding * self.beats
         super().__init__({
             "claim": In(1), "tile": In(tile_layout(dut.options)), "data": In(dut.data_width)}
@@ -48,9 +50,10 @@ class FillRoom(_Fills):
     the memory never owes more than ``outstanding`` tiles.
     """
 
-    def __init__(self, data_width=128, outstanding=2, kind=Fills):
-        options = CacheOptions(tiles=16, pending=4, outstanding=outstanding, sequence_bits=4)
-        super().__init__(kind(options, data_width, 8 if data_width == 128 else 4))
+    def __init__(self, data_width=128, outstanding=2, kind=Fills, needs=FAST):
+        options = CacheOptions(tiles=16, pending=4, outstanding=outstanding, sequence_bits=4,
+                               interpolation=needs)
+        super().__init__(kind(options, data_width, word_bytes(data_width, 1, needs)))
 
     def elaborate(self, platform):
         m = Module()
@@ -68,7 +71,7 @@ class FillRoom(_Fills):
         asked = Signal(range(16 * self.limit))
         m.d.comb += asked.eq(
             (claim + claimed.level + a_valid) * beats
-            + Mux(o_valid, (TILE_HEIGHT - row) * dut.burst, 0)
+            + Mux(o_valid, (self.rows - row) * dut.burst, 0)
             + Mux(stale, 0, Mux(read, words, 0) + owed))
         always(m, (due == owed) & (some == (due != 0)), "owed_is_known")
         always(m, owed + Mux(read, words, 0) <= self.limit, "room_for_command")
@@ -108,9 +111,10 @@ class FillOrder(_Fills):
 
     PITCH = 64
 
-    def __init__(self, data_width=128, kind=Fills):
-        options = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4)
-        super().__init__(kind(options, data_width, 8 if data_width == 128 else 4))
+    def __init__(self, data_width=128, kind=Fills, needs=FAST):
+        options = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4,
+                               interpolation=needs)
+        super().__init__(kind(options, data_width, word_bytes(data_width, 1, needs)))
 
     def more(self):
         return {"watch": In(1)}
@@ -142,9 +146,10 @@ class FillOrder(_Fills):
         with m.Elif(dut.filled & (ahead != 0)):
             m.d.sync += ahead.eq(ahead - 1)
         # The command for its row k is number 4 first + k, those in front and behind are not.
-        row = (commands - TILE_HEIGHT * first)[:6]
-        mine = watching & accepted & (row < TILE_HEIGHT)
-        always(m, ~mine | (dut.bus.address == ((tile.y << 2) + row) * self.PITCH + (tile.x << 4)),
+        row = (commands - self.rows * first)[:6]
+        mine = watching & accepted & (row < self.rows)
+        address = (tile.y * self.rows + row) * self.PITCH + (tile.x << 4)
+        always(m, ~mine | (dut.bus.address == address),
                "address")
         # Writes follow the words by two clocks.
         before, written, came = Signal.like(arrivals), Signal.like(arrivals), Signal(2)

@@ -7,10 +7,11 @@ from amaranth.lib.wiring import In
 from formal.properties import always, constant, given, inner, reached
 from formal.queue_state import places
 from formal.wrapper import Wrapper
-from ncdc_hdl.backend.cache.layouts import lookup_layout
+from ncdc_hdl.backend.cache.layouts import lookup_layout, row_bits
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
-from ncdc_model.fetch.cache_options import TAG_BANKS, CacheOptions
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.interpolation import FAST
 
 __all__ = ["Places", "Progress", "Tokens"]
 
@@ -37,15 +38,16 @@ class _Lookups(Wrapper):
     Look-ups carry their tile in ``fx`` and ``fy``, whether their frame is odd in ``first``.
     """
 
-    def __init__(self, split=0, tags=Tags, retire=Retire):
-        options = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4)
-        self.options, self.split = options, split
+    def __init__(self, split=0, tags=Tags, retire=Retire, needs=FAST):
+        options = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4,
+                               interpolation=needs)
+        self.options, self.split, self.rows = options, split, needs.tile_rows
         self.tags, self.retire = tags(_BITS, options), retire(_BITS, options, 8)
         self.odd_frame = Signal()
         super().__init__({
             "valid": In(1), "tile_x": In(_BITS), "tile_y": In(_BITS), "across": In(1),
-            "down": In(1), "blank": In(1), "last": In(1), "filled": In(1), "ready": In(1),
-            "watch": In(4)})
+            "down": In(range(self.rows)), "blank": In(1), "last": In(1), "filled": In(1),
+            "ready": In(1), "watch": In(4)})
 
     def start(self, m):
         """The design with its look-ups and fills; its parts, and the tiles outstanding."""
@@ -64,28 +66,35 @@ class _Lookups(Wrapper):
     def _set(self, pair_x, pair_y):
         """Set of a tile, by the index rule."""
         across = self.split
-        return Cat(pair_x[:across], pair_y[:2 - across])
+        return Cat(pair_x[:across], pair_y[:self.options.max_split - across])
 
     def _lookup(self, m):
         """The look-up of a window that begins at the input's tile."""
         lookup = Signal(lookup_layout(_BITS, self.options, 1))
         place, mask = lookup.place, (1 << self.split) - 1
         for odd in range(2):
-            pair_x, pair_y = (self.tile_x + (1 - odd)) >> 1, (self.tile_y + (1 - odd)) >> 1
-            m.d.comb += [
-                lookup.pair_x[odd].eq(pair_x), lookup.pair_y[odd].eq(pair_y),
-                lookup.set_x[odd].eq(pair_x & mask), lookup.set_y[odd].eq(pair_y << self.split)]
-        for bank in range(TAG_BANKS):
+            pair_x = (self.tile_x + (1 - odd)) >> 1
+            m.d.comb += [lookup.pair_x[odd].eq(pair_x), lookup.set_x[odd].eq(pair_x & mask)]
+        for row in range(self.rows):
+            pair_y = (self.tile_y + (self.rows - 1 - row)) >> row_bits(self.options)
+            m.d.comb += [lookup.pair_y[row].eq(pair_y), lookup.set_y[row].eq(pair_y << self.split)]
+        for bank in range(self.options.tag_banks):
             m.d.comb += lookup.need[bank].eq(
                 ~self.blank & (self.across | (self.tile_x[0] == bank & 1))
-                & (self.down | (self.tile_y[0] == bank >> 1)))
+                & (self._below(self.tile_y, bank) <= self.down))
         m.d.comb += [
             place.lane[0].x.eq(Mux(self.across, 14, 0)),
-            place.lane[0].y.eq(Mux(self.down, 2, 0)),
+            place.lane[0].y.eq(self.down << 1),
             place.lane[0].fx.eq(self.tile_x), place.lane[0].fy.eq(self.tile_y),
             place.lane[0].blank.eq(self.blank), place.last.eq(self.last),
             place.first.eq(self.odd_frame)]
         return lookup
+
+
+    def _below(self, tile_y, bank):
+        """Rows of tiles from row ``tile_y`` down to the next one that is in ``bank``."""
+        bits = row_bits(self.options)
+        return ((bank >> 1) - tile_y[:bits])[:bits]
 
 
 class Places(_Lookups):
@@ -137,13 +146,14 @@ class Places(_Lookups):
         place = data.View(retire.place_shape, inner(fragment, "retire", "b"))
         lane = place.lane[0]
         reads, wrong = Signal(), Signal()
-        for bank in range(TAG_BANKS):
+        for bank in range(self.options.tag_banks):
             tile_x, tile_y = Signal(_BITS + 1), Signal(_BITS + 1)
+            below = self._below(lane.fy, bank)
             m.d.comb += [tile_x.eq(lane.fx + (lane.fx[0] != bank & 1)),
-                         tile_y.eq(lane.fy + (lane.fy[0] != bank >> 1))]
-            needed = (((lane.fx[0] == bank & 1) | (lane.x > 13))
-                      & ((lane.fy[0] == bank >> 1) | (lane.y > 1)))
-            slot = Cat(self._set(tile_x >> 1, tile_y >> 1), Const(bank, 2))
+                         tile_y.eq(lane.fy + below)]
+            needed = ((lane.fx[0] == bank & 1) | (lane.x > 13)) & (below <= lane.y >> 1)
+            slot = Cat(self._set(tile_x >> 1, tile_y >> row_bits(self.options)),
+                       Const(bank, 1 + row_bits(self.options)))
             with m.If(retire.retire & ~lane.blank & needed & (slot == self.watch)):
                 m.d.comb += [reads.eq(1),
                              wrong.eq(~holds | (held.x != tile_x) | (held.y != tile_y)
@@ -188,14 +198,14 @@ class Tokens(_Lookups):
         for number, (there, own) in enumerate([(push, owed), *(
                 (there, item[-len(owed):].as_signed()) for there, item in places(m, queue))]):
             claimed = claimed - Mux(there, own, 0)
-            always(m, ~there | ((own <= 0) & (own >= -TAG_BANKS)), f"misses{number}")
-        always(m, a_misses + sum(a_missing) <= TAG_BANKS, "misses_at_most_four")
+            always(m, ~there | ((own <= 0) & (own >= -self.options.tag_banks)), f"misses{number}")
+        always(m, a_misses + sum(a_missing) <= self.options.tag_banks, "misses_at_most_all")
         always(m, a_valid | (a_misses == 0), "misses_of_a_lookup")
         always(m, a_hit == ~(a_valid & a_missing.any()), "hit_flag")
         always(m, ~a_open | ~a_hit, "open_flag")
         always(m, a_final == (a_open & (sum(a_missing) == 1)), "final_flag")
         # What the oldest look-up waits for is under way.
-        always(m, balance >= Mux(oldest_valid, -TAG_BANKS, 0), "most_awaited")
+        always(m, balance >= Mux(oldest_valid, -self.options.tag_banks, 0), "most_awaited")
         always(m, balance + outstanding == claimed, "tokens_and_fills")
         always(m, outstanding <= self.options.outstanding, "outstanding")
         reached(m, (level == most) & (outstanding != 0), "full")

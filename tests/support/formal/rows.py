@@ -10,6 +10,7 @@ from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_model.geometry import MAX_SIZE
+from ncdc_model.interpolation import FAST
 
 __all__ = ["Rows"]
 
@@ -23,13 +24,13 @@ class Rows(Wrapper):
     own registers, which induction needs.
     """
 
-    def __init__(self, lanes=1, state=True):
-        self.state = state
-        self.dut = RowGate(1, lanes)
+    def __init__(self, lanes=1, state=True, needs=FAST):
+        self.state, self.needs = state, needs
+        self.dut = RowGate(1, lanes, needs)
         super().__init__({
             "start": In(1), "follow": In(1), "height": In(SIZE), "abort": In(1),
             "camera_rows": In(SIZE), "need": In(SIZE), "valid": In(1),
-            "payload": In(request_layout(1, lanes)), "ready": In(1)})
+            "payload": In(request_layout(1, lanes, needs)), "ready": In(1)})
 
     def elaborate(self, platform):
         m = Module()
@@ -59,10 +60,11 @@ class Rows(Wrapper):
         if self.state:
             always(m, (rows < self.need) | shown | (self.need == 0), "rows_are_shown")
             always(m, self.start | ~self.follow | (limit == 0) | Mux(
-                limit == MAX_SIZE, rows >= self.height, rows >= limit + 2), "limit_is_of_rows")
+                limit == MAX_SIZE, rows >= self.height, rows >= limit + self.needs.after),
+                "limit_is_of_rows")
             always(m, ~started[0] | (limit == 0), "limit_starts_anew")
         for k, lane in enumerate(lanes_of(dut.o.p)):
-            last = (lane.y0 + 2) | 3
+            last = (lane.y0 + self.needs.after) | (self.needs.tile_height - 1)
             needs = Mux(last + 1 < self.height, last + 1, self.height)
             always(m, ~(dut.o.valid & self.follow & ~lane.blank & (needs == self.need))
                    | shown | (self.need == 0), f"row_is_there{k}")

@@ -1,0 +1,108 @@
+"""The gradient-corrected interpolation, and what a descriptor says of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc_model.corrector import correct
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.fixed import Q
+from ncdc_model.geometry import BAYER_PHASE, Geometry
+from ncdc_model.hardware import Hardware
+from ncdc_model.images import mosaic
+from ncdc_model.interpolation import FAST, GRADIENT
+from ncdc_model.picture import bilinear, gradient_colours, raw_windows, window_address
+from ncdc_model.reference import correct_real, grey_level_difference
+
+
+def gradient_descriptor(**geometry):
+    return barrel_descriptor((48, 40), (64, 48), interpolation=GRADIENT, **geometry)
+
+
+@pytest.mark.parametrize("bayer", BAYER_PHASE)
+def test_integers_are_the_floating_point_picture_rounded(bayer):
+    d = gradient_descriptor(bayer=bayer)
+    raw = np.random.default_rng(1).integers(0, 256, (48, 64), np.uint8)
+    result = correct(d, raw)
+    real = correct_real(d, raw)
+    assert grey_level_difference(result.picture, real) <= 1
+    # Noise drives the kernels beyond both ends, where the result is clamped.
+    assert {0, 255} <= set(result.picture[~result.blank].ravel().tolist())
+    assert result.blank.any() and not result.blank.all()
+
+
+@pytest.mark.parametrize("bayer", BAYER_PHASE)
+def test_a_flat_colour_stays_that_colour_up_to_every_edge(bayer):
+    colour = np.broadcast_to(np.uint8([201, 90, 17]), (10, 12, 3))
+    windows = raw_windows(mosaic(colour, bayer), GRADIENT)
+    y0, x0 = np.indices((9, 11))
+    places = gradient_colours(windows[y0, x0], x0, y0, BAYER_PHASE[bayer])
+    assert (places == 16 * colour[0, 0].astype(int).reshape(1, 1, 3, 1, 1)).all()
+
+
+def test_a_ramp_stays_a_ramp_away_from_the_edges():
+    """Each kernel is exact for a linear picture, whose three colours have the same slope."""
+    v, u = np.indices((12, 14))
+    colour = np.stack([3 * u + 2 * v + first for first in (10, 60, 90)], axis=-1).astype(np.uint8)
+    windows = raw_windows(mosaic(colour, "GBRG"), GRADIENT)
+    y0, x0 = np.mgrid[2:9, 2:11]
+    places = gradient_colours(windows[y0, x0], x0, y0, BAYER_PHASE["GBRG"])
+    for j in range(2):
+        for i in range(2):
+            np.testing.assert_array_equal(np.moveaxis(places[j, i], 0, -1),
+                                          16 * colour[y0 + j, x0 + i].astype(int))
+
+
+def test_samples_outside_the_frame_are_mirrored():
+    raw = np.random.default_rng(2).integers(0, 256, (8, 9), np.uint8)
+    windows = raw_windows(raw, GRADIENT)
+    assert windows.shape == (7, 8, 6, 6)        # a first place in each row and column but the last
+    np.testing.assert_array_equal(windows[0, 0, 0], raw[2, [2, 1, 0, 1, 2, 3]])
+    np.testing.assert_array_equal(windows[6, 7, 5], raw[5, [5, 6, 7, 8, 7, 6]])
+
+
+def test_places_just_outside_are_moved_in_and_others_are_blank():
+    geometry, q = Geometry(8, 8, 20, 16, interpolation=GRADIENT), Q(14, 10)
+
+    def at(x):
+        x0, _, fx, _, inside = window_address(q.quantise(x), q.quantise(5.0), geometry, q)
+        return (int(x0), int(fx)) if inside else None
+    assert at(-1.001) is None and at(-1.0) == (0, 0) and at(-.5) == (0, 0)
+    assert at(0.5) == (0, 512) and at(18.25) == (18, 256)
+    assert at(19.0) == (18, 1023) and at(19.999) == (18, 1023) and at(20.0) is None
+
+
+def test_rounding_is_once_and_to_nearest():
+    places = np.random.default_rng(3).integers(0, 16 * 255 + 1, (2, 2, 3, 500))
+    fx, fy = np.random.default_rng(4).integers(0, 1024, (2, 500))
+    exact = sum(weight * places[j, i] for j, i, weight in (
+        (0, 0, (1024 - fx) * (1024 - fy)), (0, 1, fx * (1024 - fy)),
+        (1, 0, (1024 - fx) * fy), (1, 1, fx * fy))) / 2**24
+    assert np.abs(bilinear(places, fx, fy, 10, 4).T - exact).max() <= 0.5
+
+
+def test_a_descriptor_keeps_its_interpolation(tmp_path):
+    fast, gradient = barrel_descriptor(), barrel_descriptor(interpolation=GRADIENT)
+    assert gradient.digest != barrel_descriptor().digest
+    fast.save(tmp_path / "fast.toml")
+    gradient.save(tmp_path / "gradient.toml")
+    assert "interpolation" not in (tmp_path / "fast.toml").read_text()
+    assert Descriptor.load(tmp_path / "fast.toml").geometry.interpolation == FAST
+    loaded = Descriptor.load(tmp_path / "gradient.toml")
+    assert loaded.geometry.interpolation == GRADIENT and loaded.digest == gradient.digest
+    text = (tmp_path / "gradient.toml").read_text().replace('"gradient"', '"cubic"')
+    (tmp_path / "cubic.toml").write_text(text)
+    with pytest.raises(InputError, match="the interpolation is 'cubic', one of fast, gradient"):
+        Descriptor.load(tmp_path / "cubic.toml")
+
+
+def test_a_fetcher_without_such_windows_is_refused():
+    gradient = gradient_descriptor()
+    with pytest.raises(InputError, match="interpolation is gradient, the multiport fetcher"):
+        Hardware(fetcher="multiport").made_for(gradient)
+    fast_cache = Hardware().made_for(barrel_descriptor((48, 40), (64, 48))).cache
+    with pytest.raises(InputError, match="cache is for the interpolation fast"):
+        replace(Hardware(), cache=fast_cache).made_for(gradient)

@@ -1,0 +1,59 @@
+"""``ncdc bench pictures``: the figures of a corrected picture."""
+
+
+import numpy as np
+
+from cameras import barrel_descriptor
+from ncdc.bench.pictures.measure import FLOWS, Subject, fitted, measure
+from ncdc.bench.pictures.plots import busiest
+from ncdc.cli import main
+
+
+def subject(size=(160, 120)):
+    """Fine stripes, whose colours go up and down together as those of most things do."""
+    v, u = np.indices(size[::-1])
+    wave = np.sin(u * .9 + v * .4)
+    colours = [127 + height * wave for height in (90, 80, 70)]
+    return Subject("stripes", np.stack(colours, -1).astype(np.uint8))
+
+
+def test_each_flow_has_its_figures_and_gradient_beats_fast():
+    rows, pictures = measure(barrel_descriptor((160, 120), (160, 120)), subject())
+    assert [row["flow"] for row in rows] == list(FLOWS)
+    assert set(pictures) == {"reference", *FLOWS}
+    by_flow = {row["flow"]: row for row in rows}
+    fast, gradient = by_flow["fast"], by_flow["gradient"]
+    assert gradient["psnr_db"] > fast["psnr_db"] + 3
+    assert gradient["ssim"] > fast["ssim"] and gradient["false_colour"] < fast["false_colour"]
+    assert all(0 < row["ssim"] < 1 for row in rows)
+
+
+def test_grey_has_no_false_colour_where_it_is_flat():
+    flat = Subject("flat", np.full((120, 160, 3), 90, np.uint8))
+    with np.errstate(divide="ignore"):
+        rows, _ = measure(barrel_descriptor((160, 120), (160, 120)), flat)
+    for row in rows[:2]:
+        assert row["false_colour"] == 0 and row["psnr_db"] == np.inf and row["ssim"] == 1
+
+
+def test_the_middle_is_taken_in_the_proportions_of_the_frame():
+    wide = np.zeros((60, 200, 3), np.uint8)
+    wide[:, 60:140] = 200
+    assert (fitted(wide, (40, 30)) == 200).all()
+    tall = np.zeros((200, 80, 3), np.uint8)
+    tall[70:130] = 200
+    assert (fitted(tall, (40, 30)) == 200).all()
+
+
+def test_the_busiest_crop_is_where_the_detail_is():
+    picture = np.zeros((120, 200, 3), np.uint8)
+    picture[50:98:2, 100:164] = 255
+    top, left = busiest(picture)
+    assert abs(top - 50) <= 2 and abs(left - 100) <= 2
+
+
+def test_a_picture_without_colour_is_refused(tmp_path, capsys):
+    assert main(["bench", "pictures", "tests/data/dots/dot_pattern_05.jpg", "--json",
+                 str(tmp_path / "out.json")]) == 2
+    assert "a colour picture is needed" in capsys.readouterr().err
+    assert not (tmp_path / "out.json").exists()

@@ -1,0 +1,65 @@
+"""Whole frames of gradient-corrected colour: the generated Verilog against the golden model."""
+
+import numpy as np
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc_hdl.corrector import Corrector
+from ncdc_model.fetch.follow import follow_bound
+from ncdc_model.hardware import Hardware
+from ncdc_model.interpolation import GRADIENT
+from ncdc_model.memory_timing import memory_timing
+from ncdc_sim.system.corrector import simulate_correction
+
+regress = pytest.mark.regress
+
+
+def camera(size=(48, 40), distorted=(72, 49), bayer="GBRG"):
+    """A camera whose corrected picture shows all four edges of its raw frame."""
+    return barrel_descriptor(size, distorted, bayer=bayer, interpolation=GRADIENT)
+
+
+def check(descriptor, hardware, memory="sdram", **options):
+    geometry = descriptor.geometry
+    raw = np.random.default_rng(1).integers(0, 256, geometry.distorted[::-1], np.uint8)
+    simulation = simulate_correction(descriptor, raw, hardware, memory=memory, **options)
+    report = simulation.report()
+    assert report["pixels_different"] == 0
+    assert report["pixels_compared"] == geometry.corrected_width * geometry.corrected_height
+    assert report["windows_fetched"] == report["windows_fetched_expected"] > 0
+    return simulation
+
+
+def test_a_frame_is_that_of_the_golden_model():
+    check(camera(), Hardware(output="stream"), simulator="icarus")
+
+
+@regress
+@pytest.mark.parametrize("bayer,settings,memory", [
+    ("RGGB", dict(data_width=32), "sdram"),
+    ("GRBG", dict(data_width=64, output="stream"), "hostile"),
+    ("BGGR", dict(data_width=128, lanes=2, output="stream"), "ddr3"),
+    ("RGGB", dict(data_width=128, lanes=4, strip=32), "ddr3"),
+])
+def test_every_mode(bayer, settings, memory):
+    check(camera(bayer=bayer), Hardware(**settings), memory)
+
+
+@regress
+def test_a_frame_follows_its_camera():
+    descriptor, hardware = camera(), Hardware(output="stream")
+    line = descriptor.geometry.distorted_width
+    simulation = check(descriptor, hardware, follow_line=line)
+    assert simulation.follow["follow_early_reads"] == 0
+    hardware = hardware.made_for(descriptor)
+    bound = follow_bound(descriptor, hardware, memory_timing("sdram"),
+                         Corrector(descriptor, hardware).timing, line=line)
+    assert 0 < simulation.follow["follow_latency_clocks"] <= bound.clocks
+
+
+@regress
+@pytest.mark.parametrize("size,settings,memory", [
+    ((1280, 1024), dict(output="stream"), "sdram"),
+    ((1920, 1080), dict(output="stream", data_width=128), "ddr3")])
+def test_large_frames(size, settings, memory):
+    check(barrel_descriptor(size, size, interpolation=GRADIENT), Hardware(**settings), memory)
