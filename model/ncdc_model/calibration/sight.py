@@ -109,7 +109,8 @@ class Look:
             except InputError:
                 pass
         # Dots out of focus look like squares that stand on their corners: a ragged lattice of them.
-        if board is not None and min(span) >= 3 and len(board.index) > _BOARD_FILLED * np.prod(span):
+        filled = len(board.index) / np.prod(span) if board is not None else 0
+        if filled > _BOARD_FILLED and min(span) >= 3:
             return Sight("chessboard", *map(int, span))
         doubt = self.spots.doubt
         raise InputError(
