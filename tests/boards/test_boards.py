@@ -173,7 +173,7 @@ def test_photos_without_the_target_are_named_and_the_others_used():
     assert [photo.name for photo in points.photos] == ["board.png"]
     assert points.rejected_photos == {
         "blank.png": "no chessboard of 9x6 inner corners was found",
-        "small.png": "it is 480x200, the first photo is 480x360"}
+        "small.png": "it is 480x200, most photos are 480x360"}
     with pytest.raises(InputError, match="no photo shows the target .blank.png: no chessboard of"):
         detect_points(images[:1], "chessboard:9x6")
 

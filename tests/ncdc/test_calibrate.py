@@ -63,3 +63,27 @@ def test_photo_is_never_replaced(folder):
         with pytest.raises(InputError, match="would replace the photo of that name"):
             command(folder / "page.png", "-o", folder / name)
     assert (folder / "page.png").read_bytes() == before and not (folder / "page.json").exists()
+
+
+def test_another_target_is_refused_and_the_earlier_file_stays(folder):
+    out = folder / "kept.json"
+    out.write_text("earlier")
+    with pytest.raises(InputError, match=r"it shows \d+ circles or dots, \d+ columns by \d+ rows, "
+                                         r"not a grid of 4x11"):
+        command(folder / "page.png", "--target", "circles:4x11", "-o", out)
+    assert out.read_text() == "earlier"
+
+
+def test_dropped_points_are_listed_with_place_and_reason(folder, capsys):
+    page = target_photo(example_camera())
+    spot = read_image(folder / "page.png")[236:262, 300:340].min(axis=0).argmin() + 300
+    page[230:262, spot - 3:spot + 3] = np.minimum(page[230:262, spot - 3:spot + 3], 40)
+    write_image(folder / "marked.png", page)
+    command(folder / "marked.png", "-o", folder / "marked.json", "--json", "-")
+    captured = capsys.readouterr()
+    report = json.loads(captured.out)
+    places = report["points_dropped"]
+    assert all(set(point) == {"photo", "x", "y", "reason"} for point in places)
+    assert report["target_chosen"] == "dots, which 1 of 1 photos show"
+    assert 0 < report["agreement_px"]["marked.png"] < 0.1
+    assert "calibrate: " in captured.err and "smooth lens" in captured.err

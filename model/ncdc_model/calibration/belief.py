@@ -33,8 +33,11 @@ def believed(size, photo):
     InputError
         If the points scatter by more than 4 % of their distance: they are no printed target's.
     """
-    smooth = _lens(size, photo)
-    held = hold(photo.index, photo.xy, photo.area if photo.area.any() else None, smooth)
+    area, smooth = photo.area if photo.area.any() else None, _lens(size, photo)
+    held = hold(photo.index, photo.xy, area)
+    if smooth is not None:
+        # Oblique steps are no lens's; what describes the points better is what they are held to.
+        held = min(held, hold(photo.index, photo.xy, area, smooth), key=lambda held: held.sigma)
     if held.keep.any() and held.sigma > _UNEVEN * held.step:
         raise InputError(f"its points scatter by {held.sigma:.1f} pixels about a smooth lattice, "
                          f"{100 * held.sigma / held.step:.0f} % of their distance, "

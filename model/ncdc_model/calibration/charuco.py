@@ -84,13 +84,33 @@ def _numbered(image, index, xy, size, boards):
         if boards and len(boards[0].index) >= len(index):
             return None
         best = PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy)))
-        low = index.min(axis=0)
-        best = believed(image.shape[1::-1], best)
-        return replace(best, index=best.index + low)
+        return _believed(image, best)
     if votes < _AGREEING or votes < len(index) / 2:
         return None
-    order = np.lexsort(best.index.T)
-    return replace(best, index=best.index[order], xy=best.xy[order])
+    return _completed(image, best, index, xy)
+
+
+def _believed(image, photo):
+    """The believed points of ``photo``, with the markers' numbers, which need not begin at 0."""
+    number = {tuple(place): key for place, key in zip(photo.xy.tolist(), photo.index)}
+    held = believed(image.shape[1::-1], photo)
+    return replace(held, index=np.array([number[tuple(place)] for place in held.xy.tolist()],
+                                        int).reshape(-1, 2))
+
+
+def _completed(image, board, index, xy):
+    """``board`` with those of OpenCV's corners that its lattice lacks, if they are believed."""
+    there = set(map(tuple, board.index.tolist()))
+    more = [k for k, key in enumerate(index.tolist()) if tuple(key) not in there]
+    if more:
+        every = PhotoPoints(index=np.vstack([board.index, index[more]]),
+                            xy=np.vstack([board.xy, xy[more]]),
+                            area=np.zeros(len(board.index) + len(more)), dropped=board.dropped,
+                            rejected=board.rejected)
+        board = _believed(image, every)
+    order = np.lexsort(board.index.T)
+    return replace(board, index=board.index[order], xy=board.xy[order], area=board.area[order],
+                   cut=board.cut[order])
 
 
 def _step(board):

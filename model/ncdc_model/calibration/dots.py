@@ -17,6 +17,7 @@ from ncdc_model.errors import InputError
 __all__ = ["Spots", "dots_of", "find_dots", "find_spots"]
 
 _JOINED = 0.90         # of a lattice's points must be believed, else it may be two that join
+_ALIKE = 1.9           # times as large as its only neighbour a dot at the rim may be
 _ENOUGH = 25           # numbered dots below which a photo does not show a page of dots
 
 
@@ -114,11 +115,15 @@ def dots_of(spots, image):
 
 
 def _supported(page):
-    """``page`` without dots that only one other dot stands beside: an outer row needs more."""
-    there, keep = set(map(tuple, page.index.tolist())), np.ones(len(page.index), bool)
+    """``page`` without dots that only one other dot stands beside, which is not as large: an outer
+    row of specks needs more."""
+    there = {tuple(key): area for key, area in zip(page.index.tolist(), page.area)}
+    keep = np.ones(len(page.index), bool)
     for k, (i, j) in enumerate(page.index.tolist()):
-        beside = ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
-        keep[k] = sum(key in there for key in beside) > 1
+        beside = [there[key] for key in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
+                  if key in there]
+        keep[k] = len(beside) > 1 or (
+            len(beside) == 1 and _ALIKE > page.area[k] / beside[0] > 1 / _ALIKE)
     reason = Doubt.LONELY.value
     dropped = tuple((float(x), float(y), reason) for x, y in page.xy[~keep])
     rejected = {**page.rejected}

@@ -26,7 +26,7 @@ _RIM_SIZE = 1.7        # times what is allowed of sizes within: the light falls 
 _CUT_FLOOR = 1.0       # pixels that a dot which the border cuts may be off in any case
 _SIZE = 0.35           # relative difference of sizes that is allowed in any case
 _ROUNDS = 60
-_LEAST = 4             # neighbours within the window that a point needs
+_LEAST = 3             # neighbours within the window that a point needs
 # Terms of the polynomial for that many points at least: it takes off most of the lens.
 _DEGREES = (150, 5), (60, 4), (24, 3), (0, 2)
 
@@ -246,7 +246,7 @@ def _rim_is_off(window, rest, area, keep, allowed):
             predicted, gain, count = _predicted(window, rest, keep, beyond < 0)
             off = np.linalg.norm(rest - predicted, axis=1)
             limit = np.maximum(_RIM_FLOOR, _RIM_WIDER * allowed[0] * np.sqrt(1 + gain))
-            told = edge & (count > _LEAST)
+            told = edge & (count > _LEAST + 1)
             wrong |= told & (off > np.maximum(limit, 2 * _FLOOR[1] * allowed[1]))
             if area is not None:
                 score = _size_score(window, area, keep, beyond < 0)
