@@ -374,7 +374,7 @@ def test_back_ends_reach_the_registers(folder):
 
 def test_a_rotated_lens_brings_the_split_that_suits_it():
     """The columns of its picture are rows of the raw frame: the unrotated lens' split would read
-    several times as many tiles."""
+    half as many tiles again."""
     g = Geometry(192, 192, 192, 192)
     upright = np.eye(2) * 0.2
     networks = [FloatNetwork(hidden, np.zeros(2), np.eye(2) * 95 * 2 / 0.2, np.full(2, 95.5))
@@ -385,7 +385,7 @@ def test_a_rotated_lens_brings_the_split_that_suits_it():
     own, other = (Lens.of(corrector, d).values["CACHE_SPLIT"] for d in (plain, rotated))
     accessed = accesses(lookups(frame_windows(rotated)))
     read = [len(misses(accessed, corrector.hardware.cache, split)) for split in range(5)]
-    assert read[other] == min(read) and read[own] > 3 * read[other]
+    assert read[other] == min(read) and read[own] > 1.4 * read[other]
 
 
 # What is no lens of a corrector.
