@@ -28,7 +28,7 @@ INPUTS = {"calibrate": ["frame.png"], "train": ["camera.toml", "--neurons", "2"]
           "evaluate": ["net.toml", "--against", "camera.toml"],
           "correct": ["net.toml", "frame.png"], "simulate": ["net.toml", "frame.png"],
           "export": ["net.toml"], "plan": ["net.toml"], "generate": ["net.toml"],
-          "demo": [], "bench": ["tansig", "--plots"]}
+          "demo": [], "bench": ["accuracy"]}
 FILES = "calibrate", "train", "correct", "simulate", "export"
 FOLDERS = "demo", "generate", "bench"
 
@@ -54,6 +54,12 @@ def test_a_folder_is_no_file(folder, capsys, command):
         assert main([command, *INPUTS[command], "-o", output]) == 2
         assert capsys.readouterr().err.count("\n") == 1
     assert stat.S_ISFIFO(os.stat("pipe.png").st_mode)
+
+
+@pytest.mark.parametrize("bench", ["tansig", "throughput"])
+def test_plots_are_no_file(folder, capsys, bench):
+    assert main(["bench", bench, "--plots", "net.toml"]) == 2
+    assert "net.toml: Not a directory" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["evaluate", "plan", "correct"])

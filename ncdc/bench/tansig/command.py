@@ -9,6 +9,7 @@ from ncdc.bench.tansig.measure import tansig_row
 from ncdc.bench.tansig.plots import plot_tansig
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Steps
+from ncdc_model.files import check_outputs
 from ncdc_model.tansig import FRACTION_BITS, VARIANTS, design_for
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "complaint", "run", "table"]
@@ -36,6 +37,8 @@ def add_arguments(parser):
 
 def run(args):
     """Measure and report; 1 if a result is wrong."""
+    if args.plots:
+        check_outputs([Path(args.plots) / "tansig-fig10.png"], [])
     if args.synth:
         check_tools(", or leave synthesis out with --no-synth")
     rows = []

@@ -7,6 +7,7 @@ from ncdc.bench.throughput.measure import ALL, DEFAULT, QUICK, goal_rows, measur
 from ncdc.bench.throughput.plots import plot_throughput
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
+from ncdc_model.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "goal_text", "run", "table"]
 
@@ -29,6 +30,8 @@ def run(args):
 
     Small frames do not measure every goal; of the other lists, a goal without a row is missed.
     """
+    if args.plots:
+        check_outputs([Path(args.plots) / "throughput.png"], [])
     runs = QUICK if args.quick else ALL if args.all else DEFAULT
     rows = list(measure(runs, lambda run: Progress(str(run))))
     goals = goal_rows(rows)
