@@ -155,15 +155,16 @@ class Scan(wiring.Component):
             for pixel in self.pixels:
                 m.d.comb += [pixel.new_row.eq(shown_new_row), pixel.new_strip.eq(shown_new_strip)]
         else:
-            # Strips begin on nodes, so that the column tells how far the last node is.
-            place = range(exact_log2(self.nodes))
-            m.d.comb += [
-                self.begins.eq(~Cat(shown_cut, *(shown_column[k] for k in place)).any()),
-                self.will_begin.eq(Mux(
-                    take, ~Cat(end, *(next_column[k] for k in place)).any(), self.begins)),
-            ]
+            self._segments(m, take, (shown_column, shown_cut), (next_column, end))
         self._blank(m, shown_column, spans, shown_cut)
         return m
+
+    def _segments(self, m, take, shown, following):
+        """Which groups are the first behind a node, and not cut: of (column, cut) of the group
+        shown and of the next one. Strips begin on nodes, so that the column tells."""
+        shown, following = (~Cat(cut, column[:exact_log2(self.nodes)]).any()
+                            for column, cut in (shown, following))
+        m.d.comb += [self.begins.eq(shown), self.will_begin.eq(Mux(take, following, shown))]
 
     def _ends(self, m):
         """Whether the frame is to end early: it is aborted, or the picture has no pixel."""
