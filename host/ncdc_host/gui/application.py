@@ -1,6 +1,7 @@
 """Starts Qt and the window, and the emulated devices of a demonstration."""
 
 import ctypes.util
+import gc
 import os
 import signal
 import sys
@@ -12,7 +13,13 @@ from ncdc_host.gui.discovery import Discovery
 from ncdc_host.gui.main_window import MainWindow
 from ncdc_model.errors import InputError
 
-__all__ = ["Demo", "check_screen", "run"]
+__all__ = ["Demo", "check_screen", "run", "settle"]
+
+
+def settle():
+    """Keep garbage collection short: what is imported stays, and is not looked through again."""
+    gc.collect()
+    gc.freeze()
 
 
 def check_screen(environment=os.environ, platform=sys.platform,
@@ -94,6 +101,7 @@ def run(urls=(), demo=False):
         window.open_device(url)
     demonstration = Demo(window) if demo else None
     window.show()
+    settle()
     # Python looks at signals only when it runs: Ctrl-C in the terminal closes the window.
     signal.signal(signal.SIGINT, lambda *_: window.close())
     heart = QTimer(interval=200)

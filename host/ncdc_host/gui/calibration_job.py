@@ -9,6 +9,7 @@ Each line of its output is a JSON object: {"step": text}, {"share": 0..1, "mse":
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -31,6 +32,8 @@ LENS = "net.toml"
 def main(arguments=None):
     """Run it; returns the exit status."""
     args = _parser().parse_args(arguments)
+    if arguments is None and hasattr(os, "nice"):
+        os.nice(10)         # the window and its pictures come first
     try:
         # What overflows becomes not-a-number, which the checks of the training name.
         with np.errstate(all="ignore"):

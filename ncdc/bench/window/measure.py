@@ -96,6 +96,7 @@ def measure(urls, folder=None, seconds=4.0, step=lambda text: None):
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     from PySide6.QtCore import QSettings
 
+    from ncdc_host.gui.application import settle
     from ncdc_host.gui.discovery import Discovery
     from ncdc_host.gui.main_window import MainWindow
     watch = [Stopwatch()]
@@ -105,6 +106,7 @@ def measure(urls, folder=None, seconds=4.0, step=lambda text: None):
     window = MainWindow(Discovery())
     window.resize(*_SIZE)
     window.show()
+    settle()
     user = _User(application, window, watch, folder)
     user.step("empty", 1.0, picture=True)
     tabs = [window.open_device(url, name=name)
