@@ -71,12 +71,21 @@ def add_arguments(parser):
                         help=f"one point in K only measures; 0: none (default: {HELD_OUT})")
     parser.add_argument("--bayer", choices=list(BAYER_PHASE), default="RGGB",
                         help="colour filter of the sensor, first two rows (default: RGGB)")
+    parser.add_argument("--fill", default="0,0,0", metavar="R,G,B",
+                        help="colour of pixels without a source (default: 0,0,0)")
+    _add_hardware(parser)
+    parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
+                        help="descriptor (default: net.toml); plots go beside it")
+    add_camera(parser)
+    add_json(parser)
+
+
+def _add_hardware(parser):
+    """Declare what the descriptor fixes of the hardware."""
     parser.add_argument("--interpolation", choices=list(INTERPOLATIONS), default=FAST.name,
                         help="fast: the paper's, from 3x3 raw samples, for every fetcher and the "
                              "smallest core (default); gradient: gradient-corrected colour from "
                              "6x6, five decibels better, for the tile cache")
-    parser.add_argument("--fill", default="0,0,0", metavar="R,G,B",
-                        help="colour of pixels without a source (default: 0,0,0)")
     parser.add_argument("--tansig", choices=[*VARIANTS, "auto"], default="mmhbc",
                         help="tan-sigmoid: mmhbc: the paper's, no multiplier (default); classic: "
                              "plain CORDIC, for comparison; table: quadratics, two multipliers "
@@ -95,10 +104,6 @@ def add_arguments(parser):
     parser.add_argument("--gamma", type=float, default=1.0, metavar="G",
                         help="gamma of the tan-sigmoid, equation (17); the hidden weights make "
                              "good for it (default: 1)")
-    parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
-                        help="descriptor (default: net.toml); plots go beside it")
-    add_camera(parser)
-    add_json(parser)
 
 
 def run(args):

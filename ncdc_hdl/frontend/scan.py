@@ -125,15 +125,12 @@ class Scan(wiring.Component):
             # The next group becomes the one shown.
             m.d.sync += [
                 self.first.eq(next_first), self.last.eq(end | next_last),
-                shown_column.eq(next_column),
-                shown_new_row.eq(new_row),
-                shown_new_strip.eq(new_strip & ~end),
-                shown_cut.eq(end),
+                shown_column.eq(next_column), shown_cut.eq(end),
+                shown_new_row.eq(new_row), shown_new_strip.eq(new_strip & ~end),
             ]
             # The one that `strips` counts becomes the next group.
             m.d.sync += [
-                next_void.eq(0),
-                next_first.eq(next_void),
+                next_void.eq(0), next_first.eq(next_void),
                 next_last.eq(strips.last_column & strips.last_row & strips.last_strip),
                 next_column.eq(strips.u),
                 begins_row.eq(ends_row),

@@ -23,6 +23,7 @@ from ncdc_model.interface.features import TEST_PATTERNS
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.pixel_formats import BGR8, bayer_format, packed
 from ncdc_model.interface.register_map import registers
+from ncdc_model.interpolation import INTERPOLATIONS
 
 
 def noise(size, seed=3):
@@ -32,8 +33,10 @@ def noise(size, seed=3):
 @pytest.mark.parametrize("bayer", BAYER_PHASE)
 @pytest.mark.parametrize("corrected,distorted,strength", [
     ((48, 40), (48, 40), .25), ((90, 40), (64, 52), .6), ((40, 60), (120, 90), -.1)])
-def test_the_matrix_is_the_golden_model(bayer, corrected, distorted, strength):
-    lens = barrel_descriptor(corrected, distorted, strength=strength, bayer=bayer, fill=(9, 8, 7))
+@pytest.mark.parametrize("interpolation", INTERPOLATIONS.values(), ids=INTERPOLATIONS)
+def test_the_matrix_is_the_golden_model(bayer, corrected, distorted, strength, interpolation):
+    lens = barrel_descriptor(corrected, distorted, strength=strength, bayer=bayer, fill=(9, 8, 7),
+                             interpolation=interpolation)
     correction = Correction(lens)
     for raw in (noise(distorted), noise_picture(*distorted), np.full(distorted[::-1], 255,
                                                                      np.uint8)):
