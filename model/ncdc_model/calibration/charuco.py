@@ -69,7 +69,7 @@ def _numbered(image, index, xy, size, boards):
 
     None if a lattice is seen and the markers' numbers are not those of its corners.
     """
-    best, votes = None, 0
+    best, votes, met = None, 0, 0
     for board in boards:
         away, nearest = cKDTree(board.xy).query(xy)
         same = away < _SAME * _step(board)
@@ -80,12 +80,13 @@ def _numbered(image, index, xy, size, boards):
             inside = ((turned >= 0) & (turned < size)).all(axis=1)
             best, votes = replace(board, index=turned[inside], xy=board.xy[inside],
                                   area=board.area[inside], cut=board.cut[inside]), agree
+            met = int(same.sum())
     if best is None:
         if boards and len(boards[0].index) >= len(index):
             return None
         best = PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy)))
         return _believed(image, best)
-    if votes < _AGREEING or votes < len(index) / 2:
+    if votes < _AGREEING or votes < met / 2:
         return None
     return _completed(image, best, index, xy)
 
