@@ -165,7 +165,7 @@ def test_random_points_have_no_lens():
 def test_too_few_points():
     index = np.stack([np.arange(9) % 3, np.arange(9) // 3], axis=1)
     photo = PhotoPoints(index, 20.0 * index + 30, np.zeros(9), {}, "a.png")
-    with pytest.raises(InputError, match="no photo has 12 points"):
+    with pytest.raises(InputError, match="no photo has 12 whole points on at least 3 rows and 3"):
         ideal_frame(TargetPoints("chessboard", (640, 480), (photo,)))
 
 

@@ -127,12 +127,12 @@ def test_camera_file_without_a_value(tmp_path, line, error):
 
 
 @pytest.mark.parametrize("change,error", [
-    ({"width": 5}, "width is 5, the limits are 8 and 4096"),
+    ({"width": 5}, "width is 5, a whole number of 8 to 4096 is needed"),
     ({"f_distorted": -3.0}, "f_distorted is -3, it must be positive"),
     ({"radial": "magic"}, "radial model is 'magic', one of kb, brown, asari is needed"),
     ({"centre": [1.0, float("nan")]}, "centre holds nan"),
     ({"centre": [1.0]}, "centre is .*, 2 numbers are needed"),
-    ({"k": "none"}, "wrong kind"),
+    ({"k": "none"}, "k holds .none., a number is needed"),
 ])
 def test_camera_refuses_bad_values(change, error):
     with pytest.raises(InputError, match=error):

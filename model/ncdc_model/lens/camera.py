@@ -134,7 +134,6 @@ class Camera:
 
     @classmethod
     def _of_table(cls, table):
-        _known(table, _NAMES, "camera")
         size = _vector(table, "corrected_size", None, 2)
         width, height = _number(table, "width"), _number(table, "height")
         sides = [("width", width), ("height", height)]
@@ -179,6 +178,7 @@ class Camera:
         """Read and check a camera file; raises :class:`InputError` as :meth:`from_dict`."""
         table = parse_text(path, "camera file", tomllib.loads)
         try:
+            _known(table, _NAMES, "camera")
             return cls.from_dict(table)
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
