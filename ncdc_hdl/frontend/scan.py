@@ -125,12 +125,13 @@ class Scan(wiring.Component):
             # The next group becomes the one shown.
             m.d.sync += [
                 self.first.eq(next_first), self.last.eq(end | next_last),
-                shown_column.eq(next_column), shown_cut.eq(end),
-                shown_new_row.eq(new_row), shown_new_strip.eq(new_strip & ~end),
+                shown_column.eq(next_column), shown_new_row.eq(new_row),
+                shown_new_strip.eq(new_strip & ~end), shown_cut.eq(end),
             ]
             # The one that `strips` counts becomes the next group.
             m.d.sync += [
-                next_void.eq(0), next_first.eq(next_void),
+                next_void.eq(0),
+                next_first.eq(next_void),
                 next_last.eq(strips.last_column & strips.last_row & strips.last_strip),
                 next_column.eq(strips.u),
                 begins_row.eq(ends_row),
@@ -149,12 +150,16 @@ class Scan(wiring.Component):
 
         if self.nodes == 1:
             self._coordinates(m, strips.begin, take, new_row, new_strip, to_top)
-            for pixel in self.pixels:
-                m.d.comb += [pixel.new_row.eq(shown_new_row), pixel.new_strip.eq(shown_new_strip)]
+            self._to_come(m, shown_new_row, shown_new_strip)
         else:
             self._segments(m, take, (shown_column, shown_cut), (next_column, end))
         self._blank(m, shown_column, spans, shown_cut)
         return m
+
+    def _to_come(self, m, new_row, new_strip):
+        """Tell with each pixel shown where the next one is."""
+        for pixel in self.pixels:
+            m.d.comb += [pixel.new_row.eq(new_row), pixel.new_strip.eq(new_strip)]
 
     def _segments(self, m, take, shown, following):
         """Which groups are the first behind a node, and not cut: of (column, cut) of the group
