@@ -79,7 +79,7 @@ def test_dropped_points_are_listed_with_place_and_reason(folder, capsys):
     spot = read_image(folder / "page.png")[236:262, 300:340].min(axis=0).argmin() + 300
     page[230:262, spot - 3:spot + 3] = np.minimum(page[230:262, spot - 3:spot + 3], 40)
     write_image(folder / "marked.png", page)
-    command(folder / "marked.png", "-o", folder / "marked.json", "--json", "-")
+    command(folder / "marked.png", "-o", folder / "dropped.json", "--json", "-")
     captured = capsys.readouterr()
     report = json.loads(captured.out)
     places = report["points_dropped"]

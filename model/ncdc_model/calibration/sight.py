@@ -111,7 +111,7 @@ class Look:
         # Dots out of focus look like squares that stand on their corners: a ragged lattice of them.
         filled = len(board.index) / np.prod(span) if board is not None else 0
         if filled > _BOARD_FILLED and min(span) >= 3:
-            return Sight("chessboard", *map(int, span))
+            return Sight("chessboard", int(max(span)), int(min(span)))
         doubt = self.spots.doubt
         raise InputError(
             "neither a whole grid of circles, a page of at least "
