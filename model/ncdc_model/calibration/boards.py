@@ -62,7 +62,8 @@ def board_of_size(boards, columns, rows, image=None):
     whole = [board for board in fitting if len(board.index) == columns * rows]
     if not whole and image is not None:
         other = _by_opencv(image, columns, rows)
-        whole = [other] if other is not None else []
+        if other is not None and len(other.index) > len(fitting[0].index if fitting else ()):
+            whole = [other]
     best = (whole or fitting or [None])[0]
     if best is None or len(best.index) < _ENOUGH:
         if best is None:
@@ -132,7 +133,10 @@ def _turned(board, columns, rows):
 
 
 def _by_opencv(image, columns, rows):
-    """OpenCV's board if its corners are a chessboard's, all of them, and agree; else None."""
+    """Those of OpenCV's corners that are a chessboard's and agree with each other, or None.
+
+    At the rim of a fisheye OpenCV has placed corners far beside the board.
+    """
     grey = grey_picture(image)
     flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
     for effort in (0, cv2.CALIB_CB_EXHAUSTIVE):
@@ -149,7 +153,6 @@ def _by_opencv(image, columns, rows):
     if not check_squares(cv2.GaussianBlur(grey, (0, 0), 1).astype(np.float32), index, xy).all():
         return None
     try:
-        board = _held(image, index, xy)
+        return _held(image, index, xy)
     except InputError:
         return None
-    return board if len(board.index) == columns * rows else None

@@ -87,8 +87,7 @@ def hold(index, xy, area=None, smooth=None):
     Held
     """
     window = _Window(index)
-    keep, doubts = np.ones(len(index), bool), {}
-    step = _step(window, xy)
+    keep, doubts, step = np.ones(len(index), bool), {}, _step(window, xy)
     far, sigma = np.zeros(len(index)), 0.0
     for _ in range(_ROUNDS):
         rest = xy if smooth is None else xy - smooth

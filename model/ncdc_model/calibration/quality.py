@@ -9,7 +9,9 @@ __all__ = ["Dropped", "check_share", "warnings_of"]
 _SCATTER = 0.25        # pixels: a point farther off its line's smooth course than this is noisy
 _LOST = 0.02           # of the places within the target that have no point
 _DROPPED = 0.02        # of the points that disagree with their neighbours
-_UNSURE = 0.22         # pixels on an axis: of points that scatter more some are off by a pixel
+# Pixels on an axis: of points that scatter more some may be off by a pixel. Centroids of circles on
+# clean photos scatter by up to 0.30, corners by up to 0.16.
+_UNSURE, _UNSURE_CORNERS = 0.35, 0.22
 _BENT = 1.0            # pixels: lines that are straight only to this, rms, are none
 _ODD = 5.0             # times the usual distance from the lens: a photo beyond is not like others
 _RUINED = 0.10         # the same: beyond this it is not a few points that are wrong
@@ -38,10 +40,11 @@ def warnings_of(points, frame, measured):
     ``measured`` is what :func:`ncdc_model.calibration.measure.measure_smooth` says of the frame.
     """
     found, scatter = [], measured["repeatability_px"]
+    unsure = _UNSURE_CORNERS if points.target in ("chessboard", "charuco") else _UNSURE
     for photo in points.photos:
-        if photo.agreement > _UNSURE:
+        if photo.agreement > unsure:
             found.append(f"{photo.name}: points usually lie {photo.agreement:.2f} px from where "
-                         f"their neighbours predict them, more than {_UNSURE} px: some may "
+                         f"their neighbours predict them, more than {unsure} px: some may "
                          f"be off by more than a pixel")
     found += _odd_photos(frame)
     if measured["straightness_rms_px"] > _BENT:
