@@ -83,11 +83,25 @@ class Look:
     @cached_property
     def page(self):
         """The page of dots as PhotoPoints; raises :class:`InputError` if there is none."""
-        count = len(self.spots.lattices[0].index) if self.spots.lattices else 0
-        if count < _BOARD_LIKE and self.boards and len(self.boards[0].index) >= count:
+        if self._spots_are_squares():
             raise InputError(f"it shows a chessboard of {len(self.boards[0].index)} corners, no "
                              f"page of dots")
         return dots_of(self.spots, self.image)
+
+    def _spots_are_squares(self):
+        """Whether the spots are the dark squares of a chessboard.
+
+        Between dots there are saddles of brightness too, which may pass for a board's corners, but
+        a ragged lattice of them; and dots do not touch.
+        """
+        lattice = self.spots.lattices[0] if self.spots.lattices else None
+        count = 0 if lattice is None else len(lattice.index)
+        if count >= _BOARD_LIKE or not self.boards or len(self.boards[0].index) < count:
+            return False
+        if _filled(self.boards[0]) > _BOARD_FILLED:
+            return True
+        grid = None if lattice is None else read_grid(self.size, lattice)
+        return grid is not None and grid.staggered and corners_touch(self.image, grid)
 
     def charuco(self, columns, rows):
         """The ChArUco board as PhotoPoints."""
@@ -99,7 +113,8 @@ class Look:
         span = np.ptp(board.index, axis=0) + 1 if board is not None else (0, 0)
         whole = board is not None and len(board.index) == np.prod(span)
         seen = len(self.spots.lattices[0].index) if not whole and self.spots.lattices else 0
-        if board is None or len(board.index) <= seen:
+        if (board is None or len(board.index) <= seen
+                or not (whole or self._spots_are_squares())):
             sight = self._round()
             if sight is not None:
                 return sight
@@ -109,8 +124,7 @@ class Look:
             except InputError:
                 pass
         # Dots out of focus look like squares that stand on their corners: a ragged lattice of them.
-        filled = len(board.index) / np.prod(span) if board is not None else 0
-        if filled > _BOARD_FILLED and min(span) >= 3:
+        if board is not None and _filled(board) > _BOARD_FILLED and min(span) >= 3:
             return Sight("chessboard", int(max(span)), int(min(span)))
         doubt = self.spots.doubt
         raise InputError(
@@ -155,6 +169,11 @@ class Look:
             if min(columns // 2, rows) >= 3:
                 return Sight("acircles", columns // 2, rows)
         return None
+
+
+def _filled(board):
+    """Part of the places of a board's rectangle that are seen."""
+    return len(board.index) / np.prod(np.ptp(board.index, axis=0) + 1)
 
 
 def _oblique(lattice):
