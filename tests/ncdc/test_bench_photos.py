@@ -14,7 +14,7 @@ from ncdc_model.calibration.points import PhotoPoints
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 # Of each kind of defect one, on small photos.
-QUICK = ("dots, pen marks, small page", "dots, two pages side by side",
+QUICK = ("dots, pen marks, small page", "dots, two pages",
          "dots, asked as chessboard:9x6", "circles, a hand, clutter", "circles, asked as 7x5",
          "circles, two grids", "board, blurred by 3 px, real", "board, 15x9", "board, a hand",
          "board, two boards", "board, asked as 7x5", "board, one photo a pixel smaller",

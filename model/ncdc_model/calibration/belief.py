@@ -12,6 +12,7 @@ __all__ = ["believed", "place_of", "separated"]
 
 _FEW = 200             # points that a smooth lens is fitted to
 _EXPLAINED = 3.0       # pixels, median: a lens that leaves more explains nothing
+_FAR_BETTER = 2.5      # times: the scatter about a lens over that about a polynomial
 _PARTS = 4             # of a lattice that are looked at
 _UNEVEN = 0.04         # of a step: points that scatter by more are not a printed target's
 
@@ -36,8 +37,9 @@ def believed(size, photo):
     area, smooth = photo.area if photo.area.any() else None, _lens(size, photo)
     held = hold(photo.index, photo.xy, area)
     if smooth is not None:
-        # Oblique steps are no lens's; what describes the points better is what they are held to.
-        held = min(held, hold(photo.index, photo.xy, area, smooth), key=lambda held: held.sigma)
+        # A polynomial that describes them far better: oblique steps, which no lens explains.
+        by_lens = hold(photo.index, photo.xy, area, smooth)
+        held = held if by_lens.sigma > _FAR_BETTER * held.sigma else by_lens
     if held.keep.any() and held.sigma > _UNEVEN * held.step:
         raise InputError(f"its points scatter by {held.sigma:.1f} pixels about a smooth lattice, "
                          f"{100 * held.sigma / held.step:.0f} % of their distance, "
