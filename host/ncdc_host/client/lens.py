@@ -12,6 +12,7 @@ from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import (
     CTRL_COMMIT,
     ID,
+    NODES,
     STATUS_COMMITTED,
     STATUS_REFUSED,
     network_registers,
@@ -42,12 +43,15 @@ class LensLimits:
         Colour filter of the sensor, first two rows.
     fill : (int, int, int)
         Colour of pixels without a source.
+    nodes : int
+        Pixels from one evaluation of the network to the next.
     """
     neurons: int
     corrected: tuple
     distorted: tuple
     bayer: str
     fill: tuple
+    nodes: int
 
 
 class LensLoader:
@@ -66,7 +70,7 @@ class LensLoader:
         sizes = [tuple(values[f"{side}_{part}"] for part in ("WIDTH", "HEIGHT"))
                  for side in ("CORRECTED", "DISTORTED")]
         return LensLimits(values["NEURONS"], *sizes, names[values["BAYER_PHASE"] & 3],
-                          tuple(values["FILL"].to_bytes(4, "big")[1:]))
+                          tuple(values["FILL"].to_bytes(4, "big")[1:]), self._nodes())
 
     def load(self, descriptor):
         """See :meth:`ncdc_host.client.device.Device.load_lens`."""
@@ -77,6 +81,9 @@ class LensLoader:
         if descriptor.hidden_neurons > neurons:
             raise Refused(f"the lens has {descriptor.hidden_neurons} hidden neurons, the device "
                           f"has {neurons}")
+        if descriptor.nodes != self._nodes():
+            raise Refused(f"the lens has nodes {descriptor.nodes} pixels apart, the device "
+                          f"{self._nodes()}")
         values = host_values(descriptor)
         for name in _FIXED:
             present = self._read(table[name].address)
@@ -96,6 +103,10 @@ class LensLoader:
             time.sleep(0.05)
         if status & STATUS_REFUSED:
             raise Refused(f"{self._device.url} refuses the lens")
+
+    def _nodes(self):
+        """Distance of the device's nodes; without nodes it has no register of them."""
+        return self._read(NODES) or 1
 
     def _read(self, address):
         data = self._device.read_memory(CORRECTOR_BASE + 4 * address, 4)

@@ -14,6 +14,7 @@ from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import (
     CTRL_COMMIT,
     ID,
+    OUTSIDE_DIGEST,
     STATUS_COMMITTED,
     STATUS_REFUSED,
     TABLE,
@@ -22,11 +23,6 @@ from ncdc_model.interface.register_map import (
 )
 
 __all__ = ["CorrectorWindow", "descriptor_of_words"]
-
-
-# What a host may write as it likes: where frames lie in memory, and how the cache is used.
-_FREE = ("VALID_BANK", "SOURCE_BASE", "SOURCE_PITCH", "TARGET_BASE", "CACHE_SPLIT", "STRIP_WIDTH",
-         "FOLLOW")
 
 
 class CorrectorWindow:
@@ -42,7 +38,8 @@ class CorrectorWindow:
         self._words, self._lens, self._base = {}, None, None
         self._status = 0
         descriptor = camera.corrections[0].descriptor
-        self._map = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
+        self._map = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
+                                                  descriptor.nodes)}
         self._by_address = {r.address: r for r in self._map.values()}
 
     def _load(self):
@@ -57,6 +54,8 @@ class CorrectorWindow:
             self._words |= {self._map["ID"].address: ID,
                             self._map["DIGEST"].address: int(descriptor.digest[:8], 16),
                             self._map["NEURONS"].address: descriptor.hidden_neurons}
+            if descriptor.nodes > 1:
+                self._words[self._map["NODES"].address] = descriptor.nodes
 
     def read(self, address):
         """The word at a word address; 0 where there is none."""
@@ -107,7 +106,7 @@ class CorrectorWindow:
         network = {r.name for r in network_registers(self._base.hidden_neurons,
                                                      self._base.formats)}
         for name, value in host_values(self._base).items():
-            if name not in network and name not in _FREE:
+            if name not in network and name not in OUTSIDE_DIGEST:
                 if self._words[self._map[name].address] != value & 0xFFFFFFFF:
                     raise InputError(f"{name} cannot be changed")
         return descriptor_of_words(self._base, self._words)
@@ -141,4 +140,4 @@ def descriptor_of_words(base, words):
         q.output_weight.real(arrays["output"][0]), q.output_bias.real(arrays["output"][1]),
         gamma=1.0, skip_weights=None if skip is None else q.skip_weight.real(skip))
     return Descriptor(base.geometry, real, *arrays["hidden"], *arrays["output"],
-                      ValidRows(spans), q, base.variant, skip)
+                      ValidRows(spans), q, base.variant, skip, nodes=base.nodes)

@@ -84,6 +84,9 @@ def lens_corrections(descriptors):
     for k, other in enumerate(descriptors[1:], 2):
         if other.geometry != first.geometry:
             raise InputError(f"lens {k} has other sizes, Bayer pattern or fill than the first one")
+        if other.nodes != first.nodes:
+            raise InputError(f"lens {k} has nodes {other.nodes} pixels apart, the first one "
+                             f"{first.nodes}")
     return [Correction(descriptor) for descriptor in descriptors]
 
 

@@ -42,11 +42,11 @@ class Calibration(QObject):
         """Whether the process runs."""
         return self._process is not None
 
-    def start(self, target, neurons, bayer, size=None, fill=(0, 0, 0)):
+    def start(self, target, neurons, bayer, size=None, fill=(0, 0, 0), nodes="auto"):
         """Begin; the names are those of ``ncdc calibrate`` and ``ncdc train``."""
         arguments = ["-m", "ncdc_host.gui.calibration_job", self.photo, self._folder.name,
                      f"--target={target}", "--neurons", neurons, "--bayer", bayer,
-                     "--fill", *fill]
+                     "--fill", *fill, "--nodes", nodes]
         if size is not None:
             arguments += ["--size", *size]
         self._error, self._result, self._rest = "", None, b""

@@ -120,7 +120,8 @@ class CalibrationDialog(QDialog):
         if path != str(self.job.photo) or self.job.running:
             return
         limits = self._limits
-        fixed = {} if limits is None else {"size": limits.corrected, "fill": limits.fill}
+        fixed = {} if limits is None else {"size": limits.corrected, "fill": limits.fill,
+                                           "nodes": limits.nodes}
         self.job.start(self.target.currentText().strip(), self.neurons.value(),
                        self._shown.frame.pixel_format.bayer, **fixed)
 

@@ -53,6 +53,8 @@ def _parser():
     parser.add_argument("--bayer", default="RGGB")
     parser.add_argument("--size", type=int, nargs=2)
     parser.add_argument("--fill", type=int, nargs=3, default=(0, 0, 0))
+    parser.add_argument("--nodes", type=lambda text: text if text == "auto" else int(text),
+                        default="auto")
     return parser
 
 
@@ -74,7 +76,7 @@ def _run(args):
     _tell(points=points.count, target=points.target, overlay=str(overlay))
     _tell(step=f"Training {args.neurons} hidden neurons")
     source = load_source(args.folder / "points.json", args.size, None, args.bayer, args.fill)
-    trained = train_camera(source, args.neurons, TrainingChoices(),
+    trained = train_camera(source, args.neurons, TrainingChoices(nodes=args.nodes),
                            lambda share, mse: _tell(share=share, mse=float(mse)))
     lens = args.folder / LENS
     trained.descriptor.save(lens)

@@ -23,6 +23,7 @@ __all__ = ["ADDRESSES", "main"]
 ADDRESSES = "127.0.0.2", "127.0.0.3"
 _FPS = 20.0
 _LENSES = 8, 5          # hidden neurons
+_NODES = 8              # pixels, of both
 _STARTS = 4             # of the training, instead of 64: seconds, and a little less exact
 
 
@@ -48,7 +49,7 @@ def _devices():
         path = Path(folder) / "camera.toml"
         camera.save(path)
         source = load_source(path, bayer=BAYER)
-    choices = TrainingChoices(options={"starts": _STARTS})
+    choices = TrainingChoices(options={"starts": _STARTS}, nodes=_NODES)
     lenses = [train_camera(source, neurons, choices).descriptor for neurons in _LENSES]
     print("step photographing a page of dots", flush=True)
     corrections, devices = lens_corrections(lenses), []
