@@ -7,9 +7,11 @@ import pytest
 
 from cameras import barrel_descriptor
 from devices import SIZE, device, small_lens
+from ncdc_host.client.errors import Refused
+from ncdc_host.client.lens import LensLoader
 from ncdc_host.device.camera import picture_of
 from ncdc_host.device.correction import Correction
-from ncdc_host.device.corrector_window import descriptor_of_words
+from ncdc_host.device.corrector_window import CorrectorWindow, descriptor_of_words
 from ncdc_host.device.emulated import lens_corrections
 from ncdc_host.device.light import POSITIONS, MovingScene, Photo
 from ncdc_host.device.registers import View
@@ -20,6 +22,7 @@ from ncdc_model.example import noise_picture
 from ncdc_model.formats import Formats
 from ncdc_model.geometry import BAYER_PHASE
 from ncdc_model.interface.features import TEST_PATTERNS
+from ncdc_model.interface.gvcp import CORRECTOR_BASE
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.pixel_formats import BGR8, bayer_format, packed
 from ncdc_model.interface.register_map import registers
@@ -154,11 +157,47 @@ def test_the_scene_moves_and_comes_back():
     assert scene.position(0) == scene.position(2 * POSITIONS)
 
 
-def test_a_descriptor_goes_through_the_registers():
-    base, other = small_lens(), small_lens(seed=7)
+@pytest.mark.parametrize("nodes", [1, 8])
+def test_a_descriptor_goes_through_the_registers(nodes):
+    base, other = (replace(small_lens(seed=seed), nodes=nodes) for seed in (1, 7))
     table = {r.name: r.address for r in registers(base.hidden_neurons, Formats())}
     words = {table[name]: value & 0xFFFFFFFF for name, value in host_values(other).items()}
     words |= dict(table_words(other.valid))
     assert descriptor_of_words(base, words).digest == other.digest
+
+
+class Memory:
+    """The corrector's window of a device, as a client reads and writes it."""
+
+    url = "here"
+
+    def __init__(self, one):
+        self.window = CorrectorWindow(one.registers, one.camera)
+
+    def read_memory(self, address, count):
+        return self.window.read((address - CORRECTOR_BASE) // 4).to_bytes(count, "big")
+
+    def write_memory(self, address, data):
+        for k in range(0, len(data), 4):
+            self.window.write((address - CORRECTOR_BASE + k) // 4,
+                              int.from_bytes(data[k:k + 4], "big"))
+
+
+@pytest.mark.parametrize("own,lens", [(1, 8), (8, 1)])
+def test_a_lens_with_other_nodes_is_refused(own, lens):
+    one = device([replace(small_lens(), nodes=own)])
+    try:
+        loader = LensLoader(Memory(one))
+        assert loader.limits().nodes == own
+        with pytest.raises(Refused, match=f"nodes {lens} pixels apart, the device {own}"):
+            loader.load(replace(small_lens(seed=7), nodes=lens))
+        loader.load(replace(small_lens(seed=7), nodes=own))
+    finally:
+        one.close()
+
+
+def test_lenses_of_a_device_have_the_same_nodes():
+    with pytest.raises(InputError, match="lens 2 has nodes 8 pixels apart, the first one 1"):
+        lens_corrections([small_lens(), replace(small_lens(), nodes=8)])
 
 
