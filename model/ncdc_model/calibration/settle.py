@@ -6,10 +6,10 @@ from ncdc_model.exact import solve
 
 __all__ = ["settle"]
 
-_STEPS = 60
+_STEPS = 200
 _PROBE = 4.0           # px: root of the sum of squares by which a probe moves the residuals
 _GRAIN = 2.0**-14      # of what moves the residuals by 1 px: the result is a multiple of it
-_DONE = _GRAIN / 64    # a step below it is the last
+_DONE = 2.0**-12 * _GRAIN   # a step below it is the last: starts differ from machine to machine
 
 
 def settle(residuals, start, robust):
@@ -17,7 +17,7 @@ def settle(residuals, start, robust):
 
     ``scipy.optimize.least_squares`` ends as soon as the cost hardly falls; where exactly depends
     on the last bits of its linear algebra. From there Gauss-Newton steps go on to the minimum
-    itself, until a step is some thousandth of a thousandth of what the parameters are known to.
+    itself, whatever the start, until a step is far below the grain.
     What is left of the order of summation is rounded away.
 
     Parameters
