@@ -8,11 +8,12 @@ from ncdc_model.calibration.neighbours import hold, parts
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
 from ncdc_model.errors import InputError
 
-__all__ = ["believed", "place_of", "separated"]
+__all__ = ["believed", "oblique", "place_of", "separated"]
 
 _FEW = 200             # points that a smooth lens is fitted to
 _EXPLAINED = 3.0       # pixels, median: a lens that leaves more explains nothing
 _FAR_BETTER = 2.5      # times: the scatter about a lens over that about a polynomial
+_OBLIQUE = 0.35        # cosine of the angle of a lattice's steps: more is no square one's
 _PARTS = 4             # of a lattice that are looked at
 _UNEVEN = 0.04         # of a step: points that scatter by more are not a printed target's
 
@@ -34,7 +35,9 @@ def believed(size, photo):
     InputError
         If the points scatter by more than 4 % of their distance: they are no printed target's.
     """
-    area, smooth = photo.area if photo.area.any() else None, _lens(size, photo)
+    area = photo.area if photo.area.any() else None
+    # Of corners, oblique steps mean a board seen from the side; of circles, a staggered grid.
+    smooth = None if area is not None and oblique(photo) else _lens(size, photo)
     held = hold(photo.index, photo.xy, area)
     if smooth is not None:
         # A polynomial that describes them far better: oblique steps, which no lens explains.
@@ -86,3 +89,16 @@ def place_of(photo):
     """Where a photo's points are, as text: the middle of their surrounding rectangle."""
     x, y = (photo.xy.min(axis=0) + photo.xy.max(axis=0)) / 2
     return f"around ({x:.0f}, {y:.0f})"
+
+def oblique(lattice):
+    """Whether the two steps of most of a lattice's points are far from a right angle."""
+    place = {tuple(key): point for key, point in zip(lattice.index.tolist(), lattice.xy)}
+    steps = np.array([(place[i + 1, j] - point, place[i, j + 1] - point)
+                      for (i, j), point in place.items()
+                      if (i + 1, j) in place and (i, j + 1) in place])
+    if not len(steps):
+        return False
+    across, down = steps.swapaxes(0, 1)
+    cosine = (across * down).sum(axis=1) / np.linalg.norm(across, axis=1) / np.linalg.norm(
+        down, axis=1)
+    return bool(np.median(np.abs(cosine)) > _OBLIQUE)

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ncdc_model.calibration.belief import oblique
 from ncdc_model.calibration.boards import find_boards
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco, has_markers
 from ncdc_model.calibration.dots import dots_of, find_spots
@@ -17,7 +18,6 @@ __all__ = ["MIN_DOTS", "Look", "Sight"]
 MIN_DOTS = 49          # dots that make ``auto`` take a photo for that of a dot page
 _WHOLE_GRID = 0.999    # of the rectangle's places filled: circles that are all of a grid
 _NEARLY = 0.85         # of the places filled: a staggered grid that lacks little is taken as whole
-_OBLIQUE = 0.35        # cosine of the angle of a lattice's steps: more is no square one's
 _SQUARE_PAGE = 1.5     # pixels, median: a lens that leaves more does not explain a square lattice
 _TRIED = 300           # dots that a lens is tried on
 _BOARD_FILLED = 0.75   # of a board's rectangle that is seen, if nobody says its size
@@ -152,7 +152,7 @@ class Look:
             if whole and min(columns, rows) >= 3 and (page is None or not page.cut.any()):
                 return Sight("circles", columns, rows)
             return Sight("dots") if page is not None else None
-        if not whole and _oblique(lattice):
+        if not whole and oblique(lattice):
             if grid.filled < _NEARLY:
                 raise InputError(f"it shows {len(lattice.index)} circles of a staggered grid, too "
                                  f"few to tell its size: --target acircles:CxR names it")
@@ -174,17 +174,3 @@ class Look:
 def _filled(board):
     """Part of the places of a board's rectangle that are seen."""
     return len(board.index) / np.prod(np.ptp(board.index, axis=0) + 1)
-
-
-def _oblique(lattice):
-    """Whether the two steps of most of a lattice's points are far from a right angle."""
-    place = {tuple(key): point for key, point in zip(lattice.index.tolist(), lattice.xy)}
-    steps = np.array([(place[i + 1, j] - point, place[i, j + 1] - point)
-                      for (i, j), point in place.items()
-                      if (i + 1, j) in place and (i, j + 1) in place])
-    if not len(steps):
-        return False
-    across, down = steps.swapaxes(0, 1)
-    cosine = (across * down).sum(axis=1) / np.linalg.norm(across, axis=1) / np.linalg.norm(
-        down, axis=1)
-    return bool(np.median(np.abs(cosine)) > _OBLIQUE)
