@@ -90,6 +90,7 @@ def place_of(photo):
     x, y = (photo.xy.min(axis=0) + photo.xy.max(axis=0)) / 2
     return f"around ({x:.0f}, {y:.0f})"
 
+
 def oblique(lattice):
     """Whether the two steps of most of a lattice's points are far from a right angle."""
     place = {tuple(key): point for key, point in zip(lattice.index.tolist(), lattice.xy)}

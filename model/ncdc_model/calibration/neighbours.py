@@ -15,7 +15,7 @@ _WINDOW = 2            # columns and rows to either side that predict a point
 _RIDGE = np.array([1e-6, 0.02, 0.02, 0.2, 0.2, 0.2])
 # Times the usual distance from the predicted place: farther is wrong. A lens leaves less than a
 # polynomial, and a photo of few points can spare none of the care.
-_SIGMAS, _SIGMAS_LENS = 9.0, 5.5
+_SIGMAS, _SIGMAS_LENS = 9.0, 5.0
 _MANY = 300            # points: more are not few
 _FLOOR = 0.60, 0.012   # pixels and parts of a step that a point may be off in any case
 _SIZE_SIGMAS = 5.0     # times the usual difference of sizes: more is another thing than a dot
