@@ -135,9 +135,11 @@ async def content_order_and_latency(dut):
     await read(dut, lone, content, timing, 3000)
     latencies = [n for reader in lone for n in reader.first]
     if not timing["dram"]:
-        assert min(latencies) == timing["latency_min"]
-        assert max(latencies) <= timing["latency_max"] + 1
-        assert timing["latency_max"] == timing["latency_min"] or len(set(latencies)) > 3
+        low, high = timing["latency_min"], timing["latency_max"]
+        # Of some sixty draws one is in the lowest tenth; which, is chance.
+        assert low <= min(latencies) <= low + (high - low) // 10
+        assert max(latencies) <= high + 1
+        assert high == low or len(set(latencies)) > 3
     assert int(dut.errors.value) == 0
 
 
