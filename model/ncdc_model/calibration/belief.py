@@ -38,10 +38,10 @@ def believed(size, photo):
     area = photo.area if photo.area.any() else None
     # Of corners, oblique steps mean a board seen from the side; of circles, a staggered grid.
     smooth = None if area is not None and oblique(photo) else _lens(size, photo)
-    held = hold(photo.index, photo.xy, area)
+    held = hold(photo.index, photo.xy, area, size=size)
     if smooth is not None:
         # A polynomial that describes them far better: oblique steps, which no lens explains.
-        by_lens = hold(photo.index, photo.xy, area, smooth)
+        by_lens = hold(photo.index, photo.xy, area, smooth, size)
         held = held if by_lens.sigma > _FAR_BETTER * held.sigma else by_lens
     if held.keep.any() and held.sigma > _UNEVEN * held.step:
         raise InputError(f"its points scatter by {held.sigma:.1f} pixels about a smooth lattice, "

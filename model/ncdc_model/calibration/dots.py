@@ -17,7 +17,7 @@ from ncdc_model.errors import InputError
 __all__ = ["Spots", "dots_of", "find_dots", "find_spots"]
 
 _JOINED = 0.90         # of a lattice's points must be believed, else it may be two that join
-_ALIKE = 1.9           # times as large as its only neighbour a dot at the rim may be
+_ALIKE = 1.7           # times as large as its only neighbour a dot at the rim may be
 _ENOUGH = 25           # numbered dots below which a photo does not show a page of dots
 
 

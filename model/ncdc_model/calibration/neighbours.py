@@ -22,9 +22,13 @@ _SIZE_SIGMAS = 5.0     # times the usual difference of sizes: more is another th
 _KINK = 0.4, 4.0       # pixels, and times the usual: a line that bends more than nearby lines do
 _RIM_FLOOR = 0.80      # pixels that a whole line at the rim may be off in any case
 _RIM_WIDER = 1.6       # times what is allowed of places within: the lens bends most at the rim
+_HALF_SIZE = 0.55       # logarithm of how many times larger or smaller than those around it
+_NEAR_BORDER = 2.2     # steps from the photo's border: a rim that is farther away is the page's
+_WITHIN = 0.5          # times what is allowed within, of such a rim
 _RIM_SIZE = 1.7        # times what is allowed of sizes within: the light falls off to the rim
 _CUT_FLOOR = 2.0       # pixels that a dot which the border cuts may be off in any case
-_SIZE = 0.35           # relative difference of sizes that is allowed in any case
+# Relative difference of sizes that is allowed in any case: from, to, and over the root of the area.
+_SIZE = 0.15, 0.35, 3.5
 _ROUNDS = 60
 _LEAST = 3             # neighbours within the window that a point needs
 # Terms of the polynomial for that many points at least: it takes off most of the lens.
@@ -63,7 +67,7 @@ class Held:
     worst: float
 
 
-def hold(index, xy, area=None, smooth=None):
+def hold(index, xy, area=None, smooth=None, size=None):
     """Tell which numbered points of one lattice are where, and as large as, the others say.
 
     A polynomial in column and row, or ``smooth``, takes off most of the lens. What is left at a
@@ -81,6 +85,9 @@ def hold(index, xy, area=None, smooth=None):
     area : ndarray, shape (n,), optional
     smooth : ndarray, shape (n, 2), optional
         Where a smooth lens has the points: what too few points for a polynomial are held against.
+    size : (int, int), optional
+        Of the photo. The rim of a page that ends within it, or at something that covers it, is held
+        to less than one that the photo's border cuts, where the lens bends most.
 
     Returns
     -------
@@ -113,7 +120,8 @@ def hold(index, xy, area=None, smooth=None):
         _note(doubts, lonely & ~bad, Doubt.LONELY)
         keep &= ~(bad | lonely)
         if not (bad | lonely).any():
-            rim = keep & _rim_is_off(window, rest, area, keep, (sigmas * sigma, step))
+            rim = keep & _rim_is_off(window, rest, area, keep,
+                                     _rim_limits(xy, step, size, sigmas * sigma))
             _note(doubts, rim, Doubt.RIM)
             keep &= ~rim
             if not rim.any():
@@ -230,11 +238,22 @@ def _smooth(window, xy, keep):
     return smooth
 
 
-def _rim_is_off(window, rest, area, keep, allowed):
+def _rim_limits(xy, step, size, allowed):
+    """What points (n,) at the rim may be off: pixels before the gain, pixels in any case, and times
+    the usual limit of sizes. ``allowed``: pixels for points within."""
+    wider, sizes = np.full(len(xy), _RIM_WIDER), np.full(len(xy), _RIM_SIZE)
+    if size is not None and len(xy) > _MANY:
+        border = np.minimum(xy, np.array(size) - 1 - xy).min(axis=1)
+        within = border > _NEAR_BORDER * step
+        wider[within], sizes[within] = _WITHIN, 1.0
+    return wider * allowed, np.maximum(_RIM_FLOOR, 2 * _FLOOR[1] * step), sizes
+
+
+def _rim_is_off(window, rest, area, keep, limits):
     """Points of lines at the rim that the lines further in do not predict: neither place nor size.
 
-    A line of dots that something cuts lengthwise agrees with itself. ``allowed``: pixels before
-    the gain, and the step.
+    A line of dots that something cuts lengthwise agrees with itself. ``limits``: as of
+    :func:`_rim_limits`.
     """
     wrong = np.zeros(len(rest), bool)
     there = (window.near >= 0) & keep[window.near]
@@ -244,12 +263,12 @@ def _rim_is_off(window, rest, area, keep, allowed):
             edge = keep & ~there[:, beyond > 0].any(axis=1)
             predicted, gain, count = _predicted(window, rest, keep, beyond < 0)
             off = np.linalg.norm(rest - predicted, axis=1)
-            limit = np.maximum(_RIM_FLOOR, _RIM_WIDER * allowed[0] * np.sqrt(1 + gain))
+            limit = np.maximum(limits[1], limits[0] * np.sqrt(1 + gain))
             told = edge & (count > _LEAST + 1)
-            wrong |= told & (off > np.maximum(limit, 2 * _FLOOR[1] * allowed[1]))
+            wrong |= told & (off > limit)
             if area is not None:
                 score = _size_score(window, area, keep, beyond < 0)
-                wrong |= told & (score > _RIM_SIZE)
+                wrong |= told & (score > limits[2])
     return wrong
 
 
@@ -276,4 +295,11 @@ def _size_score(window, area, keep, which=slice(None)):
     predicted, gain, _ = _predicted(window, size - np.median(size), keep, which)
     off = np.abs(size - np.median(size) - predicted)[:, 0] / np.sqrt(1 + gain)
     usual = 1.4826 * float(np.median(off[keep])) if keep.any() else 0.0
-    return off / max(_SIZE, _SIZE_SIGMAS * usual)
+    # The area of a small dot is uncertain by its rim.
+    floor = np.clip(_SIZE[2] / np.sqrt(np.maximum(area, 1)), *_SIZE[:2])
+    score = off / np.maximum(floor, _SIZE_SIGMAS * usual)
+    # Beside a hand few neighbours predict little; but no dot has half the size of those around it.
+    there = (window.near >= 0) & keep[window.near]
+    around = np.ma.median(np.ma.masked_array(size[window.near, 0], ~there), axis=1)
+    return np.maximum(score, np.abs(size[:, 0] - around.filled(0)) / _HALF_SIZE * (
+        there.sum(axis=1) >= _LEAST))
