@@ -1,6 +1,9 @@
 """What the window says and offers when a device is not there, is gone, or belongs to another."""
 
+import threading
+
 import pytest
+import viva_genicam
 from PySide6.QtCore import QSettings, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
@@ -14,6 +17,7 @@ from ncdc_host.gui.application import check_screen
 from ncdc_host.gui.devices_panel import DevicesPanel
 from ncdc_host.gui.discovery import Discovery
 from ncdc_host.gui.main_window import MainWindow
+from ncdc_host.gui.receiver import Receiver
 from ncdc_model.errors import InputError
 
 
@@ -49,6 +53,36 @@ def test_a_device_that_goes_is_found_again(qtbot, scheme):
         assert tab.messages.text == ""
     announcer.close()
     again.close()
+
+
+def test_the_first_picture_may_come_at_once(qtbot, monkeypatch):
+    taken = threading.Event()
+
+    class Prompt(Receiver):
+        """Returns from its start only after a picture was there, and was asked for."""
+        def start(self):
+            arrived = self._arrived
+            self._arrived = lambda: (arrived(), taken.set())
+            super().start()
+            assert taken.wait(SECONDS / 1000)
+
+    monkeypatch.setattr("ncdc_host.gui.session.Receiver", Prompt)
+    with announced() as [one], tab_on(qtbot, url_of(one, "tcp"), pictures=False) as tab:
+        shown = []
+        # In the receiver's thread, before the session's goes on: as early as a picture can come.
+        tab.session.picture.disconnect()
+        tab.session.picture.connect(lambda: shown.append(tab.session.take()),
+                                    Qt.ConnectionType.DirectConnection)
+        qtbot.waitUntil(lambda: len(shown) > 2, timeout=SECONDS)
+        assert None not in shown
+
+
+def test_a_device_is_asked_for_more_than_once(monkeypatch):
+    answered = iter([False, False])
+    monkeypatch.setattr(viva_genicam, "discover", lambda *wait, discover=viva_genicam.discover,
+                        **options: discover(*wait, **options) if next(answered, True) else [])
+    with announced() as [one], open_device(url_of(one, "gige")) as opened:
+        assert opened.access == "control"
 
 
 def test_nobody_at_the_address(qtbot):

@@ -46,8 +46,10 @@ def tab_on(qtbot, url, monitor=False, pictures=True):
     tab.show()
     try:
         if pictures:
-            qtbot.waitUntil(lambda: tab.shown is not None and tab.infos is not None,
-                            timeout=SECONDS)
+            def running():
+                # What the tab says instead belongs to the failure.
+                assert tab.shown is not None and tab.infos is not None, tab.messages.text
+            qtbot.waitUntil(running, timeout=SECONDS)
         yield tab
     finally:
         with qtbot.waitSignal(tab.session.closed, timeout=2 * SECONDS):

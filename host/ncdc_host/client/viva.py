@@ -15,6 +15,7 @@ __all__ = ["VivaDevice", "discover_viva"]
 _KINDS = {"Integer": "integer", "Float": "float", "Boolean": "boolean", "Command": "command",
           "Enumeration": "enumeration", "StringReg": "text"}
 _BLOCKS = 0xFFFF        # block numbers run from 1 to this and begin again
+_ASKED = 3              # times that a device is asked for: a datagram may be lost, or answered late
 
 
 def _viva():
@@ -42,18 +43,24 @@ def _sentence(error):
     return str(error).strip().rstrip(".").replace("\n", " ")
 
 
+def _find(viva, address, seconds):
+    """What discovery tells of the device at ``address``; each of the tries takes ``seconds``."""
+    for _ in range(_ASKED):
+        for one in viva.discover(round(1000 * seconds), all=True):
+            if one.ip == address:
+                return one
+    raise DeviceGone(f"no device answers at {address}")
+
+
 class VivaDevice(Device):
     """See :class:`Device`."""
 
     def __init__(self, address, monitor=False, seconds=1.0):
         self._viva = viva = _viva()
         self.url = f"gige://{address}"
-        found = [one for one in viva.discover(round(1000 * seconds), all=True)
-                 if one.ip == address]
-        if not found:
-            raise DeviceGone(f"no device answers at {address}")
+        found = _find(viva, address, seconds)
         try:
-            self._camera = viva.connect_gige(found[0], monitor=monitor)
+            self._camera = viva.connect_gige(found, monitor=monitor)
         except viva.GenicamError as error:
             raise Refused(f"{address} cannot be opened, perhaps another user has control: "
                           f"{_sentence(error)}") from error

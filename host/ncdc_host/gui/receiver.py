@@ -38,6 +38,9 @@ class Receiver:
         self.statistics, self._counted = stream.statistics, 0.0
         self._end = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def start(self):
+        """Begin to receive, once whoever is told of a picture knows whom to take it from."""
         self._thread.start()
 
     def take(self):

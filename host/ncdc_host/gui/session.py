@@ -242,6 +242,7 @@ class Session(QObject):
             self.no_pictures.emit(str(error))
             return
         self._receiver = Receiver(stream, self.picture.emit, self._stream_failed)
+        self._receiver.start()
 
     def _stop(self):
         receiver, self._receiver = self._receiver, None
