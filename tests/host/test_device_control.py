@@ -185,14 +185,17 @@ def datagrams(count):
 
 
 def hostile_user(one, count, controls):
-    """Feed it all to the agent; nothing but writable places may change, and nothing may break."""
+    """Feed it all to the agent; nothing but writable places may change, and nothing may break.
+
+    ``controls``: it comes from the user in control; else from another one beside them.
+    """
     user, before = Asker(one), everything(one)
     # A stream that is begun at random goes to an address at random: not one packet may leave.
     one.stream._put = lambda parts, address: None
     digest = one.camera.corrections[0].descriptor.digest
     words = [one.registers.read(address) for address in range(256)]
     for k, data in enumerate(datagrams(count)):
-        if controls and k % 50 == 0:
+        if k % 50 == 0:
             user.control()
         answer = one.agent.handle(data, USER if controls else OTHER, user.now)
         assert answer is None or 8 <= len(answer) <= 8 + 4 + gvcp.MEMORY_BYTES_MAX
