@@ -32,7 +32,7 @@ def press(tab, name):
     next(button for button in tab.messages.buttons if button.text() == name).click()
 
 
-# Over GVCP it takes half a minute: each call waits for a silent device several times.
+# Over GVCP it takes ten seconds: a call waits for a silent device several times.
 @pytest.mark.parametrize("scheme", [pytest.param("gige", marks=pytest.mark.regress), "tcp"])
 def test_a_device_that_goes_is_found_again(qtbot, scheme):
     lens = [small_lens()]

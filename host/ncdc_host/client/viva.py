@@ -15,6 +15,8 @@ __all__ = ["VivaDevice", "discover_viva"]
 _KINDS = {"Integer": "integer", "Float": "float", "Boolean": "boolean", "Command": "command",
           "Enumeration": "enumeration", "StringReg": "text"}
 _BLOCKS = 0xFFFF        # block numbers run from 1 to this and begin again
+# What viva-genicam says when nobody answers, or the machine there that nobody listens.
+_SILENT = ("timeout", "timed out", "os error")
 _ASKED = 3              # times that a device is asked for: a datagram may be lost, or answered late
 
 
@@ -81,7 +83,7 @@ class VivaDevice(Device):
         except viva.GenicamError as error:
             # A silent device is a TransportError of some calls, and a GenApiError of features.
             text = _sentence(error)
-            if "timeout" in text.lower() or "timed out" in text.lower():
+            if any(sign in text.lower() for sign in _SILENT):
                 raise DeviceGone(f"{self.url} does not answer any more: {text}") from error
             raise Refused(f"{name} is refused: {text}") from error
 
