@@ -112,6 +112,13 @@ class Geometry:
         origin_x, step_x, origin_y, step_y = (value / 2.0**SCAN.f_bits for value in self.scan())
         return origin_x + np.asarray(u) * step_x, origin_y + np.asarray(v) * step_y
 
+    def inside_by(self, x, y):
+        """How far, in pixels, distorted (x, y) are from the line on which their places meet the
+        image's edge: positive inside."""
+        core, offset = self.interpolation.core, self.interpolation.offset
+        return np.minimum.reduce([side for value, size in zip((x, y), self.distorted) for side in
+                                  (value - offset, size - core + 1 + offset - value)])
+
     def window_inside(self, x, y):
         """Whether the places around distorted coordinates (x, y) lie wholly in the image.
 

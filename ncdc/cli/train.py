@@ -14,7 +14,7 @@ from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
 from ncdc_model.formats import MAX_NEURONS, Formats
 from ncdc_model.geometry import BAYER_PHASE, MIN_SIZE, Geometry
-from ncdc_model.interpolation import FAST, INTERPOLATIONS, interpolation_of
+from ncdc_model.interpolation import DEFAULT, INTERPOLATIONS, interpolation_of
 from ncdc_model.lens import parse_zoom
 from ncdc_model.neurons_plot import plot_neurons
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
@@ -82,10 +82,10 @@ def add_arguments(parser):
 
 def _add_hardware(parser):
     """Declare what the descriptor fixes of the hardware."""
-    parser.add_argument("--interpolation", choices=list(INTERPOLATIONS), default=FAST.name,
-                        help="fast: the paper's, from 3x3 raw samples, for every fetcher and the "
-                             "smallest core (default); gradient: gradient-corrected colour from "
-                             "6x6, five decibels better, for the tile cache")
+    parser.add_argument("--interpolation", choices=list(INTERPOLATIONS), default=DEFAULT.name,
+                        help="gradient: gradient-corrected colour from 6x6 raw samples, for the "
+                             "tile cache (default); fast: the paper's from 3x3, five decibels "
+                             "worse, for every fetcher and the smallest core")
     parser.add_argument("--tansig", choices=[*VARIANTS, "auto"], default="mmhbc",
                         help="tan-sigmoid: mmhbc: the paper's, no multiplier (default); classic: "
                              "plain CORDIC, for comparison; table: quadratics, two multipliers "
