@@ -31,7 +31,8 @@ def correct_real(descriptor, raw, offset=None):
                         (y - offset, geometry.distorted_height)):
         blank |= (value < -1) | (value >= size - interpolation.core + 2)
         place.append(np.clip(value, 0, size - interpolation.core + 1))
-    planes = _quads if interpolation == FAST else _gradient_corrected
+    planes = (_grey if geometry.mono else _quads if interpolation == FAST
+              else _gradient_corrected)
     result = np.stack([_sample(plane, *place) for plane in
                        planes(raw.astype(np.float64), geometry.phase)], axis=-1).clip(0, 255)
     result[blank] = np.nan
@@ -87,6 +88,11 @@ def bayer_psnr(descriptor, colour):
         "psnr_uncompensated_db": psnr(correct_real(flows[FAST.name], raw, offset=0.0), reference,
                                       mask),
     }
+
+
+def _grey(raw, phase):
+    """Red, green, blue planes of a grey sensor: the samples themselves."""
+    return raw, raw, raw
 
 
 def _quads(raw, phase):

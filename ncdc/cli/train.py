@@ -13,7 +13,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
 from ncdc_model.formats import MAX_NEURONS, Formats
-from ncdc_model.geometry import BAYER_PHASE, MIN_SIZE, Geometry
+from ncdc_model.geometry import BAYERS, MIN_SIZE, Geometry
 from ncdc_model.interpolation import DEFAULT, INTERPOLATIONS, interpolation_of
 from ncdc_model.lens import parse_zoom
 from ncdc_model.neurons_plot import plot_neurons
@@ -69,8 +69,9 @@ def add_arguments(parser):
                         help="same seed, same descriptor (default: 0)")
     parser.add_argument("--held-out", type=int, default=HELD_OUT, metavar="K",
                         help=f"one point in K only measures; 0: none (default: {HELD_OUT})")
-    parser.add_argument("--bayer", choices=list(BAYER_PHASE), default="RGGB",
-                        help="colour filter of the sensor, first two rows (default: RGGB)")
+    parser.add_argument("--bayer", choices=BAYERS, default="RGGB",
+                        help="colour filter of the sensor, first two rows (default: RGGB); MONO: "
+                             "a grey sensor, without one")
     parser.add_argument("--fill", default="0,0,0", metavar="R,G,B",
                         help="colour of pixels without a source (default: 0,0,0)")
     _add_hardware(parser)
