@@ -242,8 +242,11 @@ class Corrector(wiring.Component):
             self.fetch.base.eq(active.SOURCE_BASE), self.fetch.limit.eq(active.SOURCE_LIMIT),
             self.fetch.pitch.eq(active.SOURCE_PITCH),
             self.fetch.height.eq(active.DISTORTED_HEIGHT),
-            self.interpolator.phase.eq(active.BAYER_PHASE), self.interpolator.fill.eq(active.FILL),
+            self.interpolator.phase.eq(active.BAYER_PHASE[:2]),
+            self.interpolator.fill.eq(active.FILL),
         ]
+        if "mono" in self.interpolator.signature.members:
+            m.d.comb += self.interpolator.mono.eq(active.BAYER_PHASE[2])
         if self.hardware.cached:
             m.d.comb += self.fetch.split.eq(active.CACHE_SPLIT)
         for row in network_registers(self.descriptor.hidden_neurons, self.descriptor.formats):

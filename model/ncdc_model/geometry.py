@@ -6,10 +6,10 @@ import numpy as np
 
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
-from ncdc_model.interpolation import FAST, Interpolation
+from ncdc_model.interpolation import FAST, GRADIENT, Interpolation
 
-__all__ = ["BAYER_PHASE", "Geometry", "MAX_SIZE", "MIN_SIZE", "SCAN", "STRIP_UNIT", "ValidRows",
-           "check_strip_width", "scan_order"]
+__all__ = ["BAYERS", "BAYER_PHASE", "Geometry", "MAX_SIZE", "MIN_SIZE", "MONO", "SCAN",
+           "STRIP_UNIT", "ValidRows", "check_strip_width", "scan_order"]
 
 MIN_SIZE = 8           # pixels per side: a row has time to fetch the next one's valid spans
 MAX_SIZE = 4096        # pixels per side that the coordinate formats can address
@@ -19,6 +19,8 @@ STRIP_UNIT = 32        # columns: the width of a strip is a multiple of it
 
 # Phase of the colour filter array: (column, row) parity of its red samples.
 BAYER_PHASE = {"RGGB": (0, 0), "GRBG": (1, 0), "GBRG": (0, 1), "BGGR": (1, 1)}
+MONO = "MONO"           # in place of a pattern: a grey sensor, which has no colour filter
+BAYERS = (*BAYER_PHASE, MONO)
 
 
 def check_strip_width(strip_width):
@@ -57,7 +59,8 @@ class Geometry:
     Raises
     ------
     InputError
-        If a side is outside 8..4096, the Bayer pattern is unknown or the fill is no 8-bit RGB.
+        If a side is outside 8..4096, the Bayer pattern is unknown, a grey sensor's frame is to be
+        interpolated as fast, or the fill is no 8-bit RGB.
     """
     corrected_width: int
     corrected_height: int
@@ -74,8 +77,11 @@ class Geometry:
             value = getattr(self, name)
             if type(value) is not int or not MIN_SIZE <= value <= MAX_SIZE:
                 raise InputError(f"{name} is {value}, the limits are {MIN_SIZE} and {MAX_SIZE}")
-        if self.bayer not in BAYER_PHASE:
-            raise InputError(f"bayer is {self.bayer!r}, one of {', '.join(BAYER_PHASE)} is needed")
+        if self.bayer not in BAYERS:
+            raise InputError(f"bayer is {self.bayer!r}, one of {', '.join(BAYERS)} is needed")
+        if self.mono and self.interpolation == FAST:
+            raise InputError(f"bayer is {MONO}, a grey sensor needs the interpolation "
+                             f"{GRADIENT.name}, not {FAST.name}")
         if len(self.fill) != 3 or not all(type(c) is int and 0 <= c <= 255 for c in self.fill):
             raise InputError(f"fill is {list(self.fill)}, three values of 0..255 are needed")
 
@@ -90,9 +96,14 @@ class Geometry:
         return self.distorted_width, self.distorted_height
 
     @property
+    def mono(self):
+        """Whether the sensor is grey: it has no colour filter."""
+        return self.bayer == MONO
+
+    @property
     def phase(self):
-        """(column, row) parity of the red samples."""
-        return BAYER_PHASE[self.bayer]
+        """(column, row) parity of the red samples; of a grey sensor (0, 0), which says nothing."""
+        return BAYER_PHASE.get(self.bayer, (0, 0))
 
     def scan(self):
         """(origin_x, step_x, origin_y, step_y), raw in :data:`SCAN`.
@@ -111,6 +122,13 @@ class Geometry:
         """Real normalised coordinates of corrected pixels, exactly those of the hardware's scan."""
         origin_x, step_x, origin_y, step_y = (value / 2.0**SCAN.f_bits for value in self.scan())
         return origin_x + np.asarray(u) * step_x, origin_y + np.asarray(v) * step_y
+
+    def inside_by(self, x, y):
+        """How far, in pixels, distorted (x, y) are from the line on which their places meet the
+        image's edge: positive inside."""
+        core, offset = self.interpolation.core, self.interpolation.offset
+        return np.minimum.reduce([side for value, size in zip((x, y), self.distorted) for side in
+                                  (value - offset, size - core + 1 + offset - value)])
 
     def window_inside(self, x, y):
         """Whether the places around distorted coordinates (x, y) lie wholly in the image.

@@ -174,7 +174,8 @@ class Hardware:
         needed = geometry.interpolation
         if not self.cached and needed != FAST:
             raise InputError(f"the descriptor's interpolation is {needed.name}, the multiport "
-                             f"fetcher can have {FAST.name} only")
+                             f"fetcher can have {FAST.name} only, which ncdc train "
+                             f"--interpolation {FAST.name} gives")
         if self.cached and self.cache_for(geometry).interpolation != needed:
             raise InputError(f"the tile cache is for the interpolation "
                              f"{self.cache.interpolation.name}, the descriptor's is {needed.name}")

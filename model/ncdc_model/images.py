@@ -7,7 +7,7 @@ import numpy as np
 
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes, replace_file
-from ncdc_model.geometry import BAYER_PHASE
+from ncdc_model.geometry import BAYER_PHASE, MONO
 from ncdc_model.samples import eight_bits
 
 __all__ = ["check_suffix", "demosaic", "is_raw", "mosaic", "read_image", "write_image"]
@@ -84,7 +84,15 @@ def is_raw(image):
 
 
 def mosaic(rgb, bayer="RGGB"):
-    """Raw (h, w) frame: of each pixel of ``rgb`` (h, w, 3) the colour that the filter passes."""
+    """Raw (h, w) frame: of each pixel of ``rgb`` (h, w, 3) the colour that the filter passes.
+
+    Of a grey sensor (``MONO``) the brightness, (red + 2 green + blue) / 4, of integers rounded.
+    """
+    if bayer == MONO:
+        brightness = (np.asarray(rgb) @ np.array([.25, .5, .25])).astype(np.float64)
+        if np.issubdtype(np.asarray(rgb).dtype, np.integer):
+            return np.floor(brightness + .5).astype(np.asarray(rgb).dtype)
+        return brightness.astype(np.asarray(rgb).dtype)
     column, row = BAYER_PHASE[bayer]
     raw = np.array(rgb[:, :, 1])
     raw[row::2, column::2] = rgb[row::2, column::2, 0]
@@ -93,6 +101,11 @@ def mosaic(rgb, bayer="RGGB"):
 
 
 def demosaic(raw, bayer="RGGB", method="bilinear"):
-    """RGB (h, w, 3) of a uint8 ``raw`` frame by OpenCV: bilinear, edge-aware or vng."""
+    """RGB (h, w, 3) of a uint8 ``raw`` frame by OpenCV: bilinear, edge-aware or vng.
+
+    Of a grey sensor's frame (``MONO``) the samples themselves, in all three colours.
+    """
+    if bayer == MONO:
+        return np.repeat(raw[:, :, None], 3, axis=2)
     code = getattr(cv2, f"COLOR_Bayer{_OPENCV[bayer]}2RGB{_METHODS[method]}")
     return cv2.cvtColor(np.ascontiguousarray(raw), code)

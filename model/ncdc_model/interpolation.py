@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ncdc_model.errors import InputError
 
-__all__ = ["FAST", "GRADIENT", "INTERPOLATIONS", "Interpolation", "interpolation_of"]
+__all__ = ["DEFAULT", "FAST", "GRADIENT", "INTERPOLATIONS", "Interpolation", "interpolation_of"]
 
 
 @dataclass(frozen=True)
@@ -79,6 +79,8 @@ FAST = Interpolation("fast", core=3, margin=0, offset=0.5, unit_bits=1, tile_hei
 GRADIENT = Interpolation("gradient", core=2, margin=2, offset=0.0, unit_bits=4, tile_height=2,
                          tile_rows=4)
 INTERPOLATIONS = {each.name: each for each in (FAST, GRADIENT)}
+# Of a camera that is trained. A descriptor that names none is older than the choice: it has FAST.
+DEFAULT = GRADIENT
 
 
 def interpolation_of(name):

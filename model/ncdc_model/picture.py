@@ -4,8 +4,8 @@ import numpy as np
 
 from ncdc_model.interpolation import FAST
 
-__all__ = ["bayer_quads", "bilinear", "fetches", "gradient_colours", "place_colours",
-           "raw_windows", "window_address"]
+__all__ = ["bayer_quads", "bilinear", "fetches", "gradient_colours", "grey_places",
+           "place_colours", "raw_windows", "window_address"]
 
 # Weights of the samples around one in sixteenths, by which it gets the colours that it has not,
 # by Malvar, He and Cutler ("High-quality linear interpolation for demosaicing of Bayer-patterned
@@ -112,6 +112,15 @@ def gradient_colours(window, x0, y0, phase):
     return places
 
 
+def grey_places(window):
+    """The four samples in the middle of each 6x6 grey ``window``, shape (2, 2, 3, ...).
+
+    Each in all three colours, in units of a sixteenth, as of :func:`gradient_colours`.
+    """
+    middle = np.moveaxis(window[..., 2:4, 2:4].astype(np.int64), (-2, -1), (0, 1))
+    return np.repeat(16 * middle[:, :, None], 3, axis=2)
+
+
 def raw_windows(raw, interpolation):
     """The windows of a raw frame (height, width), by the sample that names their first place.
 
@@ -123,8 +132,10 @@ def raw_windows(raw, interpolation):
 
 
 def place_colours(window, x0, y0, geometry):
-    """Colours of the four places of each raw ``window``, see ``bayer_quads`` and
-    ``gradient_colours``; of the interpolation of ``geometry``."""
+    """Colours of the four places of each raw ``window``, by the sensor and the interpolation of
+    ``geometry``: see ``bayer_quads``, ``gradient_colours`` and ``grey_places``."""
+    if geometry.mono:
+        return grey_places(window)
     decode = bayer_quads if geometry.interpolation == FAST else gradient_colours
     return decode(window, x0, y0, geometry.phase)
 

@@ -1,10 +1,12 @@
 """The corrector in floating point, and the traditional flow, to judge the integer one by."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
 from ncdc_model.images import demosaic, mosaic
-from ncdc_model.interpolation import FAST
+from ncdc_model.interpolation import FAST, INTERPOLATIONS
 
 __all__ = ["bayer_psnr", "correct_real", "grey_level_difference", "psnr"]
 
@@ -29,7 +31,8 @@ def correct_real(descriptor, raw, offset=None):
                         (y - offset, geometry.distorted_height)):
         blank |= (value < -1) | (value >= size - interpolation.core + 2)
         place.append(np.clip(value, 0, size - interpolation.core + 1))
-    planes = _quads if interpolation == FAST else _gradient_corrected
+    planes = (_grey if geometry.mono else _quads if interpolation == FAST
+              else _gradient_corrected)
     result = np.stack([_sample(plane, *place) for plane in
                        planes(raw.astype(np.float64), geometry.phase)], axis=-1).clip(0, 255)
     result[blank] = np.nan
@@ -51,16 +54,16 @@ def psnr(picture, reference, mask):
 
 
 def bayer_psnr(descriptor, colour):
-    """What the fast Bayer interpolation costs on one ``colour`` picture (uint8, distorted size).
+    """What each Bayer interpolation costs on one ``colour`` picture (uint8, distorted size).
 
     The reference is the colour picture itself, remapped bilinearly; every flow gets its mosaic.
 
     Returns
     -------
     dict
-        PSNR in dB: ``psnr_fast_db`` (the corrector's), ``psnr_demosaic_db`` (bilinear
-        demosaicing of the frame, then bilinear remapping), ``psnr_uncompensated_db`` (the
-        corrector's without the half pixel).
+        PSNR in dB: ``psnr_fast_db`` and ``psnr_gradient_db`` (the corrector's, with either
+        interpolation), ``psnr_demosaic_db`` (bilinear demosaicing of the frame, then bilinear
+        remapping), ``psnr_uncompensated_db`` (the fast one without the half pixel).
     """
     geometry = descriptor.geometry
     v, u = np.indices(geometry.corrected[::-1])
@@ -75,12 +78,21 @@ def bayer_psnr(descriptor, colour):
         # In floating point: OpenCV remaps 8-bit pictures with 5 fraction bits only.
         return cv2.remap(image.astype(np.float32), x, y, cv2.INTER_LINEAR)
 
+    flows = {name: replace(descriptor, geometry=replace(geometry, interpolation=each))
+             for name, each in INTERPOLATIONS.items()}
     reference = remap(colour)
     return {
-        "psnr_fast_db": psnr(correct_real(descriptor, raw), reference, mask),
+        **{f"psnr_{name}_db": psnr(correct_real(each, raw), reference, mask)
+           for name, each in flows.items()},
         "psnr_demosaic_db": psnr(remap(demosaic(raw, geometry.bayer)), reference, mask),
-        "psnr_uncompensated_db": psnr(correct_real(descriptor, raw, offset=0.0), reference, mask),
+        "psnr_uncompensated_db": psnr(correct_real(flows[FAST.name], raw, offset=0.0), reference,
+                                      mask),
     }
+
+
+def _grey(raw, phase):
+    """Red, green, blue planes of a grey sensor: the samples themselves."""
+    return raw, raw, raw
 
 
 def _quads(raw, phase):

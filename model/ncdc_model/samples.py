@@ -6,7 +6,7 @@ import numpy as np
 
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
-from ncdc_model.geometry import BAYER_PHASE, MAX_SIZE, MIN_SIZE
+from ncdc_model.geometry import BAYERS, MAX_SIZE, MIN_SIZE
 
 __all__ = ["RawDump", "check_bits", "eight_bits"]
 
@@ -64,9 +64,9 @@ class RawDump:
         bayer, _, bits = rest.partition(":")
         sides = size.lower().split("x")
         if (len(sides) != 2 or not all(part.isdecimal() for part in (*sides, bits))
-                or bayer.upper() not in BAYER_PHASE):
+                or bayer.upper() not in BAYERS):
             raise InputError(f"raw is {text!r}, WxH:PATTERN:BITS is needed, as in "
-                             f"1280x1024:RGGB:12; the patterns are {', '.join(BAYER_PHASE)}")
+                             f"1280x1024:RGGB:12; the patterns are {', '.join(BAYERS)}")
         for side in map(int, sides):
             if not MIN_SIZE <= side <= MAX_SIZE:
                 raise InputError(f"a side of the raw frame is {side}, the limits are {MIN_SIZE} "

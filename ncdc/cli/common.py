@@ -6,6 +6,7 @@ import sys
 
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes, write_stream
+from ncdc_model.geometry import MONO
 from ncdc_model.images import is_raw, mosaic, read_image
 from ncdc_model.samples import RawDump, check_bits
 
@@ -53,8 +54,9 @@ def raw_frame(args, geometry):
     """The raw Bayer frame of the file ``args.image``, and a note on what it was taken for.
 
     A picture of one channel is taken for the raw frame itself; of a colour picture, each pixel
-    keeps the colour that the filter would have passed. A grey JPEG is refused: it cannot be a raw
-    frame, and the hardware knows no other.
+    keeps the colour that the filter would have passed. A grey JPEG is refused, as it cannot be the
+    raw frame of a colour sensor. Of a grey sensor any grey picture may be the frame, and of a
+    colour picture the brightness is taken.
     """
     path, image = args.image, read_photo(args.image, args)
     if args.raw is not None:
@@ -63,10 +65,13 @@ def raw_frame(args, geometry):
             raise InputError(f"the raw frame has the pattern {bayer}, the descriptor "
                              f"{geometry.bayer}")
         return image, None
+    if geometry.mono:
+        return ((image, f"{path} has one channel: taken as the grey frame") if is_raw(image) else
+                (mosaic(image, MONO), f"{path} is a colour picture: its brightness is taken"))
     if is_raw(image):
         if read_bytes(path)[:2] == b"\xff\xd8":
             raise InputError(f"{path} is a grey JPEG, a raw {geometry.bayer} frame or a colour "
-                             f"picture is needed")
+                             f"picture is needed; a grey camera is trained with --bayer {MONO}")
         return image, f"{path} has one channel: taken as the raw {geometry.bayer} frame"
     note = f"{path} is a colour picture: mosaiced as {geometry.bayer}"
     return mosaic(image, geometry.bayer), note

@@ -33,6 +33,7 @@ from ncdc_model.example import (
 )
 from ncdc_model.files import check_outputs, write_text
 from ncdc_model.images import demosaic, write_image
+from ncdc_model.interpolation import INTERPOLATIONS
 from ncdc_model.plots import plot_error_map
 from ncdc_model.reference import bayer_psnr, correct_real, grey_level_difference
 from ncdc_model.training.pipeline import train_camera
@@ -150,16 +151,14 @@ def _truth(folder, camera, photo, trained, simulation):
     x, y = back_map(u, v)
     has_source = geometry.window_inside(x, y)
     wrong = has_source == simulation.blank
-    # Distance of the true coordinate from the line on which its window meets the sensor's edge.
-    edge = np.minimum.reduce([x - 0.5, geometry.distorted_width - 1.5 - x,
-                              y - 0.5, geometry.distorted_height - 1.5 - y])
     _say(error_table({"frame": errors}))
     return {**{name: errors[name] for name in ("map_error_float_px", "map_error_fixed_px",
                                                "fixed_minus_float_max_px")},
             "pixels_without_source": int((~has_source).sum()),
             "pixels_blank": int(simulation.blank.sum()),
             "blanking_differs": int(wrong.sum()),
-            "blanking_differs_within_px": float(np.abs(edge[wrong]).max(initial=0))}
+            "blanking_differs_within_px": float(
+                np.abs(geometry.inside_by(x, y)[wrong]).max(initial=0))}
 
 
 def _pictures(folder, target, points, descriptor, scene, simulation):
@@ -184,6 +183,7 @@ def _interpolation(camera, descriptor, scene, simulation):
     noise = noise_picture(*descriptor.geometry.distorted)
     colour = np.clip(np.floor(scene_light(camera) + 0.5), 0, 255).astype(np.uint8)
     return {
+        "interpolation": descriptor.geometry.interpolation.name,
         "grey_levels_from_float_max": max(
             grey_level_difference(simulation.picture, correct_real(descriptor, scene)),
             grey_level_difference(correct(descriptor, noise).picture,
@@ -228,7 +228,8 @@ def _sections(report, trained):
                  f"most {report['grey_levels_from_float_max']}, noise included. PSNR against "
                  "the remapped colour picture, in dB:",
          "rows": [["flow", "PSNR"],
-                  ["fast Bayer interpolation (this)", f"{report['psnr_fast_db']:.2f}"],
+                  *([name + " (this)" * (name == report["interpolation"]),
+                     f"{report[f'psnr_{name}_db']:.2f}"] for name in INTERPOLATIONS),
                   ["demosaic, then remap", f"{report['psnr_demosaic_db']:.2f}"],
                   ["fast, without the half pixel", f"{report['psnr_uncompensated_db']:.2f}"]]},
         {"title": "Hardware",

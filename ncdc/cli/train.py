@@ -13,8 +13,8 @@ from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
 from ncdc_model.formats import MAX_NEURONS, Formats
-from ncdc_model.geometry import BAYER_PHASE, MIN_SIZE, Geometry
-from ncdc_model.interpolation import FAST, INTERPOLATIONS, interpolation_of
+from ncdc_model.geometry import BAYERS, MIN_SIZE, Geometry
+from ncdc_model.interpolation import DEFAULT, INTERPOLATIONS, interpolation_of
 from ncdc_model.lens import parse_zoom
 from ncdc_model.neurons_plot import plot_neurons
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
@@ -69,8 +69,9 @@ def add_arguments(parser):
                         help="same seed, same descriptor (default: 0)")
     parser.add_argument("--held-out", type=int, default=HELD_OUT, metavar="K",
                         help=f"one point in K only measures; 0: none (default: {HELD_OUT})")
-    parser.add_argument("--bayer", choices=list(BAYER_PHASE), default="RGGB",
-                        help="colour filter of the sensor, first two rows (default: RGGB)")
+    parser.add_argument("--bayer", choices=BAYERS, default="RGGB",
+                        help="colour filter of the sensor, first two rows (default: RGGB); MONO: "
+                             "a grey sensor, without one")
     parser.add_argument("--fill", default="0,0,0", metavar="R,G,B",
                         help="colour of pixels without a source (default: 0,0,0)")
     _add_hardware(parser)
@@ -82,10 +83,10 @@ def add_arguments(parser):
 
 def _add_hardware(parser):
     """Declare what the descriptor fixes of the hardware."""
-    parser.add_argument("--interpolation", choices=list(INTERPOLATIONS), default=FAST.name,
-                        help="fast: the paper's, from 3x3 raw samples, for every fetcher and the "
-                             "smallest core (default); gradient: gradient-corrected colour from "
-                             "6x6, five decibels better, for the tile cache")
+    parser.add_argument("--interpolation", choices=list(INTERPOLATIONS), default=DEFAULT.name,
+                        help="gradient: gradient-corrected colour from 6x6 raw samples, for the "
+                             "tile cache (default); fast: the paper's from 3x3, five decibels "
+                             "worse, for every fetcher and the smallest core")
     parser.add_argument("--tansig", choices=[*VARIANTS, "auto"], default="mmhbc",
                         help="tan-sigmoid: mmhbc: the paper's, no multiplier (default); classic: "
                              "plain CORDIC, for comparison; table: quadratics, two multipliers "

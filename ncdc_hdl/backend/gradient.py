@@ -34,6 +34,10 @@ class GradientPlaces(wiring.Component):
     chroma of the upper row comes first among the colours; it is blue if ``swapped``. Otherwise
     equal bit for bit to ``ncdc_model.picture.gradient_colours``.
 
+    Of a grey sensor (``mono``) green is that of ``ncdc_model.picture.grey_places``, and the other
+    two colours say nothing: at chroma c itself stands for H and for V, zero for P and for Q, which
+    leaves 8 c + 4 (c + c).
+
     Timing: free-running, ``latency`` clocks.
 
     Members
@@ -42,6 +46,8 @@ class GradientPlaces(wiring.Component):
         Those of ``GRADIENT.samples``.
     red_column, red_row : ``In(1)``
         Whether the first place's sample is in a column, a row, that holds red samples.
+    mono : ``In(1)``
+        Whether the sensor is grey; constant during a frame.
     o : ``Out(ArrayLayout(signed(14), 12))``
         Row by row, in each the green sample, then the chroma sample; of each the chroma of the
         upper row, green, the chroma of the lower row.
@@ -55,7 +61,7 @@ class GradientPlaces(wiring.Component):
     def __init__(self):
         super().__init__({
             "samples": In(data.ArrayLayout(8, len(GRADIENT.samples))),
-            "red_column": In(1), "red_row": In(1),
+            "red_column": In(1), "red_row": In(1), "mono": In(1),
             "o": Out(_PLACES), "reversed": Out(2), "swapped": Out(1),
         })
 
@@ -124,8 +130,8 @@ class GradientPlaces(wiring.Component):
         c, h, v, p, q = (sums[key] for key in "cHVPQ")
         # Cycle 3.
         diagonal = register(f"{name}_D", sums["D0"] + sums["D1"])
-        near = register(f"{name}_near", h + v)
-        far = register(f"{name}_far", p + q)
+        near = register(f"{name}_near", Mux(self.mono, c, h) + Mux(self.mono, c, v))
+        far = register(f"{name}_far", Mux(self.mono, 0, p) + Mux(self.mono, 0, q))
         three = register(f"{name}_c3", (c << 1) + c)
         once = register(f"{name}_c1", c)
         # Cycle 4.

@@ -35,6 +35,9 @@ class Interpolator(wiring.Component):
     phase, fill : ``In(2)``, ``In(24)``
         (column, row) parity of the red samples; colour of blank pixels, red in the top byte.
         Constant during a frame.
+    mono : ``In(1)``
+        Whether the sensor is grey: all three colours are its samples. Constant during a frame; not
+        of the fast interpolation.
     i : ``In(stream.Signature(window_layout(f_bits, lanes, interpolation)))``
     o : ``Out(stream.Signature(pixel_layout(lanes)))``
     """
@@ -52,7 +55,7 @@ class Interpolator(wiring.Component):
             "phase": In(2), "fill": In(24),
             "i": In(stream.Signature(window_layout(f_bits, lanes, interpolation))),
             "o": Out(stream.Signature(pixel_layout(lanes))),
-        })
+        } | ({} if interpolation == FAST else {"mono": In(1)}))
 
     @property
     def latency(self):
@@ -84,9 +87,10 @@ class Interpolator(wiring.Component):
             blank = delay(m, window.blank, self.latency, f"blank{k}")
             colours = Cat(bilinear.o[2], bilinear.o[1], bilinear.o[0])
             if self.interpolation != FAST:
-                m.d.comb += bilinear.reversed.eq(bayer.reversed)
+                m.d.comb += [bayer.mono.eq(self.mono), bilinear.reversed.eq(bayer.reversed)]
                 swapped = delay(m, bayer.swapped, bilinear.latency, f"swapped{k}")
                 colours = Mux(swapped, Cat(bilinear.o[0], bilinear.o[1], bilinear.o[2]), colours)
+                colours = Mux(self.mono, bilinear.o[1].replicate(3), colours)
             m.d.comb += Cat(pixel.b, pixel.g, pixel.r).eq(Mux(blank, self.fill, colours))
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ncdc_model.errors import InputError
-from ncdc_model.geometry import BAYER_PHASE
+from ncdc_model.geometry import BAYER_PHASE, MONO
 from ncdc_model.images import demosaic, is_raw, mosaic, read_image, write_image
 
 
@@ -57,3 +57,11 @@ def test_mosaic_takes_each_colour_at_its_phase(bayer):
 def test_demosaic_undoes_mosaic_of_plain_colours(bayer):
     colour = np.tile(np.array([200, 90, 30], np.uint8), (8, 8, 1))
     np.testing.assert_array_equal(demosaic(mosaic(colour, bayer), bayer), colour)
+
+
+def test_a_grey_sensor_sees_brightness():
+    colour = np.array([[[10, 20, 30], [255, 255, 255]], [[4, 0, 1], [0, 3, 0]]], np.uint8)
+    raw = mosaic(colour, MONO)
+    assert raw.dtype == np.uint8 and raw.tolist() == [[20, 255], [1, 2]]
+    assert mosaic(colour.astype(float), MONO).tolist() == [[20, 255], [1.25, 1.5]]
+    assert (demosaic(raw, MONO) == raw[:, :, None]).all()

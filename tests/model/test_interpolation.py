@@ -10,11 +10,19 @@ from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.fixed import Q
-from ncdc_model.geometry import BAYER_PHASE, Geometry
+from ncdc_model.geometry import BAYER_PHASE, BAYERS, MONO, Geometry
 from ncdc_model.hardware import Hardware
 from ncdc_model.images import mosaic
+from ncdc_model.interface.host_values import host_values
+from ncdc_model.interface.register_map import BAYER_MONO
 from ncdc_model.interpolation import FAST, GRADIENT
-from ncdc_model.picture import bilinear, gradient_colours, raw_windows, window_address
+from ncdc_model.picture import (
+    bilinear,
+    gradient_colours,
+    place_colours,
+    raw_windows,
+    window_address,
+)
 from ncdc_model.reference import correct_real, grey_level_difference
 
 
@@ -22,15 +30,15 @@ def gradient_descriptor(**geometry):
     return barrel_descriptor((48, 40), (64, 48), interpolation=GRADIENT, **geometry)
 
 
-@pytest.mark.parametrize("bayer", BAYER_PHASE)
+@pytest.mark.parametrize("bayer", BAYERS)
 def test_integers_are_the_floating_point_picture_rounded(bayer):
     d = gradient_descriptor(bayer=bayer)
     raw = np.random.default_rng(1).integers(0, 256, (48, 64), np.uint8)
     result = correct(d, raw)
     real = correct_real(d, raw)
     assert grey_level_difference(result.picture, real) <= 1
-    # Noise drives the kernels beyond both ends, where the result is clamped.
-    assert {0, 255} <= set(result.picture[~result.blank].ravel().tolist())
+    # Noise drives the kernels beyond both ends, where the result is clamped; grey has no kernel.
+    assert ({0, 255} <= set(result.picture[~result.blank].ravel().tolist())) == (bayer != MONO)
     assert result.blank.any() and not result.blank.all()
 
 
@@ -82,6 +90,33 @@ def test_rounding_is_once_and_to_nearest():
         (0, 0, (1024 - fx) * (1024 - fy)), (0, 1, fx * (1024 - fy)),
         (1, 0, (1024 - fx) * fy), (1, 1, fx * fy))) / 2**24
     assert np.abs(bilinear(places, fx, fy, 10, 4).T - exact).max() <= 0.5
+
+
+def test_grey_is_bilinear_between_the_samples_of_every_row_and_column():
+    geometry = Geometry(8, 8, 10, 9, bayer=MONO, interpolation=GRADIENT)
+    raw = np.random.default_rng(5).integers(0, 256, (9, 10), np.uint8)
+    y0, x0 = np.indices((8, 9))
+    places = place_colours(raw_windows(raw, GRADIENT)[y0, x0], x0, y0, geometry)
+    for j in range(2):
+        for i in range(2):
+            assert (places[j, i] == places[j, i, :1]).all()
+            np.testing.assert_array_equal(places[j, i, 0], 16 * raw[y0 + j, x0 + i].astype(int))
+    a, b, c, d = (raw[:-1, :-1], raw[:-1, 1:], raw[1:, :-1], raw[1:, 1:])
+    middle = (a.astype(int) + b + c + d + 2) // 4
+    np.testing.assert_array_equal(bilinear(places, 512, 512, 10, 4)[..., 1], middle)
+
+
+def test_a_grey_sensor_is_a_bit_of_the_register_of_the_phase(tmp_path):
+    grey = gradient_descriptor(bayer=MONO)
+    assert host_values(grey)["BAYER_PHASE"] == BAYER_MONO
+    assert all(host_values(gradient_descriptor(bayer=each))["BAYER_PHASE"] < BAYER_MONO
+               for each in BAYER_PHASE)
+    grey.save(tmp_path / "grey.toml")
+    loaded = Descriptor.load(tmp_path / "grey.toml")
+    assert loaded.geometry.mono and loaded.digest == grey.digest
+    with pytest.raises(InputError, match="bayer is MONO, a grey sensor needs the interpolation "
+                                         "gradient, not fast"):
+        replace(grey.geometry, interpolation=FAST)
 
 
 def test_a_descriptor_keeps_its_interpolation(tmp_path):

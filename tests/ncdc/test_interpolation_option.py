@@ -9,7 +9,7 @@ from ncdc.cli import main
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.images import read_image, write_image
-from ncdc_model.interpolation import GRADIENT
+from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_model.lens import Camera
 
 
@@ -19,14 +19,16 @@ def folder(tmp_path_factory):
     Camera.from_dict({"width": 64, "height": 48, "radial": "kb", "f_distorted": 40.0,
                       "centre": [31.5, 23.5]}).save(
         path / "camera.toml")
-    assert main(["train", str(path / "camera.toml"), "--neurons", "2", "--interpolation",
-                 "gradient", "-o", str(path / "net.toml")]) == 0
+    for name, options in ("net", []), ("fast", ["--interpolation", "fast"]):
+        assert main(["train", str(path / "camera.toml"), "--neurons", "2", *options,
+                     "-o", str(path / f"{name}.toml")]) == 0
     return path
 
 
-def test_the_descriptor_names_it_and_correct_follows_it(folder):
+def test_the_default_is_in_the_descriptor_and_correct_follows_it(folder):
     descriptor = Descriptor.load(folder / "net.toml")
     assert descriptor.geometry.interpolation == GRADIENT
+    assert 'interpolation = "gradient"' in (folder / "net.toml").read_text()
     raw = np.random.default_rng(1).integers(0, 256, (48, 64), np.uint8)
     write_image(folder / "raw.png", raw)
     assert main(["correct", str(folder / "net.toml"), str(folder / "raw.png"), "-o",
@@ -43,9 +45,20 @@ def test_the_planner_counts_its_tiles(folder, capsys):
     assert report["bytes_read_per_pixel"] == pytest.approx(report["misses"] * tile_bytes / pixels)
 
 
-def test_multiport_refuses_it_in_one_sentence(folder, capsys):
-    assert main(["generate", str(folder / "net.toml"), "-o", str(folder / "hw"), "--fetch",
-                 "multiport"]) == 2
-    assert ("the descriptor's interpolation is gradient, the multiport fetcher can have fast only"
-            in capsys.readouterr().err)
-    assert not (folder / "hw").exists()
+@pytest.mark.parametrize("command,image,out", [("generate", [], "hw"),
+                                               ("simulate", ["zeros.png"], "out.png")])
+def test_multiport_refuses_it_in_one_sentence(folder, command, image, out, capsys):
+    write_image(folder / "zeros.png", np.zeros((48, 64), np.uint8))
+    assert main([command, str(folder / "net.toml"), *(str(folder / name) for name in image), "-o",
+                 str(folder / out), "--fetch", "multiport"]) == 2
+    assert capsys.readouterr().err == (
+        f"ncdc {command}: the descriptor's interpolation is gradient, the multiport fetcher can "
+        f"have fast only, which ncdc train --interpolation fast gives\n")
+    assert not (folder / out).exists()
+
+
+def test_what_the_sentence_names_is_what_multiport_takes(folder):
+    assert Descriptor.load(folder / "fast.toml").geometry.interpolation == FAST
+    assert main(["generate", str(folder / "fast.toml"), "-o", str(folder / "paper"), "--fetch",
+                 "multiport"]) == 0
+    assert "read2_readdata" in (folder / "paper" / "ncdc.v").read_text()

@@ -95,7 +95,8 @@ def test_what_a_picture_is_taken_for_is_told(corrected):
     assert "colour.png is a colour picture: mosaiced as RGGB" in corrected("colour.png")[1]
     cv2.imwrite("grey.jpg", grey)
     assert corrected("grey.jpg") == (2, "ncdc correct: grey.jpg is a grey JPEG, a raw RGGB frame "
-                                        "or a colour picture is needed\n")
+                                        "or a colour picture is needed; a grey camera is trained "
+                                        "with --bayer MONO\n")
 
 
 def test_calibrate_takes_the_same_options(tmp_path, capsys):

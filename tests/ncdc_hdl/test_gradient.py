@@ -7,7 +7,7 @@ from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.gradient import GradientPlaces
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_model.interpolation import GRADIENT
-from ncdc_model.picture import bilinear, gradient_colours
+from ncdc_model.picture import bilinear, gradient_colours, grey_places
 from pipelines import get, put, run_bench, run_pipeline
 
 F = 10
@@ -52,6 +52,26 @@ def test_places_equal_model_in_every_phase(column, row):
     assert places.max() == 28 * 255 and places.min() == -12 * 255
 
 
+def test_green_of_a_grey_sensor_is_each_sample_wherever_it_lies():
+    windows = extremes(0, 0)
+    for parity in range(4):
+        dut = GradientPlaces()
+
+        def drive(ctx, window):
+            ctx.set(dut.samples, window[ROWS, COLUMNS].tolist())
+            ctx.set(dut.red_column, parity & 1)
+            ctx.set(dut.red_row, parity >> 1)
+            ctx.set(dut.mono, 1)
+
+        got = run_pipeline(dut, list(windows), drive, lambda: [*dut.o, dut.reversed])
+        for window, (*places, turned) in zip(windows, got):
+            green = np.array(places).reshape(2, 2, 3)[..., 1]
+            for j in range(2):
+                if turned >> j & 1:
+                    green[j] = green[j, ::-1].copy()
+            np.testing.assert_array_equal(green, grey_places(window)[:, :, 1])
+
+
 def test_bilinear_equals_model_and_clamps():
     rng = np.random.default_rng(3)
     places = rng.integers(-12 * 255, 28 * 255 + 1, (2, 2, 3, 400))
@@ -78,8 +98,8 @@ def test_bilinear_equals_model_and_clamps():
     assert {0, 255} <= set(got.ravel().tolist())
 
 
-@pytest.mark.parametrize("gap,stall", [(0, 0), (.3, .7)])
-def test_stream_equals_model(gap, stall):
+@pytest.mark.parametrize("gap,stall,mono", [(0, 0, False), (.3, .7, False), (.3, .7, True)])
+def test_stream_equals_model(gap, stall, mono):
     rng = np.random.default_rng(6)
     count = 200
     windows, fractions = rng.integers(0, 256, (count, 6, 6)), rng.integers(0, 1024, (count, 2))
@@ -94,13 +114,14 @@ def test_stream_equals_model(gap, stall):
     async def source(ctx):
         ctx.set(dut.phase, phase[0] | phase[1] << 1)
         ctx.set(dut.fill, fill)
+        ctx.set(dut.mono, mono)
         await put(ctx, dut.i, items, lambda: rng.random() < gap)
 
     async def sink(ctx):
         got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
 
     run_bench(dut, source, sink)
-    places = gradient_colours(windows, *origins.T, phase)
+    places = grey_places(windows) if mono else gradient_colours(windows, *origins.T, phase)
     expected = bilinear(places, *fractions.T, F, GRADIENT.unit_bits)
     expected[blank] = [0x12, 0x34, 0x56]
     np.testing.assert_array_equal([[p.r, p.g, p.b] for p in got], expected)

@@ -5,6 +5,7 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.verilog import corrector_verilog
 from ncdc_model.fetch.follow import follow_bound
 from ncdc_model.hardware import Hardware
 from ncdc_model.interpolation import GRADIENT
@@ -34,12 +35,22 @@ def test_a_frame_is_that_of_the_golden_model():
     check(camera(), Hardware(output="stream"), simulator="icarus")
 
 
+def test_hardware_made_for_colours_corrects_a_grey_frame():
+    hardware = Hardware(output="stream")
+    grey = camera(bayer="MONO")
+    simulation = check(grey, hardware, simulator="icarus",
+                       verilog=corrector_verilog(camera(), hardware))
+    seen = simulation.picture[~simulation.blank]
+    assert (seen == seen[:, :1]).all() and np.ptp(seen) > 200
+
+
 @regress
 @pytest.mark.parametrize("bayer,settings,memory", [
     ("RGGB", dict(data_width=32), "sdram"),
     ("GRBG", dict(data_width=64, output="stream"), "hostile"),
     ("BGGR", dict(data_width=128, lanes=2, output="stream"), "ddr3"),
     ("RGGB", dict(data_width=128, lanes=4, strip=32), "ddr3"),
+    ("MONO", dict(data_width=64, lanes=2), "hostile"),
 ])
 def test_every_mode(bayer, settings, memory):
     check(camera(bayer=bayer), Hardware(**settings), memory)

@@ -2,7 +2,7 @@
 
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces, source_bytes, target_bytes
-from ncdc_model.interface.register_map import TABLE, network_registers
+from ncdc_model.interface.register_map import BAYER_MONO, TABLE, network_registers
 
 __all__ = ["host_values", "network_values", "place_values", "table_words"]
 
@@ -55,7 +55,7 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False):
         "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
         "SCAN_ORIGIN_X": origin_x, "SCAN_STEP_X": step_x,
         "SCAN_ORIGIN_Y": origin_y, "SCAN_STEP_Y": step_y,
-        "BAYER_PHASE": g.phase[0] | g.phase[1] << 1,
+        "BAYER_PHASE": BAYER_MONO if g.mono else g.phase[0] | g.phase[1] << 1,
         "FILL": red << 16 | green << 8 | blue,
         "CACHE_SPLIT": hardware.split_for(g), "STRIP_WIDTH": hardware.strip, "FOLLOW": int(follow),
     }

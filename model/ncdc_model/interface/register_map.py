@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 from ncdc_model.interface.frames import ADDRESS_BITS
 
-__all__ = ["ADDRESS_WORDS_BITS", "Bits", "CONSTANTS", "COUNTERS", "CTRL_ABORT", "CTRL_COMMIT",
-           "CTRL_START", "FAULT_ALIGNMENT", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag",
+__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CONSTANTS", "COUNTERS",
+           "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "FAULT_ALIGNMENT", "FAULT_SIZE",
+           "FAULT_SOURCE", "FAULT_TARGET", "Flag",
            "ID", "NODES", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
            "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
            "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
@@ -29,6 +30,7 @@ CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
 STATUS_COMMITTED, STATUS_REFUSED, STATUS_BANK, STATUS_ABORTED = 8, 16, 32, 64
 STATUS_FAULT = 128
+BAYER_MONO = 4            # of BAYER_PHASE
 FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE = 1, 2, 4, 8
 
 # Counted while a frame runs; FRAMES beside them counts frames.
@@ -177,8 +179,9 @@ _FIXED = (
              f"Normalised y of the first row, {SCAN}."),
     Register("SCAN_STEP_Y", 0x13, "shadow", Bits(SCAN.width, signed=True),
              f"Normalised distance of two rows, {SCAN}."),
-    Register("BAYER_PHASE", 0x14, "shadow", Bits(2),
-             "Parity of the column (bit 0) and the row (bit 1) of the red samples."),
+    Register("BAYER_PHASE", 0x14, "shadow", Bits(3),
+             "Parity of the column (bit 0) and the row (bit 1) of the red samples; bit 2: the "
+             "sensor is grey, without a colour filter (gradient-corrected interpolation only)."),
     Register("FILL", 0x15, "shadow", Bits(24),
              "Colour of pixels without a source, 0xRRGGBB."),
     Register("CACHE_SPLIT", 0x16, "shadow", Bits(4),
@@ -188,8 +191,8 @@ _FIXED = (
              "A stream is always a raster."),
     Register("CLOCKS", 0x18, "ro", Bits(32), "Clocks of the last frame, start to last pixel."),
     Register("PIXELS", 0x19, "ro", Bits(32), "Pixels of the last frame."),
-    Register("FETCHES", 0x1A, "ro", Bits(32), "Windows (multiport), or tiles of 16x4 (cache), "
-             "that the last frame read from memory."),
+    Register("FETCHES", 0x1A, "ro", Bits(32), "Windows (multiport), or tiles (cache; of 16x2 "
+             "samples, with the fast interpolation 16x4), that the last frame read from memory."),
     Register("FRONT_END_STALLS", 0x1B, "ro", Bits(32),
              "Clocks in which the last frame's front end waited for room behind it."),
     Register("FRAMES", 0x1C, "ro", Bits(32), "Frames completed since reset."),

@@ -14,7 +14,7 @@ from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.errors import InputError
 from ncdc_model.files import parse_text, read_bytes
 from ncdc_model.geometry import Geometry
-from ncdc_model.interpolation import FAST
+from ncdc_model.interpolation import DEFAULT
 from ncdc_model.valid import REACH, Calibrated, grid_pitch
 
 __all__ = ["Source", "is_points_file", "load_source"]
@@ -91,7 +91,7 @@ def is_points_file(path):
 
 
 def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None,
-                sensor=None, interpolation=FAST):
+                sensor=None, interpolation=DEFAULT):
     """Read a points or camera file and choose the corrected frame, or read remap tables.
 
     Parameters
