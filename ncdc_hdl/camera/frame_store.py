@@ -37,9 +37,9 @@ class FrameStore(wiring.Component):
 
     Members
     -------
-    begin : ``In(1)``
+    begins : ``In(1)``
         The writer begins a frame; it does not while it is ``busy``.
-    end, good : ``In(1)``, ``In(1)``
+    ends, good : ``In(1)``, ``In(1)``
         It ends the frame, which is complete and right if ``good``.
     time : ``In(64)``
         Clocks since reset, kept with each frame as it begins.
@@ -64,7 +64,7 @@ class FrameStore(wiring.Component):
         reader = wiring.Signature({"claim": Out(1), "release": Out(1), "held": In(1),
                                    "buffer": In(index), "lost": In(1)})
         super().__init__({
-            "begin": In(1), "end": In(1), "good": In(1), "time": In(64),
+            "begins": In(1), "ends": In(1), "good": In(1), "time": In(64),
             "busy": Out(1), "buffer": Out(index),
             "newest": Out(index), "some": Out(1), "came": Out(1),
             "readers": In(reader).array(readers), "limit": In(32),
@@ -84,12 +84,12 @@ class FrameStore(wiring.Component):
             with m.If(free[k]):
                 m.d.comb += first.eq(k)
 
-        begins, ends = Signal(), Signal()
-        m.d.comb += [begins.eq(self.begin & ~self.busy), ends.eq(self.end & self.busy)]
-        m.d.sync += self.came.eq(ends & self.good)
-        with m.If(begins):
+        begun, ended = Signal(), Signal()
+        m.d.comb += [begun.eq(self.begins & ~self.busy), ended.eq(self.ends & self.busy)]
+        m.d.sync += self.came.eq(ended & self.good)
+        with m.If(begun):
             m.d.sync += [self.busy.eq(1), self.buffer.eq(first), self.begun.eq(self.begun + 1)]
-        with m.If(ends):
+        with m.If(ended):
             m.d.sync += self.busy.eq(0)
             with m.If(self.good):
                 m.d.sync += [self.newest.eq(self.buffer), self.some.eq(1)]
@@ -97,7 +97,7 @@ class FrameStore(wiring.Component):
                 m.d.sync += self.bad.eq(self.bad + 1)
         taken = [self._reader(m, one, k) for k, one in enumerate(self.readers)]
         m.d.sync += self.taken.eq(self.taken + sum(taken))
-        self._frames(m, begins, first)
+        self._frames(m, begun, first)
         return m
 
     def _reader(self, m, one, number):
@@ -122,10 +122,10 @@ class FrameStore(wiring.Component):
         """The buffer that a reader gets, of the newest frame and the one being written."""
         return newest
 
-    def _frames(self, m, begins, first):
+    def _frames(self, m, begun, first):
         """Keep number and time of the frame in each buffer."""
         m.submodules.frames = frames = Memory(shape=FRAME, depth=self.buffers, init=[])
         write, read = frames.write_port(), frames.read_port()
-        m.d.comb += [write.addr.eq(first), write.en.eq(begins),
+        m.d.comb += [write.addr.eq(first), write.en.eq(begun),
                      write.data.number.eq(self.begun + 1), write.data.time.eq(self.time),
                      read.addr.eq(self.look), self.frame.eq(read.data)]

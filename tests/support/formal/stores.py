@@ -34,7 +34,7 @@ class Store(Wrapper):
         dut = self.dut
         fragment = self.design(m, dut)
         constant(m, self.limit)
-        m.d.comb += [dut.begin.eq(self.begin), dut.end.eq(self.end), dut.good.eq(self.good),
+        m.d.comb += [dut.begins.eq(self.begin), dut.ends.eq(self.end), dut.good.eq(self.good),
                      dut.limit.eq(self.limit)]
         for k, one in enumerate(dut.readers):
             m.d.comb += [one.claim.eq(self.claim[k]), one.release.eq(self.release[k])]
