@@ -13,6 +13,7 @@ from formal.fills import FillOrder, FillRoom
 from formal.lookups import Places, Progress, Tokens
 from formal.queues import Credits
 from formal.sby import FAIL, PASS, run
+from formal.stores import Store
 from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.cache.fills import Fills
@@ -20,6 +21,7 @@ from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.backend.packer import Packer
+from ncdc_hdl.camera.frame_store import FrameStore
 from ncdc_model.interpolation import GRADIENT
 
 regress = pytest.mark.regress
@@ -105,6 +107,14 @@ class BeforeThePlace(Packer):
         return number < end
 
 
+class BegunClaimed(FrameStore):
+    """Lets a reader claim what the writer has only begun."""
+
+    @staticmethod
+    def _claimed(newest, writers):
+        return writers
+
+
 class ReadTooFar(ReadFence):
     """Lets a command reach one word beyond the place."""
 
@@ -136,6 +146,8 @@ PROOFS = {
     "bursts of four words in their place": (lambda: WordsInBursts(4), "prove", 2),
     "credits": (Credits, "prove", 2),
     "credits, five": (lambda: Credits(5, 0), "prove", 2),
+    "frames of two readers": (Store, "prove", 2),
+    "frames of four readers": (lambda: Store(4), "prove", 2),
     "fill room": (FillRoom, "prove", 2),
     "fill room, 32 bits": (lambda: FillRoom(32, 3), "prove", 2),
     "fill room, one tile": (lambda: FillRoom(64, 1), "prove", 2),
@@ -165,6 +177,7 @@ COVERS = {
     "words in their place": (FencedWords, 12, {"void", "to_the_end"}),
     "bursts in their place": (WordsInBursts, 12, {"void", "to_the_end"}),
     "credits": (Credits, 20, {"full", "restart", "at_rest"}),
+    "frames": (Store, 14, {"all_in_use", "lost"}),
     "fill room": (FillRoom, 34, {"all_owed", "claim_while_filled"}),
     "fill order": (FillOrder, 32, {"second_tile"}),
     "tokens": (Tokens, 26, {"full", "tokens_to_come"}),
@@ -187,6 +200,8 @@ PLANTED = {
     "word dropped under waitrequest": (lambda: Writer(forget=True), 10, "word_held"),
     "reset forgets the burst": (lambda: planted(Writer(), forgotten=[("left",)]), 12,
                                 "burst_goes_on"),
+    "a buffer too few": (lambda: Store(buffers_missing=1), 14, "room"),
+    "a frame that is not complete": (lambda: Store(kind=BegunClaimed), 10, "alone0"),
     "credit too many": (lambda: Credits(credit_error=1), 16, "no_overflow"),
     "credits' queue too small": (lambda: planted(Credits(), places_missing=1), 16, "no_overflow"),
     "tile too many": (lambda: FillRoom(kind=CreditTooMany), 30, "words_owed"),

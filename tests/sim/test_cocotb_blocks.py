@@ -13,6 +13,8 @@ from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
 from ncdc_hdl.backend.window import WindowAddress
+from ncdc_hdl.camera.capture import Capture
+from ncdc_hdl.camera.i2c import I2cController
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
@@ -40,6 +42,9 @@ COMPONENTS = {
     "multiport32": lambda: Multiport(F, 32),
     "multiport128": lambda: Multiport(F, 128),
     "burst_writer": lambda: BurstWriter(64, burst=BURST),
+    "capture32": lambda: Capture(32, burst=4, depth=16),
+    "capture128": lambda: Capture(128, burst=4, depth=64),
+    "i2c": lambda: I2cController(),
     "backmap": lambda: BackMap(D.hidden_neurons, D.formats),
     "registers": lambda: Registers(
         registers(D.hidden_neurons, D.formats), host_values(D),
@@ -120,6 +125,19 @@ def test_multiport(data_width, gap, stall, wait, latency, simulator):
 def test_burst_writer(count, gap, wait, simulator):
     run_cocotb(design("burst_writer"), "burst_writer", simulator, gap=gap, wait=wait, count=count,
                burst=BURST, data_width=64)
+
+
+@simulated("quarter", (8,))
+def test_i2c(quarter, simulator):
+    run_cocotb(design("i2c"), "i2c", simulator, quarter=quarter)
+
+
+# The core's clock is 10 ns.
+@simulated("data_width,period_ps,phase_ps,wait,seed", (32, 10_000, 1, 0, 1),
+           (128, 1_270, 300, .2, 2), (32, 79_990, 7_000, .6, 3))
+def test_capture(data_width, period_ps, phase_ps, wait, seed, simulator):
+    run_cocotb(design(f"capture{data_width}"), "capture", simulator, camera_period_ps=period_ps,
+               phase_ps=phase_ps, wait=wait, seed=seed)
 
 
 @simulated("stall,busy", (0, 0), (.8, .5))

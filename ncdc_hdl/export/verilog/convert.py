@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from amaranth.back import rtlil
 from amaranth.hdl import Elaboratable, Fragment
+from amaranth.hdl._xfrm import TransformedElaboratable
 from amaranth.lib import wiring
 
 from ncdc_hdl.export.verilog.names import rename
@@ -137,7 +138,9 @@ class _Elaborated(Elaboratable):
 
 def _components(fragment, path):
     """The Amaranth object of each fragment, by the names of the instances down to it."""
-    origin = next((o for o in fragment.origins or () if not isinstance(o, Fragment)), None)
+    # What a renamer of domains is put around is what the source has.
+    origin = next((o for o in fragment.origins or ()
+                   if not isinstance(o, (Fragment, TransformedElaboratable))), None)
     found = {path: origin}
     for below, name, *_ in fragment.subfragments:
         if name is not None:

@@ -9,7 +9,7 @@ __all__ = ["module_lines"]
 
 _WIDTH = 100        # characters of a line
 
-_REGISTER, _MEMORY = "$dff", ("$memrd_v2", "$memwr_v2")
+_REGISTERS, _MEMORY = ("$dff", "$adff"), ("$memrd_v2", "$memwr_v2")
 
 
 def module_lines(module, children, port_lines):
@@ -34,7 +34,7 @@ class _Printer:
 
     def __init__(self, module, children):
         self.module, self.children = module, children
-        self.registers = {}         # of each register its $dff
+        self.registers = {}         # of each register its $dff or $adff
         self.operators = {}         # of each net the cell that computes it
         self.driven = set()         # by instances, and by memories' asynchronous ports
         self.instances, self.reads = [], {}
@@ -52,7 +52,7 @@ class _Printer:
         self.expressions = Expressions(module, self.operators, fields, self.uses)
 
     def _sort(self, cell):
-        if cell.kind == _REGISTER:
+        if cell.kind in _REGISTERS:
             part, = cell.connections["Q"]
             self.registers[part.wire] = cell
         elif cell.kind == "$memrd_v2":
@@ -182,7 +182,10 @@ class _Printer:
         for name, cell in self.registers.items():
             edge = "posedge" if cell.parameters["CLK_POLARITY"] == "1" else "negedge"
             clock = f"{edge} {self.expressions.signal(cell.connections['CLK'])}"
-            clocks.setdefault(clock, []).append(name)
+            if cell.kind == "$adff":
+                lines += self._asynchronous(name, cell, clock)
+            else:
+                clocks.setdefault(clock, []).append(name)
         for clock, names in clocks.items():
             plain = [(name, self.registers[name].connections["D"]) for name in names
                      if name not in self.next_of]
@@ -190,6 +193,17 @@ class _Printer:
             lines += [f"  always @({clock}) begin",
                       *clocked_lines(self.module, self.expressions, plain, held), "  end"]
         return lines
+
+    def _asynchronous(self, name, cell, clock):
+        """A register with an asynchronous reset: the last stages of a synchroniser."""
+        write, parameters = self.expressions, cell.parameters
+        reset, high = write.signal(cell.connections["ARST"]), parameters["ARST_POLARITY"] == "1"
+        width = self.module.wires[name].width
+        value = write.whole(cell.connections["D"], width)
+        at_reset = f"{width}'b{parameters['ARST_VALUE'].partition(chr(39))[2]}"
+        return [f"  always @({clock} or {'posedge' if high else 'negedge'} {reset})",
+                f"    if ({'' if high else '~'}{reset}) {name} <= {at_reset};",
+                f"    else {name} <= {value};"]
 
     def _instance(self, cell):
         connections = []

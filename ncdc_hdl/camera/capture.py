@@ -1,0 +1,94 @@
+"""A parallel sensor's frames, from its pins and its clock into buffers in memory."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.cdc import FFSynchronizer, ResetSynchronizer
+from amaranth.lib.fifo import AsyncFIFOBuffered
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from ncdc_hdl.avalon.burst_writer import BurstWriter
+from ncdc_hdl.avalon.bus import WriteHost
+from ncdc_hdl.camera.frame_writer import COUNTS, PLACE, FrameWriter
+from ncdc_hdl.camera.layouts import ENTRY, PINS, SETTINGS, SIZE_BITS
+from ncdc_hdl.camera.sensor_port import SensorPort
+
+__all__ = ["Capture"]
+
+
+class Capture(wiring.Component):
+    """Writes the frames of a sensor to memory, while it is enabled.
+
+    The sensor's clock, which may have any rate and stop at any time, has a domain of its own, with
+    :class:`SensorPort`; a queue of ``depth`` entries of four samples leads out of it. A reset
+    reaches it at once, and ends there with the second edge of its clock.
+
+    Parameters
+    ----------
+    data_width : int
+        Bits of a word of the memory.
+    burst : int
+        Words of a burst, at most.
+    depth : int
+        A power of two.
+
+    Members
+    -------
+    clock : ``In(1)``
+        Of the sensor; the pins are taken at its rising edge.
+    pins : ``In(PINS)``
+    enable : ``In(1)``
+        Frames that begin from now on are captured; one that is under way is captured to its end.
+    settings : ``In(SETTINGS)``
+        Constant while ``active``.
+    active : ``Out(1)``
+        Enabled, or a frame is under way in the sensor's domain.
+    place, limit, begins, ends, good, rows, counts
+        As of :class:`FrameWriter`.
+    memory_rst : ``In(1)``
+        As of :class:`BurstWriter`.
+    bus : ``Out(WriteHost(data_width, burst))``
+    """
+    def __init__(self, data_width, *, burst, depth=512):
+        self.data_width, self.burst, self.depth = data_width, burst, depth
+        super().__init__({
+            "clock": In(1), "pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
+            "active": Out(1),
+            "place": In(PLACE), "limit": In(32), "begins": Out(1), "ends": Out(1), "good": Out(1),
+            "rows": Out(SIZE_BITS), "counts": Out(COUNTS),
+            "memory_rst": In(1), "bus": Out(WriteHost(data_width, burst)),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        # The queue knows no reset, so that its two sides never differ in what is in it: what it
+        # still holds behind one is no whole frame, and dropped.
+        m.domains.camera = ClockDomain(local=True)
+        m.domains.camera_queue = ClockDomain(local=True, reset_less=True)
+        m.d.comb += [ClockSignal("camera").eq(self.clock),
+                     ClockSignal("camera_queue").eq(self.clock)]
+        m.submodules.reset = ResetSynchronizer(ResetSignal(), domain="camera")
+        m.submodules.port = port = DomainRenamer("camera")(SensorPort())
+        m.submodules.queue = queue = AsyncFIFOBuffered(
+            width=ENTRY.size, depth=self.depth, r_domain="sync", w_domain="camera_queue")
+        m.submodules.writer = writer = FrameWriter(self.data_width)
+        m.submodules.bursts = bursts = BurstWriter(self.data_width, burst=self.burst)
+        m.submodules.enable = FFSynchronizer(self.enable, port.enable, o_domain="camera")
+        # One register on the way: a synchroniser wants no glitch.
+        active, active_there = Signal(), Signal()
+        m.d.camera += active.eq(port.active)
+        m.submodules.active = FFSynchronizer(active, active_there)
+        connect(m, flipped(self.pins), port.pins)
+        connect(m, writer.o, bursts.i)
+        connect(m, bursts.bus, flipped(self.bus))
+        m.d.comb += [
+            self.active.eq(self.enable | active_there),
+            port.settings.eq(self.settings),
+            queue.w_data.eq(port.entry), queue.w_en.eq(port.push), port.room.eq(queue.w_rdy),
+            writer.i.payload.eq(queue.r_data), writer.i.valid.eq(queue.r_rdy),
+            queue.r_en.eq(writer.i.ready),
+            writer.place.eq(self.place), writer.limit.eq(self.limit),
+            writer.done.eq(bursts.done), bursts.memory_rst.eq(self.memory_rst),
+            self.begins.eq(writer.begins), self.ends.eq(writer.ends), self.good.eq(writer.good),
+            self.rows.eq(writer.rows), self.counts.eq(writer.counts),
+        ]
+        return m

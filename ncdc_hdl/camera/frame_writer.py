@@ -1,0 +1,166 @@
+"""From entries of a sensor's queue to words of a frame in memory, in buffers of a store."""
+
+from amaranth import *
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
+
+from ncdc_hdl.avalon.burst_writer import word_layout
+from ncdc_hdl.avalon.bus import ADDRESS_BITS
+from ncdc_hdl.camera.layouts import ENTRY, REPORT, SAMPLES, SIZE_BITS, Kind
+
+__all__ = ["COUNTS", "FrameWriter", "PLACE"]
+
+PLACE = data.StructLayout({"base": ADDRESS_BITS, "pitch": SIZE_BITS, "width": SIZE_BITS,
+                           "height": SIZE_BITS})
+"""Byte address of a frame and bytes from row to row, multiples of a word; bytes of a row; rows."""
+
+COUNTS = data.StructLayout({"lines": 32, "cut": 32, "overflows": 32, "missed": 32, "stopped": 32})
+"""Since the reset: rows of a wrong length, frames with a wrong number of rows, frames of which the
+queue was too full for samples or for their beginning, frames whose clock stopped."""
+
+
+class FrameWriter(wiring.Component):
+    """Writes each frame to its place, row by row, and says whether it is good.
+
+    Nothing is written outside the place, whatever comes: words of a row beyond ``width`` and rows
+    beyond ``height`` are dropped. A frame is over when the memory has taken its last word; it is
+    good if its report is clean and each row was as long as it should be. If no entry comes for
+    ``limit`` clocks in a frame, its clock has stopped: the frame is over, and bad, and what comes
+    of it later is dropped.
+
+    Parameters
+    ----------
+    data_width : int
+        Bits of a word of the memory.
+
+    Members
+    -------
+    i : ``In(stream.Signature(ENTRY))``
+    place : ``In(PLACE)``
+        Valid from the clock after ``begins`` until ``ends``.
+    limit : ``In(32)``
+        Clocks without an entry, in a frame; 0: any number.
+    begins, ends, good : ``Out(1)``, ``Out(1)``, ``Out(1)``
+        High for one clock: a frame begins; it is over, and good or not.
+    o : ``Out(stream.Signature(word_layout(data_width)))``
+        To a burst writer; each row's last word is an ``end`` and a ``last``.
+    done : ``In(1)``
+        The memory has taken the last word of one more row, in order.
+    rows : ``Out(SIZE_BITS)``
+        Rows of the frame that are in memory.
+    counts : ``Out(COUNTS)``
+    """
+    def __init__(self, data_width):
+        self.data_width = data_width
+        super().__init__({
+            "i": In(stream.Signature(ENTRY)), "place": In(PLACE), "limit": In(32),
+            "begins": Out(1), "ends": Out(1), "good": Out(1),
+            "o": Out(stream.Signature(word_layout(data_width))), "done": In(1),
+            "rows": Out(SIZE_BITS), "counts": Out(COUNTS),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        i, o, place = self.i, self.o, self.place
+        report = data.View(REPORT, i.p.data)
+        rows = Signal(SIZE_BITS)        # that have ended
+        column = Signal(SIZE_BITS + 1)  # byte of the row at which the next entry begins
+        closings = Signal(SIZE_BITS)    # last words of rows that were handed on
+        wrong = Signal()                # a row was not as long as it should be
+        clean = Signal()                # no fault is reported, and the clock did not stop
+        idle = Signal(32)               # clocks without an entry
+        word_room = Signal()            # a word may be handed on
+        samples, row_end, frame_end, stopped, close = (Signal() for _ in range(5))
+        new = i.valid & (i.p.kind == Kind.BEGIN)        # a frame begins as soon as it is taken
+        m.d.comb += [word_room.eq(~o.valid | o.ready), frame_end.eq(i.p.kind == Kind.END)]
+        m.d.sync += idle.eq(Mux(i.valid, 0, idle + 1))
+        with m.If(self.done):
+            m.d.sync += self.rows.eq(self.rows + 1)
+        with m.FSM():
+            with m.State("BETWEEN"):
+                m.d.comb += [i.ready.eq(1), self.begins.eq(new)]
+                with m.If(self.begins):
+                    m.d.sync += [rows.eq(0), self.rows.eq(0), closings.eq(0), wrong.eq(0)]
+                    m.next = "PLACE"
+            with m.State("PLACE"):
+                m.next = "ROWS"
+            with m.State("ROWS"):
+                m.d.comb += [
+                    i.ready.eq(word_room & ~new), samples.eq(i.valid & i.ready & ~frame_end),
+                    row_end.eq(i.p.kind == Kind.ROW_END),
+                    stopped.eq((self.limit != 0) & (idle == self.limit)),
+                ]
+                with m.If(samples & row_end):
+                    as_long = (column < place.width) & (column + SAMPLES >= place.width)
+                    m.d.sync += [rows.eq(rows + ~rows.all()), wrong.eq(wrong | ~as_long)]
+                # A frame that a reset has cut off has no end.
+                with m.If(i.valid & i.ready & frame_end | new | stopped):
+                    faults = Cat(report.rows, report.overflow, report.lines)
+                    m.d.sync += clean.eq(frame_end & ~stopped & ~faults.any())
+                    m.next = "CLOSE"
+            with m.State("CLOSE"):
+                # A row that was begun is ended, for the bursts of the next frame.
+                with m.If(word_room):
+                    m.d.comb += close.eq(column != 0)
+                    m.next = "WAIT"
+            with m.State("WAIT"):
+                with m.If(~o.valid & (self.rows == closings)):
+                    m.d.comb += [self.ends.eq(1),
+                                 self.good.eq(clean & ~wrong & (rows == place.height))]
+                    m.next = "BETWEEN"
+        self._words(m, samples, row_end, close, rows < place.height, column, closings)
+        self._count(m, i.valid & i.ready & frame_end, report, stopped)
+        return m
+
+    def _words(self, m, samples, row_end, close, in_rows, column, closings):
+        """Gather entries to words, each with its address; count the last ones of rows."""
+        i, o, place = self.i, self.o, self.place
+        entries = self.data_width // (8 * SAMPLES)
+        word_bits, entry_bits = exact_log2(self.data_width // 8), exact_log2(SAMPLES)
+        gathered, enable = Signal(self.data_width), Signal(entries)
+        row = Signal(ADDRESS_BITS)      # address of the row
+        started = Signal()              # the place of a new frame is known
+        slot = Signal(range(max(2, entries)))
+        inside, complete, last = Signal(), Signal(), Signal()
+        m.d.comb += [
+            slot.eq(column[entry_bits:word_bits]),
+            inside.eq(samples & in_rows & (column < place.width)),
+            last.eq(samples & row_end & in_rows | close),
+            complete.eq(inside & (slot == entries - 1) | last),
+        ]
+        word, enabled = Signal.like(gathered), Signal.like(enable)
+        m.d.comb += [word.eq(gathered), enabled.eq(enable)]
+        with m.If(inside):
+            m.d.comb += [word.word_select(slot, 8 * SAMPLES).eq(i.p.data),
+                         enabled.bit_select(slot, 1).eq(1)]
+            m.d.sync += column.eq(column + SAMPLES)
+        m.d.sync += [gathered.eq(word), enable.eq(Mux(complete, 0, enabled))]
+        with m.If(o.ready):
+            m.d.sync += o.valid.eq(0)
+        with m.If(complete):
+            begun = Cat(Const(0, word_bits), column[word_bits:])     # where the word begins
+            m.d.sync += [
+                o.valid.eq(1), o.p.data.eq(word), o.p.address.eq(row + begun),
+                o.p.enable.eq(Cat(bit.replicate(SAMPLES) for bit in enabled)),
+                o.p.end.eq(last), o.p.last.eq(last), o.p.void.eq(~enabled.any()),
+            ]
+        with m.If(last):
+            m.d.sync += [closings.eq(closings + 1), column.eq(0), row.eq(row + place.pitch)]
+        with m.If(self.begins):
+            m.d.sync += [column.eq(0), started.eq(1)]
+        with m.If(started):
+            m.d.sync += [started.eq(0), row.eq(place.base)]
+
+    def _count(self, m, ended, report, stopped):
+        """Add what a frame's end tells to the counters."""
+        counts, missed = self.counts, Signal(16)        # missed frames that are counted
+        m.d.sync += counts.stopped.eq(counts.stopped + stopped)
+        with m.If(ended):
+            m.d.sync += [
+                counts.lines.eq(counts.lines + report.lines),
+                counts.cut.eq(counts.cut + report.rows),
+                counts.overflows.eq(counts.overflows + report.overflow),
+                counts.missed.eq(counts.missed + (report.missed - missed)[:16]),
+                missed.eq(report.missed),
+            ]

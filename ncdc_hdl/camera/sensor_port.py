@@ -1,0 +1,136 @@
+"""From a parallel sensor's pins to entries of a queue, in the sensor's clock domain."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.camera.layouts import ENTRY, PINS, REPORT, SAMPLES, SETTINGS, SIZE_BITS, Kind
+from ncdc_hdl.camera.level import Level
+from ncdc_hdl.lib.pipeline import delay, register
+
+__all__ = ["SensorPort"]
+
+
+class SensorPort(wiring.Component):
+    """Captures the window of each frame that begins while it is enabled.
+
+    A sample counts in each clock with both valid signals high. Every frame that begins is ended by
+    an entry with its REPORT, in which each fault shows: a row that is too short or too long, too
+    few or too many of them, a full queue. After a queue that was full the frame's samples are
+    dropped; its end waits for room, and a frame that begins before there is room is missed, and
+    counted.
+
+    Members
+    -------
+    pins : ``In(PINS)``
+    enable : ``In(1)``
+    settings : ``In(SETTINGS)``
+        Constant while ``active``.
+    active : ``Out(1)``
+        Enabled, or a frame is under way, or its end waits.
+    entry, push : ``Out(ENTRY)``, ``Out(1)``
+        What is written into the queue, in the clocks in which ``push`` is high.
+    room : ``In(1)``
+        The queue takes an entry.
+    """
+    def __init__(self):
+        super().__init__({"pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
+                          "active": Out(1), "entry": Out(ENTRY), "push": Out(1), "room": In(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        settings = self.settings
+        # Into registers first; a sample counts if both are valid.
+        frame = register(m, "frame", self.pins.frame_valid, reset_less=False)
+        line = register(m, "line", self.pins.line_valid & self.pins.frame_valid, reset_less=False)
+        sample = register(m, "sample", self.pins.data)
+        frame_before = register(m, "frame_before", frame, reset_less=False)
+        line_before = register(m, "line_before", line, reset_less=False)
+        # A frame that was under way when the reset ended has not begun.
+        known = register(m, "known", Const(1), reset_less=False)
+        begins, ends, row_ends = Signal(), Signal(), Signal()
+        m.d.comb += [begins.eq(frame & ~frame_before & register(m, "was_known", known,
+                                                                reset_less=False)),
+                     ends.eq(~frame & frame_before), row_ends.eq(~line & line_before)]
+
+        # Where the sample is; counters stop at their largest value.
+        x, y = Signal(SIZE_BITS), Signal(SIZE_BITS)
+        with m.If(line):
+            m.d.sync += x.eq(x + ~x.all())
+        with m.Else():
+            m.d.sync += x.eq(0)
+        with m.If(begins):
+            m.d.sync += y.eq(0)
+        with m.Elif(row_ends):
+            m.d.sync += y.eq(y + ~y.all())
+        right = register(m, "right", settings.left + settings.width - 1)
+        bottom = register(m, "bottom", settings.top + settings.height)
+        in_rows, inside, last = Signal(), Signal(), Signal()
+        m.d.comb += [
+            in_rows.eq((y >= settings.top) & (y < bottom)),
+            inside.eq(line & in_rows & (x >= settings.left) & (x <= right)),
+            last.eq(inside & (x == right)),
+        ]
+        short = Signal()                # a row of the window ends before its last sample
+        m.d.comb += short.eq(row_ends & in_rows & (x <= right))
+
+        # Bytes, and with them what happens in their clock.
+        m.submodules.level = level = Level()
+        m.d.comb += [level.level.eq(settings.level), level.i.eq(sample)]
+        later = {name: delay(m, signal, level.latency, name, reset_less=False)
+                 for name, signal in (("inside", inside), ("row_last", last | short),
+                                      ("begins", begins), ("ends", ends))}
+        wrong_line = delay(m, row_ends & (x != settings.sent_width), level.latency, "wrong_line",
+                           reset_less=False)
+        rows = y + row_ends
+        wrong_rows = delay(m, rows != settings.sent_height, level.latency, "wrong_rows")
+        self._entries(m, level.o, later, wrong_line, wrong_rows)
+        return m
+
+    def _entries(self, m, byte, now, wrong_line, wrong_rows):
+        """Gather bytes, push entries, and keep account of what went wrong."""
+        capturing = Signal()            # a frame is under way of which the queue knows
+        full = Signal()                 # the queue was, in this frame
+        owed = Signal()                 # the END of a frame waits for room
+        report, lines, missed = Signal(REPORT), Signal(14), Signal(16)
+        gathered = Signal(8 * (SAMPLES - 1))
+        count = Signal(range(SAMPLES))  # bytes gathered
+        taken = Signal()                # the byte is one of the frame
+        complete = Signal()             # an entry of samples is complete
+        begin = Signal()
+        m.d.comb += [
+            taken.eq(now["inside"] & capturing & ~full),
+            complete.eq(capturing & ~full
+                        & (now["inside"] & (count == SAMPLES - 1) | now["row_last"])),
+            begin.eq(now["begins"] & self.enable & ~owed & self.room),
+            self.active.eq(self.enable | capturing | owed),
+        ]
+        with m.If(complete):
+            m.d.comb += [self.entry.kind.eq(Mux(now["row_last"], Kind.ROW_END, Kind.WORD)),
+                         self.push.eq(self.room)]
+            with m.Switch(count):
+                for k in range(SAMPLES):
+                    with m.Case(k):
+                        m.d.comb += self.entry.data.eq(Cat(gathered[:8 * k], byte))
+            m.d.sync += [count.eq(0), full.eq(~self.room)]
+        with m.Else():
+            with m.If(taken):
+                m.d.sync += [count.eq(count + 1), gathered.word_select(count, 8).eq(byte)]
+            with m.If(begin):
+                m.d.comb += [self.entry.kind.eq(Kind.BEGIN), self.push.eq(1)]
+            with m.Elif(owed):
+                m.d.comb += [self.entry.kind.eq(Kind.END), self.push.eq(self.room),
+                             self.entry.data.eq(report)]
+                with m.If(self.room):
+                    m.d.sync += owed.eq(0)
+        with m.If(capturing & wrong_line):
+            m.d.sync += lines.eq(lines + ~lines.all())
+        with m.If(now["begins"] & self.enable):
+            m.d.sync += [capturing.eq(begin), full.eq(0), count.eq(0), lines.eq(0),
+                         missed.eq(missed + ~begin)]
+        with m.Elif(now["ends"] & capturing):
+            m.d.sync += [
+                capturing.eq(0), owed.eq(1), report.rows.eq(wrong_rows),
+                report.overflow.eq(full | complete & ~self.room),
+                report.lines.eq(lines + (wrong_line & ~lines.all())), report.missed.eq(missed),
+            ]

@@ -1,0 +1,255 @@
+"""Capture from a sensor's pins into memory: two clocks of any ratio, every fault a sensor has."""
+
+import random
+
+import cocotb
+import numpy as np
+from cocotb.triggers import FallingEdge, ReadOnly, Timer
+
+from ncdc_hdl.camera.frame_writer import COUNTS, PLACE
+from ncdc_hdl.camera.layouts import SETTINGS
+from ncdc_model.sensors.level import LINEAR, levelled
+from ncdc_sim.benches.avalon import write_memory
+from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
+
+__all__ = ["faults", "frames", "switched_off"]
+
+SENT, WINDOW, CORNER = (26, 14), (18, 9), (5, 3)        # width and height; left and top
+PITCH, PLACE_BYTES, FIRST = 32, 512, 1024
+CURVE = (0, 40, *range(56, 257, 16), 254, 250)
+IDLE = 200              # clocks of the sensor without a sample after which its clock has stopped
+
+
+class Sensor:
+    """Drives clock and pins; a frame's samples are random, and its faults are asked for."""
+    def __init__(self, dut, period_ps, seed):
+        self.dut, self.half = dut, period_ps // 2
+        self.chance = random.Random(seed)
+        dut.clock.value = 0
+
+    async def tick(self, frame=0, line=0, sample=None):
+        """One clock with these signals; what is no sample is anything."""
+        dut = self.dut
+        dut.pins__frame_valid.value, dut.pins__line_valid.value = frame, line
+        dut.pins__data.value = self.chance.getrandbits(12) if sample is None else int(sample)
+        await Timer(self.half, "ps")
+        dut.clock.value = 1
+        await Timer(self.half, "ps")
+        dut.clock.value = 0
+
+    async def rest(self, count):
+        """Clocks between two frames."""
+        for _ in range(count):
+            await self.tick(line=self.chance.getrandbits(1))
+
+    async def frame(self, change=lambda y, line: line, rows=SENT[1], at_row=None):
+        """Send a frame; returns its samples. ``change(y, line)`` makes another list of (LINE_VALID,
+        sample) of a row, ``at_row(y)`` is awaited before it."""
+        samples = np.array([[self.chance.getrandbits(12) for _ in range(SENT[0])]
+                            for _ in range(rows)])
+        for _ in range(self.chance.randrange(1, 5)):
+            await self.tick(1)
+        for y, row in enumerate(samples):
+            if at_row is not None:
+                await at_row(y)
+            for line, sample in change(y, [(1, sample) for sample in row]):
+                await self.tick(1, line, sample)
+            for _ in range(self.chance.randrange(1, 6)):
+                await self.tick(1)
+        await self.rest(self.chance.randrange(2, 12))
+        return samples
+
+
+class Wait:
+    """Chance of a wait in a clock, which may change while the memory runs."""
+    def __init__(self, chance):
+        self.chance = chance
+
+    def __gt__(self, other):
+        return self.chance > other
+
+
+class Writer:
+    """Gives each frame a place of its own, and knows how each ended."""
+    def __init__(self, dut, wait):
+        self.dut, self.ended, self.begun, self.content = dut, [], 0, bytearray(b"\xee" * 16384)
+        self.wait = wait
+        cocotb.start_soon(write_memory(dut, "bus", self.content, wait=wait))
+        cocotb.start_soon(self._watch())
+
+    @staticmethod
+    def place(number):
+        """Byte address of a frame."""
+        return FIRST + PLACE_BYTES * number
+
+    async def _watch(self):
+        dut = self.dut
+        while True:
+            await ReadOnly()
+            begins, ends, good = (bool(signal.value) for signal in (dut.begins, dut.ends, dut.good))
+            await FallingEdge(dut.clk)
+            if begins:
+                dut.place.value = pack(PLACE, {
+                    "base": self.place(self.begun), "pitch": PITCH, "width": WINDOW[0],
+                    "height": WINDOW[1]})
+                self.begun += 1
+            if ends:
+                self.ended.append(good)
+
+    async def end_of(self, count):
+        """Wait until so many frames have ended."""
+        for _ in range(20_000):
+            if len(self.ended) >= count:
+                return
+            await clocks(self.dut, 1)
+        raise AssertionError(f"{len(self.ended)} of {count} frames have ended")
+
+    def frame(self, number):
+        """Bytes of the window, and whether all that is beside it is as it was."""
+        at = self.place(number)
+        rows = np.frombuffer(self.content[at:at + PLACE_BYTES], np.uint8)
+        rows = rows[:PITCH * WINDOW[1]].reshape(WINDOW[1], PITCH)
+        return rows[:, :WINDOW[0]]
+
+    def check_outside(self):
+        """Nothing is written but in the places of frames that were begun."""
+        ends = [FIRST, *(self.place(k) + PITCH * WINDOW[1] for k in range(self.begun))]
+        begins = [*(self.place(k) for k in range(self.begun)), len(self.content)]
+        for end, begin in zip(ends, begins):
+            assert set(self.content[end:begin]) <= {0xEE}
+
+
+def expected(samples, black=0, curve=LINEAR):
+    """The window of a frame, as bytes."""
+    (x, y), (width, height) = CORNER, WINDOW
+    return levelled(samples[y:y + height, x:x + width], black, curve)
+
+
+def limit():
+    """Clocks of the core for which none of the sensor comes."""
+    return max(IDLE, IDLE * settings()["camera_period_ps"] // (1000 * PERIOD))
+
+
+async def begin(dut, black=0, curve=LINEAR, enable=1):
+    """A sensor whose clock runs, and what has become of its frames."""
+    s = settings()
+    await start(dut, memory_rst=0, limit=limit(), enable=0, pins__frame_valid=0, pins__line_valid=0,
+                settings=pack(SETTINGS, {
+                    "sent_width": SENT[0], "sent_height": SENT[1], "left": CORNER[0],
+                    "top": CORNER[1], "width": WINDOW[0], "height": WINDOW[1],
+                    "level": {"black": black, "curve": list(curve)}}))
+    sensor = Sensor(dut, s["camera_period_ps"], s["seed"])
+    writer = Writer(dut, Wait(s["wait"]))
+    await Timer(s["phase_ps"], "ps")
+    await sensor.rest(12)
+    dut.enable.value = enable
+    await sensor.rest(12)
+    return sensor, writer
+
+
+def counts(dut):
+    """Counters by name."""
+    value = unpack(COUNTS, dut.counts.value)
+    return {name: getattr(value, name) for name in ("lines", "cut", "overflows", "missed",
+                                                    "stopped")}
+
+
+@cocotb.test()
+@cocotb.parametrize((("black", "curve"), [(0, LINEAR), (168, CURVE)]))
+async def frames(dut, black, curve):
+    """Every sample of the window is where it belongs, as the byte that the curve makes of it."""
+    sensor, writer = await begin(dut, black, curve)
+    for number in range(3):
+        samples = await sensor.frame()
+        # The sensor's clock goes on; the memory may take its time.
+        while len(writer.ended) <= number:
+            await sensor.tick()
+        assert writer.ended[number]
+        assert np.array_equal(writer.frame(number), expected(samples, black, curve))
+        assert int(dut.rows.value) == WINDOW[1]
+    assert not any(counts(dut).values())
+    writer.check_outside()
+
+
+def short(y, line):
+    """A row without its last sample."""
+    return line[:-1] if y == 6 else line
+
+
+def long(y, line):
+    """A row with one sample more."""
+    return [*line, (1, 77)] if y == 1 else line
+
+
+def glitch(y, line):
+    """A row with LINE_VALID low for a clock."""
+    return [*line[:9], (0, 5), *line[10:]] if y == 7 else line
+
+
+@cocotb.test()
+async def faults(dut):
+    """Each fault is counted, its frame is bad, and the next one is right."""
+    sensor, writer = await begin(dut)
+
+    async def stop(y):
+        if y == 8:
+            await Timer(3 * limit() * PERIOD, "ns")
+
+    async def stall(y):
+        if y == 4:
+            writer.wait.chance = 1
+
+    cases = [("lines", {"change": short}), ("lines", {"change": long}),
+             ("lines", {"change": glitch}),
+             ("cut", {"rows": SENT[1] - 1}), ("cut", {"rows": SENT[1] + 2}),
+             ("cut", {"rows": 2}), ("stopped", {"at_row": stop}), ("overflows", {"at_row": stall})]
+    for name, fault in cases:
+        before, number = counts(dut), len(writer.ended)
+        await sensor.frame(**fault)
+        if name == "overflows":
+            # Until the queue is full; then a frame is missed.
+            for _ in range(4):
+                await sensor.frame()
+            writer.wait.chance = settings()["wait"]
+        for _ in range(20_000):
+            if len(writer.ended) > number:
+                break
+            await sensor.tick()
+        await sensor.rest(max(40, 400_000 * PERIOD // settings()["camera_period_ps"]))
+        # Before the queue is full, frames in it may be whole.
+        assert not all(writer.ended[number:]), (name, fault)
+        assert name == "overflows" or len(writer.ended) == number + 1, (name, fault)
+        after = counts(dut)
+        assert after[name] > before[name], (name, fault)
+        number = len(writer.ended)
+        samples = await sensor.frame()
+        while len(writer.ended) == number:
+            await sensor.tick()
+        assert writer.ended[number:] == [True], (name, fault)
+        assert np.array_equal(writer.frame(writer.begun - 1), expected(samples)), (name, fault)
+    assert counts(dut)["missed"] > 0
+    writer.check_outside()
+
+
+@cocotb.test()
+async def switched_off(dut):
+    """Enabled in mid-frame, capture begins with the next one; disabled in mid-frame, it completes
+    that one; then its settings are free."""
+    sensor, writer = await begin(dut, enable=0)
+
+    async def enable(y):
+        if y == 4:
+            dut.enable.value = 1
+
+    async def disable(y):
+        if y == 4:
+            dut.enable.value = 0
+
+    await sensor.frame(at_row=enable)
+    assert writer.begun == 0
+    samples = await sensor.frame(at_row=disable)
+    await sensor.frame()
+    await writer.end_of(1)
+    assert writer.begun == 1 and writer.ended == [True]
+    assert np.array_equal(writer.frame(0), expected(samples))
+    assert dut.active.value == 0
