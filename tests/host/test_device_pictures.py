@@ -26,7 +26,7 @@ from ncdc_model.interface.gvcp import CORRECTOR_BASE
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.pixel_formats import BGR8, bayer_format, packed
 from ncdc_model.interface.register_map import registers
-from ncdc_model.interpolation import INTERPOLATIONS
+from ncdc_model.interpolation import FAST, GRADIENT, INTERPOLATIONS
 
 
 def noise(size, seed=3):
@@ -194,6 +194,29 @@ def test_a_lens_with_other_nodes_is_refused(own, lens):
         loader.load(replace(small_lens(seed=7), nodes=own))
     finally:
         one.close()
+
+
+@pytest.mark.parametrize("own,lens", [(FAST, GRADIENT), (GRADIENT, FAST)])
+def test_a_lens_of_the_other_interpolation_is_refused(own, lens):
+    one = device([small_lens(interpolation=own)])
+    try:
+        loader = LensLoader(Memory(one))
+        assert loader.limits().interpolation == own.name
+        with pytest.raises(Refused, match=f"the lens is for the interpolation {lens.name}, the "
+                                          f"device has {own.name}"):
+            loader.load(small_lens(seed=7, interpolation=lens))
+        loader.load(small_lens(seed=7, interpolation=own))
+    finally:
+        one.close()
+    with pytest.raises(InputError, match=f"lens 2 is for the interpolation {lens.name}, the "
+                                         f"first one for {own.name}"):
+        lens_corrections([small_lens(interpolation=each) for each in (own, lens)])
+
+
+def test_an_emulated_device_has_no_grey_sensor():
+    grey = small_lens(bayer="MONO", interpolation=GRADIENT)
+    with pytest.raises(InputError, match="the lens is for a grey sensor .MONO."):
+        lens_corrections([grey])
 
 
 def test_lenses_of_a_device_have_the_same_nodes():

@@ -14,7 +14,7 @@ from ncdc_model.geometry import BAYER_PHASE, BAYERS, MONO, Geometry
 from ncdc_model.hardware import Hardware
 from ncdc_model.images import mosaic
 from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import BAYER_MONO
+from ncdc_model.interface.register_map import BAYER_MONO, INTERPOLATION_BITS, capabilities
 from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_model.picture import (
     bilinear,
@@ -132,6 +132,15 @@ def test_a_descriptor_keeps_its_interpolation(tmp_path):
     (tmp_path / "cubic.toml").write_text(text)
     with pytest.raises(InputError, match="the interpolation is 'cubic', one of fast, gradient"):
         Descriptor.load(tmp_path / "cubic.toml")
+
+
+def test_hardware_tells_which_it_has():
+    for needs in (FAST, GRADIENT):
+        made = Hardware().made_for(barrel_descriptor(interpolation=needs))
+        word = capabilities(made, 48, 40)["CAPABILITIES"]
+        assert [name for name, bit in INTERPOLATION_BITS.items() if word & bit] == [needs.name]
+    paper = Hardware(fetcher="multiport").made_for(barrel_descriptor())
+    assert capabilities(paper, 48, 40)["CAPABILITIES"] & INTERPOLATION_BITS[FAST.name]
 
 
 def test_a_fetcher_without_such_windows_is_refused():

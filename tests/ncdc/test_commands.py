@@ -109,7 +109,7 @@ def use(command, net="net.toml", image="raw.png", out="out.png"):
     (r"output_weight = \[12, 12\]", "output_weight = [34, -12]", r"too few for the bias Q14\.18"),
     (r"(in pixels\nhidden_weights = \[\n    \[)[^,]+", r"\1nan",
      r"hidden_weights before quantisation holds a value that is not finite"),
-    (r"\"RGGB\"", "\"RGBG\"", r"bayer is 'RGBG', one of RGGB, GRBG, GBRG, BGGR is needed"),
+    (r"\"RGGB\"", "\"RGBG\"", r"bayer is 'RGBG', one of RGGB, GRBG, GBRG, BGGR, MONO is needed"),
 ])
 def test_bad_descriptor(folder, command, pattern, replacement, message, capsys):
     spoil(folder, pattern, replacement)

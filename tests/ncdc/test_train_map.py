@@ -12,6 +12,7 @@ from commands import call
 from ncdc.cli import evaluate, main, train
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.evaluate import fixed_map
+from ncdc_model.interpolation import GRADIENT
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.train import TRAINERS
 from stereo import stereo_maps
@@ -27,7 +28,8 @@ def few_starts(monkeypatch):
 def test_an_exported_map_becomes_the_network_that_it_came_from(tmp_path, few_starts, capsys,
                                                                monkeypatch):
     monkeypatch.chdir(tmp_path)
-    camera = barrel_descriptor((96, 80), (90, 82), hidden_neurons=4, strength=.4)
+    camera = barrel_descriptor((96, 80), (90, 82), hidden_neurons=4, strength=.4,
+                               interpolation=GRADIENT)
     camera.save("net.toml")
     assert main(["export", "net.toml", "-o", "maps.npz"]) == 0
     assert main(["train", "maps.npz", "--neurons", "4", "-o", "again.toml"]) == 0

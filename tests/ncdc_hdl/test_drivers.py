@@ -26,6 +26,7 @@ from ncdc_model.geometry import Geometry, ValidRows
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import TABLE, counters, registers
+from ncdc_model.interpolation import GRADIENT
 from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SimulationError
 
@@ -123,6 +124,40 @@ int main(void)
     assert done.stdout == "1 0 1"
 
 
+OTHER_INTERPOLATION = """#include <stdio.h>
+#include "ncdc_lenses.h"
+static uint32_t bus[1 << 14], writes;
+static uint32_t get(void *context, uint32_t offset) { (void)context; return bus[offset / 4]; }
+static void put(void *context, uint32_t offset, uint32_t value)
+{
+    (void)context, (void)offset, (void)value;
+    ++writes;
+}
+int main(void)
+{
+    struct ncdc device = {get, put, 0};
+    uint32_t known = NCDC_VERSION | 1u << 12;
+    enum ncdc_result other;
+
+    bus[NCDC_NEURONS / 4] = 3, bus[NCDC_LARGEST / 4] = 20u << 16 | 31u;
+    bus[NCDC_CAPABILITIES / 4] = known | NCDC_CAPABILITIES_GRADIENT;
+    other = ncdc_load(&device, &ncdc_lens_wide);
+    printf("%d %u ", other == NCDC_ERROR_INTERPOLATION, (unsigned)writes);
+    bus[NCDC_CAPABILITIES / 4] = known | NCDC_CAPABILITIES_FAST;
+    other = ncdc_load(&device, &ncdc_lens_wide);
+    printf("%d %d", other, writes > 0);
+    return 0;
+}
+"""
+
+
+def test_the_c_driver_refuses_a_lens_of_another_interpolation(folder):
+    (folder / "other.c").write_text(OTHER_INTERPOLATION)
+    compile_c(folder, "-o", "other", "other.c", "ncdc.c", "ncdc_lenses.c")
+    done = subprocess.run([folder / "other"], check=True, text=True, stdout=subprocess.PIPE)
+    assert done.stdout == "1 0 0 1"
+
+
 def test_c_files_hold_the_table_and_the_lenses(corrector, folder):
     """Every offset and mask, and every value of both lenses, as a C program sees them."""
     flags = [(r, flag) for r in ROWS for flag in r.flags]
@@ -135,9 +170,9 @@ def test_c_files_hold_the_table_and_the_lenses(corrector, folder):
 #include "ncdc_lenses.h"
 static void list(const struct ncdc_lens *lens) {{
     uint32_t k;
-    printf("lens %s %u %u %u %u %u\\n", lens->digest, (unsigned)lens->neurons,
-           (unsigned)lens->width, (unsigned)lens->height, (unsigned)lens->source_bytes,
-           (unsigned)lens->target_bytes);
+    printf("lens %s %u %x %u %u %u %u\\n", lens->digest, (unsigned)lens->neurons,
+           (unsigned)lens->interpolation, (unsigned)lens->width, (unsigned)lens->height,
+           (unsigned)lens->source_bytes, (unsigned)lens->target_bytes);
     for (k = 0; k < lens->value_count; ++k)
         printf("%u %u\\n", (unsigned)lens->values[k].offset, (unsigned)lens->values[k].value);
     for (k = 0; k < lens->span_count; ++k)
@@ -155,7 +190,7 @@ int main(void) {{
     assert dict(line.split() for line in head.splitlines()) == {
         **{f"NCDC_{r.name}": str(4 * r.address) for r in ROWS},
         "NCDC_VALID_ROWS": str(4 * TABLE), "NCDC_ID_VALUE": str(0x4E434443),
-        "NCDC_VERSION": "1", "NCDC_SOURCE_BEYOND": "12",
+        "NCDC_VERSION": "2", "NCDC_SOURCE_BEYOND": "12",
         **{f"NCDC_{r.name}_{flag.name}": str(flag.mask) for r, flag in flags}}
     for d, text in zip((WIDE, TELE), lenses, strict=True):
         first, *pairs = text.splitlines()
@@ -163,7 +198,7 @@ int main(void) {{
         width, height = d.geometry.corrected
         target = values["TARGET_LIMIT"] - values["TARGET_BASE"]
         assert 0 <= target - 4 * width * height < corrector.hardware.data_width // 8
-        assert first == (f"{d.digest} {d.hidden_neurons} {width} {height} "
+        assert first == (f"{d.digest} {d.hidden_neurons} 400 {width} {height} "
                          f"{values['SOURCE_LIMIT']} {target}")
         for name in ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK",
                      "FOLLOW"):
@@ -195,12 +230,13 @@ print(json.dumps([r.OFFSET, flags, r.COUNTERS, ncdc_lenses.LENSES]))
 """], cwd=folder, check=True, text=True, stdout=subprocess.PIPE)
     offset, flags, names, lenses = json.loads(done.stdout)
     assert offset == {r.name: 4 * r.address for r in ROWS} and names == COUNTERS
-    assert flags == {"VALID_ROWS": 4 * TABLE, "ID_VALUE": 0x4E434443, "VERSION": 1,
+    assert flags == {"VALID_ROWS": 4 * TABLE, "ID_VALUE": 0x4E434443, "VERSION": 2,
                      "SOURCE_BEYOND": 12,
                      **{f"{r.name}_{flag.name}": flag.mask for r in ROWS for flag in r.flags}}
     for name, d in (("wide", WIDE), ("tele", TELE)):
         lens = lenses[name]
         assert (lens["digest"], lens["neurons"]) == (d.digest, 3)
+        assert lens["interpolation"] == "fast"
         assert lens["values"].items() <= host_values(d).items()
         assert lens["valid_rows"] == [value for _, value in table_words(d.valid)]
 
@@ -210,7 +246,7 @@ import ncdc_registers as r
 from ncdc_driver import Corrector, CorrectorError
 from ncdc_lenses import LENSES
 words = {r.OFFSET["ID"]: r.ID_VALUE, r.OFFSET["NEURONS"]: 3, r.OFFSET["LARGEST"]: 20 << 16 | 31,
-         r.OFFSET["CAPABILITIES"]: r.VERSION | 2 << 12 | 8 << 16}
+         r.OFFSET["CAPABILITIES"]: r.VERSION | r.CAPABILITIES_FAST | 2 << 12 | 8 << 16}
 written = []
 status = r.OFFSET["STATUS"]
 
@@ -227,6 +263,7 @@ attempt(Corrector, lambda offset: 0xDEAD, write)
 corrector = Corrector(read, write)
 attempt(corrector.wait, 2)
 attempt(corrector.load, LENSES["wide"] | {"neurons": 5})
+attempt(corrector.load, LENSES["wide"] | {"interpolation": "gradient"})
 attempt(corrector.load, LENSES["wide"] | {"width": 32})
 attempt(corrector.load, LENSES["wide"] | {"width": 21})
 wide = LENSES["wide"]
@@ -271,6 +308,7 @@ def test_python_driver_names_errors(folder):
         "0 ID reads 0x0000dead, 0x4e434443 is needed",
         "0 no frame is complete after 2 polls",
         "0 the lens has 5 hidden neurons, the corrector 3",
+        "0 the lens is for the interpolation gradient, the corrector has fast",
         "0 the lens makes 32x16 pixels, the corrector up to 31x20 in rows that are a multiple of 2",
         "0 the lens makes 21x16 pixels, the corrector up to 31x20 in rows that are a multiple of 2",
         "0 the source is at 0xc, a multiple of 8 below 4 GB is needed",
@@ -393,6 +431,8 @@ def test_a_rotated_lens_brings_the_split_that_suits_it():
 @pytest.mark.parametrize("other,message", [
     (barrel_descriptor((20, 16), (24, 18), hidden_neurons=4),
      "hidden neurons 4 does not fit a corrector made for 3"),
+    (barrel_descriptor((20, 16), (24, 18), hidden_neurons=3, interpolation=GRADIENT),
+     "interpolation gradient does not fit a corrector made for fast"),
     (barrel_descriptor((20, 17), (24, 18), hidden_neurons=3),
      "the corrected image has 17 rows, the corrector's table of valid rows holds 16"),
     (barrel_descriptor((32, 16), (40, 18), hidden_neurons=3),

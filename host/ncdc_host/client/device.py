@@ -196,7 +196,8 @@ class Device(ABC):
         Raises
         ------
         Refused
-            If its sizes, Bayer pattern or fill differ from the device's, or it has more neurons.
+            If its sizes, Bayer pattern, fill, nodes or interpolation differ from the device's, or
+            it has more neurons.
         DeviceError
             If the transport cannot do it: Table I does not reach the corrector's registers.
         """

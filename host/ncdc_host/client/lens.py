@@ -6,12 +6,15 @@ from dataclasses import dataclass
 
 from ncdc_host.client.errors import DeviceError, Refused
 from ncdc_model.formats import MAX_NEURONS, Formats
-from ncdc_model.geometry import BAYER_PHASE
+from ncdc_model.geometry import BAYER_PHASE, MONO
 from ncdc_model.interface.gvcp import CORRECTOR_BASE
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import (
+    BAYER_MONO,
+    CAPABILITIES,
     CTRL_COMMIT,
     ID,
+    INTERPOLATION_BITS,
     NODES,
     STATUS_COMMITTED,
     STATUS_REFUSED,
@@ -45,6 +48,7 @@ class LensLimits:
         Colour of pixels without a source.
     nodes : int
         Pixels from one evaluation of the network to the next.
+    interpolation : str
     """
     neurons: int
     corrected: tuple
@@ -52,6 +56,7 @@ class LensLimits:
     bayer: str
     fill: tuple
     nodes: int
+    interpolation: str
 
 
 class LensLoader:
@@ -67,10 +72,13 @@ class LensLoader:
             raise DeviceError(f"{self._device.url} has no corrector")
         values = {name: self._read(table[name].address) for name in ("NEURONS", *_FIXED)}
         names = {phase[0] | phase[1] << 1: name for name, phase in BAYER_PHASE.items()}
+        word = values["BAYER_PHASE"]
+        bayer = MONO if word & BAYER_MONO else names[word & 3]
         sizes = [tuple(values[f"{side}_{part}"] for part in ("WIDTH", "HEIGHT"))
                  for side in ("CORRECTED", "DISTORTED")]
-        return LensLimits(values["NEURONS"], *sizes, names[values["BAYER_PHASE"] & 3],
-                          tuple(values["FILL"].to_bytes(4, "big")[1:]), self._nodes())
+        return LensLimits(values["NEURONS"], *sizes, bayer,
+                          tuple(values["FILL"].to_bytes(4, "big")[1:]), self._nodes(),
+                          self._interpolation())
 
     def load(self, descriptor):
         """See :meth:`ncdc_host.client.device.Device.load_lens`."""
@@ -84,6 +92,10 @@ class LensLoader:
         if descriptor.nodes != self._nodes():
             raise Refused(f"the lens has nodes {descriptor.nodes} pixels apart, the device "
                           f"{self._nodes()}")
+        own, interpolation = self._interpolation(), descriptor.geometry.interpolation.name
+        if interpolation != own:
+            raise Refused(f"the lens is for the interpolation {interpolation}, the device has "
+                          f"{own}")
         values = host_values(descriptor)
         for name in _FIXED:
             present = self._read(table[name].address)
@@ -107,6 +119,15 @@ class LensLoader:
     def _nodes(self):
         """Distance of the device's nodes; without nodes it has no register of them."""
         return self._read(NODES) or 1
+
+    def _interpolation(self):
+        """Name of the interpolation that the device has."""
+        word = self._read(CAPABILITIES)
+        for name, bit in INTERPOLATION_BITS.items():
+            if word & bit:
+                return name
+        raise DeviceError(f"{self._device.url} does not tell which interpolation it has: "
+                          f"CAPABILITIES reads {word:#010x}")
 
     def _read(self, address):
         data = self._device.read_memory(CORRECTOR_BASE + 4 * address, 4)

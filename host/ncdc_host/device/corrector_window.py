@@ -10,6 +10,7 @@ from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.float_network import FloatNetwork
 from ncdc_model.geometry import ValidRows
+from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import (
     CTRL_COMMIT,
@@ -18,6 +19,7 @@ from ncdc_model.interface.register_map import (
     STATUS_COMMITTED,
     STATUS_REFUSED,
     TABLE,
+    capabilities,
     network_registers,
     registers,
 )
@@ -54,6 +56,8 @@ class CorrectorWindow:
             self._words |= {self._map["ID"].address: ID,
                             self._map["DIGEST"].address: int(descriptor.digest[:8], 16),
                             self._map["NEURONS"].address: descriptor.hidden_neurons}
+            self._words |= {self._map[name].address: value for name, value in capabilities(
+                Hardware().made_for(descriptor), *descriptor.geometry.corrected).items()}
             if descriptor.nodes > 1:
                 self._words[self._map["NODES"].address] = descriptor.nodes
 

@@ -17,6 +17,7 @@ from ncdc_host.device.registers import Registers
 from ncdc_host.device.stream import Stream
 from ncdc_host.device.table_server import TableServer
 from ncdc_model.errors import InputError
+from ncdc_model.geometry import MONO
 from ncdc_model.interface.gvcp import DISCOVERY, PORT, parse_command
 from ncdc_model.interface.table_one import TCP_PORT
 
@@ -74,14 +75,22 @@ def lens_corrections(descriptors):
     Raises
     ------
     InputError
-        If a side is odd, or two lenses differ in what a change of lens cannot change.
+        If a side is odd, the sensor grey, or two lenses differ in what a change of lens cannot
+        change.
     """
     first = descriptors[0]
     for value in (*first.geometry.corrected, *first.geometry.distorted):
         if value % 2:
             raise InputError(f"a side of the picture has {value} pixels, an emulated device needs "
                              "even sides")
+    if first.geometry.mono:
+        raise InputError(f"the lens is for a grey sensor ({MONO}), that of an emulated device has "
+                         f"a colour filter")
     for k, other in enumerate(descriptors[1:], 2):
+        own, needed = (d.geometry.interpolation.name for d in (other, first))
+        if own != needed:
+            raise InputError(f"lens {k} is for the interpolation {own}, the first one for "
+                             f"{needed}")
         if other.geometry != first.geometry:
             raise InputError(f"lens {k} has other sizes, Bayer pattern or fill than the first one")
         if other.nodes != first.nodes:

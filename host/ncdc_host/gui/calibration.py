@@ -7,6 +7,8 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, QProcess, Signal
 
+from ncdc_model.interpolation import DEFAULT
+
 __all__ = ["Calibration"]
 
 
@@ -42,11 +44,12 @@ class Calibration(QObject):
         """Whether the process runs."""
         return self._process is not None
 
-    def start(self, target, neurons, bayer, size=None, fill=(0, 0, 0), nodes="auto"):
+    def start(self, target, neurons, bayer, size=None, fill=(0, 0, 0), nodes="auto",
+              interpolation=DEFAULT.name):
         """Begin; the names are those of ``ncdc calibrate`` and ``ncdc train``."""
         arguments = ["-m", "ncdc_host.gui.calibration_job", self.photo, self._folder.name,
                      f"--target={target}", "--neurons", neurons, "--bayer", bayer,
-                     "--fill", *fill, "--nodes", nodes]
+                     "--fill", *fill, "--nodes", nodes, "--interpolation", interpolation]
         if size is not None:
             arguments += ["--size", *size]
         self._error, self._result, self._rest = "", None, b""

@@ -121,7 +121,8 @@ class CalibrationDialog(QDialog):
             return
         limits = self._limits
         fixed = {} if limits is None else {"size": limits.corrected, "fill": limits.fill,
-                                           "nodes": limits.nodes}
+                                           "nodes": limits.nodes,
+                                           "interpolation": limits.interpolation}
         self.job.start(self.target.currentText().strip(), self.neurons.value(),
                        self._shown.frame.pixel_format.bayer, **fixed)
 

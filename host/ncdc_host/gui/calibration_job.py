@@ -20,6 +20,7 @@ from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.errors import InputError
 from ncdc_model.images import demosaic, read_image, write_image
+from ncdc_model.interpolation import DEFAULT, interpolation_of
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
@@ -55,6 +56,7 @@ def _parser():
     parser.add_argument("--fill", type=int, nargs=3, default=(0, 0, 0))
     parser.add_argument("--nodes", type=lambda text: text if text == "auto" else int(text),
                         default="auto")
+    parser.add_argument("--interpolation", default=DEFAULT.name)
     return parser
 
 
@@ -75,7 +77,8 @@ def _run(args):
     write_image(overlay, draw_points(demosaic(raw, args.bayer), points.photos[0], frame))
     _tell(points=points.count, target=points.target, overlay=str(overlay))
     _tell(step=f"Training {args.neurons} hidden neurons")
-    source = load_source(args.folder / "points.json", args.size, None, args.bayer, args.fill)
+    source = load_source(args.folder / "points.json", args.size, None, args.bayer, args.fill,
+                         interpolation=interpolation_of(args.interpolation))
     trained = train_camera(source, args.neurons, TrainingChoices(nodes=args.nodes),
                            lambda share, mse: _tell(share=share, mse=float(mse)))
     lens = args.folder / LENS

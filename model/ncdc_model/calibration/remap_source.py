@@ -76,7 +76,7 @@ def load_remap(paths, sensor=None, camera=None, **options):
     camera : str, optional
         Which of several maps in the file.
     options
-        ``bayer`` and ``fill`` of :class:`Geometry`.
+        ``bayer``, ``fill`` and ``interpolation`` of :class:`Geometry`.
 
     Returns
     -------
@@ -101,9 +101,21 @@ def load_remap(paths, sensor=None, camera=None, **options):
         raise InputError(f"{subject}: {error}") from error
 
 
+def _marked(x, y):
+    """The tables with -1 where they hold (0, 0), if several pixels do.
+
+    No two pixels of a smooth map have one source: zero is the mark of having none, which the first
+    sample of the sensor would be taken for.
+    """
+    zero = (x == 0) & (y == 0)
+    if zero.sum() < 2:
+        return x, y
+    return np.where(zero, -1, x), np.where(zero, -1, y)
+
+
 def _checked(file, geometry):
-    x, y = file.x, file.y
-    check_finite(file.names, (x, y))
+    check_finite(file.names, (file.x, file.y))
+    x, y = _marked(file.x, file.y)
     check_meaning(x, y, geometry)
     inside = geometry.window_inside(x, y)
     draft = RemapMap(np.where(inside, x, np.nan), np.where(inside, y, np.nan), geometry,

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 from ncdc_model.interface.frames import ADDRESS_BITS
+from ncdc_model.interpolation import FAST, GRADIENT
 
-__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CONSTANTS", "COUNTERS",
+__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "CONSTANTS", "COUNTERS",
            "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "FAULT_ALIGNMENT", "FAULT_SIZE",
-           "FAULT_SOURCE", "FAULT_TARGET", "Flag",
-           "ID", "NODES", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
-           "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
+           "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID", "INTERPOLATION_BITS", "NODES",
+           "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY",
+           "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
            "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
            "registers"]
 
@@ -17,7 +18,7 @@ ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
 ID = 0x4E434443           # "NCDC"
 
-VERSION = 1               # of this map; one more whenever a host must know of a change
+VERSION = 2               # of this map; one more whenever a host must know of a change
 
 # Of an instance.
 CONSTANTS = ("ID", "DIGEST", "NEURONS", "NODES", "CAPABILITIES", "LARGEST")
@@ -30,7 +31,9 @@ CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
 STATUS_COMMITTED, STATUS_REFUSED, STATUS_BANK, STATUS_ABORTED = 8, 16, 32, 64
 STATUS_FAULT = 128
+CAPABILITIES = 0x25
 BAYER_MONO = 4            # of BAYER_PHASE
+INTERPOLATION_BITS = {FAST.name: 0x400, GRADIENT.name: 0x800}       # of CAPABILITIES
 FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE = 1, 2, 4, 8
 
 # Counted while a frame runs; FRAMES beside them counts frames.
@@ -225,10 +228,13 @@ _FIXED = (
             Flag("SIZE", FAULT_SIZE, "w1c",
                  "a frame was refused: a size, the pitch, the strip or the split is beyond its "
                  "limits, or the width no multiple of the pixels per clock")),
-    _action("CAPABILITIES", 0x25, "What this instance is.",
+    _action("CAPABILITIES", CAPABILITIES, "What this instance is.",
             Flag("VERSION", 0xFF, "ro", "version of this register map"),
             Flag("STREAM", 0x100, "ro", "1: pixels leave as a video stream, 0: to memory"),
             Flag("CACHE", 0x200, "ro", "1: cache fetcher, 0: multiport"),
+            Flag("FAST", INTERPOLATION_BITS[FAST.name], "ro", "1: it has the fast interpolation"),
+            Flag("GRADIENT", INTERPOLATION_BITS[GRADIENT.name], "ro",
+                 "1: it has the gradient-corrected interpolation, and that of grey sensors"),
             Flag("LANES", 0x7000, "ro", "pixels per clock"),
             Flag("WORD", 0x1F0000, "ro", "bytes of a memory word"),
             Flag("MAX_SPLIT", 0xF000000, "ro", "largest `CACHE_SPLIT`"), access="ro"),
@@ -300,6 +306,8 @@ def capabilities(hardware, width, height):
         Of the largest corrected image.
     """
     split = hardware.cache.max_split if hardware.cached else 0
+    interpolation = hardware.cache.interpolation if hardware.cached else FAST
     return {"CAPABILITIES": VERSION | hardware.stream << 8 | hardware.cached << 9
-            | hardware.lanes << 12 | hardware.data_width // 8 << 16 | split << 24,
+            | INTERPOLATION_BITS[interpolation.name] | hardware.lanes << 12
+            | hardware.data_width // 8 << 16 | split << 24,
             "LARGEST": width | height << 16}

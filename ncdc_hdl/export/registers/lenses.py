@@ -25,6 +25,7 @@ class Lens:
     digest : str
     neurons, width, height : int
         Hidden neurons; corrected image.
+    interpolation : str
     source_bytes, target_bytes : int
         That are read of a raw frame; that a corrected frame takes.
     values : dict
@@ -36,6 +37,7 @@ class Lens:
     neurons: int
     width: int
     height: int
+    interpolation: str
     source_bytes: int
     target_bytes: int
     values: dict
@@ -51,6 +53,7 @@ class Lens:
         if corrector.hardware.cached and descriptor.digest != corrector.descriptor.digest:
             values["CACHE_SPLIT"] = best_split(descriptor, corrector.hardware)
         return cls(descriptor.digest, descriptor.hidden_neurons, *descriptor.geometry.corrected,
+                   descriptor.geometry.interpolation.name,
                    values["SOURCE_LIMIT"] - values["SOURCE_BASE"],
                    values["TARGET_LIMIT"] - values["TARGET_BASE"],
                    {name: value for name, value in values.items() if name not in _HOST},
@@ -68,14 +71,16 @@ def check_lens(corrector, path, descriptor):
     Raises
     ------
     InputError
-        If neurons, formats, tan-sigmoid or nodes differ, the nodes miss the lens's own network by
-        more than the limit, the table of valid rows is too small, or the width is no multiple of
-        the pixels per clock.
+        If neurons, formats, tan-sigmoid, interpolation or nodes differ, the nodes miss the lens's
+        own network by more than the limit, the table of valid rows is too small, or the width is
+        no multiple of the pixels per clock.
     """
     made_for = corrector.descriptor
     for what, value, needed in (
             ("hidden neurons", descriptor.hidden_neurons, made_for.hidden_neurons),
             ("tan-sigmoid", descriptor.variant, made_for.variant),
+            ("interpolation", descriptor.geometry.interpolation.name,
+             made_for.geometry.interpolation.name),
             ("pixels from node to node", descriptor.nodes, made_for.nodes),
             *((f"format {name}", q, getattr(made_for.formats, name))
               for name, q in vars(descriptor.formats).items())):

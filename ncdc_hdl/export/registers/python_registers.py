@@ -26,6 +26,7 @@ def python_lenses(lenses):
         lines += [f'    "{name}": {{', f'        "digest": "{lens.digest}",',
                   f'        "neurons": {lens.neurons}, "width": {lens.width}, '
                   f'"height": {lens.height},',
+                  f'        "interpolation": "{lens.interpolation}",',
                   f'        "source_bytes": {lens.source_bytes}, '
                   f'"target_bytes": {lens.target_bytes},', '        "values": {']
         lines += [f'            "{register}": {value},' for register, value in lens.values.items()]

@@ -45,13 +45,16 @@ enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *le
     uint32_t status = get(device, NCDC_STATUS);
     uint32_t bank = status & NCDC_STATUS_BANK ? 0 : 1;
     uint32_t largest = get(device, NCDC_LARGEST);
+    uint32_t capabilities = get(device, NCDC_CAPABILITIES);
     uint32_t k;
 
     if (get(device, NCDC_NEURONS) != lens->neurons)
         return NCDC_ERROR_NEURONS;
+    if (!(capabilities & lens->interpolation))
+        return NCDC_ERROR_INTERPOLATION;
     if (lens->width > field(largest, NCDC_LARGEST_WIDTH)
             || lens->height > field(largest, NCDC_LARGEST_HEIGHT)
-            || lens->width % field(get(device, NCDC_CAPABILITIES), NCDC_CAPABILITIES_LANES))
+            || lens->width % field(capabilities, NCDC_CAPABILITIES_LANES))
         return NCDC_ERROR_SIZE;
     if (status & NCDC_STATUS_COMMITTED)
         return NCDC_ERROR_COMMITTED;

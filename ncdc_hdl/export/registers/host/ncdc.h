@@ -29,6 +29,7 @@ struct ncdc_value {
 struct ncdc_lens {
     const char *digest;             /* of the descriptor, 12 hex digits */
     uint32_t neurons;
+    uint32_t interpolation;         /* bit of NCDC_CAPABILITIES that it needs */
     uint32_t width, height;         /* of the corrected image */
     uint32_t source_bytes;          /* that are read of a raw frame: see NCDC_SOURCE_BEYOND */
     uint32_t target_bytes;          /* that a corrected frame takes */
@@ -62,7 +63,8 @@ enum ncdc_result {
     NCDC_ERROR_SIZE,        /* the lens is larger than the corrector, or no multiple of its lanes */
     NCDC_ERROR_ALIGNMENT,   /* a buffer does not begin on a memory word */
     NCDC_ERROR_ROOM,        /* a buffer is too small for a frame of the lens */
-    NCDC_ERROR_FAULT        /* the corrector refused a frame, or what is outside its buffers */
+    NCDC_ERROR_FAULT,       /* the corrector refused a frame, or what is outside its buffers */
+    NCDC_ERROR_INTERPOLATION /* the lens is for an interpolation that the corrector has not */
 };
 
 /* Does a corrector answer, and one that this driver knows? */

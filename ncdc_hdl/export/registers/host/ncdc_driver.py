@@ -35,6 +35,8 @@ class Corrector:
         Pixels per clock; bytes of a memory word.
     stream : bool
         Pixels leave as a video stream.
+    interpolations : tuple of str
+        What it has of "fast" and "gradient".
     largest : (int, int)
         Width and height of the largest corrected image.
     """
@@ -50,6 +52,8 @@ class Corrector:
                                             registers.CAPABILITIES_LANES,
                                             registers.CAPABILITIES_WORD))
         self.stream = bool(word & registers.CAPABILITIES_STREAM)
+        self.interpolations = tuple(name for name in ("fast", "gradient")
+                                    if word & getattr(registers, f"CAPABILITIES_{name.upper()}"))
         word = self.get("LARGEST")
         self.largest = tuple(_field(word, mask) for mask in (registers.LARGEST_WIDTH,
                                                              registers.LARGEST_HEIGHT))
@@ -74,13 +78,17 @@ class Corrector:
         Raises
         ------
         CorrectorError
-            If a commit still waits, the number of neurons differs, the corrected image is larger
-            than the corrector's or no multiple of its lanes, or a write was refused.
+            If a commit still waits, the number of neurons differs, the corrector has not the
+            lens's interpolation, the corrected image is larger than the corrector's or no multiple
+            of its lanes, or a write was refused.
         """
         status, neurons = self.get("STATUS"), self.get("NEURONS")
         if neurons != lens["neurons"]:
             raise CorrectorError(f"the lens has {lens['neurons']} hidden neurons, "
                                  f"the corrector {neurons}")
+        if lens["interpolation"] not in self.interpolations:
+            raise CorrectorError(f"the lens is for the interpolation {lens['interpolation']}, the "
+                                 f"corrector has {', '.join(self.interpolations)}")
         if (lens["width"] > self.largest[0] or lens["height"] > self.largest[1]
                 or lens["width"] % self.lanes):
             raise CorrectorError(
