@@ -99,7 +99,7 @@ def test_stream_equals_model(gap, stall):
     async def sink(ctx):
         got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
 
-    run_bench(dut, source, sink)
+    run_bench(dut, source, sink, results=(got,))
     places = gradient_colours(windows, *origins.T, phase)
     expected = bilinear(places, *fractions.T, F, GRADIENT.unit_bits)
     expected[blank] = [0x12, 0x34, 0x56]
