@@ -8,6 +8,7 @@ from ncdc_model.corrector import correct
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.example import BAYER, example_camera, noise_picture
 from ncdc_model.reference import correct_real, grey_level_difference
+from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
 
@@ -21,10 +22,17 @@ def source(tmp_path_factory):
     return load_source(path, bayer=BAYER)
 
 
-@pytest.mark.parametrize(
-    "neurons", [4, *(pytest.param(n, marks=regress) for n in range(5, 12)), 12])
-def test_integers_add_little_to_the_map_and_blanking_is_exact(source, neurons):
-    d = kept_training(lambda: train_camera(source, neurons).descriptor, "built-in example", neurons)
+# How well the network is trained is not asked: few starts miss the map by less than a pixel too.
+FEW_STARTS = {"starts": 6, "rounds": 0}
+
+
+@pytest.mark.parametrize("neurons,options", [
+    (4, FEW_STARTS), (12, FEW_STARTS),
+    *(pytest.param(n, {}, marks=regress) for n in range(4, 13))])
+def test_integers_add_little_to_the_map_and_blanking_is_exact(source, neurons, options):
+    choices = TrainingChoices(options=options)
+    d = kept_training(lambda: train_camera(source, neurons, choices).descriptor,
+                      "built-in example", neurons, options)
     errors = evaluate_frame(d, source.back_map)
     # The paper's own fixed point multiplied its MSE by four.
     assert errors["fixed_minus_float_max_px"] <= 0.0022
