@@ -1,5 +1,7 @@
 """What is kept between runs is used again if nothing has changed, and only then."""
 
+import shutil
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,8 @@ import kept
 from ncdc_hdl.lib import memory
 from ncdc_model.geometry import Geometry
 from ncdc_model.training.problem import Problem
+from ncdc_sim.system import frame
+from ncdc_sim.tools import SimulationError
 from pipelines import run_pipeline
 from tansigs import DESIGNS, gateware
 
@@ -108,3 +112,42 @@ def test_a_training_is_shared_and_tells_its_progress_again(monkeypatch):
     assert told[:len(told) // 2] == told[len(told) // 2:] != []
     with pytest.raises(TypeError):
         kept.kept_trainer(starts=2, rounds=0)(problem, 1, seed=1)
+
+
+PROGRAM = """#!/bin/sh
+echo run >> "$NCDC_CACHE/count"
+echo "$1" "$(cat input)"
+echo "$1" > output
+exit "$2"
+"""
+
+
+def test_what_a_program_prints_and_writes_is_used_again(tmp_path):
+    """Once for each of its arguments, its input and its build; a failure is found again."""
+    for build in "ab":
+        (tmp_path / build).mkdir()
+        (tmp_path / build / "program").write_text(PROGRAM)
+        (tmp_path / build / "program").chmod(0o755)
+    count = tmp_path / "count"
+
+    def simulate(build, argument, content, status=0):
+        lines, folder = [], tmp_path / "folder"
+        folder.mkdir()
+        (folder / "input").write_text(content)
+        try:
+            frame.run_program([str(tmp_path / build / "program"), argument, str(status)], folder,
+                              lines.append)
+            return lines, (folder / "output").read_text(), count.read_text().count("run")
+        finally:
+            shutil.rmtree(folder)
+
+    assert simulate("a", "x", "1") == simulate("a", "x", "1") == (["x 1"], "x\n", 1)
+    assert simulate("a", "y", "1") == (["y 1"], "y\n", 2)
+    assert simulate("a", "x", "2") == (["x 2"], "x\n", 3)
+    assert simulate("b", "x", "1") == (["x 1"], "x\n", 4)
+    for n in (5, 6):
+        with pytest.raises(SimulationError, match="status 3"):
+            simulate("a", "z", "1", status=3)
+        assert count.read_text().count("run") == n
+    assert simulate("a", "x", "0" * (1 << 18 | 1))[2] == simulate("a", "x", "0")[2] - 1 == 7
+    assert simulate("a", "x", "0" * (1 << 18 | 1))[2] == 9, "what is large is not kept"
