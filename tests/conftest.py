@@ -14,7 +14,7 @@ from amaranth.hdl import UnusedElaboratable
 # for one at full speed. Read when NumPy is imported, which neither of the above does.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-_SMALL = 1 << 18        # bytes of the input of a simulation that is kept
+_SMALL = 1 << 19        # bytes of the input of a simulation that is kept
 
 # Windows are painted without a screen.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")

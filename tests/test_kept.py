@@ -149,5 +149,5 @@ def test_what_a_program_prints_and_writes_is_used_again(tmp_path):
         with pytest.raises(SimulationError, match="status 3"):
             simulate("a", "z", "1", status=3)
         assert count.read_text().count("run") == n
-    assert simulate("a", "x", "0" * (1 << 18 | 1))[2] == simulate("a", "x", "0")[2] - 1 == 7
-    assert simulate("a", "x", "0" * (1 << 18 | 1))[2] == 9, "what is large is not kept"
+    assert simulate("a", "x", "0" * (1 << 19 | 1))[2] == simulate("a", "x", "0")[2] - 1 == 7
+    assert simulate("a", "x", "0" * (1 << 19 | 1))[2] == 9, "what is large is not kept"
