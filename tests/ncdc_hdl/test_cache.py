@@ -69,7 +69,7 @@ def test_windows_and_misses(data_width, options, split, gap, stall, wait, latenc
                                     stall=stall, wait=wait, latency=latency, margin=4 * pitch,
                                     needs=needs, width=WIDTH, split=split)
     expected = misses(*found, options, split)
-    assert len(expected) > 2 * options.tiles
+    assert near or len(expected) > 2 * options.tiles
     assert fetched == len(expected)
     height = needs.tile_height
     assert log == [(BASE + (height * ty + row) * pitch + 16 * tx, 16 // word)
