@@ -2,8 +2,10 @@
 Python collects garbage."""
 
 import gc
+import json
 import os
 import warnings
+from pathlib import Path
 
 import pytest
 from amaranth.hdl import UnusedElaboratable
@@ -11,6 +13,8 @@ from amaranth.hdl import UnusedElaboratable
 # Two test processes share two cores: a second thread of the linear algebra finds none, and waits
 # for one at full speed. Read when NumPy is imported, which neither of the above does.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+_SMALL = 1 << 19        # bytes of the input of a simulation that is kept
 
 # Windows are painted without a screen.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -27,6 +31,48 @@ def pytest_configure():
     """Before any test imports what makes Verilog, and NumPy with it."""
     from kept import keep_verilog
     keep_verilog()
+    keep_simulations()
+
+
+def keep_simulations():
+    """Let what a compiled simulation prints and writes be kept, as far as it is small.
+
+    It follows from the program, whose folder is named by a hash of all that it was made from, from
+    its arguments, seeds among them, and from its input files.
+    """
+    from kept import kept_folder
+    from ncdc_sim import cache_stress, exhaustive, runner
+    from ncdc_sim.builds import builds_folder
+    from ncdc_sim.system import frame
+
+    def run(command, folder, on_line=lambda line: None):
+        program = Path(command[2] if command[0] == "vvp" else command[0])
+        files = {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
+        if program.parent.parent != builds_folder() or sum(map(len, files.values())) > _SMALL:
+            return runner.run(command, folder, on_line)
+        lines, new = [], []
+
+        def build(kept):
+            def listen(line):
+                lines.append(line)
+                on_line(line)
+
+            runner.run(command, folder, listen)
+            new.append(True)
+            (kept / "lines").write_text(json.dumps(lines))
+            for path in Path(folder).iterdir():
+                if path.name not in files or path.read_bytes() != files[path.name]:
+                    (kept / f"file-{path.name}").write_bytes(path.read_bytes())
+
+        kept = kept_folder("run", build, program.parent.name, *command[3 if command[0] == "vvp"
+                                                                       else 1:],
+                           *(f"{name}:{content.hex()}" for name, content in files.items()))
+        for line in () if new else json.loads((kept / "lines").read_text()):
+            on_line(line)
+        for path in () if new else kept.glob("file-*"):
+            (Path(folder) / path.name.removeprefix("file-")).write_bytes(path.read_bytes())
+
+    frame.run_program = cache_stress.run = exhaustive.run = run
 
 
 @pytest.hookimpl(tryfirst=True)

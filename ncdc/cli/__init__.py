@@ -35,13 +35,16 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}\n")
 
 
-def parser():
-    """The argument parser of all commands."""
+def parser(command=None):
+    """The argument parser of one command, by its name; of all if ``command`` is no such name.
+
+    What the others import takes a second, of which the one that runs has no use.
+    """
     top = _Parser(prog="ncdc", description=__doc__ and (
         "From one photo of a calibration target to hardware that straightens the picture."))
     top.add_argument("--version", action="version", version=f"NCDC {version('ncdc')}")
     commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for name in COMMANDS:
+    for name in (command,) if command in COMMANDS else COMMANDS:
         module = importlib.import_module(f"ncdc.cli.{name}")
         sub = commands.add_parser(name, help=module.HELP, description=module.HELP,
                                   epilog=f"example: {module.EXAMPLE}")
@@ -68,7 +71,8 @@ def main(arguments=None):
     """Run a command; the exit status: 0 success, 1 a check failed, 2 bad usage or input."""
     # Of a corrector that is planned for, only the clocks are asked.
     warnings.simplefilter("ignore", UnusedElaboratable)
-    args = parser().parse_args(arguments)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    args = parser(arguments[0] if arguments else None).parse_args(arguments)
     try:
         check_outputs(*_files(args))
         # What overflows becomes not-a-number, which the checks of the commands name.

@@ -121,7 +121,7 @@ def test_calibrate_from_this_picture(qtbot, dots, tmp_path):
 
 
 def test_a_picture_without_a_target(qtbot):
-    with announced() as [one], tab_on(qtbot, url_of(one, "gige")) as tab:
+    with announced(fps=10.0) as [one], tab_on(qtbot, url_of(one, "gige")) as tab:
         tab.calibrate()
         qtbot.waitUntil(lambda: tab.dialog is not None, timeout=SECONDS)
         dialog = tab.dialog

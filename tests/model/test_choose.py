@@ -1,13 +1,13 @@
 """``--neurons auto``: the fewest hidden neurons that meet a maximum error."""
 
 from dataclasses import replace
-from functools import partial
 
 import cv2
 import numpy as np
 import pytest
 
 from commands import call
+from kept import kept_trainer
 from lenses import lens
 from ncdc.cli import train as command
 from ncdc_model.descriptor import Descriptor
@@ -16,7 +16,6 @@ from ncdc_model.evaluate import evaluate_frame, evaluate_points
 from ncdc_model.neurons_plot import plot_neurons
 from ncdc_model.training import choose
 from ncdc_model.training.choices import TrainingChoices
-from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
 from ncdc_model.training.train import TRAINERS
@@ -24,7 +23,7 @@ from ncdc_model.training.train import TRAINERS
 
 @pytest.fixture(autouse=True)
 def few_starts(monkeypatch):
-    monkeypatch.setitem(TRAINERS, "lm", partial(train_levenberg, starts=9, rounds=0))
+    monkeypatch.setitem(TRAINERS, "lm", kept_trainer(starts=9, rounds=0))
 
 
 @pytest.fixture

@@ -132,21 +132,27 @@ def test_a_part_of_a_file_is_no_traceback(refused, folder, tmp_path, kind):
         refused(kind, path)
 
 
-def changed(kind, text):
-    """Texts of a file with one number, or one name, changed; a note of each."""
+def changed(text, part, parts):
+    """Texts of a file with one number, or one name, changed; a note of each.
+
+    Of all pairs of a number and a value for it those of one part in ``parts``: each number gets
+    every ``parts``-th value, each value comes to every ``parts``-th number.
+    """
     places = list(re.finditer(r"(?<![\w.\"])-?\d+(\.\d+)?(e-?\d+)?(?![\w.\"])", text))
     step = max(1, len(places) // 12)
     for n, place in enumerate(places[::step]):
-        for value in _VALUES:
+        for value in _VALUES[(part - n) % parts::parts]:
             yield f"{n} {value}", text[:place.start()] + value + text[place.end():]
     for place in re.finditer(r"(?m)(?<=^)\w+(?= ?[=:])|\"\w+\"(?=:)", text):
         yield f"without {place[0]}", text[:place.start()] + '"zz"' + text[place.end():]
 
 
+@pytest.mark.parametrize("part", [
+    0, *(pytest.param(part, marks=pytest.mark.regress) for part in range(1, 4))])
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_wrong_value_is_no_traceback(refused, folder, tmp_path, kind):
+def test_a_wrong_value_is_no_traceback(refused, folder, tmp_path, kind, part):
     path = tmp_path / kind
-    for note, text in changed(kind, (folder / kind).read_text()):
+    for note, text in changed((folder / kind).read_text(), part, 4):
         path.write_text(text)
         try:
             refused(kind, path)

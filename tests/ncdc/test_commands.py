@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 
 import cv2
 import numpy as np
@@ -308,6 +310,23 @@ def test_help_has_an_example(command, capsys):
         cli.main([command, "--help"])
     out = capsys.readouterr().out
     assert end.value.code == 0 and f"example: ncdc {command}" in " ".join(out.split())
+
+
+def test_a_command_imports_what_it_needs_alone():
+    """Plots take a second to import, and most commands draw none."""
+    code = ("import sys; from ncdc.cli import parser\n"
+            "for name in ('correct', 'generate', 'plan', 'train'):\n"
+            "    parser(name); print(name, 'matplotlib' in sys.modules)")
+    done = subprocess.run([sys.executable, "-c", code], check=True, text=True,
+                          stdout=subprocess.PIPE)
+    assert done.stdout.split() == ["correct", "False", "generate", "False", "plan", "False",
+                                   "train", "True"]
+
+
+def test_a_command_that_there_is_not_is_told_all_there_are(capsys):
+    assert run("corect net.toml raw.png") == 2
+    error = capsys.readouterr().err
+    assert all(command in error for command in ("corect", *cli.COMMANDS))
 
 
 def test_written_files_replace_whole(folder):

@@ -4,9 +4,11 @@ import json
 
 import pytest
 
+from kept import kept_trainer
 from ncdc import cli
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.images import read_image
+from ncdc_model.training.train import TRAINERS
 
 FILES = {"photo.png", "points.png", "distorted.png", "corrected.png", "comparison.png",
          "errors.png", "net.toml", "ncdc.v", "report.html", "report.json"}
@@ -15,7 +17,9 @@ FILES = {"photo.png", "points.png", "distorted.png", "corrected.png", "compariso
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("demo")
-    assert cli.main(["demo", "-o", str(path), "--neurons", "4"]) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(TRAINERS, "lm", kept_trainer())
+        assert cli.main(["demo", "-o", str(path), "--neurons", "4"]) == 0
     return path
 
 

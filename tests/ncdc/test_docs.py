@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from kept import kept_trainer
 from ncdc.cli import parser
 from ncdc_hdl.export.registers.page import register_doc
 from ncdc_hdl.frontend.backmap import BackMap
@@ -18,6 +19,7 @@ from ncdc_model.descriptor import Formats
 from ncdc_model.interface.page import protocols_doc
 from ncdc_model.interface.register_map import COUNTERS, registers
 from ncdc_model.tansig import FRACTION_BITS
+from ncdc_model.training.train import TRAINERS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
@@ -126,6 +128,7 @@ def test_report_names_are_in_the_code():
 @pytest.mark.parametrize("page", [page for page in PAGES if any(
     language == "python" for language, _ in blocks(page))], ids=by_name)
 def test_python_blocks_run(page, tmp_path, monkeypatch):
+    monkeypatch.setitem(TRAINERS, "lm", kept_trainer())
     monkeypatch.chdir(tmp_path)
     names = {"__name__": "docs"}
     for language, text in blocks(page):

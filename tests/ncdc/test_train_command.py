@@ -14,7 +14,7 @@ import pytest
 import ncdc
 import ncdc_model
 from commands import call
-from kept import TRAINING, kept_folder, sources_of
+from kept import TRAINING, kept_folder, kept_trainer, sources_of
 from lenses import lens
 from ncdc.cli import evaluate, train
 from ncdc_model.against import fitted_view
@@ -160,7 +160,8 @@ def test_same_seed_writes_the_same_file(folder, tmp_path):
     assert (tmp_path / "1.toml").read_bytes() == (tmp_path / "2.toml").read_bytes()
 
 
-def test_table_and_plots(folder, tmp_path, capsys):
+def test_table_and_plots(folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(TRAINERS, "lm", kept_trainer())
     call(train, folder / "camera.toml", "--neurons", 2, "--held-out", 0, "--size", "160x120",
          "--zoom", "fill", "-o", tmp_path / "net.toml")
     text = capsys.readouterr().out
@@ -190,7 +191,8 @@ def test_back_propagation_by_name(folder, tmp_path, monkeypatch):
     assert descriptor.errors["map_error_float_px"]["mse"] < 100
 
 
-def test_beyond_its_points_the_network_follows_the_smooth_lens(tmp_path, capsys):
+def test_beyond_its_points_the_network_follows_the_smooth_lens(tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(TRAINERS, "lm", kept_trainer())
     whole = page(.02, (.05, -.03), "a.png")
     x, y = (whole.xy - [160, 120]).T
     middle = (np.abs(x) < 85) & (np.abs(y) < 65)

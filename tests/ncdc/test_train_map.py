@@ -1,7 +1,6 @@
 """``ncdc train`` on maps from elsewhere: stereo rectification, tables of ``ncdc export``."""
 
 import json
-from functools import partial
 
 import cv2
 import numpy as np
@@ -9,11 +8,11 @@ import pytest
 
 from cameras import barrel_descriptor
 from commands import call
+from kept import kept_trainer
 from ncdc.cli import evaluate, main, train
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.interpolation import GRADIENT
-from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.train import TRAINERS
 from stereo import stereo_maps
 
@@ -22,7 +21,7 @@ SIZE = 192, 144
 
 @pytest.fixture
 def few_starts(monkeypatch):
-    monkeypatch.setitem(TRAINERS, "lm", partial(train_levenberg, starts=9, rounds=0))
+    monkeypatch.setitem(TRAINERS, "lm", kept_trainer(starts=9, rounds=0))
 
 
 def test_an_exported_map_becomes_the_network_that_it_came_from(tmp_path, few_starts, capsys,

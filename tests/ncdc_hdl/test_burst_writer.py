@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 from amaranth import *
 from amaranth.lib import wiring
-from amaranth.sim import Simulator
 
 from memory import write_agent
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.frontend.strips import Strips
 from ncdc_model.geometry import scan_order
-from pipelines import put
+from pipelines import put, run_bench
 
 BURST = 8
 SIZE = 1 << 15
@@ -63,16 +62,6 @@ def bursts(base, size, strip, word):
         yield from ((word * k, min(BURST, end - k)) for k in range(first, end, BURST))
 
 
-def run(dut, benches, background):
-    simulator = Simulator(dut)
-    simulator.add_clock(1e-8)
-    for bench in benches:
-        simulator.add_testbench(bench)
-    for bench in background:
-        simulator.add_testbench(bench, background=True)
-    simulator.run()
-
-
 async def begin(ctx, dut, base, size, strip):
     ctx.set(dut.packer.base, base)
     ctx.set(dut.packer.limit, base + -(-4 * size[0] * size[1] // 16) * 16)
@@ -114,8 +103,8 @@ def test_two_frames(data_width, size, strip, lanes, gap, wait):
             while len(done) == k:
                 await ctx.tick()
 
-    run(dut, [source], [counter(dut, done), write_agent(dut.writer.bus, content, word, rng,
-                                                        wait=wait, log=log)])
+    agent = write_agent(dut.writer.bus, content, word, rng, wait=wait, log=log)
+    run_bench(dut, source, background=(counter(dut, done), agent), results=(content, log, done))
     expected = np.full(SIZE, 0xEE, np.uint8)
     for base, pixels in zip(BASES, frames):
         stored(expected, base, pixels, strip)
@@ -139,7 +128,7 @@ def test_a_word_per_clock():
         while True:
             writes.append((await ctx.tick().sample(dut.writer.bus.write))[2])
 
-    run(dut, [source], [watch])
+    run_bench(dut, source, background=(watch,), results=(writes,))
     busy = np.flatnonzero(writes)
     assert len(busy) == 44 * 6
     # Between strips of different rows: a burst of 8 begins when it is complete, 4 clocks more.
@@ -165,8 +154,8 @@ def test_a_frame_that_ends_early(strip, lanes, data_width, upto):
             while len(done) == k:
                 await ctx.tick()
 
-    run(dut, [source], [counter(dut, done), write_agent(dut.writer.bus, content, data_width // 8,
-                                                        rng, wait=.4)])
+    agent = write_agent(dut.writer.bus, content, data_width // 8, rng, wait=.4)
+    run_bench(dut, source, background=(counter(dut, done), agent), results=(content, expected))
     np.testing.assert_array_equal(content, expected)
 
 
@@ -201,8 +190,8 @@ def test_reset_completes_the_burst(data_width, strip, seed):
         while not done:
             await ctx.tick()
 
-    run(dut, [source], [counter(dut, done), write_agent(dut.writer.bus, content, word, rng,
-                                                        wait=.6, log=log)])
+    agent = write_agent(dut.writer.bus, content, word, rng, wait=.6, log=log)
+    run_bench(dut, source, background=(counter(dut, done), agent), results=(content, log))
     expected = np.full(SIZE, 0xEE, np.uint8)
     stored(expected, BASES[0], frames[0], strip)
     stored(expected, BASES[1], frames[1], strip)

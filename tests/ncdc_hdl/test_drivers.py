@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +13,7 @@ from systemrdl import RDLCompileError, RDLCompiler
 from systemrdl.node import FieldNode, MemNode, RegNode
 
 from cameras import barrel_descriptor
-from kept import run_cocotb
+from kept import kept_folder, run_cocotb
 from ncdc.cli import main
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.registers.drivers import driver_files
@@ -56,18 +57,32 @@ def corrector():
 
 
 @pytest.fixture(scope="module")
-def folder(corrector, tmp_path_factory):
-    """Folder with both descriptors, all that a host needs, and the documentation's samples."""
-    path = tmp_path_factory.mktemp("drivers")
-    WIDE.save(path / "wide.toml")
-    TELE.save(path / "tele.toml")
-    named = [(path / "wide.toml", WIDE), (path / "tele.toml", TELE)]
-    for name, text in driver_files(corrector, named).items():
-        (path / name).write_text(text)
-    (path / "samples.c").write_text(samples("c"))
-    (path / "samples.py").write_text(samples("py"))
-    compile_c(path, "-shared", "-fPIC", "-o", "samples.so", "samples.c", "ncdc.c", "ncdc_lenses.c")
-    return path
+def kept(corrector, tmp_path_factory):
+    """Folder with both descriptors, all that a host needs, and the documentation's samples.
+
+    Nobody writes there; its name says what is in it, so that a bench on it is kept.
+    """
+    lenses = tmp_path_factory.mktemp("lenses")
+    named = [(lenses / "wide.toml", WIDE), (lenses / "tele.toml", TELE)]
+    for path, descriptor in named:
+        descriptor.save(path)
+    texts = driver_files(corrector, named) | {path.name: path.read_text() for path, _ in named}
+    texts |= {"samples.c": samples("c"), "samples.py": samples("py")}
+
+    def build(folder):
+        for name, text in texts.items():
+            (folder / name).write_text(text)
+        compile_c(folder, "-shared", "-fPIC", "-o", "samples.so", "samples.c", "ncdc.c",
+                  "ncdc_lenses.c")
+
+    compiler = subprocess.run([C[0], "--version"], check=True, text=True, stdout=subprocess.PIPE)
+    return kept_folder("drivers", build, json.dumps(texts), " ".join(C), compiler.stdout)
+
+
+@pytest.fixture(scope="module")
+def folder(kept, tmp_path_factory):
+    """A copy of it to write in."""
+    return shutil.copytree(kept, tmp_path_factory.mktemp("drivers"), dirs_exist_ok=True)
 
 
 def run_drivers(corrector, folder, simulator, library):
@@ -78,8 +93,8 @@ def run_drivers(corrector, folder, simulator, library):
 
 @pytest.mark.parametrize("simulator", [
     "verilator", pytest.param("icarus", marks=pytest.mark.regress)])
-def test_drivers_run_against_the_verilog(corrector, folder, simulator):
-    run_drivers(corrector, folder, simulator, library=folder)
+def test_drivers_run_against_the_verilog(corrector, kept, simulator):
+    run_drivers(corrector, kept, simulator, library=kept)
 
 
 @pytest.mark.regress

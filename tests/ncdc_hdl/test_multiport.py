@@ -9,7 +9,7 @@ from fetchers import check_windows
 from memory import read_agent
 from ncdc_hdl.backend.multiport import Multiport
 from ncdc_model.picture import fetches
-from pipelines import get, put
+from pipelines import get, put, run_bench
 
 F = 10
 WIDTH, HEIGHT = 37, 20
@@ -50,8 +50,6 @@ def test_a_new_frame_is_read_again():
     blank_first = {**item, "blank": 1, "last": 0}
     items = [item, item, blank_first, {**item, "first": 0}]
     dut, logs = Multiport(F, 32), [[], [], []]
-    simulator = Simulator(dut)
-    simulator.add_clock(1e-8)
 
     async def bench(ctx):
         ctx.set(dut.pitch, 8)
@@ -61,12 +59,8 @@ def test_a_new_frame_is_read_again():
     async def sink(ctx):
         await get(ctx, dut.o, len(items), lambda: False)
 
-    simulator.add_testbench(bench)
-    simulator.add_testbench(sink)
-    for r in range(3):
-        simulator.add_testbench(read_agent(getattr(dut, f"bus{r}"), raw.ravel(), 4, rng,
-                                           log=logs[r]), background=True)
-    simulator.run()
+    run_bench(dut, bench, sink, results=logs, background=[
+        read_agent(getattr(dut, f"bus{r}"), raw.ravel(), 4, rng, log=logs[r]) for r in range(3)])
     assert [len(log) for log in logs] == [3, 3, 3]
 
 

@@ -97,7 +97,7 @@ def run(dut, frames, gap=0.0, seed=1, strip=0):
             for _ in range(latency + share):
                 await clock(ctx)
 
-    run_bench(dut, bench)
+    run_bench(dut, bench, results=(samples, taken))
     results = [[] for _ in frames]
     for frame, at in taken:
         # A sample is taken after its clock: that of ``latency`` clocks has the index before.

@@ -66,7 +66,7 @@ def run(groups, lanes, *, follow=1, rows=lambda clock: HEIGHT, gap=0, stall=0, a
     async def sink(ctx):
         got.extend(await get(ctx, dut.o, len(groups), lambda: rng.random() < stall))
 
-    run_bench(dut, world, source, sink)
+    run_bench(dut, world, source, sink, results=(got, clocks, seen))
     return [fields(payload, lanes) for payload in got], clocks, seen
 
 
@@ -124,7 +124,7 @@ def test_rows_of_the_frame_before_do_not_count():
                 if ready:
                     ctx.set(dut.i.valid, 0)
 
-    run_bench(dut, world)
+    run_bench(dut, world, results=(taken,))
     assert (0, 1) in taken and (1, 1) not in taken
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from amaranth.sim import Simulator
 
+from kept import kept_lists
 from ncdc_hdl.video.modes import MODES, VideoMode, mode_for
 from ncdc_hdl.video.output import VideoOut
 from ncdc_model.errors import InputError
@@ -47,12 +48,15 @@ def show(schedule, screens, *, mode=TINY, depth=16, core=7, pixel=10):
                                                     dut.blank_n)
             trace.append([int(value) for value in values[2:]])
 
-    simulator = Simulator(dut)
-    simulator.add_clock(core * 1e-9, domain="sync")
-    simulator.add_clock(pixel * 1e-9, domain="pixel")
-    simulator.add_testbench(feed, background=True)
-    simulator.add_testbench(watch)
-    simulator.run()
+    def run():
+        simulator = Simulator(dut)
+        simulator.add_clock(core * 1e-9, domain="sync")
+        simulator.add_clock(pixel * 1e-9, domain="pixel")
+        simulator.add_testbench(feed, background=True)
+        simulator.add_testbench(watch)
+        simulator.run()
+
+    kept_lists(run, "video output", (trace,))
     trace = np.array(trace)
     # A monitor goes by the pulses: the top left pixel follows both back porches.
     active = trace[:, 3:5] == mode.high

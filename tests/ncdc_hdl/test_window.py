@@ -50,7 +50,7 @@ def test_equals_model(needs, gap, stall):
     async def sink(ctx):
         got.extend(await get(ctx, dut.o, len(items), lambda: rng.random() < stall))
 
-    run_bench(dut, source, sink)
+    run_bench(dut, source, sink, results=(got,))
     x, y = (np.array([item[name] for item in items]) for name in "xy")
     x0, y0, fx, fy, inside = window_address(x, y, geometry, Q)
     for k, (item, out) in enumerate(zip(items, got)):

@@ -1,11 +1,10 @@
 """A fetcher in the Amaranth simulator: its windows against the raw frame, its reads counted."""
 
 import numpy as np
-from amaranth.sim import Simulator
 
 from memory import read_agent
 from ncdc_model.interpolation import FAST
-from pipelines import get, put
+from pipelines import get, put, run_bench
 
 __all__ = ["BASE", "check_windows"]
 
@@ -55,16 +54,9 @@ def check_windows(dut, raw, places, rng, *, gap, stall, wait, latency, margin=64
         while True:
             fetched.append((await ctx.tick().sample(dut.fetched))[2])
 
-    simulator = Simulator(dut)
-    simulator.add_clock(1e-8)
-    simulator.add_testbench(source)
-    simulator.add_testbench(sink)
-    simulator.add_testbench(count_fetches, background=True)
-    for r, log in enumerate(logs):
-        agent = read_agent(getattr(dut, f"bus{r}"), content, dut.data_width // 8, rng,
-                           wait=wait, latency=latency, log=log)
-        simulator.add_testbench(agent, background=True)
-    simulator.run()
+    agents = [read_agent(getattr(dut, f"bus{r}"), content, dut.data_width // 8, rng, wait=wait,
+                         latency=latency, log=log) for r, log in enumerate(logs)]
+    run_bench(dut, source, sink, background=(count_fetches, *agents), results=(got, fetched, *logs))
 
     for k, window in enumerate(got):
         assert (window.fx, window.fy, window.blank) == (k, 1023 - k, blank[k])

@@ -2,16 +2,38 @@
 
 from amaranth.sim import Simulator
 
+from kept import kept_lists
+
 __all__ = ["get", "put", "run_bench", "run_pipeline", "run_stream"]
 
 
-def run_bench(dut, *benches):
-    """Simulate ``dut`` with the given async test benches until all have ended."""
-    simulator = Simulator(dut)
-    simulator.add_clock(1e-8)
-    for bench in benches:
-        simulator.add_testbench(bench)
-    simulator.run()
+def run_bench(dut, *benches, background=(), results=None):
+    """Simulate ``dut`` with the given async test benches until all have ended.
+
+    Parameters
+    ----------
+    dut : Elaboratable
+    benches : async functions of the simulator's context
+    background : sequence of these
+        Not waited for.
+    results : tuple of lists and arrays, optional
+        All that the benches change and that is looked at afterwards. Given, the simulation is kept
+        between runs, see :func:`kept.kept_lists`: the benches' own comparisons have been made.
+    """
+    def run():
+        simulator = Simulator(dut)
+        simulator.add_clock(1e-8)
+        for bench in benches:
+            simulator.add_testbench(bench)
+        for bench in background:
+            simulator.add_testbench(bench, background=True)
+        simulator.run()
+
+    if results is None:
+        run()
+    else:
+        names = [getattr(bench, "__qualname__", "") for bench in (*benches, *background)]
+        kept_lists(run, f"{type(dut).__qualname__} {names}", results)
 
 
 def run_pipeline(dut, inputs, drive, sample):
@@ -30,7 +52,7 @@ def run_pipeline(dut, inputs, drive, sample):
             if k >= dut.latency - 1 and len(results) < len(inputs):
                 results.append(tuple(ctx.get(signal) for signal in sample()))
 
-    run_bench(dut, bench)
+    run_bench(dut, bench, results=(results,))
     return results
 
 
@@ -72,5 +94,5 @@ def run_stream(dut, items, count, gap, stall):
     async def sink(ctx):
         results.extend(await get(ctx, dut.o, count, stall))
 
-    run_bench(dut, source, sink)
+    run_bench(dut, source, sink, results=(results,))
     return results

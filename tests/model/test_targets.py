@@ -14,6 +14,8 @@ from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import mosaic, read_image
 from photos import full_photos, photos
 
+regress = pytest.mark.regress
+
 
 def chessboard(columns, rows, step=40, colour=(230, 230, 230)):
     """Picture of a board with ``columns`` x ``rows`` inner corners, and its first corner."""
@@ -87,20 +89,24 @@ def test_part_of_a_grid_is_found_and_named():
                                atol=0.05)
 
 
-@pytest.mark.parametrize("columns,rows,across,down,aspect", [
-    (4, 11, 25.0, 25.0, 1.0), (6, 9, 24.0, 24.0 * 3**0.5, 3**0.5),
-    (12, 7, 24.0 * 3**0.5, 24.0, 3**-0.5)])
-def test_staggered_circles(columns, rows, across, down, aspect):
+NARROW, HIGH = (4, 11, 25.0, 25.0, 1.0), (6, 9, 24.0, 24.0 * 3**0.5, 3**0.5)
+WIDE = 12, 7, 24.0 * 3**0.5, 24.0, 3**-0.5
+
+
+@pytest.mark.parametrize("grid,target", [
+    (NARROW, "acircles:4x11"), (NARROW, "auto"), (HIGH, "auto"), (WIDE, "acircles:12x7"),
+    pytest.param(HIGH, "acircles:6x9", marks=regress), pytest.param(WIDE, "auto", marks=regress)])
+def test_staggered_circles(grid, target):
+    columns, rows, across, down, aspect = grid
     centres, index = staggered(columns, rows, across, down)
     picture = circles(centres, (centres.max(axis=0) + 60).astype(int))
-    for target in (f"acircles:{columns}x{rows}", "auto"):
-        points = detect_points([("a.png", picture)], target)
-        photo = points.photos[0]
-        assert (points.target, len(photo.index)) == ("acircles", columns * rows)
-        order = np.lexsort(photo.index.T)
-        np.testing.assert_array_equal(photo.index[order], index[np.lexsort(index.T)])
-        np.testing.assert_allclose(photo.xy, photo.index * (across, down) + 40.0, atol=0.1)
-        assert points.aspect == pytest.approx(aspect)
+    points = detect_points([("a.png", picture)], target)
+    photo = points.photos[0]
+    assert (points.target, len(photo.index)) == ("acircles", columns * rows)
+    order = np.lexsort(photo.index.T)
+    np.testing.assert_array_equal(photo.index[order], index[np.lexsort(index.T)])
+    np.testing.assert_allclose(photo.xy, photo.index * (across, down) + 40.0, atol=0.1)
+    assert points.aspect == pytest.approx(aspect)
 
 
 def test_stray_circles_beside_a_grid_are_left_out():
@@ -186,7 +192,7 @@ def test_auto_tells_dots_from_chessboards():
 
 
 @pytest.mark.parametrize("where", [
-    photos, pytest.param(full_photos, marks=pytest.mark.regress)], ids=["small", "full"])
+    photos, pytest.param(full_photos, marks=regress)], ids=["small", "full"])
 @pytest.mark.parametrize("pattern,target,count", [
     ("chessboard_wide/GOPR00[35]*.jpg", "chessboard:8x6", 48),
     ("opencv/left0[1-6].jpg", "chessboard:9x6", 54),
