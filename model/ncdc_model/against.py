@@ -75,7 +75,9 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
 
 def _against_map(descriptor, paths, camera):
     geometry, subject = descriptor.geometry, " and ".join(map(str, paths))
-    tables = load_remap(paths, geometry.distorted, camera)
+    # Valid by the same rule: which sources are inside depends on the samples around them.
+    tables = load_remap(paths, geometry.distorted, camera, bayer=geometry.bayer,
+                        interpolation=geometry.interpolation)
     if tables.geometry.corrected != geometry.corrected:
         raise InputError("{} is the map of a corrected picture with {}x{} pixels, the descriptor "
                          "is for {}x{}".format(subject, *tables.geometry.corrected,
