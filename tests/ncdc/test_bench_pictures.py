@@ -5,8 +5,9 @@ import numpy as np
 
 from cameras import barrel_descriptor
 from ncdc.bench.pictures.measure import FLOWS, Subject, fitted, measure
-from ncdc.bench.pictures.plots import busiest
+from ncdc.bench.pictures.plots import busiest, plot_crops
 from ncdc.cli import main
+from ncdc_model.images import read_image
 
 
 def subject(size=(160, 120)):
@@ -50,6 +51,21 @@ def test_the_busiest_crop_is_where_the_detail_is():
     picture[50:98:2, 100:164] = 255
     top, left = busiest(picture)
     assert abs(top - 50) <= 2 and abs(left - 100) <= 2
+
+
+def test_the_crops_are_drawn(tmp_path):
+    """The picture of another flow's crop, and of what was there before, is another picture."""
+    plain = np.full((120, 160, 3), 90, np.uint8)
+    shown = {"reference": plain, "fast": plain, "gradient": plain}
+    other = subject().colour
+    drawn = []
+    for k, (before, changed) in enumerate(((plain, {}), (other, {}), (plain, {"fast": other}),
+                                           (plain, {"gradient": other}))):
+        plot_crops(tmp_path / f"{k}.jpg", before, shown | changed,
+                   [{"flow": "fast", "psnr_db": 30.0}])
+        drawn.append(read_image(tmp_path / f"{k}.jpg").astype(int))
+    shares = [(abs(one - drawn[0]) > 60).mean() for one in drawn[1:]]
+    assert all(share > .01 for share in shares) and len(set(shares)) == 3
 
 
 def test_a_picture_without_colour_is_refused(tmp_path, capsys):

@@ -34,7 +34,8 @@ def add_arguments(parser):
     parser.add_argument("--neurons", type=int, default=8, metavar="N",
                         help="hidden neurons of the map (default: 8)")
     parser.add_argument("-o", "--output", metavar="DIR",
-                        help="also write a crop of each picture, the flows side by side")
+                        help="also write each picture before and after, with an enlarged crop "
+                             "of every flow")
     add_json(parser)
 
 
@@ -57,7 +58,7 @@ def run(args):
         rows += found
         if args.output:
             name = subject.name.replace(" ", "-")
-            plot_crops(Path(args.output) / f"pictures-{name}.jpg",
+            plot_crops(Path(args.output) / f"pictures-{name}.jpg", subject.colour,
                        {flow: pictures[flow] for flow in _SHOWN}, found)
     progress(1)
     if not write_report({"rows": rows}, args.json):
