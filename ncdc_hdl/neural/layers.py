@@ -150,7 +150,8 @@ class OutputLayer(wiring.Component):
             "i": In(data.ArrayLayout(signed(formats.tansig.width), self.units)),
             "neurons": In(output_layout(hidden_neurons, formats, share > 1)),
             "o": Out(data.ArrayLayout(signed(formats.coordinate.width), 2)),
-        } | ({"writes": In(BANK_WRITES)} if share > 1 else {}) | ({"inputs": In(data.ArrayLayout(signed(formats.input.width), 2))} if self.skip else {}))
+        } | ({"writes": In(BANK_WRITES)} if share > 1 else {}) | (
+            {"inputs": In(data.ArrayLayout(signed(formats.input.width), 2))} if self.skip else {}))
 
     @property
     def inputs_clock(self):

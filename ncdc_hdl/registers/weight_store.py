@@ -24,7 +24,7 @@ def in_memory(rows, hardware):
 
 
 class WeightStore(wiring.Component):
-    """The set of weights that a host reads and writes word by word, ahead of the network's two banks.
+    """The weights that a host reads and writes word by word, ahead of the network's two banks.
 
     What a host writes goes into the set and into the bank that no frame uses. ``take`` makes that
     bank the active one, in one clock, whole; then the set is copied into the other bank, word by
