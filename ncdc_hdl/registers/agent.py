@@ -90,13 +90,14 @@ class Registers(wiring.Component):
 
     def __init__(self, table, values, *, digest, hidden_neurons, capabilities, nodes=1,
                  in_memory=(), neurons=0):
-        self.table, self.values = [r for r in table if r not in in_memory], values
+        self.table, self.values = table, values
+        self.rows = [r for r in table if r not in in_memory]    # with a register of their own
         self.store = WeightStore(in_memory, values, neurons) if in_memory else None
         self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, "NODES": nodes,
                           **capabilities}
         [fault] = [r for r in table if r.name == "FAULT"]
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
-                  for r in self.table if r.access == "shadow"}
+                  for r in self.rows if r.access == "shadow"}
         initial = {name: values.get(name, 0) for name in shadow}
         super().__init__({
             "bus": In(Agent(ADDRESS_WORDS_BITS)),
@@ -110,34 +111,17 @@ class Registers(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        bus = self.bus
         kept = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(),
                                init=self.values.get(r.name, 0))
-                for r in self.table if r.access in ("rw", "shadow")}
+                for r in self.rows if r.access in ("rw", "shadow")}
         counted = {name: Signal(32, name=name.lower()) for name in (*COUNTERS, "FRAMES")}
-        action = {r.name: r for r in self.table if r.access == "action"}
+        action = {r.name: r for r in self.rows if r.access == "action"}
         status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
         fault = {flag.name: Signal(name=f"fault_{flag.name.lower()}")
                  for flag in action["FAULT"].flags}
 
-        # An access goes into registers first, then to the register that it concerns: address and
-        # word rest until it is over.
-        address = Signal(ADDRESS_WORDS_BITS)        # of the word that is accessed
-        word = Signal(32)                           # the word to be written
-        under_way = Signal()                        # an access has begun and is not over
         copying = Signal()                          # weights are copied: no access begins
-        free = ~under_way & ~copying
-        with m.If(free):
-            m.d.sync += [address.eq(bus.address), word.eq(bus.writedata),
-                         under_way.eq(bus.write | bus.read)]
-        write = self._steps(m, "write", bus.write & free)
-        read = self._steps(m, "read", bus.read & free)
-        accept = Signal()                           # the bus may end the access
-        m.d.sync += accept.eq(write[3] | read[3])
-        m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[5])]
-        with m.If(accept):
-            m.d.sync += under_way.eq(0)
-
+        address, word, under_way, write, read = self._accesses(m, copying)
         altered = Signal()                          # the lens may not be the one of DIGEST
         take = Signal()                             # the committed set is taken over in this clock
         stored, store_written = Const(0, signed(32)), Const(0)
@@ -147,14 +131,14 @@ class Registers(wiring.Component):
                          self.store.held.eq(under_way), self.store.take.eq(take),
                          copying.eq(self.store.busy)]
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
-                 for r in self.table}
+                 for r in self.rows}
         self._read(m, address, meant, stored, {
             **self.constants, **kept, **counted, "CTRL": 0,
             "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags),
             "FAULT": Cat(fault[flag.name] for flag in action["FAULT"].flags),
             "ALTERED": altered})
 
-        written = {r.name: write[1] & meant[r.name] for r in self.table if r.access != "ro"}
+        written = {r.name: write[1] & meant[r.name] for r in self.rows if r.access != "ro"}
         in_table = register(m, "table_written", write[0] & (address >= TABLE), reset_less=False)
         for name, signals in (("STATUS", status), ("FAULT", fault)):
             for flag in action[name].flags:
@@ -167,7 +151,7 @@ class Registers(wiring.Component):
         self._keep(m, written, word, kept, status["COMMITTED"])
         self._table(m, address, read[2], in_table, word, kept, status)
         table_refused = in_table & ~self.valid_table.write
-        of_set = Cat(store_written, *(written[r.name] for r in self.table
+        of_set = Cat(store_written, *(written[r.name] for r in self.rows
                                       if r.access == "shadow")).any()
         with m.If(self._refused(m, of_set, table_refused, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
@@ -179,6 +163,29 @@ class Registers(wiring.Component):
                      status["BANK"].eq(self.active.VALID_BANK),
                      status["FAULT"].eq(Cat(fault.values()).any())]
         return m
+
+    def _accesses(self, m, copying):
+        """Take one access of the bus at a time, none while ``copying``.
+
+        It goes into registers first, then to the register that it concerns: address and word rest
+        until it is over. Returns both, whether an access is under way, and its clocks as flags.
+        """
+        bus = self.bus
+        address = Signal(ADDRESS_WORDS_BITS)        # of the word that is accessed
+        word = Signal(32)                           # the word to be written
+        under_way = Signal()                        # an access has begun and is not over
+        accept = Signal()                           # the bus may end the access
+        free = ~under_way & ~copying
+        with m.If(free):
+            m.d.sync += [address.eq(bus.address), word.eq(bus.writedata),
+                         under_way.eq(bus.write | bus.read)]
+        write = self._steps(m, "write", bus.write & free)
+        read = self._steps(m, "read", bus.read & free)
+        m.d.sync += accept.eq(write[3] | read[3])
+        m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[5])]
+        with m.If(accept):
+            m.d.sync += under_way.eq(0)
+        return address, word, under_way, write, read
 
     @staticmethod
     def _steps(m, name, begun):
@@ -197,7 +204,7 @@ class Registers(wiring.Component):
 
     def _read(self, m, address, meant, stored, readable):
         """Gather the word that is meant: all but one are masked, ``stored`` has been already."""
-        words = [Mux(meant[r.name], readable[r.name], 0) for r in self.table] + [stored]
+        words = [Mux(meant[r.name], readable[r.name], 0) for r in self.rows] + [stored]
         fours = [register(m, f"word{k}", reduce(or_, words[k:k + 4]), signed(32))
                  for k in range(0, len(words), 4)]
         value = register(m, "value", reduce(or_, fours))
@@ -207,7 +214,7 @@ class Registers(wiring.Component):
 
     def _keep(self, m, written, word, kept, committed):
         """Take what is written, unless it is of a committed set."""
-        for r in self.table:
+        for r in self.rows:
             if r.name in kept:
                 with m.If(written[r.name] & ~(committed & (r.access == "shadow"))):
                     m.d.sync += kept[r.name].eq(word)
@@ -230,7 +237,7 @@ class Registers(wiring.Component):
     def _altered(self, m, written, store_written, altered):
         """Whether the lens may be another one than DIGEST says; a reset keeps the valid rows."""
         of_lens = Cat(store_written, *(
-            written[r.name] for r in self.table
+            written[r.name] for r in self.rows
             if r.access == "shadow" and r.name not in OUTSIDE_DIGEST))
         set_altered = Signal()                      # a register of the lens was written
         rows_altered = Signal(2, reset_less=True)   # a valid row was, of each bank
