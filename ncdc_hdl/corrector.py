@@ -21,6 +21,7 @@ from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.checks import Checks
+from ncdc_hdl.registers.weight_store import in_memory
 from ncdc_model.fetch.corrector_timing import CorrectorTiming
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values
@@ -100,11 +101,13 @@ class Corrector(wiring.Component):
         self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes) if hardware.cached
                       else Multiport(f_bits, data_width))
         self.interpolator = Interpolator(f_bits, lanes, needs)
+        rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes)
         self.registers = Registers(
-            registers(descriptor.hidden_neurons, formats, descriptor.nodes),
-            host_values(descriptor, self.hardware),
-            digest=int(descriptor.digest[:8], 16), hidden_neurons=descriptor.hidden_neurons,
-            nodes=descriptor.nodes, capabilities=capabilities(self.hardware, *self.table.largest))
+            rows, host_values(descriptor, self.hardware), digest=int(descriptor.digest[:8], 16),
+            hidden_neurons=descriptor.hidden_neurons, nodes=descriptor.nodes,
+            capabilities=capabilities(self.hardware, *self.table.largest),
+            in_memory=in_memory(rows, self.hardware),
+            neurons=self.hardware.served(descriptor.hidden_neurons))
         self.checks = Checks(self.hardware, *self.table.largest,
                              self.registers.active.shape())
         ports = _flat("csr", Agent(ADDRESS_WORDS_BITS), In)
@@ -249,7 +252,11 @@ class Corrector(wiring.Component):
             m.d.comb += self.interpolator.mono.eq(active.BAYER_PHASE[2])
         if self.hardware.cached:
             m.d.comb += self.fetch.split.eq(active.CACHE_SPLIT)
+        if "writes" in self.backmap.signature.members:
+            wiring.connect(m, self.registers.writes, self.backmap.writes)
         for row in network_registers(self.descriptor.hidden_neurons, self.descriptor.formats):
+            if row.name not in active.shape().members:
+                continue
             place = network
             for step in row.parameter:
                 place = place[step]

@@ -132,6 +132,16 @@ class Hardware:
                              f"{hidden_neurons}")
         return -(-hidden_neurons // share)
 
+    def served(self, hidden_neurons):
+        """Neurons that the tan-sigmoids of a network of ``hidden_neurons`` could serve, turns
+        without a neuron included."""
+        return self.units(hidden_neurons) * (self.share or 1)
+
+    def in_memory(self, layer):
+        """Whether what the neurons of ``layer``, "hidden" or "output", have for each hidden neuron
+        lies in memories, where a unit reads it in turn, and not in registers."""
+        return (self.share or 1) > 1 and (layer == "output" or self.hidden == "multiply")
+
     def node_clocks(self, descriptor):
         """Clocks that a node may take, if a row's nodes are to come in the clocks of its groups.
 

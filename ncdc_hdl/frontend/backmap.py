@@ -4,7 +4,12 @@ from amaranth import *
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.frontend.layouts import coordinate_layout, network_layout, scan_layout
+from ncdc_hdl.frontend.layouts import (
+    coordinate_layout,
+    join_network,
+    network_ports,
+    scan_layout,
+)
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.signatures import SpansRequest
 from ncdc_hdl.lib.credits import CreditQueue
@@ -48,8 +53,9 @@ class BackMap(wiring.Component):
         Begins a frame; to be given only when the last one has left ``o``.
     abort : ``In(1)``
         Ends the frame early, see :class:`Scan`.
-    scan, network : ``In(scan_layout())``, ``In(network_layout(...))``
+    scan : ``In(scan_layout())``
         Constant during a frame.
+    network, writes : see :func:`network_ports`
     table : ``Out(SpansRequest())``
         To the table of valid rows.
     o : ``Out(stream.Signature(coordinate_layout(formats, lanes)))``
@@ -95,11 +101,10 @@ class BackMap(wiring.Component):
                              f"under way and {_SLACK}")
         super().__init__({
             "start": In(1), "abort": In(1), "scan": In(scan_layout()),
-            "network": In(network_layout(hidden_neurons, formats)),
             "table": Out(SpansRequest()),
             "o": Out(stream.Signature(coordinate_layout(formats, lanes))),
             "idle": Out(1), "stalled": Out(1), "cut": Out(1),
-        })
+        } | network_ports(hidden_neurons, formats, hardware))
 
     @property
     def latency(self):
@@ -143,9 +148,9 @@ class BackMap(wiring.Component):
             m.d.comb += [
                 hidden.start.eq(self.start), hidden.active.eq(scan.active),
                 hidden.pixel.eq(scan.pixels[k]), hidden.turn.eq(turn),
-                hidden.advance.eq(scan.advance), hidden.neurons.eq(self.network.hidden),
-                output.neurons.eq(self.network.output), output.first.eq(activated),
+                hidden.advance.eq(scan.advance), output.first.eq(activated),
             ]
+            join_network(m, self, hidden, output)
             for j, tansig in enumerate(self.tansig[k]):
                 m.submodules[f"tansig{k}_{j}"] = tansig
                 m.d.comb += [tansig.i.eq(hidden.o[j]), output.i[j].eq(tansig.o)]

@@ -12,6 +12,8 @@ from ncdc_hdl.lib.pipeline import delay, register
 
 __all__ = ["NodesToCoordinates"]
 
+_SUM_LATENCY = 2        # clocks of a sum that is added up in halves
+
 
 class NodesToCoordinates(wiring.Component):
     """Coordinates of the pixels between nodes, by adding second differences, ``lanes`` at a time.
@@ -64,7 +66,8 @@ class NodesToCoordinates(wiring.Component):
     def latency(self):
         """Clocks from ``advance`` to the coordinates: slope, what a group adds to it in two (4
         lanes) or one (2 lanes), value, the lanes' values if there are several, rounding."""
-        return {1: 3, 2: 5, 4: 6}[self.lanes]
+        several = self.lanes > 1
+        return _SUM_LATENCY + exact_log2(self.lanes) + _SUM_LATENCY + several + 1
 
     def elaborate(self, platform):
         m = Module()
@@ -75,11 +78,35 @@ class NodesToCoordinates(wiring.Component):
             segments.flush.eq(self.flush), taken.eq(self.advance & self.begins),
             segments.o.ready.eq(taken), self.ready.eq(segments.o.valid & ~taken),
         ]
-        valid = register(m, "slope_valid", self.advance, reset_less=False)
-        anew = register(m, "slope_anew", self.begins)
+        valid = delay(m, self.advance, _SUM_LATENCY, "slope_valid", reset_less=False)
+        anew = delay(m, self.begins, _SUM_LATENCY, "slope_anew")
         for name in AXES:
             self._axis(m, name, valid, anew)
         return m
+
+    @staticmethod
+    def _sum(m, name, shape, enable, begins, start, step):
+        """A sum that grows by ``step`` with each ``enable``, and is ``start`` with those that
+        ``begins``, ``_SUM_LATENCY`` clocks later: its high half is added up a clock behind the low
+        one, so that no carry runs through both."""
+        width = Shape.cast(shape).width
+        cut = width // 2
+        low = Signal(cut, name=f"{name}_low", reset_less=True)
+        carry = Signal(name=f"{name}_carry", reset_less=True)   # of the low half
+        after = Signal(cut, name=f"{name}_after", reset_less=True)      # the low half a clock later
+        high = Signal(signed(width - cut), name=f"{name}_high", reset_less=True)
+        wide_start, wide_step = Signal(shape), Signal(shape)
+        m.d.comb += [wide_start.eq(start), wide_step.eq(step)]
+        with m.If(enable):
+            m.d.sync += Cat(low, carry).eq(Mux(begins, wide_start[:cut], low + wide_step[:cut]))
+        late_begins = register(m, f"{name}_begins", begins)
+        late_start = register(m, f"{name}_start_high", wide_start[cut:].as_signed())
+        late_step = register(m, f"{name}_step_high", wide_step[cut:].as_signed())
+        with m.If(register(m, f"{name}_enable", enable, reset_less=False)):
+            # The carry enters the chain as the sum of one bit more below.
+            total = Cat(Const(1, 1), high).as_signed() + Cat(carry, late_step).as_signed()
+            m.d.sync += [after.eq(low), high.eq(Mux(late_begins, late_start, total >> 1))]
+        return Cat(after, high).as_signed()
 
     def _axis(self, m, name, valid, anew):
         segment, lanes = self.segments.o.p[name], self.lanes
@@ -87,14 +114,14 @@ class NodesToCoordinates(wiring.Component):
         def kept(what, value, clocks=1):
             return delay(m, value, clocks, f"{name}_{what}")
 
-        slope = Signal.like(segment.slope, name=f"{name}_slope", reset_less=True)
         bend = Signal.like(segment.bend, name=f"{name}_bend", reset_less=True)
         base = Signal.like(segment.base, name=f"{name}_base", reset_less=True)
+        with m.If(self.advance & self.begins):
+            m.d.sync += [bend.eq(segment.bend), base.eq(segment.base)]
         # Slope: that of the group's first pixel.
-        with m.If(self.advance):
-            m.d.sync += slope.eq(slope + (bend << exact_log2(2 * lanes)))
-            with m.If(self.begins):
-                m.d.sync += [slope.eq(segment.slope), bend.eq(segment.bend), base.eq(segment.base)]
+        slope = self._sum(m, f"{name}_slope", segment.slope.shape(), self.advance, self.begins,
+                          segment.slope, bend << exact_log2(2 * lanes))
+        bend, base = kept("late_bend", bend), kept("late_base", base)
         # Parts: what the lanes' values are more than the first one's, and the next group's.
         if lanes == 1:
             parts, growth, clocks = [], slope, 0
@@ -108,15 +135,17 @@ class NodesToCoordinates(wiring.Component):
                      kept("part3", two + (two << 1))]
             growth, clocks = kept("growth", three << 2), 2
         # Value: 4 S^2 times that of the group's first pixel.
-        value = Signal(self.shape, name=f"{name}_value", reset_less=True)
-        step = Signal(self.shape, name=f"{name}_step", reset_less=True)
+        step = Signal.like(growth, name=f"{name}_step", reset_less=True)
         begins, start = kept("anew", anew, clocks), kept("start", base, clocks)
-        with m.If(delay(m, valid, clocks, f"{name}_valid", reset_less=False)):
-            m.d.sync += [value.eq(Mux(begins, start << self.scale, value + step)),
-                         step.eq(growth)]
+        enable = delay(m, valid, clocks, f"{name}_valid", reset_less=False)
+        with m.If(enable):
+            m.d.sync += step.eq(growth)
+        value = self._sum(m, f"{name}_value", self.shape, enable, begins, start << self.scale,
+                          step)
         values = [value]
         if lanes > 1:
-            # Lanes: each one's value.
+            # Lanes: each one's value, when it is there.
+            parts = [kept(f"ready{k}", part, _SUM_LATENCY - 1) for k, part in enumerate(parts, 1)]
             values = [kept("lane0", value)] + [
                 register(m, f"{name}_lane{k}", value + kept(f"ahead{k}", part), self.shape)
                 for k, part in enumerate(parts, 1)]

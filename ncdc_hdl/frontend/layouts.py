@@ -1,13 +1,16 @@
 """Layouts that the front end shares with its neighbours."""
 
 from amaranth import *
-from amaranth.lib import data
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In
 
 from ncdc_hdl.lib.groups import grouped
+from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_hdl.neural.layouts import hidden_layout, output_layout
 from ncdc_model.geometry import MAX_SIZE, SCAN
 
-__all__ = ["SIZE", "SPANS", "coordinate_layout", "network_layout", "scan_layout"]
+__all__ = ["SIZE", "SPANS", "coordinate_layout", "join_network", "network_layout",
+           "network_ports", "scan_layout"]
 
 SIZE = range(MAX_SIZE + 1)                       # of a width, a height, the end of a span
 SPANS = data.StructLayout({"start0": SIZE, "stop0": SIZE, "start1": SIZE, "stop1": SIZE})
@@ -26,10 +29,35 @@ def scan_layout():
     })
 
 
-def network_layout(hidden_neurons, formats):
-    """Weights and biases of the whole network, raw in ``formats``."""
-    return data.StructLayout({"hidden": hidden_layout(hidden_neurons, formats),
-                              "output": output_layout(hidden_neurons, formats)})
+def network_layout(hidden_neurons, formats, hardware):
+    """Weights and biases of the whole network, raw in ``formats``, but for those that
+    ``hardware`` has in memories."""
+    hidden = {} if hardware.in_memory("hidden") else {
+        "hidden": hidden_layout(hidden_neurons, formats)}
+    return data.StructLayout(hidden | {
+        "output": output_layout(hidden_neurons, formats, hardware.in_memory("output"))})
+
+
+def network_ports(hidden_neurons, formats, hardware):
+    """Ports of a front end for the network's parameters.
+
+    network : ``In(network_layout(...))``
+        Constant during a frame.
+    writes : ``In(BANK_WRITES)``
+        To the memories, if neurons share a unit.
+    """
+    writes = {"writes": In(BANK_WRITES)} if hardware.in_memory("output") else {}
+    return {"network": In(network_layout(hidden_neurons, formats, hardware))} | writes
+
+
+def join_network(m, front_end, hidden, output):
+    """Give the layers ``hidden`` and ``output`` what :func:`network_ports` brings."""
+    m.d.comb += output.neurons.eq(front_end.network.output)
+    for layer in (hidden, output):
+        if "writes" in layer.signature.members:
+            wiring.connect(m, wiring.flipped(front_end.writes), layer.writes)
+    if "neurons" in hidden.signature.members:
+        m.d.comb += hidden.neurons.eq(front_end.network.hidden)
 
 
 def coordinate_layout(formats, lanes=1):

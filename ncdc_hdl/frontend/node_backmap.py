@@ -5,7 +5,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.frontend.between import NodesToCoordinates
-from ncdc_hdl.frontend.layouts import coordinate_layout, network_layout, scan_layout
+from ncdc_hdl.frontend.layouts import coordinate_layout, network_ports, scan_layout
 from ncdc_hdl.frontend.node_network import NodeNetwork
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.segments import Segments
@@ -55,11 +55,10 @@ class NodeBackMap(wiring.Component):
         self.between = NodesToCoordinates(fine, formats.coordinate, nodes, self.lanes)
         super().__init__({
             "start": In(1), "abort": In(1), "scan": In(scan_layout()),
-            "network": In(network_layout(hidden_neurons, formats)),
             "table": Out(SpansRequest()),
             "o": Out(stream.Signature(coordinate_layout(formats, self.lanes))),
             "idle": Out(1), "stalled": Out(1), "cut": Out(1),
-        })
+        } | network_ports(hidden_neurons, formats, hardware))
 
     @property
     def start_latency(self):
@@ -79,6 +78,8 @@ class NodeBackMap(wiring.Component):
             coordinate_layout(self.formats, self.lanes), depth=_QUEUE, restart=_QUEUE // 2)
         wiring.connect(m, scan.table, wiring.flipped(self.table))
         wiring.connect(m, network.o, between.i)
+        if "writes" in network.signature.members:
+            wiring.connect(m, wiring.flipped(self.writes), network.writes)
         self._frames(m, scan, network, between)
         latency = between.latency
         blank = delay(m, scan.blank, latency - scan.blank_latency, "blank")

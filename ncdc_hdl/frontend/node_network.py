@@ -4,7 +4,7 @@ from amaranth import *
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.frontend.layouts import network_layout, scan_layout
+from ncdc_hdl.frontend.layouts import join_network, network_ports, scan_layout
 from ncdc_hdl.frontend.node_scan import NodeScan
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.pipeline import DelayMemory, delay, register
@@ -48,8 +48,7 @@ class NodeNetwork(wiring.Component):
     Members
     -------
     start, stop, scan : as of :class:`NodeScan`; ``stop`` is held until the next ``start``
-    network : ``In(network_layout(...))``
-        Constant during a frame.
+    network, writes : see :func:`network_ports`
     o : ``Out(stream.Signature(node_layout(formats)))``
     quiet : ``Out(1)``
         No node is in the network or in the queue; some clocks late, but low from the first issue's
@@ -70,10 +69,9 @@ class NodeNetwork(wiring.Component):
         self.queued = max(32, 1 << (self.under_way + _SLACK - 1).bit_length())
         super().__init__({
             "start": In(1), "stop": In(1), "scan": In(scan_layout()),
-            "network": In(network_layout(hidden_neurons, formats)),
             "o": Out(stream.Signature(node_layout(formats))), "quiet": Out(1, init=1),
             "idle": Out(1),
-        })
+        } | network_ports(hidden_neurons, formats, hardware))
 
     @property
     def latency(self):
@@ -93,14 +91,14 @@ class NodeNetwork(wiring.Component):
             scan.start.eq(self.start), scan.stop.eq(self.stop), scan.parameters.eq(self.scan),
             scan.room.eq(queue.room),
             hidden.pixel.x.eq(scan.x), hidden.pixel.y.eq(scan.y), hidden.turn.eq(scan.turn),
-            hidden.neurons.eq(self.network.hidden),
-            output.neurons.eq(self.network.output), output.first.eq(activated),
+            output.first.eq(activated),
             queue.issue.eq(scan.issue),
             queue.arrive.eq(delay(m, activated, output.latency, "output", reset_less=False)),
             queue.i.x.eq(output.o[0]), queue.i.y.eq(output.o[1]),
             queue.i.whole.eq(delay(m, scan.whole, self.latency, "whole")),
             self.idle.eq(queue.drained & ~scan.issue),
         ]
+        join_network(m, self, hidden, output)
         if output.skip:
             m.submodules.inputs = inputs = DelayMemory(
                 2 * self.formats.input.width, before_output + output.inputs_clock)

@@ -6,6 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import bits_for
 
 from ncdc_hdl.lib.pipeline import delay, register
+from ncdc_hdl.neural.banks import BANK_WRITES, WeightBanks
 from ncdc_hdl.neural.layouts import hidden_layout, output_layout, pixel_layout
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 
@@ -17,8 +18,9 @@ def served(unit, hidden_neurons, share):
     return range(unit * share, min((unit + 1) * share, hidden_neurons))
 
 
-def hidden_layer_ports(hidden_neurons, formats, share, lanes=1):
-    """Ports of every kind of hidden layer.
+def hidden_layer_ports(hidden_neurons, formats, share, lanes=1, in_memory=False):
+    """Ports of every kind of hidden layer; with ``writes`` if its weights are ``in_memory``, else
+    with ``neurons``.
 
     start : ``In(1)``
         Begins a frame, whose parameters are ready.
@@ -30,6 +32,8 @@ def hidden_layer_ports(hidden_neurons, formats, share, lanes=1):
         The pixel is left for the next one.
     neurons : ``In(hidden_layout(...))``
         Constant in a frame.
+    writes : ``In(BANK_WRITES)``
+        To the memories of weights and biases.
     ready : ``Out(1)``
         The pixel of the next clock may be taken then.
     o : ``Out(ArrayLayout(signed(net), units))``
@@ -38,10 +42,10 @@ def hidden_layer_ports(hidden_neurons, formats, share, lanes=1):
     units = -(-hidden_neurons // share)
     return {
         "start": In(1), "active": In(1), "pixel": In(pixel_layout(formats, lanes)),
-        "turn": In(bits_for(share - 1)), "advance": In(1),
-        "neurons": In(hidden_layout(hidden_neurons, formats)), "ready": Out(1),
+        "turn": In(bits_for(share - 1)), "advance": In(1), "ready": Out(1),
         "o": Out(data.ArrayLayout(signed(formats.net.width), units)),
-    }
+    } | ({"writes": In(BANK_WRITES)} if in_memory else
+         {"neurons": In(hidden_layout(hidden_neurons, formats))})
 
 
 class MultiplyLayer(wiring.Component):
@@ -53,7 +57,8 @@ class MultiplyLayer(wiring.Component):
         HN.
     formats : ncdc_model.descriptor.Formats
     share : int
-        Neurons that one multiply-accumulate pipeline computes in turn.
+        Neurons that one multiply-accumulate pipeline computes in turn, their weights in memories
+        if there are several.
     multiplier_bits : int
         Of the multiplier blocks, 27 or 18.
     lanes : int
@@ -66,7 +71,7 @@ class MultiplyLayer(wiring.Component):
         self.hidden_neurons, self.share = hidden_neurons, share
         self.units = [HiddenNeuron(formats, multiplier_bits)
                       for _ in range(-(-hidden_neurons // share))]
-        super().__init__(hidden_layer_ports(hidden_neurons, formats, share, lanes))
+        super().__init__(hidden_layer_ports(hidden_neurons, formats, share, lanes, share > 1))
 
     start_latency = 0
     """Clocks that a frame's first pixel waits for the layer."""
@@ -79,22 +84,31 @@ class MultiplyLayer(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.d.comb += self.ready.eq(1)
-        unit = self.units[0]
         inputs = register(m, "inputs", Cat(self.pixel.x, self.pixel.y))
-        turn_w = delay(m, self.turn, 1 + unit.weights_clock, "turn_w")
-        turn_b = delay(m, turn_w, unit.bias_clock - unit.weights_clock, "turn_b")
         for k, unit in enumerate(self.units):
             m.submodules[f"unit{k}"] = unit
-            neurons = [self.neurons[j] for j in served(k, self.hidden_neurons, self.share)]
-            weights = Array(Value.cast(n.weights) for n in neurons)
-            biases = Array(n.bias for n in neurons)
-            m.d.comb += [
-                unit.i.eq(inputs),
-                unit.weights.eq(weights[turn_w] if self.share > 1 else weights[0]),
-                unit.bias.eq(biases[turn_b] if self.share > 1 else biases[0]),
-                self.o[k].eq(unit.o),
-            ]
+            m.d.comb += [unit.i.eq(inputs), self.o[k].eq(unit.o)]
+            if self.share == 1:
+                m.d.comb += [unit.weights.eq(self.neurons[k].weights),
+                             unit.bias.eq(self.neurons[k].bias)]
+        if self.share > 1:
+            self._banks(m)
         return m
+
+    def _banks(self, m):
+        """Give each unit the words of its present neuron, in the clocks in which it uses them."""
+        unit = self.units[0]
+        # One clock is that of the inputs on their way to all units, one more the memory's.
+        of_weights = delay(m, self.turn, 1 + unit.weights_clock - WeightBanks.latency, "turn_w")
+        of_bias = delay(m, of_weights, unit.bias_clock - unit.weights_clock, "turn_b")
+        for k, unit in enumerate(self.units):
+            words = [(unit.weights[0], of_weights), (unit.weights[1], of_weights),
+                     (unit.bias, of_bias)]
+            for role, (word, turn) in enumerate(words):
+                m.submodules[f"bank{k}_{role}"] = bank = WeightBanks(
+                    word.shape(), unit=k, share=self.share, output=0, role=role)
+                wiring.connect(m, wiring.flipped(self.writes), bank.writes)
+                m.d.comb += [bank.turn.eq(turn), word.eq(bank.o)]
 
 
 class OutputLayer(wiring.Component):
@@ -106,7 +120,7 @@ class OutputLayer(wiring.Component):
         HN.
     formats : ncdc_model.descriptor.Formats
     share : int
-        Turns; 2 ceil(HN / share) products.
+        Turns; 2 ceil(HN / share) products. The weights are in memories if there are several.
     multiplier_bits : int
         Of the multiplier blocks, 27 or 18.
 
@@ -120,6 +134,8 @@ class OutputLayer(wiring.Component):
         x, y of the pixel, ``inputs_clock`` clocks after ``first`` (only with a skip path).
     neurons : ``In(output_layout(...))``
         Constant in a frame.
+    writes : ``In(BANK_WRITES)``
+        To the memories of weights (only with several turns).
     o : ``Out(ArrayLayout(signed(coordinate), 2))``
         x', y'; ``latency`` clocks after ``first``.
     """
@@ -132,9 +148,10 @@ class OutputLayer(wiring.Component):
         super().__init__({
             "first": In(1),
             "i": In(data.ArrayLayout(signed(formats.tansig.width), self.units)),
-            "neurons": In(output_layout(hidden_neurons, formats)),
+            "neurons": In(output_layout(hidden_neurons, formats, share > 1)),
             "o": Out(data.ArrayLayout(signed(formats.coordinate.width), 2)),
-        } | ({"inputs": In(data.ArrayLayout(signed(formats.input.width), 2))} if self.skip else {}))
+        } | ({"writes": In(BANK_WRITES)} if share > 1 else {}) | (
+            {"inputs": In(data.ArrayLayout(signed(formats.input.width), 2))} if self.skip else {}))
 
     @property
     def inputs_clock(self):
@@ -148,23 +165,30 @@ class OutputLayer(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        turn = Signal(range(self.share))
-        if self.share > 1:
-            # Turn 0 shows one clock after ``first``: then the neurons want its weights.
-            m.d.sync += turn.eq(Mux(self.first, 0, turn + 1))
         for k, output in enumerate(self.outputs):
             m.submodules[f"output{k}"] = output
             neuron = self.neurons[k]
             m.d.comb += [output.i.eq(self.i), output.bias.eq(neuron.bias),
                          self.o[k].eq(output.o)]
-            if self.share > 1:
-                m.d.comb += output.first.eq(self.first)
+            if self.share == 1:
+                m.d.comb += output.weights.eq(neuron.weights)
             if self.skip:
                 m.d.comb += [output.inputs.eq(self.inputs), output.skip.eq(neuron.skip)]
-            for unit in range(self.units):
-                weights = [neuron.weights[j]
-                           for j in served(unit, self.hidden_neurons, self.share)]
-                weights += [Const(0)] * (self.share - len(weights))
-                m.d.comb += output.weights[unit].eq(
-                    Array(weights)[turn] if self.share > 1 else weights[0])
+        if self.share > 1:
+            self._banks(m)
         return m
+
+    def _banks(self, m):
+        """Give both neurons the weights of the present turn, a clock after its activations."""
+        turn = Signal(range(self.share))                # of the activations
+        before = register(m, "before", turn)
+        m.d.comb += turn.eq(Mux(self.first, 0, before + 1))
+        for k, output in enumerate(self.outputs):
+            m.d.comb += output.first.eq(self.first)
+            for unit in range(self.units):
+                m.submodules[f"bank{k}_{unit}"] = bank = WeightBanks(
+                    output.weights[unit].shape(), unit=unit, share=self.share, output=1, role=k)
+                wiring.connect(m, wiring.flipped(self.writes), bank.writes)
+                m.d.comb += [bank.turn.eq(delay(
+                    m, turn, output.weights_clock - WeightBanks.latency, f"turn{k}_{unit}")),
+                    output.weights[unit].eq(bank.o)]

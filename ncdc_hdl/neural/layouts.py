@@ -7,23 +7,25 @@ from amaranth.utils import ceil_log2
 __all__ = ["hidden_layout", "output_layout", "pixel_layout"]
 
 
-def _neuron(inputs, weight, bias):
-    return data.StructLayout({"weights": data.ArrayLayout(signed(weight.width), inputs),
-                              "bias": signed(bias.width)})
-
-
 def hidden_layout(hidden_neurons, formats):
     """Weights and biases of the hidden neurons, raw in ``formats``."""
-    return data.ArrayLayout(_neuron(2, formats.hidden_weight, formats.hidden_bias), hidden_neurons)
+    return data.ArrayLayout(data.StructLayout({
+        "weights": data.ArrayLayout(signed(formats.hidden_weight.width), 2),
+        "bias": signed(formats.hidden_bias.width)}), hidden_neurons)
 
 
-def output_layout(hidden_neurons, formats):
-    """Weights, biases and skip weights, if any, of the two output neurons, raw in ``formats``."""
-    neuron = _neuron(hidden_neurons, formats.output_weight, formats.output_bias)
+def output_layout(hidden_neurons, formats, in_memory=False):
+    """Weights, biases and skip weights, if any, of the two output neurons, raw in ``formats``.
+
+    No weights if they are ``in_memory``, see :class:`ncdc_hdl.neural.banks.WeightBanks`.
+    """
+    members = {"bias": signed(formats.output_bias.width)}
+    if not in_memory:
+        members |= {"weights": data.ArrayLayout(signed(formats.output_weight.width),
+                                                hidden_neurons)}
     if formats.skip_weight is not None:
-        skip = data.ArrayLayout(signed(formats.skip_weight.width), 2)
-        neuron = data.StructLayout(neuron.members | {"skip": skip})
-    return data.ArrayLayout(neuron, 2)
+        members |= {"skip": data.ArrayLayout(signed(formats.skip_weight.width), 2)}
+    return data.ArrayLayout(data.StructLayout(members), 2)
 
 
 def pixel_layout(formats, lanes=1):

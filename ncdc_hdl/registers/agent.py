@@ -10,6 +10,8 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.avalon.bus import Agent
 from ncdc_hdl.frontend.signatures import TableAccess
 from ncdc_hdl.lib.pipeline import delay, register
+from ncdc_hdl.neural.banks import BANK_WRITES
+from ncdc_hdl.registers.weight_store import WeightStore
 from ncdc_model.interface.register_map import (
     ADDRESS_WORDS_BITS,
     COUNTERS,
@@ -32,9 +34,13 @@ class Registers(wiring.Component):
     A start while a frame runs is kept, one deep; without a commit it uses the set in use. An
     abort concerns the frame that runs, not the one that waits.
 
+    Weights of neurons that share a unit are not in ``active`` but in memories, see
+    :class:`WeightStore`, which has copying to do after a commit and after a reset.
+
     Timing: one access at a time; it is accepted after 5 clocks of waiting, when all that it changes
-    has changed, and data follow a clock later. The clock after ``ended`` is that of the next
-    ``begin``, with or without a commit.
+    has changed, and data follow a clock later. What begins while weights are copied waits until
+    they are. The clock after ``ended`` is that of the next ``begin``, with or without a commit;
+    only a commit that comes before the last one's weights are copied waits, and its frame.
 
     Parameters
     ----------
@@ -49,12 +55,19 @@ class Registers(wiring.Component):
         Values of CAPABILITIES and LARGEST.
     nodes : int
         Distance of the nodes, read back as NODES if ``table`` has that register.
+    in_memory : sequence of Register
+        Those of ``table`` that lie in memories: of each hidden neuron the same.
+    neurons : int
+        That the network's units could serve, if there are any ``in_memory``.
 
     Members
     -------
     bus : ``In(Agent(14))``
     active : ``Out(StructLayout)``
         The "shadow" registers by name, as the present frame sees them; constant while one runs.
+        Without those in memories.
+    writes : ``Out(BANK_WRITES)``
+        To the memories, if there are any.
     valid_table : ``Out(TableAccess())``
         To the host's side of the table of valid rows, which answers two clocks after ``read``.
     begin : ``Out(1)``
@@ -75,13 +88,16 @@ class Registers(wiring.Component):
     interrupt_latency = 1
     """Clocks from ``ended`` to ``irq``."""
 
-    def __init__(self, table, values, *, digest, hidden_neurons, capabilities, nodes=1):
+    def __init__(self, table, values, *, digest, hidden_neurons, capabilities, nodes=1,
+                 in_memory=(), neurons=0):
         self.table, self.values = table, values
+        self.rows = [r for r in table if r not in in_memory]    # with a register of their own
+        self.store = WeightStore(in_memory, values, neurons) if in_memory else None
         self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, "NODES": nodes,
                           **capabilities}
         [fault] = [r for r in table if r.name == "FAULT"]
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
-                  for r in table if r.access == "shadow"}
+                  for r in self.rows if r.access == "shadow"}
         initial = {name: values.get(name, 0) for name in shadow}
         super().__init__({
             "bus": In(Agent(ADDRESS_WORDS_BITS)),
@@ -91,46 +107,38 @@ class Registers(wiring.Component):
             "counters": In(data.StructLayout({name: 32 for name in COUNTERS})),
             "faults": In(data.StructLayout({flag.name.lower(): 1 for flag in fault.flags})),
             "irq": Out(1),
-        })
+        } | ({"writes": Out(BANK_WRITES)} if in_memory else {}))
 
     def elaborate(self, platform):
         m = Module()
-        bus = self.bus
         kept = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(),
                                init=self.values.get(r.name, 0))
-                for r in self.table if r.access in ("rw", "shadow")}
+                for r in self.rows if r.access in ("rw", "shadow")}
         counted = {name: Signal(32, name=name.lower()) for name in (*COUNTERS, "FRAMES")}
-        action = {r.name: r for r in self.table if r.access == "action"}
+        action = {r.name: r for r in self.rows if r.access == "action"}
         status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
         fault = {flag.name: Signal(name=f"fault_{flag.name.lower()}")
                  for flag in action["FAULT"].flags}
 
-        # An access goes into registers first, then to the register that it concerns: address and
-        # word rest until it is over.
-        address = Signal(ADDRESS_WORDS_BITS)        # of the word that is accessed
-        word = Signal(32)                           # the word to be written
-        under_way = Signal()                        # an access has begun and is not over
-        with m.If(~under_way):
-            m.d.sync += [address.eq(bus.address), word.eq(bus.writedata),
-                         under_way.eq(bus.write | bus.read)]
-        write = self._steps(m, "write", bus.write & ~under_way)
-        read = self._steps(m, "read", bus.read & ~under_way)
-        accept = Signal()                           # the bus may end the access
-        m.d.sync += accept.eq(write[3] | read[3])
-        m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[5])]
-        with m.If(accept):
-            m.d.sync += under_way.eq(0)
-
+        copying = Signal()                          # weights are copied: no access begins
+        address, word, under_way, write, read = self._accesses(m, copying)
         altered = Signal()                          # the lens may not be the one of DIGEST
+        take = Signal()                             # the committed set is taken over in this clock
+        stored, store_written = Const(0, signed(32)), Const(0)
+        if self.store:
+            stored, store_written = self._store(m, write[1], status["COMMITTED"])
+            m.d.comb += [self.store.address.eq(address), self.store.word.eq(word),
+                         self.store.held.eq(under_way), self.store.take.eq(take),
+                         copying.eq(self.store.busy)]
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
-                 for r in self.table}
-        self._read(m, address, meant, {
+                 for r in self.rows}
+        self._read(m, address, meant, stored, {
             **self.constants, **kept, **counted, "CTRL": 0,
             "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags),
             "FAULT": Cat(fault[flag.name] for flag in action["FAULT"].flags),
             "ALTERED": altered})
 
-        written = {r.name: write[1] & meant[r.name] for r in self.table if r.access != "ro"}
+        written = {r.name: write[1] & meant[r.name] for r in self.rows if r.access != "ro"}
         in_table = register(m, "table_written", write[0] & (address >= TABLE), reset_less=False)
         for name, signals in (("STATUS", status), ("FAULT", fault)):
             for flag in action[name].flags:
@@ -143,16 +151,41 @@ class Registers(wiring.Component):
         self._keep(m, written, word, kept, status["COMMITTED"])
         self._table(m, address, read[2], in_table, word, kept, status)
         table_refused = in_table & ~self.valid_table.write
-        with m.If(self._refused(m, written, table_refused, status["COMMITTED"])):
+        of_set = Cat(store_written, *(written[r.name] for r in self.rows
+                                      if r.access == "shadow")).any()
+        with m.If(self._refused(m, of_set, table_refused, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
-        self._frames(m, {flag.name: written["CTRL"] & word[flag.bit]
+        self._frames(m, take, copying, {flag.name: written["CTRL"] & word[flag.bit]
                          for flag in action["CTRL"].flags}, kept, status)
         self._count(m, counted)
-        self._altered(m, written, altered)
+        self._altered(m, written, store_written, altered)
         m.d.comb += [self.irq.eq(status["DONE"] & kept["IRQ_ENABLE"]),
                      status["BANK"].eq(self.active.VALID_BANK),
                      status["FAULT"].eq(Cat(fault.values()).any())]
         return m
+
+    def _accesses(self, m, copying):
+        """Take one access of the bus at a time, none while ``copying``.
+
+        It goes into registers first, then to the register that it concerns: address and word rest
+        until it is over. Returns both, whether an access is under way, and its clocks as flags.
+        """
+        bus = self.bus
+        address = Signal(ADDRESS_WORDS_BITS)        # of the word that is accessed
+        word = Signal(32)                           # the word to be written
+        under_way = Signal()                        # an access has begun and is not over
+        accept = Signal()                           # the bus may end the access
+        free = ~under_way & ~copying
+        with m.If(free):
+            m.d.sync += [address.eq(bus.address), word.eq(bus.writedata),
+                         under_way.eq(bus.write | bus.read)]
+        write = self._steps(m, "write", bus.write & free)
+        read = self._steps(m, "read", bus.read & free)
+        m.d.sync += accept.eq(write[3] | read[3])
+        m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[5])]
+        with m.If(accept):
+            m.d.sync += under_way.eq(0)
+        return address, word, under_way, write, read
 
     @staticmethod
     def _steps(m, name, begun):
@@ -162,9 +195,16 @@ class Registers(wiring.Component):
             steps.append(register(m, f"{name}{k}", steps[-1], reset_less=False))
         return steps[1:]
 
-    def _read(self, m, address, meant, readable):
-        """Gather the word that is meant: all but one are masked."""
-        words = [Mux(meant[r.name], readable[r.name], 0) for r in self.table]
+    def _store(self, m, write, committed):
+        """Join the weights in memories; what they read, and whether one is to be written."""
+        m.submodules.store = store = self.store
+        wiring.connect(m, store.writes, wiring.flipped(self.writes))
+        m.d.comb += store.write.eq(write & ~committed)
+        return store.read, write & store.mine
+
+    def _read(self, m, address, meant, stored, readable):
+        """Gather the word that is meant: all but one are masked, ``stored`` has been already."""
+        words = [Mux(meant[r.name], readable[r.name], 0) for r in self.rows] + [stored]
         fours = [register(m, f"word{k}", reduce(or_, words[k:k + 4]), signed(32))
                  for k in range(0, len(words), 4)]
         value = register(m, "value", reduce(or_, fours))
@@ -174,7 +214,7 @@ class Registers(wiring.Component):
 
     def _keep(self, m, written, word, kept, committed):
         """Take what is written, unless it is of a committed set."""
-        for r in self.table:
+        for r in self.rows:
             if r.name in kept:
                 with m.If(written[r.name] & ~(committed & (r.access == "shadow"))):
                     m.d.sync += kept[r.name].eq(word)
@@ -194,10 +234,11 @@ class Registers(wiring.Component):
             table.stop.eq(word[16:]),
         ]
 
-    def _altered(self, m, written, altered):
+    def _altered(self, m, written, store_written, altered):
         """Whether the lens may be another one than DIGEST says; a reset keeps the valid rows."""
-        of_lens = Cat(written[r.name] for r in self.table
-                      if r.access == "shadow" and r.name not in OUTSIDE_DIGEST)
+        of_lens = Cat(store_written, *(
+            written[r.name] for r in self.rows
+            if r.access == "shadow" and r.name not in OUTSIDE_DIGEST))
         set_altered = Signal()                      # a register of the lens was written
         rows_altered = Signal(2, reset_less=True)   # a valid row was, of each bank
         with m.If(of_lens.any()):
@@ -207,21 +248,19 @@ class Registers(wiring.Component):
         m.d.comb += altered.eq(
             set_altered | rows_altered.bit_select(self.active.VALID_BANK, 1))
 
-    def _refused(self, m, written, of_table, committed):
+    def _refused(self, m, of_set, of_table, committed):
         """Whether a write was ignored, two clocks later."""
-        shadow = Cat(written[r.name] for r in self.table if r.access == "shadow")
-        of_set = register(m, "shadow_written", shadow.any(), reset_less=False)
+        of_set = register(m, "shadow_written", of_set, reset_less=False)
         was_committed = register(m, "was_committed", committed, reset_less=False)
         return register(m, "ignored", of_set & was_committed, reset_less=False) \
             | delay(m, of_table, 2, "table_ignored", reset_less=False)
 
-    def _frames(self, m, control, kept, status):
+    def _frames(self, m, take, copying, control, kept, status):
         """Begin and end frames; a committed set is taken over between two of them."""
         busy, pending, committed = (status[name] for name in ("BUSY", "PENDING", "COMMITTED"))
-        take = Signal()         # the committed set is taken over in this clock
         asked = Signal()        # an abort was asked for while a frame ran or waited
         # A frame may begin, or a set be taken over, in the next clock.
-        boundary = (~busy | self.ended) & ~self.begin
+        boundary = (~busy | self.ended) & ~self.begin & ~(committed & copying)
         m.d.sync += [self.begin.eq(pending & boundary), take.eq(committed & boundary & ~take)]
         self._take_over(m, take, kept)
         m.d.comb += self.abort.eq(asked & busy)

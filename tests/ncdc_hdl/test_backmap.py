@@ -5,7 +5,7 @@ import pytest
 from amaranth import *
 
 from cameras import barrel_descriptor
-from front_end import FrontEnd, expected, extreme, fields, frames, load
+from front_end import FrontEnd, expected, extreme, fields, frames, load, prepare
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.valid import ValidTable
@@ -48,6 +48,7 @@ def test_abort_at_any_moment(hidden, share, seed):
     backmap, results = dut.backmap, []
 
     async def bench(ctx):
+        await prepare(ctx, backmap, d)
         load(ctx, backmap, d, strip)
         for moment in (int(rng.integers(1, 500)), int(rng.integers(1, 60)), None):
             frame, clock = [], 0
@@ -105,6 +106,7 @@ def test_one_coordinate_every_share_clocks(hidden, share):
     dut, valid = FrontEnd(d, hidden=hidden, share=share), []
 
     async def bench(ctx):
+        await prepare(ctx, dut.backmap, d)
         load(ctx, dut.backmap, d)
         ctx.set(dut.backmap.o.ready, 1)
         ctx.set(dut.backmap.start, 1)
@@ -127,6 +129,7 @@ def test_stops_and_restarts_without_losing_a_clock():
     idle, gaps = [], []
 
     async def bench(ctx):
+        await prepare(ctx, dut.backmap, d)
         load(ctx, dut.backmap, d)
         ctx.set(dut.backmap.start, 1)
         await ctx.tick()
@@ -163,6 +166,7 @@ def test_host_may_read_the_table_while_scanning():
                 assert got == d.valid.spans[row, 2 * span:2 * span + 2].tolist()
 
     async def bench(ctx):
+        await prepare(ctx, dut.backmap, d)
         load(ctx, dut.backmap, d)
         ctx.set(dut.backmap.start, 1)
         await ctx.tick()

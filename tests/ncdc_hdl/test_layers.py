@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from banks import bank_words, take_bank, write_bank
 from ncdc_hdl.neural.layers import OutputLayer, served
 from ncdc_model.descriptor import Formats
 from ncdc_model.network import output_neuron
@@ -33,9 +34,15 @@ def test_output_layer(neurons, share, gap):
         for unit, value in enumerate(item[1]):
             ctx.set(dut.i[unit], int(value))
         for k in range(2):
-            ctx.set(dut.neurons[k], {"weights": weights[k].tolist(), "bias": int(biases[k])})
+            parallel = {"weights": weights[k].tolist()} if share == 1 else {}
+            ctx.set(dut.neurons[k], {"bias": int(biases[k])} | parallel)
 
-    got = np.array(run_pipeline(dut, items, drive, lambda: list(dut.o)))[::share + gap]
+    async def prepare(ctx):
+        if share > 1:
+            await write_bank(ctx, dut.writes, bank_words([], [], weights))
+            take_bank(ctx, dut.writes)
+
+    got = np.array(run_pipeline(dut, items, drive, lambda: list(dut.o), prepare))[::share + gap]
     for k in range(2):
         expected = output_neuron(list(activations.T), weights[k], biases[k], F)
         np.testing.assert_array_equal(got[:, k], expected)

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from banks import write_bank, write_word
 from cameras import barrel_descriptor
-from front_end import FrontEnd, expected, extreme, fields, frames, load
+from front_end import FrontEnd, expected, extreme, fields, frames, load, prepare, words_of
 from pipelines import get, run_bench
 
 
@@ -43,13 +44,16 @@ def test_abort_at_any_moment(nodes, lanes, strip, seed):
     moments = [*rng.integers(1, 800, 3).tolist(), *rng.integers(1, 60, 4).tolist(), None]
 
     async def bench(ctx):
+        await prepare(ctx, backmap, d)
         for number, moment in enumerate(moments):
             load(ctx, backmap, (d, other)[number % 2], strip)
             frame, clock = [], 0
+            words = words_of((other, d)[number % 2])    # of the next frame, while this one runs
             ctx.set(backmap.start, 1)
             await ctx.tick()
             ctx.set(backmap.start, 0)
             while not (frame and frame[-1][4]):
+                write_word(ctx, backmap.writes, words)
                 ctx.set(backmap.abort, moment is not None and clock >= moment)
                 ready = rng.random() < .8
                 ctx.set(backmap.o.ready, ready)
@@ -59,6 +63,7 @@ def test_abort_at_any_moment(nodes, lanes, strip, seed):
                 clock += 1
                 assert clock < 20000, "the frame does not end"
             ctx.set(backmap.abort, 0)
+            await write_bank(ctx, backmap.writes, words)    # what a short frame leaves
             results.append((np.array(frame), ctx.get(backmap.cut)))
 
     run_bench(dut, bench, results=(results,))
@@ -80,6 +85,7 @@ def test_a_picture_without_a_pixel_ends_and_the_next_is_whole():
 
     async def bench(ctx):
         for height in (0, d.geometry.corrected_height):
+            await prepare(ctx, dut.backmap, d)
             load(ctx, dut.backmap, d)
             ctx.set(dut.backmap.scan.height, height)
             ctx.set(dut.backmap.start, 1)
@@ -112,6 +118,7 @@ def test_a_group_per_clock_if_the_nodes_keep_up(nodes, width, strip, lanes, shar
     groups = width * 12 // lanes
 
     async def bench(ctx):
+        await prepare(ctx, dut.backmap, d)
         load(ctx, dut.backmap, d, strip)
         ctx.set(dut.backmap.o.ready, 1)
         ctx.set(dut.backmap.start, 1)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from amaranth import *
 
+from banks import bank_words, take_bank, write_bank
 from ncdc_hdl.frontend.backmap import pace
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.neural.layers import MultiplyLayer
@@ -83,8 +84,12 @@ def run(dut, frames, gap=0.0, seed=1, strip=0):
         for frame, (parameters, weights, biases) in enumerate(frames):
             names = ("width", "height", "origin_x", "step_x", "origin_y", "step_y")
             ctx.set(scan.parameters, dict(zip(names, parameters)) | {"strip": strip})
-            for j, (w, b) in enumerate(zip(weights, biases)):
-                for layer in dut.layers:
+            for layer in dut.layers:
+                if "writes" in layer.signature.members:
+                    await write_bank(ctx, layer.writes, bank_words(weights, biases, []))
+                    take_bank(ctx, layer.writes)
+                    continue
+                for j, (w, b) in enumerate(zip(weights, biases)):
                     ctx.set(layer.neurons[j], {"weights": [int(v) for v in w], "bias": int(b)})
             ctx.set(scan.start, 1)
             await clock(ctx)

@@ -20,6 +20,7 @@ from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_hdl.registers.agent import Registers
+from ncdc_hdl.registers.weight_store import in_memory
 from ncdc_model.descriptor import Formats
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values
@@ -32,6 +33,17 @@ FORMATS = Formats()
 D = barrel_descriptor((20, 16), (24, 18), hidden_neurons=3)
 F = FORMATS.coordinate.f_bits
 BURST = 8
+
+
+def agent(share):
+    """The registers of ``D`` for units that serve ``share`` neurons."""
+    rows, hardware = registers(D.hidden_neurons, D.formats), Hardware(share=share)
+    return Registers(rows, host_values(D), digest=int(D.digest[:8], 16),
+                     hidden_neurons=D.hidden_neurons,
+                     capabilities={"CAPABILITIES": 7, "LARGEST": 9},
+                     in_memory=in_memory(rows, hardware),
+                     neurons=hardware.served(D.hidden_neurons))
+
 
 COMPONENTS = {
     "tansig": lambda: Tansig(TansigDesign()),
@@ -46,10 +58,8 @@ COMPONENTS = {
     "capture128": lambda: Capture(128, burst=4, depth=64),
     "i2c": lambda: I2cController(),
     "backmap": lambda: BackMap(D.hidden_neurons, D.formats),
-    "registers": lambda: Registers(
-        registers(D.hidden_neurons, D.formats), host_values(D),
-        digest=int(D.digest[:8], 16), hidden_neurons=D.hidden_neurons,
-        capabilities={"CAPABILITIES": 7, "LARGEST": 9}),
+    "registers": lambda: agent(1),
+    "registers_shared": lambda: agent(2),
     "corrector_cache": lambda: Corrector(D),
     "corrector_multiport": lambda: Corrector(D, Hardware(fetcher="multiport")),
 }
@@ -147,8 +157,9 @@ def test_backmap(stall, busy, simulator, descriptor):
 
 
 @BOTH
-def test_registers(simulator, descriptor):
-    run_cocotb(design("registers"), "registers", simulator, descriptor=descriptor)
+@pytest.mark.parametrize("name", ["registers", "registers_shared"])
+def test_registers(name, simulator, descriptor):
+    run_cocotb(design(name), "registers", simulator, descriptor=descriptor)
 
 
 @simulated("fetcher,wait,latency", ("multiport", .5, (1, 40)), ("cache", 0, (1, 1)),

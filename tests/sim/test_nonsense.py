@@ -27,7 +27,7 @@ BUILDS = {
     "1 pixel, memory": Hardware(cache=CACHE),
     "4 pixels, memory": Hardware(cache=CACHE, lanes=4, data_width=128),
     "multiport, stream": Hardware(fetcher="multiport", output="stream", data_width=128),
-    "1 pixel, stream": Hardware(cache=CACHE, output="stream", data_width=64),
+    "1 pixel, stream": Hardware(cache=CACHE, output="stream", data_width=64, share=2),
     "2 pixels, stream": Hardware(cache=CACHE, output="stream", lanes=2),
     "4 pixels, stream": Hardware(cache=CACHE, output="stream", lanes=4, data_width=64),
 }

@@ -21,6 +21,7 @@ BUILDS = {
     "multiport, memory": Hardware(fetcher="multiport", data_width=64),
     "cache, stream, two pixels": Hardware(cache=CACHE, data_width=128, output="stream", lanes=2),
     "cache, memory, four pixels": Hardware(cache=CACHE, data_width=128, lanes=4),
+    "cache, memory, shared": Hardware(cache=CACHE, share=2),
 }
 
 

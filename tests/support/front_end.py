@@ -6,6 +6,7 @@ import numpy as np
 from amaranth import *
 from amaranth.lib import wiring
 
+from banks import bank_words, take_bank, write_bank
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
@@ -15,7 +16,7 @@ from ncdc_model.hardware import Hardware
 from ncdc_model.network import frame_coordinates
 from pipelines import get, run_bench
 
-__all__ = ["FrontEnd", "expected", "extreme", "fields", "frames", "load"]
+__all__ = ["FrontEnd", "expected", "extreme", "fields", "frames", "load", "prepare", "words_of"]
 
 
 class FrontEnd(Elaboratable):
@@ -34,21 +35,36 @@ class FrontEnd(Elaboratable):
         return m
 
 
+def words_of(d):
+    """The words of descriptor ``d`` that may lie in memories, see :func:`bank_words`."""
+    return bank_words(d.hidden_weights, d.hidden_biases, d.output_weights)
+
+
+async def prepare(ctx, backmap, d):
+    """Write the weights of ``d`` that lie in memories, if any do, to the bank not in use."""
+    if "writes" in backmap.signature.members:
+        await write_bank(ctx, backmap.writes, words_of(d))
+
+
 def load(ctx, backmap, d, strip=0):
-    """Set the parameters of descriptor ``d``."""
+    """Set the parameters of descriptor ``d``, for which the memories are prepared."""
     g = d.geometry
     origin_x, step_x, origin_y, step_y = g.scan()
     ctx.set(backmap.scan, {"width": g.corrected_width, "height": g.corrected_height,
                            "strip": strip, "origin_x": origin_x, "step_x": step_x,
                            "origin_y": origin_y, "step_y": step_y})
     network = backmap.network
-    for j in range(d.hidden_neurons):
-        ctx.set(network.hidden[j], {"weights": d.hidden_weights[j].tolist(),
-                                    "bias": int(d.hidden_biases[j])})
+    if "hidden" in network.shape().members:
+        for j in range(d.hidden_neurons):
+            ctx.set(network.hidden[j], {"weights": d.hidden_weights[j].tolist(),
+                                        "bias": int(d.hidden_biases[j])})
+    shared = "writes" in backmap.signature.members
     for k in range(2):
         skip = {} if d.skip_weights is None else {"skip": d.skip_weights[k].tolist()}
-        ctx.set(network.output[k], {"weights": d.output_weights[k].tolist(),
-                                    "bias": int(d.output_biases[k]), **skip})
+        weights = {} if shared else {"weights": d.output_weights[k].tolist()}
+        ctx.set(network.output[k], {"bias": int(d.output_biases[k]), **weights, **skip})
+    if shared:
+        take_bank(ctx, backmap.writes)
 
 
 def expected(d, strip=0, lanes=1):
@@ -71,6 +87,7 @@ def frames(dut, descriptors, stall, seed=5, strip=0):
 
     async def bench(ctx):
         for d in descriptors:
+            await prepare(ctx, dut.backmap, d)
             load(ctx, dut.backmap, d, strip)
             ctx.set(dut.backmap.start, 1)
             await ctx.tick()

@@ -36,15 +36,18 @@ def run_bench(dut, *benches, background=(), results=None):
         kept_lists(run, f"{type(dut).__qualname__} {names}", results)
 
 
-def run_pipeline(dut, inputs, drive, sample):
+def run_pipeline(dut, inputs, drive, sample, prepare=None):
     """Feed one of ``inputs`` per clock to a free-running pipeline; results in order.
 
-    ``drive(ctx, item)`` sets the inputs, ``sample()`` gives the output signals. Exactly
+    ``drive(ctx, item)`` sets the inputs, ``sample()`` gives the output signals,
+    ``prepare(ctx)``, if any, runs before. Exactly
     ``dut.latency`` clocks later the result must be there: the list would be shifted otherwise.
     """
     results = []
 
     async def bench(ctx):
+        if prepare:
+            await prepare(ctx)
         for k in range(len(inputs) + dut.latency):
             if k < len(inputs):
                 drive(ctx, inputs[k])

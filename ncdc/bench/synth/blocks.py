@@ -99,5 +99,6 @@ BLOCKS = {
              "HN 8, nodes, 8 KB": _core(8, nodes=_NODES, output="memory", strip=128,
                                         cache=CacheOptions.of_bytes(8 << 10)),
              "HN 16, nodes": _core(16, nodes=_NODES),
+             "HN 16, nodes, table": _core(16, "table", nodes=_NODES),
              "HN 16, nodes, 4 lanes": _core(16, nodes=_NODES, lanes=4, data_width=128)},
 }

@@ -8,6 +8,7 @@ from cocotb.triggers import FallingEdge
 
 from ncdc_hdl.frontend.layouts import SPANS, coordinate_layout, network_layout, scan_layout
 from ncdc_model.descriptor import Descriptor
+from ncdc_model.hardware import Hardware
 from ncdc_model.network import frame_coordinates
 from ncdc_sim.benches.common import clocks, get, pack, settings, start, unpack
 
@@ -52,7 +53,7 @@ async def two_frames_equal_model(dut):
     f = d.formats
     await start(dut, start=0, abort=0, o__ready=0, table__fresh=0, table__spans=0,
                 scan=pack(scan_layout(), scan_of(d)),
-                network=pack(network_layout(d.hidden_neurons, f), network_of(d)))
+                network=pack(network_layout(d.hidden_neurons, f, Hardware()), network_of(d)))
     cocotb.start_soon(table(dut, d.valid.spans, s["busy"]))
     x, y = frame_coordinates(d)
     blank = ~d.valid.mask(d.geometry.corrected_width)

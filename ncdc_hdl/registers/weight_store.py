@@ -1,0 +1,139 @@
+"""The host's side of weights that lie in memories: its set, and the copies of that set."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import ceil_log2, exact_log2
+
+from ncdc_hdl.lib.memory import block_memory
+from ncdc_hdl.lib.pipeline import register
+from ncdc_hdl.neural.banks import BANK_WRITES
+from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
+
+__all__ = ["WeightStore", "in_memory"]
+
+# Of the address of a network's register: the bit that tells the output layer from the hidden one,
+# and those of the neuron's number.
+_OUTPUT, _NEURON = 0x200, 31 << 2
+
+
+def in_memory(rows, hardware):
+    """Those of the registers ``rows`` that ``hardware`` has in memories."""
+    return [r for r in rows if r.parameter and hardware.in_memory(r.parameter[0])
+            and (r.parameter[0] == "hidden" or r.parameter[2] == "weights")]
+
+
+class WeightStore(wiring.Component):
+    """The weights that a host reads and writes word by word, ahead of the network's two banks.
+
+    What a host writes goes into the set and into the bank that no frame uses. ``take`` makes that
+    bank the active one, in one clock, whole; then the set is copied into the other bank, word by
+    word, so that it is again what the set is. After a reset the set and the active bank are first
+    given the values of configuration, which the memory of the set holds too and nothing writes.
+
+    Timing: ``read`` follows ``address`` after 2 clocks while ``held`` is high. What is written is
+    in the bank 2 clocks after ``write``. A copy takes ``words`` clocks, the reset's ``2 * words``,
+    in all of which ``busy`` is high; it waits while ``held`` is high. Neither ``write`` nor a read
+    is to come while it is under way, nor ``take``.
+
+    Parameters
+    ----------
+    rows : sequence of ncdc_model.interface.register_map.Register
+        Of the network, those that lie here.
+    values : dict
+        After configuration, by name; zero where absent.
+    neurons : int
+        That the network's units could serve: its own or some more.
+
+    Members
+    -------
+    address : ``In(14)``
+        Of a word of the bus; rests during an access.
+    word : ``In(32)``
+        To be written.
+    held : ``In(1)``
+        An access is under way.
+    write : ``In(1)``
+        ``word`` is written to ``address`` if that is ``mine``.
+    mine : ``Out(1)``
+        ``address`` is that of a row, a clock later.
+    read : ``Out(signed(32))``
+        What the set holds there; zero if the address is not ``mine``.
+    take : ``In(1)``
+    busy : ``Out(1)``
+    writes : ``Out(BANK_WRITES)``
+    """
+
+    def __init__(self, rows, values, neurons):
+        self.rows, self.values = rows, values
+        self.neuron_bits = ceil_log2(neurons)
+        self.words = 1 << (2 + self.neuron_bits + 1)
+        super().__init__({
+            "address": In(ADDRESS_WORDS_BITS), "word": In(32), "held": In(1), "write": In(1),
+            "mine": Out(1), "read": Out(signed(32)), "take": In(1), "busy": Out(1, init=1),
+            "writes": Out(BANK_WRITES),
+        })
+
+    def _index(self, address):
+        """Number in the set of the word of an ``address``, both integers."""
+        low = 2 + self.neuron_bits
+        return address & ((1 << low) - 1) | (address // _OUTPUT & 1) << low
+
+    def _contents(self):
+        """Of the memory: the set, and behind it the values after configuration."""
+        contents = [0] * (2 * self.words)
+        for r in self.rows:
+            contents[self.words + self._index(r.address)] = self.values.get(r.name, 0)
+        return contents
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.memory = memory = block_memory(signed(32), 2 * self.words, self._contents())
+        write, read = memory.write_port(), memory.read_port()
+        kept = self._decode(m)                      # ``word`` as its row keeps it
+        index = Signal(range(self.words))           # number of the accessed word in the set
+        count = Signal(range(self.words))           # of the word that the copy reads
+        configured = Signal()                       # the set has the values of configuration
+        step = Signal()                             # the copy reads a word
+        m.d.comb += [
+            index.eq(Cat(self.address[:2 + self.neuron_bits], self.address[exact_log2(_OUTPUT)])),
+            step.eq(self.busy & ~self.held),
+            read.addr.eq(Mux(self.held, index, Cat(count, ~configured))),
+            self.read.eq(Mux(self.mine, read.data, 0)),
+        ]
+        with m.If(step):
+            m.d.sync += count.eq(count + 1)
+            with m.If(count == self.words - 1):
+                m.d.sync += [configured.eq(1), self.busy.eq(~configured)]
+        with m.If(self.take):
+            m.d.sync += [self.writes.active.eq(~self.writes.active), self.busy.eq(1)]
+        # The copy writes a word in the clock after it is read.
+        copied = register(m, "copied", step, reset_less=False)
+        place = register(m, "place", count)
+        restored = copied & ~register(m, "of_set", configured)  # from the values of configuration
+        of_host = self.write & self.mine
+        target = Signal(range(self.words))          # of the word that is written
+        m.d.comb += [target.eq(Mux(copied, place, index)), write.addr.eq(target),
+                     write.data.eq(Mux(copied, read.data, kept)),
+                     write.en.eq(of_host | restored)]
+        # The values of configuration go to the active bank first, as no frame runs.
+        writes = self.writes
+        m.d.sync += [
+            writes.write.eq(of_host | copied), writes.word.eq(write.data),
+            writes.bank.eq(writes.active ^ ~restored),
+            writes.place.role.eq(target[:2]), writes.place.neuron.eq(target[2:-1]),
+            writes.place.output.eq(target[-1]),
+        ]
+        return m
+
+    def _decode(self, m):
+        """Set ``mine``; returns the word that is accessed, extended by the sign of its row."""
+        neuron = self.address[2:7]
+        kinds = {r.address & ~_NEURON: r.shape for r in self.rows}
+        known, kept = Signal(), Signal(signed(32))
+        with m.Switch(self.address & ~_NEURON):
+            for kind, shape in kinds.items():
+                with m.Case(kind):
+                    m.d.comb += [known.eq(1), kept.eq(self.word[:shape.width].as_signed())]
+        m.d.sync += self.mine.eq(known & (neuron < len(self.rows) // len(kinds)))
+        return kept
