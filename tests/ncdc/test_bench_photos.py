@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ncdc.bench.photos import spoil
-from ncdc.bench.photos.cases import CASES
+from ncdc.bench.photos.cases import CASES, Case
 from ncdc.bench.photos.command import summary
 from ncdc.bench.photos.measure import judge, try_case
 from ncdc.bench.photos.targets import Bank, Pose
@@ -44,6 +44,14 @@ def test_ragged_corners_between_dots_are_no_chessboard(bank):
     assert judge(photo, look.page)[1] == 0
     look.prepare("auto")
     assert look.sight.kind in ("dots", "circles")
+
+
+@pytest.mark.parametrize("sigma", [1, 10])
+def test_dots_far_out_of_focus_are_warned_of(bank, sigma):
+    photo = spoil.blur(bank.example(), sigma)
+    (outcome,) = try_case(Case("dots", ("either",), "auto", lambda bank: [photo]), [photo])
+    assert not outcome.refused and ("out of focus" in outcome.told) == (sigma == 10)
+    assert bool(outcome.false) == (sigma == 10)
 
 
 def test_a_board_asked_as_dots_is_refused(bank):

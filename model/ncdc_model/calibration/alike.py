@@ -28,9 +28,9 @@ def alike(image, photo):
     Each dot is seen along rings inside it, on its edge and just outside, in the directions of the
     lattice's own steps, so that tilt and lens do not matter, and in units of its own contrast. The
     usual picture is the median of up to 24 neighbours'. A dot is dropped if the difference,
-    averaged over a quarter turn of one ring, is more than three times what is
-    usual and more than 0.28 of its contrast, and its neighbours predict it elsewhere by more than
-    0.35 pixels.
+    averaged over a quarter turn of one ring, is more than three times what is usual and
+    more than 0.28 of its contrast, both times sqrt(1 + 3 / neighbours), and its neighbours predict
+    it elsewhere by more than 0.35 pixels.
     """
     if len(photo.index) < 9:
         return photo

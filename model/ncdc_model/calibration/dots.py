@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from ncdc_model.calibration.alike import alike
 from ncdc_model.calibration.belief import believed, place_of, separated
 from ncdc_model.calibration.blobs import Blobs, find_blobs
-from ncdc_model.calibration.ground import on_one_ground
+from ncdc_model.calibration.ground import contrast, on_one_ground
 from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.calibration.neighbours import Doubt, fits_in
 from ncdc_model.calibration.points import PhotoPoints
@@ -48,6 +48,7 @@ def find_spots(image):
     lattices = []
     for lattice in find_lattices(blobs.xy, (np.array(size) - 1) / 2):
         walked = alike(image, on_one_ground(image, _of_lattice(blobs, lattice)))
+        walked = replace(walked, contrast=contrast(image, walked))
         try:
             whole = believed(size, walked)
             if len(whole.index) > _JOINED * len(walked.index):
