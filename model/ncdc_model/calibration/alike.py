@@ -16,8 +16,9 @@ _SECTORS = 16          # directions from a dot's centre
 _INNER = 0.6           # of the radius: the inner ring
 _BEYOND = 2.0          # pixels around a blob that still hold some of its ink
 _SIGMAS = 3.0          # times the usual difference: more is another picture
-_FLOOR = 0.28          # of a dot's contrast, that it may differ in any case
-_MOVED = 0.35          # pixels from its prediction: a dot that looks odd but is nearer is right
+_FLOOR = 0.35          # of a dot's contrast, that it may differ in any case
+# Pixels and parts of a step from its prediction: a dot that looks odd but is nearer is right.
+_MOVED = 0.35, 0.012
 _LEAST = 3             # neighbours that tell how a dot looks
 REASON = "touched or partly covered: it looks otherwise than the dots around it"
 
@@ -29,8 +30,8 @@ def alike(image, photo):
     lattice's own steps, so that tilt and lens do not matter, and in units of its own contrast. The
     usual picture is the median of up to 24 neighbours'. A dot is dropped if the difference,
     averaged over a quarter turn of one ring, is more than three times what is usual and
-    more than 0.28 of its contrast, both times sqrt(1 + 3 / neighbours), and its neighbours predict
-    it elsewhere by more than 0.35 pixels.
+    more than 0.35 of its contrast, both times sqrt(1 + 3 / neighbours), and its neighbours predict
+    it elsewhere by more than 0.35 pixels and 1.2 % of a step.
     """
     if len(photo.index) < 9:
         return photo
@@ -40,7 +41,8 @@ def alike(image, photo):
     wider = np.sqrt(1 + 3 / np.maximum((near >= 0).sum(axis=1), 1))
     wrong = score > max(_FLOOR, _SIGMAS * float(np.median(score))) * wider
     # Half in the shade a dot looks odd, but is where it should be.
-    wrong &= displaced(photo.index, photo.xy) > _MOVED
+    step = np.linalg.norm(_steps(photo, near), axis=2).min(axis=0)
+    wrong &= displaced(photo.index, photo.xy) > np.maximum(_MOVED[0], _MOVED[1] * step)
     if not wrong.any():
         return photo
     keep = ~wrong
