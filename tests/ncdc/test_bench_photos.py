@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from ncdc.bench.photos import spoil
-from ncdc.bench.photos.cases import CASES
+from ncdc.bench.photos.cases import CASES, Case
 from ncdc.bench.photos.command import summary
 from ncdc.bench.photos.measure import judge, try_case
-from ncdc.bench.photos.targets import Bank
+from ncdc.bench.photos.targets import Bank, Pose
 from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.calibration.sight import Look
+from ncdc_model.errors import InputError
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 # Of each kind of defect one, on small photos.
@@ -32,6 +34,30 @@ def test_what_must_become_of_it_does(bank, name):
     (case,) = [case for case in CASES if case.name == name]
     for outcome in try_case(case, case.make(bank)):
         assert outcome.right and not outcome.silent, outcome
+
+
+def test_ragged_corners_between_dots_are_no_chessboard(bank):
+    # Out of focus, the saddles between dots pass for corners, and are more than the dots.
+    photo = spoil.blur(bank.render(("dots", 12, 9, Pose(step=0.1, turn=30.0)), clutter=True), 4)
+    look = Look("page", photo.image)
+    assert len(look.boards[0].index) > len(look.spots.lattices[0].index) > 100
+    assert judge(photo, look.page)[1] == 0
+    look.prepare("auto")
+    assert look.sight.kind in ("dots", "circles")
+
+
+@pytest.mark.parametrize("sigma", [1, 10])
+def test_dots_far_out_of_focus_are_warned_of(bank, sigma):
+    photo = spoil.blur(bank.example(), sigma)
+    (outcome,) = try_case(Case("dots", ("either",), "auto", lambda bank: [photo]), [photo])
+    assert not outcome.refused and ("out of focus" in outcome.told) == (sigma == 10)
+    assert bool(outcome.false) == (sigma == 10)
+
+
+def test_a_board_asked_as_dots_is_refused(bank):
+    photo = bank.render(("chessboard", 8, 6, Pose()), clutter=True)
+    with pytest.raises(InputError, match="it shows a chessboard of 48 corners, no page of dots"):
+        Look("board", photo.image).page
 
 
 @pytest.mark.regress

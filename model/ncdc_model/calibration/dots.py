@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ncdc_model.calibration.alike import alike
 from ncdc_model.calibration.belief import believed, place_of, separated
 from ncdc_model.calibration.blobs import Blobs, find_blobs
-from ncdc_model.calibration.ground import on_one_ground
+from ncdc_model.calibration.ground import contrast, on_one_ground
 from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.calibration.neighbours import Doubt, fits_in
 from ncdc_model.calibration.points import PhotoPoints
@@ -46,7 +47,8 @@ def find_spots(image):
     blobs, size, doubt = find_blobs(image), image.shape[1::-1], ""
     lattices = []
     for lattice in find_lattices(blobs.xy, (np.array(size) - 1) / 2):
-        walked = on_one_ground(image, _of_lattice(blobs, lattice))
+        walked = alike(image, on_one_ground(image, _of_lattice(blobs, lattice)))
+        walked = replace(walked, contrast=contrast(image, walked))
         try:
             whole = believed(size, walked)
             if len(whole.index) > _JOINED * len(walked.index):

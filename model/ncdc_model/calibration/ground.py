@@ -8,12 +8,24 @@ from scipy.ndimage import map_coordinates
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-__all__ = ["on_one_ground"]
+__all__ = ["contrast", "on_one_ground"]
 
 _STEP = 0.75           # brightness of one cell over that of the next: less is an edge
 _REGION = 20           # cells: a smaller dark part is a mark on the page
 _ACROSS = 3            # cells to either side that are compared
 _REASON = "on ground of another brightness: a reflection, or beyond a shadow's edge"
+
+
+def contrast(image, photo):
+    """By what part of the page's brightness the dots of ``photo``, PhotoPoints, usually
+    are darker than the page half-way to their neighbours across; not-a-number if none has any."""
+    place = {tuple(key): k for k, key in enumerate(photo.index.tolist())}
+    pairs = np.array([(k, place[i + 1, j + 1]) for (i, j), k in place.items()
+                      if (i + 1, j + 1) in place]).reshape(-1, 2)
+    if not len(pairs):
+        return float("nan")
+    page = _brightness(image, photo.xy[pairs].mean(axis=1))
+    return float(np.median(1 - _brightness(image, photo.xy[pairs[:, 0]]) / page))
 
 
 def on_one_ground(image, photo):

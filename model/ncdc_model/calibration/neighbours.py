@@ -7,7 +7,7 @@ from enum import Enum
 import numpy as np
 from scipy import ndimage
 
-__all__ = ["Doubt", "Held", "fits_in", "hold", "parts"]
+__all__ = ["Doubt", "Held", "displaced", "fits_in", "hold", "neighbours", "parts"]
 
 _WINDOW = 2            # columns and rows to either side that predict a point
 # How much the change of a step, and the change of that change, are held back where few neighbours
@@ -131,6 +131,21 @@ def hold(index, xy, area=None, smooth=None, size=None):
     keep &= ~apart
     return Held(keep, doubts, sigma, float(np.median(step)) if len(step) else 0.0,
                 float(far[keep].max(initial=0.0)))
+
+
+def neighbours(index):
+    """Which of the points ``index`` (n, 2) are up to two columns and rows away: (n, 24), -1 where
+    there is none."""
+    return _Window(index).near
+
+
+def displaced(index, xy):
+    """Distance (n,) of each point from where its neighbours predict it, over what is usual for as
+    many neighbours: pixels."""
+    window, keep = _Window(index), np.ones(len(index), bool)
+    rest = xy - _smooth(window, xy, keep)
+    predicted, gain, _ = _predicted(window, rest, keep)
+    return np.linalg.norm(rest - predicted, axis=1) / np.sqrt(1 + gain)
 
 
 def parts(index, xy):

@@ -39,6 +39,9 @@ class PhotoPoints:
     agreement : float
         How far, in pixels on one axis, a point usually is from where its neighbours predict it;
         not-a-number if not known. Not in the file.
+    contrast : float
+        By what part of the page's brightness dots usually are darker than the page between them;
+        not-a-number if not known. Not in the file.
     remarks : tuple of str
         What else there is to say of the photo. Not in the file.
     """
@@ -50,6 +53,7 @@ class PhotoPoints:
     cut: np.ndarray | None = None
     dropped: tuple = ()
     agreement: float = float("nan")
+    contrast: float = float("nan")
     remarks: tuple = ()
 
     def __post_init__(self):

@@ -12,6 +12,7 @@ _DROPPED = 0.02        # of the points that disagree with their neighbours
 # Pixels on an axis: of points that scatter more some may be off by a pixel. Centroids of circles on
 # clean photos scatter by up to 0.30, corners by up to 0.16.
 _UNSURE, _UNSURE_CORNERS = 0.35, 0.22
+_PALE = 0.50           # of the page's brightness by which dots are darker than it: less is blurred
 _BENT = 1.0            # pixels: lines that are straight only to this, rms, are none
 _ODD = 5.0             # times the usual distance from the lens: a photo beyond is not like others
 _RUINED = 0.10         # the same: beyond this it is not a few points that are wrong
@@ -46,6 +47,10 @@ def warnings_of(points, frame, measured):
             found.append(f"{photo.name}: points usually lie {photo.agreement:.2f} px from where "
                          f"their neighbours predict them, more than {unsure} px: some may "
                          f"be off by more than a pixel")
+        if photo.contrast < _PALE:
+            found.append(f"{photo.name}: dots are usually only {100 * photo.contrast:.0f} % darker "
+                         f"than the page, less than {100 * _PALE:.0f} %: out of focus or "
+                         f"overexposed, points at the rim may be off by more than a pixel")
     found += _odd_photos(frame)
     if measured["straightness_rms_px"] > _BENT:
         found.append(f"rows and columns are straight to {measured['straightness_rms_px']:.1f} px "
