@@ -4,6 +4,7 @@ Python collects garbage."""
 import gc
 import json
 import os
+import shutil
 import warnings
 from pathlib import Path
 
@@ -27,11 +28,23 @@ gc.set_threshold(100_000, 50, 50)
 warnings.simplefilter("ignore", UnusedElaboratable)
 
 
-def pytest_configure():
+def pytest_configure(config):
     """Before any test imports what makes Verilog, and NumPy with it."""
+    from coverage import FOLDER
     from kept import keep_verilog
+    if not hasattr(config, "workerinput"):
+        shutil.rmtree(FOLDER, ignore_errors=True)
     keep_verilog()
     keep_simulations()
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Print what the simulations that count coverage have reached."""
+    from coverage import FOLDER, table
+    if FOLDER.exists():
+        terminalreporter.section("coverage of the Verilog")
+        for line in table():
+            terminalreporter.write_line(line)
 
 
 def keep_simulations():
@@ -40,6 +53,7 @@ def keep_simulations():
     It follows from the program, whose folder is named by a hash of all that it was made from, from
     its arguments, seeds among them, and from its input files.
     """
+    from coverage import keep_coverage
     from kept import kept_folder
     from ncdc_sim import cache_stress, exhaustive, runner
     from ncdc_sim.builds import builds_folder
@@ -49,7 +63,9 @@ def keep_simulations():
         program = Path(command[2] if command[0] == "vvp" else command[0])
         files = {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
         if program.parent.parent != builds_folder() or sum(map(len, files.values())) > _SMALL:
-            return runner.run(command, folder, on_line)
+            runner.run(command, folder, on_line)
+            keep_coverage(folder)
+            return
         lines, new = [], []
 
         def build(kept):
@@ -71,6 +87,7 @@ def keep_simulations():
             on_line(line)
         for path in () if new else kept.glob("file-*"):
             (Path(folder) / path.name.removeprefix("file-")).write_bytes(path.read_bytes())
+        keep_coverage(folder)
 
     frame.run_program = cache_stress.run = exhaustive.run = run
 

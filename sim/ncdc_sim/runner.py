@@ -57,7 +57,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         command = [compiler, "--cc", "--exe", "--build", "-j", "2", "-O3", "--top-module", top,
                    "--timescale", "1ns/1ps", "--Mdir", "model", "-o", f"../{program}",
                    *_make_flags(optimise or os.environ.get("NCDC_OPTIMISE", "-O2")),
-                   *WAIVERS, *options, *defines]
+                   *WAIVERS, *options, *_coverage(), *defines]
     texts = [(file, without_header(text)) for file, text in sources]
     if main is not None and simulator == "verilator":
         texts.append((main.name, main.read_text()))
@@ -72,6 +72,14 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
 
     key = key_of(name, simulator, version(simulator), *command[1:], *sum(texts, ()))
     return built(key, compile_in) / program
+
+
+def _coverage():
+    """Verilator's options for counting what a run reaches, if ``NCDC_COVERAGE`` is set.
+
+    The main program writes the counts into the file ``coverage.dat`` of the folder of the run.
+    """
+    return ["--coverage-line", "--coverage-toggle"] if os.environ.get("NCDC_COVERAGE") else []
 
 
 def _make_flags(optimise):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
+from coverage import FOLDER, percentages, reached
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.fetch.follow import camera_line
 from ncdc_model.hardware import Hardware
@@ -49,7 +50,9 @@ def descriptor(variant):
 @pytest.mark.regress
 @pytest.mark.parametrize("number", range(len(cases()[0])), ids=lambda k: "-".join(
     str(value) for value in cases()[0][k].values()))
-def test_no_wrong_pixel(number):
+def test_no_wrong_pixel(number, monkeypatch):
+    name = "-".join(map(str, cases()[0][number].values()))
+    monkeypatch.setenv("NCDC_COVERAGE", name)
     case = dict(cases()[0][number])
     d = descriptor(case.pop("variant"))
     follow, memory, tiles = (case.pop(name) for name in ("follow", "memory", "tiles"))
@@ -60,3 +63,6 @@ def test_no_wrong_pixel(number):
     assert result.differing == [] and result.counters["PIXELS"] == 44 * 21
     assert result.counters["FETCHES"] == result.fetches_expected
     assert result.blank.any() and not result.blank.all()
+    # A frame of 44x21 pixels reaches most of the Verilog's lines.
+    share = percentages(reached((FOLDER / f"{name}.dat").read_text(errors="replace")))
+    assert share["line"] > 90 and share["toggle"] > 60, share

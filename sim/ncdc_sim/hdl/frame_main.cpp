@@ -5,6 +5,9 @@
 
 #include "Vframe_bench.h"
 #include "verilated.h"
+#if VM_COVERAGE
+#include "verilated_cov.h"
+#endif
 
 int main(int argc, char** argv) {
     const auto context = std::make_unique<VerilatedContext>();
@@ -16,5 +19,8 @@ int main(int argc, char** argv) {
         context->timeInc(5000);
     }
     bench->final();
+#if VM_COVERAGE
+    context->coveragep()->write("coverage.dat");
+#endif
     return 0;
 }
