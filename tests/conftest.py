@@ -32,17 +32,21 @@ def pytest_configure(config):
     """Before any test imports what makes Verilog, and NumPy with it."""
     from coverage import FOLDER
     from kept import keep_verilog
-    # A run beside this one that counts nothing leaves alone what this one counts.
-    if not hasattr(config, "workerinput") and config.option.markexpr != "not regress":
+    if not hasattr(config, "workerinput") and counts_coverage(config):
         shutil.rmtree(FOLDER, ignore_errors=True)
     keep_verilog()
     keep_simulations()
 
 
-def pytest_terminal_summary(terminalreporter):
+def counts_coverage(config):
+    """Whether a run may hold tests that do; another one leaves alone what they have counted."""
+    return config.option.markexpr != "not regress"
+
+
+def pytest_terminal_summary(terminalreporter, config):
     """Print what the simulations that count coverage have reached."""
     from coverage import FOLDER, table
-    if FOLDER.exists():
+    if counts_coverage(config) and FOLDER.exists():
         terminalreporter.section("coverage of the Verilog")
         for line in table():
             terminalreporter.write_line(line)
