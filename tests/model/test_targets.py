@@ -191,6 +191,11 @@ def test_auto_tells_dots_from_chessboards():
         detect_points([("blank", np.full((120, 160), 200, np.uint8))], "auto")
 
 
+# Points of the photos in full size that detection gives up, told with their place: a circle whose
+# neighbours predict it elsewhere.
+GIVEN_UP = {"circles/circle_regular/*.jpg": 1}
+
+
 @pytest.mark.parametrize("where", [
     photos, pytest.param(full_photos, marks=regress)], ids=["small", "full"])
 @pytest.mark.parametrize("pattern,target,count", [
@@ -203,7 +208,8 @@ def test_real_boards(where, pattern, target, count):
     files = where(pattern)
     points = detect_points(((file.name, read_image(file)) for file in files), target)
     assert not points.rejected_photos
-    assert points.count == count * len(files)
+    given_up = GIVEN_UP.get(pattern, 0) if where is full_photos else 0
+    assert points.count == count * len(files) - given_up
 
 
 @pytest.mark.parametrize("pattern,target,columns,rows", [
