@@ -6,7 +6,7 @@ import numpy as np
 
 from ncdc_hdl.export.registers.lenses import Lens
 from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image
 from ncdc_model.interface.host_values import place_values
 from ncdc_model.interface.register_map import (
     CTRL_COMMIT,
@@ -20,10 +20,9 @@ from ncdc_model.interface.register_map import (
     TABLE,
 )
 from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_sim.system.series import aligned, differing, output_bytes
 
 __all__ = ["LensChange", "simulate_lens_change"]
-
-_ALIGN = 4096       # bytes; frames in memory begin at multiples of this
 
 
 @dataclass(frozen=True)
@@ -127,29 +126,20 @@ class _Layout:
         for (_, raw), lens in zip(cameras, lenses):
             sources.append(len(content))
             image = raw_image(raw, lens.values["SOURCE_PITCH"])
-            content += image + bytes(-len(image) % _ALIGN)
+            content += image.ljust(aligned(len(image)), b"\0")
         turns = [cameras[k % len(cameras)][0].geometry for k in range(frames)]
-        targets = _places(len(content), [-(-frame_bytes(geometry) // _ALIGN) * _ALIGN
-                                         for geometry in turns])
+        targets = _places(len(content), [aligned(frame_bytes(one)) for one in turns])
         outputs, base = [place - targets[0] for place in targets], targets[0]
         if corrector.hardware.stream:
-            outputs, base = _places(0, [3 * geometry.corrected_width * geometry.corrected_height
-                                        for geometry in turns]), 0
+            outputs, base = _places(0, [output_bytes(one, True) for one in turns]), 0
         return cls(lenses, content, sources, targets[:-1], outputs[:-1], base, outputs[-1],
                    corrector.hardware.stream, [camera.geometry for camera, _ in cameras],
                    corrector.hardware.data_width)
 
     def differing(self, output, golden):
         """Pixels of each frame of the run's ``output`` that differ from its camera's golden one."""
-        counts = []
-        for k, place in enumerate(self.outputs):
-            expected = golden[k % len(golden)]
-            height, width, _ = expected.shape
-            count, step = height * width, 3 if self.stream else 4
-            got = np.frombuffer(output, np.uint8, count * step, place).reshape(height, width, step)
-            got = got if self.stream else stored_picture(got)
-            counts.append(int((got != expected).any(axis=2).sum()))
-        return tuple(counts)
+        return differing(output, self.outputs, [golden[k % len(golden)] for k in
+                                                range(len(self.outputs))], self.stream)
 
 
 def _places(start, sizes):

@@ -5,20 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image
 from ncdc_model.interface.host_values import host_values, place_values
-from ncdc_model.interface.register_map import (
-    CTRL_ABORT,
-    CTRL_COMMIT,
-    CTRL_START,
-    STATUS_DONE,
-    TABLE,
-)
+from ncdc_model.interface.register_map import CTRL_ABORT, STATUS_DONE, TABLE
 from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_sim.system.series import aligned, begin, differing, output_bytes
 
 __all__ = ["Nonsense", "simulate_nonsense"]
 
-_ALIGN = 4096           # bytes; frames in memory begin at multiples of this
 _ROOM = 200, 2500       # bytes of the place that nonsense may write
 _PATIENCE = 3000        # clocks, at most, before a frame is aborted that might wait for a camera
 
@@ -70,50 +64,29 @@ def simulate_nonsense(corrector, verilog, raw, frames, *, seed=1, **options):
     pitch = right["SOURCE_PITCH"]
     image = raw_image(raw, pitch)
     size = frame_bytes(d.geometry)
-    step = -(-size // _ALIGN) * _ALIGN
+    step = aligned(size)
     # Nonsense goes to the first place, frames with sense each to one of their own.
-    junk = -(-right["SOURCE_LIMIT"] // _ALIGN) * _ALIGN
-    base = junk + 2 * _ALIGN
+    junk = aligned(right["SOURCE_LIMIT"])
+    base = junk + 2 * aligned(1)
     program = Program().write(rows["IRQ_ENABLE"], 1)
     for k in range(frames):
-        values = _nonsense(rng, table, right) | {
-            "VALID_BANK": 1,
-            "TARGET_LIMIT": junk + int(rng.integers(*_ROOM))}
-        values["SOURCE_LIMIT"] = right["SOURCE_LIMIT"] - int(rng.integers(0, 40)) * (k % 2)
-        if rng.random() < .7:
-            for name, first in (("SOURCE_BASE", 0), ("TARGET_BASE", junk)):
-                step_of = int(rng.choice([1, 16, 16, 16]))
-                values[name] = first + step_of * int(rng.integers(0, 64))
-        program.place((values["SOURCE_BASE"], values["SOURCE_LIMIT"]),
-                      (values["TARGET_BASE"], values["TARGET_LIMIT"]))
-        program.write(rows["VALID_WINDOW"], 1)
-        for row in range(8):
-            program.write(TABLE + int(rng.integers(0, 64)), int(rng.integers(0, 1 << 32)))
-        _begin(program, rows, values)
-        if values["FOLLOW"] & 1 or rng.random() < .5:
-            program.wait(int(rng.integers(1, _PATIENCE))).write(rows["CTRL"], CTRL_ABORT)
-        program.wait_irq().read(rows["FAULT"]).write(rows["FAULT"], 0xFF)
-        program.write(rows["STATUS"], STATUS_DONE)
+        _nonsense_frame(program, rng, table, right, junk, bool(k % 2))
         target = base + k * step
         values = right | place_values(d.geometry, hardware.data_width,
                                       FramePlaces(0, target, pitch))
         program.place((0, values["SOURCE_LIMIT"]), (target, target + size))
-        _begin(program, rows, values)
+        begin(program, rows, values)
         program.wait_irq().compare(rows["FAULT"], 0).write(rows["STATUS"], STATUS_DONE)
     result = simulate_frame(
         verilog, image.ljust(base, b"\x5a"), program, source_base=0, output_base=base,
         output_bytes=_most(corrector, frames) if stream else frames * step, seed=seed, **options)
-    width, height = d.geometry.corrected
     golden = correct(d, raw, strip=hardware.strip).picture
-    count = 3 * width * height if stream else size
-    ends = result.outputs[1::2] if stream else [k * step + size for k in range(frames)]
-    differing = []
-    for end in ends:
-        got = np.frombuffer(result.output, np.uint8)[end - count:end].reshape(height, width, -1)
-        got = got if stream else stored_picture(got)
-        differing.append(int((got != golden).any(axis=2).sum()))
+    count = output_bytes(d.geometry, stream)
+    begins = [end - count for end in result.outputs[1::2]] if stream else range(
+        0, frames * step, step)
     faults = tuple(value for address, value in result.reads if address == rows["FAULT"])
-    return Nonsense(tuple(differing), result.counters["outside_bytes"], faults)
+    wrong = differing(result.output, begins, len(begins) * [golden], stream)
+    return Nonsense(wrong, result.counters["outside_bytes"], faults)
 
 
 def _most(corrector, frames):
@@ -122,10 +95,27 @@ def _most(corrector, frames):
     return 6 * frames * width * height
 
 
-def _begin(program, rows, values):
-    for name, value in values.items():
-        program.write(rows[name], value)
-    program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
+def _nonsense_frame(program, rng, table, right, junk, short):
+    """A frame with nonsense in its registers and valid rows, which may write from ``junk`` on; the
+    raw frame's place is some bytes too ``short``, or not."""
+    rows = {name: r.address for name, r in table.items()}
+    values = _nonsense(rng, table, right) | {
+        "VALID_BANK": 1, "TARGET_LIMIT": junk + int(rng.integers(*_ROOM))}
+    values["SOURCE_LIMIT"] = right["SOURCE_LIMIT"] - int(rng.integers(0, 40)) * short
+    if rng.random() < .7:
+        for name, first in (("SOURCE_BASE", 0), ("TARGET_BASE", junk)):
+            step_of = int(rng.choice([1, 16, 16, 16]))
+            values[name] = first + step_of * int(rng.integers(0, 64))
+    program.place((values["SOURCE_BASE"], values["SOURCE_LIMIT"]),
+                  (values["TARGET_BASE"], values["TARGET_LIMIT"]))
+    program.write(rows["VALID_WINDOW"], 1)
+    for row in range(8):
+        program.write(TABLE + int(rng.integers(0, 64)), int(rng.integers(0, 1 << 32)))
+    begin(program, rows, values)
+    if values["FOLLOW"] & 1 or rng.random() < .5:
+        program.wait(int(rng.integers(1, _PATIENCE))).write(rows["CTRL"], CTRL_ABORT)
+    program.wait_irq().read(rows["FAULT"]).write(rows["FAULT"], 0xFF)
+    program.write(rows["STATUS"], STATUS_DONE)
 
 
 def _nonsense(rng, table, right):

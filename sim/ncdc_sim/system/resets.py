@@ -5,14 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image
 from ncdc_model.interface.host_values import place_values
-from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE
+from ncdc_model.interface.register_map import STATUS_DONE
 from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_sim.system.series import aligned, begin, differing, output_bytes
 
 __all__ = ["Resets", "simulate_resets"]
 
-_ALIGN = 4096           # bytes; frames in memory begin at multiples of this
 _MOST_TRAILS = 5        # clocks by which one of both resets comes and goes behind the other
 
 
@@ -59,14 +59,19 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
     rows = {r.name: r.address for r in corrector.registers.table}
     pitch = corrector.registers.values["SOURCE_PITCH"]
     images = [raw_image(raw, pitch) for raw in raws]
-    sources = [0, -(-len(images[0]) // _ALIGN) * _ALIGN]
+    sources = [0, aligned(len(images[0]))]
     size = frame_bytes(d.geometry)
-    step = -(-size // _ALIGN) * _ALIGN
-    base = sources[1] + -(-len(images[1]) // _ALIGN) * _ALIGN
+    step = aligned(size)
+    base = sources[1] + aligned(len(images[1]))
     program = Program()
+
+    def begin_at(source, target):
+        begin(program, rows, place_values(d.geometry, corrector.hardware.data_width,
+                                          FramePlaces(source, target, pitch)))
+
     for k in range(frames):
         # The frame that is cut short goes to the first place, the others each to its own.
-        _begin(program, rows, corrector, FramePlaces(sources[0], base, pitch))
+        begin_at(sources[0], base)
         program.wait(int(rng.integers(1, longest)))
         clocks = int(rng.integers(1, 60))
         if forgets:
@@ -75,29 +80,17 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
         else:
             program.reset(clocks)
         program.write(rows["IRQ_ENABLE"], 1)
-        _begin(program, rows, corrector, FramePlaces(sources[1], base + (k + 1) * step, pitch))
+        begin_at(sources[1], base + (k + 1) * step)
         program.wait_irq().write(rows["STATUS"], STATUS_DONE)
         program.write(rows["IRQ_ENABLE"], 0)
     kept = (frames + 1) * step
     result = simulate_frame(
         verilog, images[0].ljust(sources[1], b"\0") + images[1], program, source_base=0,
         output_base=base, output_bytes=2 * frames * size if stream else kept, seed=seed, **options)
-    width, height = d.geometry.corrected
     golden = correct(d, raws[1]).picture
-    count = 3 * width * height if stream else size
-    ends = result.outputs if stream else [(k + 1) * step + size for k in range(frames)]
-    differing = []
-    for end in ends:
-        got = np.frombuffer(result.output, np.uint8)[end - count:end].reshape(height, width, -1)
-        got = got if stream else stored_picture(got)
-        differing.append(int((got != golden).any(axis=2).sum()))
+    count = output_bytes(d.geometry, stream)
+    begins = [end - count for end in result.outputs] if stream else range(
+        step, kept, step)
     before = (0, *result.outputs)
-    return Resets(tuple(differing), sum(0 < reset - out < count
-                                        for reset, out in zip(result.resets, before)))
-
-
-def _begin(program, rows, corrector, places):
-    for name, value in place_values(corrector.descriptor.geometry, corrector.hardware.data_width,
-                                    places).items():
-        program.write(rows[name], value)
-    program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
+    return Resets(differing(result.output, begins, len(begins) * [golden], stream),
+                  sum(0 < reset - out < count for reset, out in zip(result.resets, before)))
