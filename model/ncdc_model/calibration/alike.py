@@ -2,7 +2,6 @@
 touches or half covers, the centroid of what is dark is not the centre."""
 
 import warnings
-from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -43,14 +42,7 @@ def alike(image, photo):
     # Half in the shade a dot looks odd, but is where it should be.
     step = np.linalg.norm(_steps(photo, near), axis=2).min(axis=0)
     wrong &= displaced(photo.index, photo.xy) > np.maximum(_MOVED[0], _MOVED[1] * step)
-    if not wrong.any():
-        return photo
-    keep = ~wrong
-    return replace(
-        photo, index=photo.index[keep] - photo.index[keep].min(axis=0), xy=photo.xy[keep],
-        area=photo.area[keep], cut=photo.cut[keep],
-        rejected={**photo.rejected, REASON: int(wrong.sum())},
-        dropped=photo.dropped + tuple((float(x), float(y), REASON) for x, y in photo.xy[wrong]))
+    return photo.without(wrong, REASON)
 
 
 def difference(image, photo, near):

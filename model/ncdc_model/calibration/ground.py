@@ -1,6 +1,5 @@
 """Tells spots on the target's own ground from those beyond an edge of brightness."""
 
-from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -68,14 +67,7 @@ def on_one_ground(image, photo):
     drop &= ~inside
     # The cell on the edge itself may count as bright: what lies on its other side does not.
     drop[corners[whole][(part != main) & (sizes[part] >= _REGION)].ravel()] = True
-    if not drop.any():
-        return photo
-    keep = ~drop
-    return replace(
-        photo, index=photo.index[keep] - photo.index[keep].min(axis=0), xy=photo.xy[keep],
-        area=photo.area[keep], cut=photo.cut[keep],
-        rejected={**photo.rejected, _REASON: int(drop.sum())},
-        dropped=photo.dropped + tuple((float(x), float(y), _REASON) for x, y in photo.xy[drop]))
+    return photo.without(drop, _REASON)
 
 
 def _brightness(image, places):

@@ -60,6 +60,18 @@ class PhotoPoints:
         if self.cut is None:
             object.__setattr__(self, "cut", np.zeros(len(self.index), bool))
 
+    def without(self, drop, reason):
+        """The photo without the numbered points that ``drop`` marks, which are not believed; what
+        is left is numbered from 0 on."""
+        if not drop.any():
+            return self
+        keep = ~drop
+        return replace(
+            self, index=self.index[keep] - self.index[keep].min(axis=0), xy=self.xy[keep],
+            area=self.area[keep], cut=self.cut[keep],
+            rejected={**self.rejected, reason: int(drop.sum())},
+            dropped=self.dropped + tuple((float(x), float(y), reason) for x, y in self.xy[drop]))
+
     @property
     def whole(self):
         """The photo without the points that the border cuts."""
