@@ -11,6 +11,7 @@ from amaranth.lib.wiring import In, Out
 __all__ = ["FRAME", "FrameStore", "buffers_for"]
 
 FRAME = data.StructLayout({"number": 32, "time": 64})
+"""Number of a frame, from 1 on, and clocks from the reset to its beginning."""
 
 
 def buffers_for(readers):
@@ -28,12 +29,16 @@ class FrameStore(wiring.Component):
     the reader's until it releases it or claims anew, or until it has held it for ``limit`` clocks:
     then it is ``lost``, and what was read of it may be of two frames.
 
+    The first reader may follow the writer: with ``follow`` its claim is for the frame that is being
+    written, whatever becomes of it.
+
     Timing: what is asked for in one clock holds in the next. The writer's ``buffer`` holds while
     ``busy``, a reader's while ``held``.
 
     Parameters
     ----------
     readers : int
+    looks : int
 
     Members
     -------
@@ -41,8 +46,8 @@ class FrameStore(wiring.Component):
         The writer begins a frame; it does not while it is ``busy``.
     ends, good : ``In(1)``, ``In(1)``
         It ends the frame, which is complete and right if ``good``.
-    time : ``In(64)``
-        Clocks since reset, kept with each frame as it begins.
+    about : ``In(FRAME)``
+        Kept with the frame that begins.
     busy, buffer : ``Out(1)``, ``Out(range(buffers))``
     newest, some : ``Out(range(buffers))``, ``Out(1)``
         The newest complete frame, if there is one.
@@ -51,24 +56,27 @@ class FrameStore(wiring.Component):
     readers : array of reader
         ``claim`` and ``release`` last for one clock; ``held`` says that the claimed ``buffer`` is
         this reader's, ``lost`` that it was taken away, until the next claim or release.
+    follow : ``In(1)``
+        The first reader's claim is for the frame that is being written, if there is one.
     limit : ``In(32)``
         Clocks that a reader may hold a buffer; 0: for ever.
-    look, frame : ``In(range(buffers))``, ``Out(FRAME)``
-        Number, from 1 on, and time of the frame that was begun last in a buffer, one clock later.
+    looks : array of look
+        ``frame`` is what was kept with the frame begun last in ``buffer``, one clock later.
     begun, bad, taken : ``Out(32)``, ``Out(32)``, ``Out(32)``
         Frames begun, ended as bad, and buffers taken from readers since the reset.
     """
-    def __init__(self, readers):
+    def __init__(self, readers, looks=1):
         self.buffers = buffers_for(readers)
         index = range(self.buffers)
         reader = wiring.Signature({"claim": Out(1), "release": Out(1), "held": In(1),
                                    "buffer": In(index), "lost": In(1)})
+        look = wiring.Signature({"buffer": Out(index), "frame": In(FRAME)})
         super().__init__({
-            "begins": In(1), "ends": In(1), "good": In(1), "time": In(64),
+            "begins": In(1), "ends": In(1), "good": In(1), "about": In(FRAME),
             "busy": Out(1), "buffer": Out(index),
             "newest": Out(index), "some": Out(1), "came": Out(1),
-            "readers": In(reader).array(readers), "limit": In(32),
-            "look": In(index), "frame": Out(FRAME),
+            "readers": In(reader).array(readers), "follow": In(1), "limit": In(32),
+            "looks": In(look).array(looks),
             "begun": Out(32), "bad": Out(32), "taken": Out(32),
         })
 
@@ -77,7 +85,7 @@ class FrameStore(wiring.Component):
         free = Signal(self.buffers)             # a bit for each buffer that nobody has
         first = Signal(range(self.buffers))     # the first of them
         used = [(self.some, self.newest), (self.busy, self.buffer),
-                *((one.held, one.buffer) for one in self.readers)]
+                *((self._has(one, k), one.buffer) for k, one in enumerate(self.readers))]
         for k in range(self.buffers):
             m.d.comb += free[k].eq(~reduce(or_, (there & (at == k) for there, at in used)))
         for k in reversed(range(self.buffers)):
@@ -115,17 +123,29 @@ class FrameStore(wiring.Component):
             m.d.sync += [one.held.eq(self.some), one.lost.eq(0),
                          one.buffer.eq(self._claimed(self.newest, self.buffer)),
                          left.eq(self.limit - 1)]
+            if number == 0:
+                with m.If(self.follow):
+                    m.d.sync += [one.held.eq(self.busy), one.buffer.eq(self.buffer)]
         return taken
 
     @staticmethod
+    def _has(one, number):
+        """Whether the reader has a buffer. A method of its own only so that proofs can break it."""
+        return one.held
+
+    @staticmethod
     def _claimed(newest, writers):
-        """The buffer that a reader gets, of the newest frame and the one being written."""
+        """The buffer that a reader gets, of the newest frame and the one being written.
+
+        A method of its own only so that proofs can break it.
+        """
         return newest
 
     def _frames(self, m, begun, first):
-        """Keep number and time of the frame in each buffer."""
+        """Keep what there is to know of the frame in each buffer."""
         m.submodules.frames = frames = Memory(shape=FRAME, depth=self.buffers, init=[])
-        write, read = frames.write_port(), frames.read_port()
-        m.d.comb += [write.addr.eq(first), write.en.eq(begun),
-                     write.data.number.eq(self.begun + 1), write.data.time.eq(self.time),
-                     read.addr.eq(self.look), self.frame.eq(read.data)]
+        write = frames.write_port()
+        m.d.comb += [write.addr.eq(first), write.en.eq(begun), write.data.eq(self.about)]
+        for look in self.looks:
+            read = frames.read_port()
+            m.d.comb += [read.addr.eq(look.buffer), look.frame.eq(read.data)]

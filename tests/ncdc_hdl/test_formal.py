@@ -118,6 +118,14 @@ class BegunClaimed(FrameStore):
         return writers
 
 
+class ForgottenReader(FrameStore):
+    """Forgets that the first reader has a buffer."""
+
+    @staticmethod
+    def _has(one, number):
+        return one.held & (number != 0)
+
+
 class ReadTooFar(ReadFence):
     """Lets a command reach one word beyond the place."""
 
@@ -180,7 +188,7 @@ COVERS = {
     "words in their place": (FencedWords, 12, {"void", "to_the_end"}),
     "bursts in their place": (WordsInBursts, 12, {"void", "to_the_end"}),
     "credits": (Credits, 20, {"full", "restart", "at_rest"}),
-    "frames": (Store, 14, {"all_in_use", "lost"}),
+    "frames": (Store, 14, {"all_in_use", "followed", "lost"}),
     "fill room": (FillRoom, 34, {"all_owed", "claim_while_filled"}),
     "fill order": (FillOrder, 32, {"second_tile"}),
     "tokens": (Tokens, 26, {"full", "tokens_to_come"}),
@@ -204,7 +212,8 @@ PLANTED = {
     "reset forgets the burst": (lambda: planted(Writer(), forgotten=[("left",)]), 12,
                                 "burst_goes_on"),
     "a buffer too few": (lambda: Store(buffers_missing=1), 14, "room"),
-    "a frame that is not complete": (lambda: Store(kind=BegunClaimed), 10, "alone0"),
+    "a frame that is not complete": (lambda: Store(kind=BegunClaimed), 10, "alone1"),
+    "a frame that is begun anew": (lambda: Store(kind=ForgottenReader), 14, "kept0"),
     "credit too many": (lambda: Credits(credit_error=1), 16, "no_overflow"),
     "credits' queue too small": (lambda: planted(Credits(), places_missing=1), 16, "no_overflow"),
     "tile too many": (lambda: FillRoom(kind=CreditTooMany), 30, "words_owed"),
