@@ -12,6 +12,7 @@ from ncdc_hdl.backend.multiport import Multiport
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.backend.window import WindowAddress
+from ncdc_hdl.camera.layouts import RUN
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
@@ -19,6 +20,7 @@ from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.pipeline import delay, register
+from ncdc_hdl.lib.ports import flat, join
 from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.checks import Checks
 from ncdc_hdl.registers.weight_store import in_memory
@@ -38,12 +40,6 @@ __all__ = ["Corrector"]
 _WRITE_BURST = 16  # words
 
 
-def _flat(prefix, signature, flow):
-    """Members of ``signature`` as ports called prefix_member."""
-    return {f"{prefix}_{name}": flow(member.shape) if member.flow is Out else
-            flow(member.shape).flip() for name, member in signature.members.items()}
-
-
 class Corrector(wiring.Component):
     """Corrects one frame per start: raw Bayer frame in memory to corrected pixels.
 
@@ -53,6 +49,8 @@ class Corrector(wiring.Component):
     Parameters
     ----------
     descriptor : ncdc_model.descriptor.Descriptor
+    runs : bool
+        Whether it can be started by a :class:`RunControl` as well as by the host.
     hardware : ncdc_model.hardware.Hardware
         With the output "memory" a burst writer stores four bytes per pixel (blue, green, red,
         zero), row after row without a gap; with "stream" a video stream source is in its place.
@@ -73,6 +71,8 @@ class Corrector(wiring.Component):
         Frame complete.
     camera_rows : ``In(SIZE)``
         Rows of the raw frame that are in memory; counts if the register FOLLOW is 1.
+    run : ``In(RUN)``
+        Starts frames in places of their own; of a corrector that ``runs`` by itself.
     front_end_idle : ``Out(1)``
         The network rests. A board that gives the neurons a clock of their own may gate it with
         this; scan, queue and registers must keep theirs.
@@ -83,8 +83,9 @@ class Corrector(wiring.Component):
         If the hardware does not fit the camera, see :meth:`Hardware.made_for`.
     """
 
-    def __init__(self, descriptor, hardware=Hardware()):
+    def __init__(self, descriptor, hardware=Hardware(), runs=False):
         self.descriptor, self.hardware = descriptor, hardware.made_for(descriptor)
+        self.runs = runs
         data_width, lanes = hardware.data_width, hardware.lanes
         formats = descriptor.formats
         if descriptor.nodes == 1:
@@ -110,15 +111,17 @@ class Corrector(wiring.Component):
             neurons=self.hardware.served(descriptor.hidden_neurons))
         self.checks = Checks(self.hardware, *self.table.largest,
                              self.registers.active.shape())
-        ports = _flat("csr", Agent(ADDRESS_WORDS_BITS), In)
+        ports = flat("csr", Agent(ADDRESS_WORDS_BITS), In)
         for r in range(self.fetch.ports):
-            ports |= _flat(f"read{r}", getattr(self.fetch, f"bus{r}").signature, Out)
+            ports |= flat(f"read{r}", getattr(self.fetch, f"bus{r}").signature, Out)
         if not hardware.stream:
             self.writer = BurstWriter(data_width, burst=_WRITE_BURST)
-            ports |= _flat("write", self.writer.bus.signature, Out)
+            ports |= flat("write", self.writer.bus.signature, Out)
         else:
             ports |= {"stream_valid": Out(1), "stream_ready": In(1), "stream_data": Out(24 * lanes),
                       "stream_startofpacket": Out(1), "stream_endofpacket": Out(1)}
+        if runs:
+            ports |= {"run": In(RUN)}
         super().__init__(ports | {"memory_rst": In(1), "irq": Out(1), "camera_rows": In(SIZE),
                                   "front_end_idle": Out(1)})
 
@@ -158,19 +161,19 @@ class Corrector(wiring.Component):
         for name in ("backmap", "table", "window", "row_gate", "fetch", "interpolator",
                      "registers", "checks"):
             m.submodules[name] = getattr(self, name)
-        registers, active = self.registers, self.registers.active
+        registers, active = self.registers, self._active(m)
         begun = Signal()
         m.d.sync += begun.eq(registers.begin)
 
-        self._join(m, "csr", registers.bus)
+        join(m, self, "csr", registers.bus)
         for r in range(self.fetch.ports):
-            self._join(m, f"read{r}", getattr(self.fetch, f"bus{r}"))
+            join(m, self, f"read{r}", getattr(self.fetch, f"bus{r}"))
         m.d.comb += [self.irq.eq(registers.irq), self.front_end_idle.eq(self.backmap.idle)]
         m.d.comb += self.table.bank.eq(active.VALID_BANK)
         wiring.connect(m, scan=self.backmap.table, table=self.table.scan)
         wiring.connect(m, host=registers.valid_table, table=self.table.host)
         self._parameters(m, active)
-        refuse = self._refuse(m, begun)
+        refuse = self._refuse(m, begun, active)
         m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort | refuse),
                      registers.cut.eq(self.backmap.cut)]
         wiring.connect(m, self.backmap.o, self.window.i)
@@ -186,7 +189,7 @@ class Corrector(wiring.Component):
             m.submodules.writer = writer = self.writer
             wiring.connect(m, pixels, packer.i)
             wiring.connect(m, packer.o, writer.i)
-            self._join(m, "write", writer.bus)
+            join(m, self, "write", writer.bus)
             m.d.comb += writer.memory_rst.eq(self.memory_rst)
             m.d.comb += [
                 packer.start.eq(begun), packer.base.eq(active.TARGET_BASE),
@@ -207,29 +210,48 @@ class Corrector(wiring.Component):
         self._counters(m, begun, pixels)
         return m
 
-    def _refuse(self, m, begun):
+    def _active(self, m):
+        """The set of registers that frames see: in places of their own, if they run by itself."""
+        if not self.runs:
+            return self.registers.active
+        active = Signal.like(self.registers.active, name="active")
+        run, registers = self.run, self.registers
+        m.d.comb += active.eq(registers.active)
+        with m.If(run.placed):
+            m.d.comb += [
+                active.SOURCE_BASE.eq(run.places.source),
+                active.SOURCE_LIMIT.eq(run.places.source_limit),
+                active.SOURCE_PITCH.eq(run.places.pitch), active.FOLLOW.eq(run.places.follow),
+                active.TARGET_BASE.eq(run.places.target),
+                active.TARGET_LIMIT.eq(run.places.target_limit),
+            ]
+        m.d.comb += [
+            registers.running.eq(run.active), registers.start.eq(run.start),
+            run.idle.eq(registers.idle), run.over.eq(registers.ended), run.cut.eq(registers.cut),
+            run.fault.eq(registers.faults.as_value().any()),
+        ]
+        return active
+
+    def _refuse(self, m, begun, active):
         """Whether the frame's set is refused: the frame then is one blank group, not written."""
         checks, faults = self.checks, self.registers.faults
         refuse = Signal()
-        m.d.comb += checks.active.eq(self.registers.active)
+        m.d.comb += checks.active.eq(active)
+        mismatch = 0                    # the raw frame has another size than the lens
+        if self.runs:
+            places = self.run.places
+            mismatch = self.run.placed & ((places.width != active.DISTORTED_WIDTH)
+                                          | (places.height != active.DISTORTED_HEIGHT))
         # The fetcher needs two clocks to tell; the scan needs to know some clocks later.
         begins = delay(m, begun, 2, "begun", reset_less=False)
         with m.If(begun):
             m.d.sync += refuse.eq(0)
         with m.Elif(begins):
-            m.d.sync += refuse.eq(checks.faults.as_value().any() | self.fetch.empty)
+            m.d.sync += refuse.eq(checks.faults.as_value().any() | self.fetch.empty | mismatch)
         m.d.comb += [faults.alignment.eq(begins & checks.faults.alignment),
-                     faults.size.eq(begins & checks.faults.size),
+                     faults.size.eq(begins & (checks.faults.size | mismatch)),
                      faults.source.eq(begins & self.fetch.empty | self.fetch.outside)]
         return refuse
-
-    def _join(self, m, prefix, interface):
-        """Connect the ports prefix_member with the members of ``interface``."""
-        for name, member in interface.signature.members.items():
-            port = getattr(self, f"{prefix}_{name}")
-            inner = getattr(interface, name)
-            m.d.comb += port.eq(inner) if self.signature.members[f"{prefix}_{name}"].flow is Out \
-                else inner.eq(port)
 
     def _parameters(self, m, active):
         scan, network = self.backmap.scan, self.backmap.network

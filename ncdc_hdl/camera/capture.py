@@ -44,6 +44,8 @@ class Capture(wiring.Component):
         Enabled, or a frame is under way in the sensor's domain.
     place, limit, begins, ends, good, rows, counts
         As of :class:`FrameWriter`.
+    half_full : ``Out(1)``
+        The queue holds half of what it can: the memory is wanted.
     memory_rst : ``In(1)``
         As of :class:`BurstWriter`.
     bus : ``Out(WriteHost(data_width, burst))``
@@ -54,7 +56,7 @@ class Capture(wiring.Component):
             "clock": In(1), "pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
             "active": Out(1),
             "place": In(PLACE), "limit": In(32), "begins": Out(1), "ends": Out(1), "good": Out(1),
-            "rows": Out(SIZE_BITS), "counts": Out(COUNTS),
+            "rows": Out(SIZE_BITS), "counts": Out(COUNTS), "half_full": Out(1),
             "memory_rst": In(1), "bus": Out(WriteHost(data_width, burst)),
         })
 
@@ -85,7 +87,7 @@ class Capture(wiring.Component):
             port.settings.eq(self.settings),
             queue.w_data.eq(port.entry), queue.w_en.eq(port.push), port.room.eq(queue.w_rdy),
             writer.i.payload.eq(queue.r_data), writer.i.valid.eq(queue.r_rdy),
-            queue.r_en.eq(writer.i.ready),
+            queue.r_en.eq(writer.i.ready), self.half_full.eq(queue.r_level >= self.depth // 2),
             writer.place.eq(self.place), writer.limit.eq(self.limit),
             writer.done.eq(bursts.done), bursts.memory_rst.eq(self.memory_rst),
             self.begins.eq(writer.begins), self.ends.eq(writer.ends), self.good.eq(writer.good),

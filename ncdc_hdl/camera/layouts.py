@@ -1,13 +1,15 @@
 """What the parts of the camera hand each other."""
 
 from amaranth.lib import data, enum, wiring
-from amaranth.lib.wiring import Out
+from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.camera.level import LEVEL
 from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.sensors.level import SAMPLE_BITS
 
-__all__ = ["ENTRY", "Kind", "PINS", "REPORT", "SAMPLES", "SETTINGS", "SIZE_BITS"]
+__all__ = ["ENTRY", "Kind", "PINS", "REPORT", "RUN", "RUN_PLACES", "SAMPLES", "SETTINGS",
+           "SIZE_BITS"]
 
 SIZE_BITS = MAX_SIZE.bit_length()
 SAMPLES = 4                             # of an entry
@@ -39,3 +41,23 @@ REPORT = data.StructLayout({
     "lines": 14,                # rows of a wrong length; this many or more
     "missed": 16,               # frames before that were not captured at all, modulo 65536
 })
+
+RUN_PLACES = data.StructLayout({
+    "source": ADDRESS_BITS, "source_limit": ADDRESS_BITS, "pitch": SIZE_BITS,
+    "width": SIZE_BITS, "height": SIZE_BITS,
+    "target": ADDRESS_BITS, "target_limit": ADDRESS_BITS, "follow": 1,
+})
+"""Byte addresses of a raw and a corrected frame and of what is behind their places; of the raw
+frame bytes from row to row, samples of a row, rows, and whether it is still being written."""
+
+RUN = wiring.Signature({
+    "active": Out(1),           # the corrector is run: the host does not start it
+    "start": Out(1),            # for one clock: begin a frame
+    "placed": Out(1),           # that frame lies at `places`; constant from `start` to `over`
+    "places": Out(RUN_PLACES),
+    "idle": In(1),              # the corrector has no frame, and none waits
+    "over": In(1),              # for one clock: its frame is over
+    "cut": In(1),               # it lacks pixels, when it is over
+    "fault": In(1),             # something is wrong with it
+})
+"""From who runs a corrector to the corrector."""

@@ -80,6 +80,10 @@ class Registers(wiring.Component):
         The frame lacks pixels; when it has ``ended``.
     counters : ``In(StructLayout)``
         Of the frame, by name, with its last clock two clocks after ``ended``, when they are copied.
+    running, start : ``In(1)``
+        While ``running`` the host's START is refused, and ``start`` takes its place.
+    idle : ``Out(1)``
+        No frame runs, and none waits.
     faults : ``In(StructLayout)``
         Each bit of FAULT by its name in small letters: it is to be set.
     irq : ``Out(1)``
@@ -106,6 +110,7 @@ class Registers(wiring.Component):
             "begin": Out(1), "ended": In(1), "abort": Out(1), "cut": In(1),
             "counters": In(data.StructLayout({name: 32 for name in COUNTERS})),
             "faults": In(data.StructLayout({flag.name.lower(): 1 for flag in fault.flags})),
+            "running": In(1), "start": In(1), "idle": Out(1),
             "irq": Out(1),
         } | ({"writes": Out(BANK_WRITES)} if in_memory else {}))
 
@@ -155,8 +160,11 @@ class Registers(wiring.Component):
                                       if r.access == "shadow")).any()
         with m.If(self._refused(m, of_set, table_refused, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
-        self._frames(m, take, copying, {flag.name: written["CTRL"] & word[flag.bit]
-                         for flag in action["CTRL"].flags}, kept, status)
+        control = {flag.name: written["CTRL"] & word[flag.bit] for flag in action["CTRL"].flags}
+        with m.If(control["START"] & self.running):
+            m.d.sync += status["REFUSED"].eq(1)
+        control["START"] = control["START"] & ~self.running | self.start
+        self._frames(m, take, copying, control, kept, status)
         self._count(m, counted)
         self._altered(m, written, store_written, altered)
         m.d.comb += [self.irq.eq(status["DONE"] & kept["IRQ_ENABLE"]),
@@ -263,7 +271,7 @@ class Registers(wiring.Component):
         boundary = (~busy | self.ended) & ~self.begin & ~(committed & copying)
         m.d.sync += [self.begin.eq(pending & boundary), take.eq(committed & boundary & ~take)]
         self._take_over(m, take, kept)
-        m.d.comb += self.abort.eq(asked & busy)
+        m.d.comb += [self.abort.eq(asked & busy), self.idle.eq(~busy & ~pending)]
         with m.If(take):
             m.d.sync += committed.eq(0)
         with m.If(self.begin):

@@ -148,7 +148,7 @@ _FIXED = (
             Flag("COMMITTED", STATUS_COMMITTED, "ro", "a commit waits for the frame boundary"),
             Flag("REFUSED", STATUS_REFUSED, "w1c",
                  "a write was ignored that would have changed a committed set or valid rows in "
-                 "use"),
+                 "use, or a start while the corrector runs by itself"),
             Flag("BANK", STATUS_BANK, "ro", "bank of the valid rows in use"),
             Flag("ABORTED", STATUS_ABORTED, "ro",
                  "the last frame lacks pixels: it was aborted, or refused, see `FAULT`"),

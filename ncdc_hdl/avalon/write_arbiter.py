@@ -1,0 +1,90 @@
+"""Several write hosts on one port of a memory."""
+
+from functools import reduce
+from operator import or_
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.avalon.bus import WriteHost
+
+__all__ = ["WriteArbiter"]
+
+
+class WriteArbiter(wiring.Component):
+    """Gives the port to one host after the other, for whole bursts.
+
+    Between two bursts the first of the ``urgent`` hosts that want to write is taken; without one,
+    the host behind the one served last, in their order. A command that stands on the bus stays
+    there. Which host has the port outlives a reset, as its burst does.
+
+    Timing: no latency; only multiplexers between hosts and bus.
+
+    Parameters
+    ----------
+    data_width, burst : int
+        Bits of a word; words of a burst, at most.
+    hosts : int
+
+    Members
+    -------
+    hosts : ``In(WriteHost(data_width, burst)).array(hosts)``
+    urgent : ``In(hosts)``
+        A bit for each host.
+    memory_rst : ``In(1)``
+        The memory, and the hosts with it, forget the burst that has begun.
+    bus : ``Out(WriteHost(data_width, burst))``
+    """
+
+    latency = 0
+
+    def __init__(self, data_width, burst, hosts):
+        self.count, self.burst = hosts, burst
+        bus = WriteHost(data_width, burst)
+        super().__init__({"hosts": In(bus).array(hosts), "urgent": In(hosts), "memory_rst": In(1),
+                          "bus": Out(bus)})
+
+    def elaborate(self, platform):
+        m = Module()
+        count, bus = self.count, self.bus
+        owner = Signal(range(count), reset_less=True)       # the host that had the port last
+        held = Signal(reset_less=True)                      # it has it still
+        left = Signal(range(self.burst), reset_less=True)   # words of its burst to come
+        served = Signal(range(count))                       # the host that has the port now
+        following = Signal(range(self.burst))               # words to come behind this clock
+        m.d.comb += served.eq(Mux(held, owner, self._choice(m, owner)))
+        hosts = Array(self.hosts)
+        for name, member in bus.signature.members.items():
+            if member.flow is Out:
+                m.d.comb += getattr(bus, name).eq(getattr(hosts[served], name))
+        for k, host in enumerate(self.hosts):
+            m.d.comb += host.waitrequest.eq(bus.waitrequest | (served != k))
+        accepted = bus.write & ~bus.waitrequest
+        first = left == 0
+        m.d.comb += following.eq(Mux(accepted, Mux(first, bus.burstcount, left) - 1, left))
+        m.d.sync += [owner.eq(served), left.eq(following),
+                     held.eq(bus.write & bus.waitrequest | (following != 0))]
+        with m.If(self.memory_rst):
+            m.d.sync += [held.eq(0), left.eq(0)]
+        return m
+
+    def _choice(self, m, owner):
+        """The host that gets the port if nobody has it."""
+        choice = Signal(range(self.count))
+        wants = [host.write for host in self.hosts]
+        # The last assignment that holds counts: from the last choice to the first.
+        with m.Switch(owner):
+            for last in range(self.count):
+                with m.Case(last):
+                    m.d.comb += choice.eq(last)
+                    for step in reversed(range(1, self.count + 1)):
+                        k = (last + step) % self.count
+                        with m.If(wants[k]):
+                            m.d.comb += choice.eq(k)
+        urgent = [self.urgent[k] & wants[k] for k in range(self.count)]
+        with m.If(reduce(or_, urgent)):
+            for k in reversed(range(self.count)):
+                with m.If(urgent[k]):
+                    m.d.comb += choice.eq(k)
+        return choice
