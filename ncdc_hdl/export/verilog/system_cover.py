@@ -1,0 +1,61 @@
+"""The first screen of ``ncdc_system.v``."""
+
+from functools import partial
+from importlib.metadata import version
+
+from ncdc_hdl.export.verilog.convert import convert
+from ncdc_hdl.export.verilog.port_list import (
+    AGENT,
+    CLOCK,
+    READ_HOST,
+    STREAM,
+    WRITE_HOST,
+    port_lines,
+)
+
+__all__ = ["SYSTEM", "system_verilog"]
+
+SYSTEM = "ncdc_system"
+
+_SENSOR = {
+    "clock": "of the sensor; its pins are taken at the rising edge",
+    "frame_valid": "high in a frame", "line_valid": "high with the samples of a row",
+    "data": "sample; one of fewer bits lies at the top"}
+_I2C = {
+    "scl_low": "pull SCL low, or let it go", "sda_low": "pull SDA low, or let it go",
+    "scl": "the line, of no clock", "sda": "the line, of no clock"}
+_STATUS = {
+    "irq": "STATUS.DONE or an event of CAMERA_STATUS",
+    "front_end_idle": "the network rests: its clock may stop"}
+_INTERFACES = (
+    ("clock and reset", ("clk", "rst", "memory_rst"), CLOCK | {
+        "clk": "of all ports but the sensor's and the I2C lines"}),
+    ("registers: Avalon-MM agent, 32 bits", "csr_", AGENT),
+    ("parallel sensor", "sensor_", _SENSOR),
+    ("I2C bus of the sensor: open drain", tuple(_I2C), _I2C),
+    ("raw frames: Avalon-MM burst read host", "read0_", READ_HOST),
+    ("raw frames, second row of a window: Avalon-MM burst read host", "read1_", READ_HOST),
+    ("raw frames, third row of a window: Avalon-MM burst read host", "read2_", READ_HOST),
+    ("raw and corrected frames: Avalon-MM burst write host", "write_", WRITE_HOST | {
+        "writedata": "samples, or pixels: blue, green, red, zero"}),
+    ("corrected frames: Avalon-ST video source", "stream_", STREAM),
+    ("status", tuple(_STATUS), _STATUS),
+)
+
+
+def system_verilog(system):
+    """Verilog text of a :class:`ncdc_hdl.system.System`, module ``ncdc_system``."""
+    descriptor, g = system.descriptor, system.descriptor.geometry
+    stores = system.stores
+    header = [
+        f"NCDC {version('ncdc')}: camera, frame stores and corrector, made with Amaranth "
+        f"{version('amaranth')}.",
+        "Do not edit; it was made by ncdc generate --system",
+        f"from the descriptor {descriptor.digest}: {descriptor.hidden_neurons} hidden neurons, "
+        f"{g.distorted_width}x{g.distorted_height} raw {g.bayer} samples to",
+        f"{g.corrected_width}x{g.corrected_height} corrected pixels. {stores.raw} raw and "
+        f"{stores.corrected} corrected buffers, {stores.readers} readers by registers.",
+        "",
+        "Every distinct module stands here once, the top first, each below a line with its source,",
+        "what it does and its latency in clocks."]
+    return convert(system, SYSTEM, header, partial(port_lines, interfaces=_INTERFACES))

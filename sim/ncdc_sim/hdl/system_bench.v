@@ -1,0 +1,314 @@
+// Runs the generated module `ncdc_system` with a sensor at its pins and a memory behind it, under a
+// host that talks to it through this program's input and output: whoever runs it reads and writes
+// registers while sensor, system and memory go on at the simulator's own speed.
+//
+// A command is a line of three hexadecimal numbers, operation, a and b; it is answered by one line,
+// with the clocks since the start as its last number:
+//   0        end                                          RESULT lines, then END
+//   1 a b    write b to the register at word address a    DONE
+//   2 a      read                                         READ value
+//   3 a      wait for irq, for at most a clocks           IRQ 1, or 0 if it did not come
+//   4 a      wait for a clocks                            DONE
+//   5 a b    save memory a .. a + b - 1 in memory.bin     DONE
+//   6 a      reset the module alone for a clocks          DONE
+//   7 a      reset the module and the memory              DONE
+//   8 a      the memory takes nothing for a clocks        DONE, at once
+//   9 a      the sensor's reset is released if a is 1     DONE
+//   a        flush stream.bin                             STREAM bytes
+// The clocks of the system and of the sensor come from the program around this module, each with
+// its own period. Memory that nobody wrote holds 0xA5. SDA and SCL are pulled up.
+//
+// Lines that come unasked: AVALON-ERROR port rule time; SENSOR lines; FAILED reason.
+//
+// Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH, NCDC_MEMORY_BYTES,
+// NCDC_THREE_READ_PORTS, NCDC_STREAM (pixels per beat), NCDC_SENSOR (its name).
+
+`timescale 1ns/1ps
+
+module system_bench (
+    input wire clk,
+    input wire extclk                   // of the sensor
+);
+    localparam DW = `NCDC_DATA_WIDTH;
+    localparam PORTS = `NCDC_READ_PORTS;
+    localparam BW = `NCDC_READ_BURST_WIDTH;
+    localparam WBW = 5;
+    localparam STDIN = 32'h80000000;
+    localparam END = 0, WRITE = 1, READ = 2, WAIT_IRQ = 3, WAIT = 4, SAVE = 5, RESET = 6,
+        RESET_ALL = 7, STALL = 8, SENSOR = 9, STREAM = 10;
+
+    reg rst = 1, module_rst = 1, memory_rst = 1;
+    reg sensor_reset_n = 0;
+    reg [31:0] memory_bytes, sink_chance;
+
+    initial begin
+        if (!$value$plusargs("memory_bytes=%d", memory_bytes)) memory_bytes = 0;
+        if (!$value$plusargs("sink_chance=%d", sink_chance)) sink_chance = 256;
+        memory.fill(0, memory_bytes, 8'hA5);
+    end
+
+    // The sensor, and the two lines of its bus.
+    wire pixclk, frame_valid, line_valid, scl_low, sda_low, sensor_sda_low;
+    wire [11:0] data;
+    wire scl = !scl_low, sda = !(sda_low || sensor_sda_low);
+    sensor #(.SENSOR(`NCDC_SENSOR)) sensor (
+        .extclk(extclk), .reset_n(sensor_reset_n), .pixclk(pixclk), .frame_valid(frame_valid),
+        .line_valid(line_valid), .data(data), .scl(scl), .sda(sda), .sda_low(sensor_sda_low)
+    );
+
+    // The system.
+    reg  [14:0] csr_address = 0;
+    reg         csr_read = 0, csr_write = 0;
+    reg  [31:0] csr_writedata = 0;
+    wire [31:0] csr_readdata;
+    wire        csr_readdatavalid, csr_waitrequest, irq;
+
+    wire [PORTS*32-1:0] read_address;
+    wire [PORTS-1:0]    read_read, read_waitrequest, read_readdatavalid;
+    wire [PORTS*BW-1:0] read_burstcount;
+    wire [PORTS*DW-1:0] read_readdata;
+
+    wire [31:0]         write_address;
+    wire                write_write, write_waitrequest;
+    wire [WBW-1:0]      write_burstcount;
+    wire [DW-1:0]       write_writedata;
+    wire [DW/8-1:0]     write_byteenable;
+
+`define NCDC_READ_PORT(k) \
+        .read``k``_address(read_address[32*k +: 32]), .read``k``_read(read_read[k]), \
+        .read``k``_burstcount(read_burstcount[BW*k +: BW]), \
+        .read``k``_waitrequest(read_waitrequest[k]), \
+        .read``k``_readdata(read_readdata[DW*k +: DW]), \
+        .read``k``_readdatavalid(read_readdatavalid[k])
+
+    ncdc_system dut (
+        .clk(clk), .rst(module_rst), .memory_rst(memory_rst),
+        .sensor_clock(pixclk), .sensor_frame_valid(frame_valid), .sensor_line_valid(line_valid),
+        .sensor_data(data), .scl_low(scl_low), .sda_low(sda_low), .scl(scl), .sda(sda),
+        .csr_address(csr_address), .csr_read(csr_read), .csr_write(csr_write),
+        .csr_writedata(csr_writedata), .csr_readdata(csr_readdata),
+        .csr_readdatavalid(csr_readdatavalid), .csr_waitrequest(csr_waitrequest),
+        .irq(irq), .front_end_idle(),
+        `NCDC_READ_PORT(0),
+`ifdef NCDC_THREE_READ_PORTS
+        `NCDC_READ_PORT(1),
+        `NCDC_READ_PORT(2),
+`endif
+`ifdef NCDC_STREAM
+        .stream_valid(stream_valid), .stream_ready(stream_ready), .stream_data(stream_data),
+        .stream_startofpacket(stream_startofpacket), .stream_endofpacket(stream_endofpacket),
+`endif
+        .write_address(write_address), .write_write(write_write),
+        .write_burstcount(write_burstcount), .write_writedata(write_writedata),
+        .write_byteenable(write_byteenable), .write_waitrequest(write_waitrequest)
+    );
+
+    // The memory, which may be made to take nothing.
+    reg  [31:0]      stall = 0;                 // clocks to come
+    wire             stalled = stall != 0;
+    wire [PORTS-1:0] memory_read_waitrequest;
+    wire             memory_write_waitrequest;
+    wire [31:0]      memory_errors;
+    assign read_waitrequest = memory_read_waitrequest | {PORTS{stalled}};
+    assign write_waitrequest = memory_write_waitrequest || stalled;
+    avalon_memory #(
+        .PORTS(PORTS), .DATA_WIDTH(DW), .BURST_WIDTH(BW), .WRITE_BURST_WIDTH(WBW),
+        .BYTES(`NCDC_MEMORY_BYTES)
+    ) memory (
+        .clk(clk), .rst(memory_rst), .errors(memory_errors),
+        .read_address(read_address), .read_read(read_read & {PORTS{!stalled}}),
+        .read_burstcount(read_burstcount), .read_waitrequest(memory_read_waitrequest),
+        .read_readdata(read_readdata), .read_readdatavalid(read_readdatavalid),
+        .write_address(write_address), .write_write(write_write && !stalled),
+        .write_burstcount(write_burstcount), .write_writedata(write_writedata),
+        .write_byteenable(write_byteenable), .write_waitrequest(memory_write_waitrequest)
+    );
+
+    // Checkers.
+    wire [31:0] read_errors [0:PORTS-1], read_beats [0:PORTS-1], read_waits [0:PORTS-1];
+    genvar g;
+    generate
+        for (g = 0; g < PORTS; g = g + 1) begin : reader
+            avalon_checker #(
+                .NAME(g == 0 ? "read0" : g == 1 ? "read1" : "read2"),
+                .DATA_WIDTH(DW), .BURST_WIDTH(BW), .MAX_BURST(1 << (BW - 1))
+            ) checker_of_port (
+                .clk(clk), .rst(rst), .host_rst(module_rst),
+                .memory_rst(memory_rst), .address(read_address[32*g +: 32]), .read(read_read[g]),
+                .write(1'b0), .burstcount(read_burstcount[BW*g +: BW]), .writedata({DW{1'b0}}),
+                .byteenable({DW/8{1'b0}}), .waitrequest(read_waitrequest[g]),
+                .readdatavalid(read_readdatavalid[g]), .errors(read_errors[g]), .commands(),
+                .beats(read_beats[g]), .bytes(), .waits(read_waits[g])
+            );
+        end
+    endgenerate
+
+    wire [31:0] write_errors, write_bytes, write_beats, write_waits, csr_errors;
+    avalon_checker #(
+        .NAME("write"), .DATA_WIDTH(DW), .BURST_WIDTH(WBW), .MAX_BURST(1 << (WBW - 1))
+    ) write_checker (
+        .clk(clk), .rst(rst), .host_rst(module_rst), .memory_rst(memory_rst),
+        .address(write_address), .read(1'b0),
+        .write(write_write), .burstcount(write_burstcount), .writedata(write_writedata),
+        .byteenable(write_byteenable), .waitrequest(write_waitrequest), .readdatavalid(1'b0),
+        .errors(write_errors), .commands(), .beats(write_beats), .bytes(write_bytes),
+        .waits(write_waits)
+    );
+
+    avalon_checker #(.NAME("csr"), .DATA_WIDTH(32), .BURST_WIDTH(2), .MAX_BURST(1)) csr_checker (
+        .clk(clk), .rst(rst), .host_rst(1'b0), .memory_rst(1'b0),
+        .address({csr_address, 2'b00}), .read(csr_read),
+        .write(csr_write), .burstcount(2'd1), .writedata(csr_writedata), .byteenable(4'hF),
+        .waitrequest(csr_waitrequest), .readdatavalid(csr_readdatavalid),
+        .errors(csr_errors), .commands(), .beats(), .bytes(), .waits()
+    );
+
+`ifdef NCDC_STREAM
+    localparam SP = `NCDC_STREAM;       // pixels of a beat
+    wire        stream_valid, stream_startofpacket, stream_endofpacket;
+    wire [24*SP-1:0] stream_data;
+    reg         stream_ready = 0;
+    wire [31:0] stream_errors;
+    reg  [31:0] sink_random = 32'h2545F491, stream_bytes = 0;
+    stream_checker #(.NAME("stream"), .WIDTH(24 * SP)) stream_checker (
+        .clk(clk), .rst(rst), .host_rst(module_rst), .valid(stream_valid), .ready(stream_ready),
+        .data(stream_data), .startofpacket(stream_startofpacket), .endofpacket(stream_endofpacket),
+        .errors(stream_errors), .beats(), .packets(), .waits()
+    );
+
+    integer pixels, lane;
+    initial pixels = $fopen("stream.bin", "wb");
+    always @(posedge clk) begin
+        sink_random = sink_random ^ (sink_random << 13);
+        sink_random = sink_random ^ (sink_random >> 17);
+        sink_random = sink_random ^ (sink_random << 5);
+        stream_ready <= sink_random[15:8] < sink_chance;
+        if (!rst && stream_valid && stream_ready)
+            for (lane = 0; lane < SP; lane = lane + 1) begin
+                $fwrite(pixels, "%c%c%c", stream_data[24*lane+16 +: 8],
+                        stream_data[24*lane+8 +: 8], stream_data[24*lane +: 8]);
+                stream_bytes = stream_bytes + 3;
+            end
+    end
+`else
+    wire [31:0] stream_errors = 0;
+`endif
+
+    // The host.
+    reg [31:0] clocks = 0, waited = 0, operation = 0, a = 0, b = 0;
+    reg        asked = 0;               // an operation is under way
+    reg        reading = 0;             // a read is accepted, its word has not come
+    integer    got, file, k;
+
+    // The answer, and what comes next.
+    task done;
+        begin
+            $display("DONE %0d", clocks);
+            $fflush;
+            asked = 0;
+        end
+    endtask
+
+    task ends;
+        begin
+            for (k = 0; k < PORTS; k = k + 1) begin
+                $display("RESULT read%0d_beats %0d", k, read_beats[k]);
+                $display("RESULT read%0d_waits %0d", k, read_waits[k]);
+                $display("RESULT read%0d_errors %0d", k, read_errors[k]);
+            end
+            $display("RESULT write_beats %0d", write_beats);
+            $display("RESULT write_bytes %0d", write_bytes);
+            $display("RESULT write_waits %0d", write_waits);
+            $display("RESULT write_errors %0d", write_errors);
+            $display("RESULT csr_errors %0d", csr_errors);
+            $display("RESULT stream_errors %0d", stream_errors);
+            $display("RESULT memory_errors %0d", memory_errors);
+            $display("END %0d", clocks);
+            $fflush;
+            $finish;
+        end
+    endtask
+
+    always @(posedge clk) begin
+        clocks = clocks + 1;
+        rst <= clocks < 8;
+        module_rst <= clocks < 8;
+        memory_rst <= clocks < 8;
+        if (stall != 0)
+            stall <= stall - 1;
+        if (clocks > 16) begin
+            if (!asked) begin
+                got = $fscanf(STDIN, "%h %h %h", operation, a, b);
+                asked = 1;
+                waited = 0;
+                if (got != 3)
+                    operation = END;
+            end
+            waited = waited + 1;
+            case (operation)
+                WRITE: begin
+                    csr_address <= a[14:0];
+                    csr_writedata <= b;
+                    csr_write <= 1;
+                    if (csr_write && !csr_waitrequest) begin
+                        csr_write <= 0;
+                        done;
+                    end
+                end
+                READ: begin
+                    csr_address <= a[14:0];
+                    csr_read <= !reading;
+                    if (csr_read && !csr_waitrequest) begin
+                        csr_read <= 0;
+                        reading = 1;
+                    end
+                    if (csr_readdatavalid) begin
+                        csr_read <= 0;
+                        reading = 0;
+                        $display("READ %0d %0d", csr_readdata, clocks);
+                        $fflush;
+                        asked = 0;
+                    end
+                end
+                WAIT_IRQ:
+                    if (irq || waited > a) begin
+                        $display("IRQ %0d %0d", irq, clocks);
+                        $fflush;
+                        asked = 0;
+                    end
+                WAIT:
+                    if (waited > a)
+                        done;
+                SAVE: begin
+                    file = $fopen("memory.bin", "wb");
+                    memory.save(file, a, b);
+                    $fclose(file);
+                    done;
+                end
+                RESET, RESET_ALL: begin
+                    module_rst <= waited <= a;
+                    memory_rst <= operation == RESET_ALL && waited <= a;
+                    if (waited > a)
+                        done;
+                end
+                STALL: begin
+                    stall <= a;
+                    done;
+                end
+                SENSOR: begin
+                    sensor_reset_n <= a[0];
+                    done;
+                end
+`ifdef NCDC_STREAM
+                STREAM: begin
+                    $fflush(pixels);
+                    $display("STREAM %0d %0d", stream_bytes, clocks);
+                    $fflush;
+                    asked = 0;
+                end
+`endif
+                default: ends;
+            endcase
+        end
+    end
+endmodule

@@ -1,0 +1,21 @@
+// The clocks of the system bench for simulators that keep time themselves.
+
+`timescale 1ps/1ps
+
+module system_clock;
+    integer clk_period, extclk_period, extclk_phase;
+    reg clk = 0, extclk = 0;
+    initial begin
+        if (!$value$plusargs("clk_period=%d", clk_period)) clk_period = 10000;
+        if (!$value$plusargs("extclk_period=%d", extclk_period)) extclk_period = 10000;
+        if (!$value$plusargs("extclk_phase=%d", extclk_phase)) extclk_phase = extclk_period / 2;
+        fork
+            forever #(clk_period / 2) clk = !clk;
+            begin
+                #(extclk_phase) extclk = 1;
+                forever #(extclk_period / 2) extclk = !extclk;
+            end
+        join
+    end
+    system_bench bench (.clk(clk), .extclk(extclk));
+endmodule

@@ -1,0 +1,192 @@
+"""A simulated system that a host in Python talks to: registers, interrupt, memory, resets."""
+
+import subprocess
+import tempfile
+from collections import deque
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ncdc_hdl.export.verilog.system_cover import SYSTEM
+from ncdc_model.errors import InputError
+from ncdc_sim.memory.timing import memory_settings, simulated_memory
+from ncdc_sim.ports import ports_of
+from ncdc_sim.runner import HDL, build, command_of
+from ncdc_sim.tools import SimulationError, environment
+
+__all__ = ["Clocks", "LiveSystem", "Sensor"]
+
+_BENCH = ("system_bench.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.v",
+          "stream_checker.v", "sensor.v", "sensor_core.v", "sensor_i2c.v", "sensor_mt9p031.v")
+_END, _WRITE, _READ, _WAIT_IRQ, _WAIT, _SAVE, _RESET, _RESET_ALL, _STALL, _SENSOR, _STREAM = \
+    range(11)
+_LEAST_MEMORY = 1 << 24         # bytes; more frame sizes share one build
+
+
+@dataclass(frozen=True)
+class Clocks:
+    """Periods of the system's and of the sensor's clock, and time of its first edge, in ps."""
+    clk_period: int = 10000
+    extclk_period: int = 10000
+    extclk_phase: int = 5000
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """The sensor of a run.
+
+    Parameters
+    ----------
+    name : str
+        Of those that ``sim/ncdc_sim/hdl/sensor.v`` knows.
+    samples : bytes
+        Of its file: 16 bits each, little-endian, row by row, frame by frame.
+    settings : dict
+        Plusargs of the model without their ``sensor_``, see there.
+    """
+    name: str
+    samples: bytes
+    settings: dict = field(default_factory=dict)
+
+
+class LiveSystem:
+    """The module ``ncdc_system`` of a Verilog text, running, as a context.
+
+    Parameters
+    ----------
+    verilog : str
+    sensor : Sensor
+    memory : str or a memory
+        As of :class:`ncdc_sim.system.frame.Run`, but for LiteDRAM.
+    memory_bytes : int
+        From byte address 0 on; at first it holds 0xA5.
+    clocks : Clocks
+    simulator : str
+    seed : int
+    sink_chance : int
+        How often, of 256 clocks, the sink of a stream is ready.
+
+    Attributes
+    ----------
+    now : int
+        Clocks since the start, at the last answer.
+    results : dict
+        Counters of the bench, once :meth:`end` was called.
+
+    Raises
+    ------
+    SimulationError
+        From every method, if the program has ended, or a rule of a bus was broken.
+    """
+
+    def __init__(self, verilog, sensor, *, memory="sdram", memory_bytes, clocks=Clocks(),
+                 simulator="verilator", seed=1, sink_chance=256):
+        memory = simulated_memory(memory)
+        ports = ports_of(verilog, SYSTEM)
+        self.width = ports["read0_readdata"]
+        self.readers = sum(name.endswith("_readdata") and name.startswith("read")
+                           for name in ports)
+        self.stream = "stream_data" in ports
+        if not hasattr(memory, "latency") and not hasattr(memory, "banks"):
+            raise InputError("LiteDRAM cannot be the memory of a camera's run")
+        binary = self._build(verilog, ports, sensor, simulator, memory_bytes)
+        settings = memory_settings(memory, self.width, self.readers) | {
+            "memory_bytes": memory_bytes, "seed": seed, "sink_chance": sink_chance,
+            **vars(clocks), "sensor_file": "sensor.bin",
+            **{f"sensor_{name}": value for name, value in sensor.settings.items()}}
+        self._folder = tempfile.TemporaryDirectory(prefix="ncdc-")
+        self.folder = Path(self._folder.name)
+        (self.folder / "sensor.bin").write_bytes(sensor.samples)
+        self.now, self.results, self._last = 0, {}, deque(maxlen=20)
+        self.sensor_lines = []
+        self._process = subprocess.Popen(
+            [*command_of(binary), *(f"+{key}={value}" for key, value in settings.items())],
+            cwd=self.folder, env=environment(), text=True, errors="replace",
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+    def _build(self, verilog, ports, sensor, simulator, memory_bytes):
+        defines = {"NCDC_DATA_WIDTH": self.width, "NCDC_READ_PORTS": self.readers,
+                   "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
+                   "NCDC_MEMORY_BYTES": max(_LEAST_MEMORY, 1 << (memory_bytes - 1).bit_length()),
+                   "NCDC_SENSOR": f'"{sensor.name}"'}
+        defines |= {"NCDC_THREE_READ_PORTS": None} if self.readers == 3 else {}
+        defines |= {"NCDC_STREAM": ports["stream_data"] // 24} if self.stream else {}
+        sources = [(name, (HDL / name).read_text()) for name in _BENCH]
+        sources.append(("ncdc_system.v", verilog))
+        top = "system_bench"
+        if simulator == "icarus":
+            top = "system_clock"
+            sources.insert(0, ("system_clock.v", (HDL / "system_clock.v").read_text()))
+        return build("system", top, sources, defines=defines, simulator=simulator,
+                     main=HDL / "system_main.cpp")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._process.kill()
+        self._process.communicate()
+        self._folder.cleanup()
+
+    def write(self, address, value):
+        """Write ``value`` to the register at a word address."""
+        self._ask(_WRITE, address, value & 0xFFFFFFFF)
+
+    def read(self, address):
+        """The value of the register at a word address."""
+        return int(self._ask(_READ, address)[0])
+
+    def wait_irq(self, clocks):
+        """Wait for the interrupt for so many clocks at most; whether it came."""
+        return self._ask(_WAIT_IRQ, clocks)[0] == "1"
+
+    def wait(self, clocks):
+        """Let so many clocks go by."""
+        self._ask(_WAIT, clocks)
+
+    def memory(self, address, size):
+        """So many bytes of the memory, which take no time; both multiples of a word."""
+        self._ask(_SAVE, address, size)
+        return (self.folder / "memory.bin").read_bytes()[:size]
+
+    def reset(self, clocks=4, memory=False):
+        """Reset the system, and the memory with it."""
+        self._ask(_RESET_ALL if memory else _RESET, clocks)
+
+    def stall(self, clocks):
+        """Let the memory take nothing for so many clocks from now on."""
+        self._ask(_STALL, clocks)
+
+    def sensor_power(self, on):
+        """Release the sensor's reset, or hold it."""
+        self._ask(_SENSOR, int(on))
+
+    def streamed(self):
+        """All pixels that have left as a stream, three bytes each."""
+        size = int(self._ask(_STREAM)[0])
+        return (self.folder / "stream.bin").read_bytes()[:size]
+
+    def end(self):
+        """End the run; the bench's counters."""
+        self._ask(_END)
+        return self.results
+
+    def _ask(self, operation, a=0, b=0):
+        """Send a command; the words of its answer but for the first and the clocks."""
+        try:
+            self._process.stdin.write(f"{operation:x} {a:x} {b:x}\n")
+            self._process.stdin.flush()
+        except BrokenPipeError:
+            pass                    # what it printed before it ended says why
+        for line in self._process.stdout:
+            self._last.append(line.rstrip())
+            kind, *values = line.split() or [""]
+            if kind in ("DONE", "READ", "IRQ", "STREAM", "END"):
+                self.now = int(values[-1])
+                return values[:-1]
+            if kind == "RESULT":
+                self.results[values[0]] = int(values[1])
+            elif kind in ("AVALON-ERROR", "FAILED", "SENSOR-ERROR"):
+                raise SimulationError(f"simulation failed: {line.strip()}")
+            elif kind == "SENSOR":
+                self.sensor_lines.append((self.now, line.strip()))
+        raise SimulationError("the simulation has ended:\n" + "\n".join(self._last))
