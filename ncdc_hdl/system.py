@@ -84,7 +84,8 @@ class System(wiring.Component):
         m.submodules.run_control = control = RunControl()
         m.submodules.page = page = Page(
             self.table, SYSTEM_WORDS_BITS,
-            system_values(self.descriptor, self.hardware, self.stores), LOCKED)
+            system_values(self.descriptor, self.hardware, self.stores),
+            [*LOCKED, *(r.name for r in self.table if r.name.endswith("_BASE"))])
         for name in self.signature.members:
             if name.startswith(("read", "stream_")) or name in ("memory_rst", "front_end_idle"):
                 self._pass(m, name)
@@ -141,6 +142,7 @@ class System(wiring.Component):
     def _settings(self, m, values):
         """What the registers tell the camera."""
         settings, capture = self.capture.settings, self.capture
+        base = self._base(values, "RAW", self.raw.buffer)
         m.d.comb += [
             capture.enable.eq(values.CAMERA_ENABLE), capture.limit.eq(values.CLOCK_LIMIT),
             settings.sent_width.eq(values.SENT_WIDTH), settings.sent_height.eq(values.SENT_HEIGHT),
@@ -150,7 +152,7 @@ class System(wiring.Component):
             *(settings.level.curve[k].eq(values[f"CURVE{k}"]) for k in range(PIECES + 1)),
             capture.place.pitch.eq(values.RAW_PITCH), capture.place.width.eq(values.WINDOW_WIDTH),
             capture.place.height.eq(values.WINDOW_HEIGHT),
-            capture.place.base.eq(self._base(values, "RAW", self.raw.buffer)),
+            capture.place.base.eq(base), capture.place.limit.eq(base + values.RAW_BYTES),
         ]
 
     def _base(self, values, store, buffer):
@@ -251,7 +253,7 @@ class System(wiring.Component):
                           f"{name}{k}_TIME_LOW": look.frame.time[:32],
                           f"{name}{k}_TIME_HIGH": look.frame.time[32:]}
         m.d.comb += [read[name].eq(value) for name, value in shown.items()]
-        m.d.comb += page.lock.eq(capture.active)
+        m.d.comb += page.lock.eq(capture.active | control.corrector.active)
 
     def _events(self, m, page, control, i2c):
         """What CAMERA_STATUS remembers, and the interrupt."""

@@ -8,12 +8,14 @@ from amaranth.utils import exact_log2
 from ncdc_hdl.avalon.burst_writer import word_layout
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.camera.layouts import ENTRY, REPORT, SAMPLES, SIZE_BITS, Kind
+from ncdc_hdl.lib.pipeline import register
 
 __all__ = ["COUNTS", "FrameWriter", "PLACE"]
 
-PLACE = data.StructLayout({"base": ADDRESS_BITS, "pitch": SIZE_BITS, "width": SIZE_BITS,
-                           "height": SIZE_BITS})
-"""Byte address of a frame and bytes from row to row, multiples of a word; bytes of a row; rows."""
+PLACE = data.StructLayout({"base": ADDRESS_BITS, "limit": ADDRESS_BITS, "pitch": SIZE_BITS,
+                           "width": SIZE_BITS, "height": SIZE_BITS})
+"""Byte address of a frame, of what is behind its place, and bytes from row to row, multiples of a
+word; bytes of a row; rows."""
 
 COUNTS = data.StructLayout({"lines": 32, "cut": 32, "overflows": 32, "missed": 32, "stopped": 32})
 """Since the reset: rows of a wrong length, frames with a wrong number of rows, frames of which the
@@ -24,8 +26,9 @@ class FrameWriter(wiring.Component):
     """Writes each frame to its place, row by row, and says whether it is good.
 
     Nothing is written outside the place, whatever comes: words of a row beyond ``width`` and rows
-    beyond ``height`` are dropped. A frame is over when the memory has taken its last word; it is
-    good if its report is clean and each row was as long as it should be. If no entry comes for
+    beyond ``height`` or ``limit`` are dropped. A frame is over when the memory has taken its last
+    word; it is good if its report is clean and each row was as long as it should be, and in its
+    place, and no longer than the pitch. If no entry comes for
     ``limit`` clocks in a frame, its clock has stopped: the frame is over, and bad, and what comes
     of it later is dropped.
 
@@ -72,6 +75,9 @@ class FrameWriter(wiring.Component):
         idle = Signal(32)               # clocks without an entry
         word_room = Signal()            # a word may be handed on
         samples, row_end, frame_end, stopped, close = (Signal() for _ in range(5))
+        row = Signal(ADDRESS_BITS)      # address of the row
+        fits = Signal()                 # the row is in the place
+        moved = Signal()                # `fits` is not yet of this row
         new = i.valid & (i.p.kind == Kind.BEGIN)        # a frame begins as soon as it is taken
         m.d.comb += [word_room.eq(~o.valid | o.ready), frame_end.eq(i.p.kind == Kind.END)]
         m.d.sync += idle.eq(Mux(i.valid, 0, idle + 1))
@@ -87,13 +93,16 @@ class FrameWriter(wiring.Component):
                 m.next = "ROWS"
             with m.State("ROWS"):
                 m.d.comb += [
-                    i.ready.eq(word_room & ~new), samples.eq(i.valid & i.ready & ~frame_end),
+                    i.ready.eq(word_room & ~new & ~moved),
+                    samples.eq(i.valid & i.ready & ~frame_end),
                     row_end.eq(i.p.kind == Kind.ROW_END),
                     stopped.eq((self.limit != 0) & (idle == self.limit)),
                 ]
                 with m.If(samples & row_end):
+                    in_rows = rows < place.height
                     as_long = (column < place.width) & (column + SAMPLES >= place.width)
-                    m.d.sync += [rows.eq(rows + ~rows.all()), wrong.eq(wrong | ~as_long)]
+                    m.d.sync += [rows.eq(rows + ~rows.all()),
+                                 wrong.eq(wrong | ~as_long | in_rows & ~fits)]
                 # A frame that a reset has cut off has no end.
                 with m.If(i.valid & i.ready & frame_end | new | stopped):
                     faults = Cat(report.rows, report.overflow, report.lines)
@@ -109,24 +118,47 @@ class FrameWriter(wiring.Component):
                     m.d.comb += [self.ends.eq(1),
                                  self.good.eq(clean & ~wrong & (rows == place.height))]
                     m.next = "BETWEEN"
-        self._words(m, samples, row_end, close, rows < place.height, column, closings)
+        last = samples & row_end & (rows < place.height) & fits | close
+        self._words(m, samples & (rows < place.height) & fits, last, column, row)
+        self._place(m, last, column, row, fits, moved)
+        with m.If(last):
+            m.d.sync += closings.eq(closings + 1)
         self._count(m, i.valid & i.ready & frame_end, report, stopped)
         return m
 
-    def _words(self, m, samples, row_end, close, in_rows, column, closings):
-        """Gather entries to words, each with its address; count the last ones of rows."""
-        i, o, place = self.i, self.o, self.place
+    def _place(self, m, last, column, row, fits, moved):
+        """Where the next entry goes, and whether its row has room there."""
+        place, word_bits = self.place, exact_log2(self.data_width // 8)
+        started = Signal()                          # the place of a new frame is known
+        row_bytes = Signal(SIZE_BITS + 1)           # of a row, in whole words
+        end = Signal(ADDRESS_BITS + 1)              # of the row in memory
+        changed = Signal()                          # `row` is new
+        whole = (place.width + (self.data_width // 8 - 1))[word_bits:]
+        m.d.sync += [
+            row_bytes.eq(Cat(Const(0, word_bits), whole)), end.eq(row + row_bytes),
+            fits.eq((end <= place.limit) & (row_bytes <= place.pitch)),
+            changed.eq(last | started),
+        ]
+        m.d.comb += moved.eq(changed | register(m, "changed_before", changed, reset_less=False))
+        with m.If(last):
+            m.d.sync += [column.eq(0), row.eq(row + place.pitch)]
+        with m.If(self.begins):
+            m.d.sync += [column.eq(0), started.eq(1)]
+        with m.If(started):
+            m.d.sync += [started.eq(0), row.eq(place.base)]
+
+    def _words(self, m, samples, last, column, row):
+        """Gather entries to words, each with its address."""
+        i, o = self.i, self.o
+        place = self.place
         entries = self.data_width // (8 * SAMPLES)
         word_bits, entry_bits = exact_log2(self.data_width // 8), exact_log2(SAMPLES)
         gathered, enable = Signal(self.data_width), Signal(entries)
-        row = Signal(ADDRESS_BITS)      # address of the row
-        started = Signal()              # the place of a new frame is known
         slot = Signal(range(max(2, entries)))
-        inside, complete, last = Signal(), Signal(), Signal()
+        inside, complete = Signal(), Signal()
         m.d.comb += [
             slot.eq(column[entry_bits:word_bits]),
-            inside.eq(samples & in_rows & (column < place.width)),
-            last.eq(samples & row_end & in_rows | close),
+            inside.eq(samples & (column < place.width)),
             complete.eq(inside & (slot == entries - 1) | last),
         ]
         word, enabled = Signal.like(gathered), Signal.like(enable)
@@ -145,12 +177,6 @@ class FrameWriter(wiring.Component):
                 o.p.enable.eq(Cat(bit.replicate(SAMPLES) for bit in enabled)),
                 o.p.end.eq(last), o.p.last.eq(last), o.p.void.eq(~enabled.any()),
             ]
-        with m.If(last):
-            m.d.sync += [closings.eq(closings + 1), column.eq(0), row.eq(row + place.pitch)]
-        with m.If(self.begins):
-            m.d.sync += [column.eq(0), started.eq(1)]
-        with m.If(started):
-            m.d.sync += [started.eq(0), row.eq(place.base)]
 
     def _count(self, m, ended, report, stopped):
         """Add what a frame's end tells to the counters."""

@@ -84,11 +84,7 @@ class RunControl(wiring.Component):
             self.claim.eq(ready & new), self.claim_follow.eq(self.follow),
             corrector.active.eq(self.run | ~waits), corrector.placed.eq(~waits),
         ]
-        # A frame that came behind the one that waits takes its place; one followed does not wait.
-        missed = Mux(self.follow, self.begun & ~ready, self.came & fresh)
-        m.d.sync += self.skipped.eq(self.skipped + (self.run & missed))
-        m.d.sync += [self.begun_count.eq(self.begun_count + self.target_begins),
-                     self.bad_count.eq(self.bad_count + (self.target_ends & ~self.target_good))]
+        self._count(m, fresh, ready)
         with m.If(self.claim):
             m.d.sync += fresh.eq(0)
         with m.Elif(self.came):
@@ -132,3 +128,11 @@ class RunControl(wiring.Component):
                                  self.target_good.eq(~bad)]
                     m.next = "WAIT"
         return m
+
+    def _count(self, m, fresh, ready):
+        """Count what is begun, ends badly and is skipped."""
+        # A frame that came behind the one that waits takes its place; one followed does not wait.
+        missed = Mux(self.follow, self.begun & ~ready, self.came & fresh)
+        m.d.sync += self.skipped.eq(self.skipped + (self.run & missed))
+        m.d.sync += [self.begun_count.eq(self.begun_count + self.target_begins),
+                     self.bad_count.eq(self.bad_count + (self.target_ends & ~self.target_good))]

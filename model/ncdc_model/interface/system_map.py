@@ -27,8 +27,8 @@ EVENTS = (
     ("CORRECTED_BAD", "a corrected frame ended as bad"),
     ("TAKEN", "a buffer was taken away from a reader that held it for too long"),
     ("I2C_DONE", "the last I2C command is over"),
-    ("REFUSED", "a write was ignored: of a setting of the camera while it was active, or of an "
-     "I2C command before the last one was over"),
+    ("REFUSED", "a write was ignored: of a setting or a base while camera or corrector "
+     "were at work with it, or of an I2C command before the last one was over"),
 )
 """What `CAMERA_STATUS` remembers, each with its bit in `CAMERA_IRQ_ENABLE`."""
 
@@ -37,8 +37,10 @@ I2C_COMMAND_FLAGS = (("WRITE", 0x200, "send `DATA`"), ("READ", 0x400, "receive a
                      ("STOP", 0x1000, "STOP behind it"), ("START", 0x100, "START before it"))
 
 LOCKED = ("SENT_WIDTH", "SENT_HEIGHT", "WINDOW_LEFT", "WINDOW_TOP", "WINDOW_WIDTH",
-          "WINDOW_HEIGHT", "BLACK_LEVEL", *(f"CURVE{k}" for k in range(PIECES + 1)))
-"""Settings that do not change while the camera is active."""
+          "WINDOW_HEIGHT", "BLACK_LEVEL", *(f"CURVE{k}" for k in range(PIECES + 1)),
+          "RAW_PITCH", "RAW_BYTES", "CORRECTED_BYTES")
+"""Settings that, like the bases of buffers, do not change while the camera is active or the
+corrector runs by itself."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,8 @@ class Stores:
 
 def system_registers(stores):
     """All registers of a system but the corrector's, by ascending address."""
-    return (*_camera(), *_stores(stores))
+    camera = (*_control(), *_settings(), *_curve(), *_counts(), *_i2c())
+    return (*(_moved(r, CAMERA) for r in camera), *_stores(stores))
 
 
 def _ro(name, address, text, shape=_COUNT):
@@ -70,12 +73,12 @@ def _rw(name, address, shape, text):
     return Register(name, address, "rw", shape, text)
 
 
-def _camera():
+def _control():
     flags = [Flag("ACTIVE", 1, "ro", "the camera is enabled, or a frame of it is under way"),
              Flag("RUNNING", 2, "ro", "the corrector runs by itself, or ends its last such frame"),
              *(Flag(name, 1 << 8 + k, "w1c", text) for k, (name, text) in enumerate(EVENTS))]
     names = ", ".join(f"{k}: {name}" for k, (name, _) in enumerate(EVENTS))
-    head = (
+    return (
         _rw("CAMERA_ENABLE", 0x00, Bits(1),
             "1: frames that begin from now on are captured; 0: none after the one under way."),
         _rw("RUN", 0x01, Bits(1),
@@ -86,6 +89,11 @@ def _camera():
         Register("CAMERA_STATUS", 0x03, "action", Bits(8 + len(EVENTS)), "", tuple(flags)),
         _rw("CAMERA_IRQ_ENABLE", 0x04, Bits(len(EVENTS)),
             f"`irq` follows these events of `CAMERA_STATUS`: {names}."),
+    )
+
+
+def _settings():
+    return (
         _rw("SENT_WIDTH", 0x05, _SIZE, "Samples of a row that the sensor sends, exactly."),
         _rw("SENT_HEIGHT", 0x06, _SIZE, "Rows that the sensor sends, exactly."),
         _rw("WINDOW_LEFT", 0x07, _SIZE,
@@ -102,13 +110,19 @@ def _camera():
         _rw("RAW_BYTES", 0x0E, _COUNT, "Bytes of the place of each raw frame."),
         _rw("CORRECTED_BYTES", 0x0F, _COUNT, "Bytes of the place of each corrected frame."),
     )
-    curve = tuple(
+
+
+def _curve():
+    return tuple(
         Register(f"CURVE{k}", 0x10 + k, "rw", Bits(CURVE_BITS),
                  f"Byte of a sample that is {256 * k} above black; straight between the nodes.",
                  family=("CURVEj", "Byte of a sample that is 256 j above black; straight between "
                          "the nodes."))
         for k in range(PIECES + 1))
-    counts = (
+
+
+def _counts():
+    return (
         _ro("CAMERA_ROWS", 0x28, "Rows of the frame under way that are in memory.", _SIZE),
         _ro("LINE_FAULTS", 0x29, "Rows of the sensor that were too short or too long."),
         _ro("FRAMES_CUT", 0x2A, "Frames of the sensor with too few or too many rows."),
@@ -128,7 +142,10 @@ def _camera():
         _ro("TIME_HIGH", 0x39, "Clocks since the reset, upper half: read it, `TIME_LOW`, and it "
             "once more."),
     )
-    i2c = (
+
+
+def _i2c():
+    return (
         _rw("I2C_QUARTER", 0x40, Bits(16), "Clocks of a quarter of a bit, at least 8."),
         _rw("I2C_LIMIT", 0x41, _COUNT, "Clocks for which a target may hold SCL."),
         Register("I2C_COMMAND", 0x42, "action", Bits(13), "Writing begins a command.",
@@ -142,7 +159,6 @@ def _camera():
                   Flag("LOST", 0x400, "ro", "the bus was not free, or another controller took it"),
                   Flag("TIMEOUT", 0x800, "ro", "SCL was held for longer than `I2C_LIMIT`"))),
     )
-    return tuple(_moved(r, CAMERA) for r in (*head, *curve, *counts, *i2c))
 
 
 def _stores(stores):

@@ -12,7 +12,7 @@ from ncdc_model.sensors.level import LINEAR, levelled
 from ncdc_sim.benches.avalon import write_memory
 from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
 
-__all__ = ["faults", "frames", "switched_off"]
+__all__ = ["faults", "frames", "switched_off", "too_small"]
 
 SENT, WINDOW, CORNER = (26, 14), (18, 9), (5, 3)        # width and height; left and top
 PITCH, PLACE_BYTES, FIRST = 32, 512, 1024
@@ -73,7 +73,7 @@ class Writer:
     """Gives each frame a place of its own, and knows how each ended."""
     def __init__(self, dut, wait):
         self.dut, self.ended, self.begun, self.content = dut, [], 0, bytearray(b"\xee" * 16384)
-        self.wait = wait
+        self.wait, self.bytes, self.pitch = wait, PITCH * WINDOW[1], PITCH
         cocotb.start_soon(write_memory(dut, "bus", self.content, wait=wait))
         cocotb.start_soon(self._watch())
 
@@ -90,8 +90,8 @@ class Writer:
             await FallingEdge(dut.clk)
             if begins:
                 dut.place.value = pack(PLACE, {
-                    "base": self.place(self.begun), "pitch": PITCH, "width": WINDOW[0],
-                    "height": WINDOW[1]})
+                    "base": self.place(self.begun), "limit": self.place(self.begun) + self.bytes,
+                    "pitch": self.pitch, "width": WINDOW[0], "height": WINDOW[1]})
                 self.begun += 1
             if ends:
                 self.ended.append(good)
@@ -253,3 +253,21 @@ async def switched_off(dut):
     assert writer.begun == 1 and writer.ended == [True]
     assert np.array_equal(writer.frame(0), expected(samples))
     assert dut.active.value == 0
+
+
+@cocotb.test()
+async def too_small(dut):
+    """A place without room for the last row, and rows longer than the pitch: the frame is bad, and
+    nothing is written beyond the place."""
+    sensor, writer = await begin(dut)
+    for pitch, size in ((PITCH, PITCH * WINDOW[1] - 16), (16, PITCH * WINDOW[1])):
+        writer.pitch, writer.bytes = pitch, size
+        number = len(writer.ended)
+        await sensor.frame()
+        while len(writer.ended) == number:
+            await sensor.tick()
+        assert writer.ended[number:] == [False], pitch
+    first, second = (writer.content[writer.place(k):writer.place(k + 1)] for k in range(2))
+    assert set(first[:PITCH * (WINDOW[1] - 1)]) != {0xEE}
+    assert set(first[PITCH * (WINDOW[1] - 1):]) == {0xEE} == set(second)
+    assert not any(counts(dut).values())

@@ -132,4 +132,5 @@ class SystemHost:
         """Samples of a raw frame, uint8 (height, width)."""
         width, height = self.geometry.distorted
         pitch = self.get("RAW_PITCH")
-        return np.frombuffer(frame.data, np.uint8)[:pitch * height].reshape(height, pitch)[:, :width]
+        rows = np.frombuffer(frame.data, np.uint8)[:pitch * height].reshape(height, pitch)
+        return rows[:, :width]
