@@ -3,6 +3,7 @@
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect
+from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.bus import Agent, WriteHost
 from ncdc_hdl.avalon.write_arbiter import WriteArbiter
@@ -82,10 +83,12 @@ class System(wiring.Component):
         m.submodules.raw = self.raw
         m.submodules.i2c = i2c = I2cController()
         m.submodules.run_control = control = RunControl()
+        bases = [r.name for r in self.table if r.name.endswith("_BASE")]
+        word_bits = exact_log2(self.hardware.data_width // 8)
         m.submodules.page = page = Page(
             self.table, SYSTEM_WORDS_BITS,
-            system_values(self.descriptor, self.hardware, self.stores),
-            [*LOCKED, *(r.name for r in self.table if r.name.endswith("_BASE"))])
+            system_values(self.descriptor, self.hardware, self.stores), [*LOCKED, *bases],
+            dict.fromkeys([*bases, "RAW_PITCH", "RAW_BYTES", "CORRECTED_BYTES"], word_bits))
         for name in self.signature.members:
             if name.startswith(("read", "stream_")) or name in ("memory_rst", "front_end_idle"):
                 self._pass(m, name)

@@ -29,6 +29,8 @@ class Page(wiring.Component):
         After a reset, by name; zero where absent.
     locked : sequence of str
         Registers that are not written while ``lock`` is high.
+    aligned : dict
+        Lowest bits that a register, by name, does not keep: they read as zero.
 
     Members
     -------
@@ -49,8 +51,8 @@ class Page(wiring.Component):
     latency = 4
     """Clocks from a read on the bus to its data."""
 
-    def __init__(self, table, address_bits, values, locked=()):
-        self.table, self.initial, self.locked = table, values, locked
+    def __init__(self, table, address_bits, values, locked=(), aligned=None):
+        self.table, self.locked, self.aligned = table, locked, aligned or {}
         kept = {r.name: r.shape.width for r in table if r.access == "rw"}
         other = {r.name: r.shape.width for r in table if r.access != "rw"}
         super().__init__({
@@ -84,8 +86,9 @@ class Page(wiring.Component):
             written = write & meant[r.name]
             if r.access == "rw":
                 lock = self.lock if r.name in self.locked else Const(0)
+                low = self.aligned.get(r.name, 0)
                 with m.If(written & ~lock):
-                    m.d.sync += self.values[r.name].eq(self.word)
+                    m.d.sync += self.values[r.name].eq(Cat(Const(0, low), self.word[low:]))
                 with m.If(written & lock):
                     m.d.comb += ignored.eq(1)
             elif r.access == "action":

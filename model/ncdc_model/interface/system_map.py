@@ -107,8 +107,11 @@ def _settings():
             "Clocks without a sample after which a frame of the sensor is given up; 0: never."),
         _rw("RAW_PITCH", 0x0D, _SIZE,
             "Bytes from row to row of a raw frame in memory, a multiple of the memory word."),
-        _rw("RAW_BYTES", 0x0E, _COUNT, "Bytes of the place of each raw frame."),
-        _rw("CORRECTED_BYTES", 0x0F, _COUNT, "Bytes of the place of each corrected frame."),
+        _rw("RAW_BYTES", 0x0E, _COUNT,
+            "Bytes of the place of each raw frame, a multiple of the memory word: rows beyond are "
+            "not written, and the frame is bad."),
+        _rw("CORRECTED_BYTES", 0x0F, _COUNT,
+            "Bytes of the place of each corrected frame, a multiple of the memory word."),
     )
 
 
@@ -189,7 +192,7 @@ def _buffers(name, what, address, count):
     for k in range(count):
         for step, (member, shape, text) in enumerate((
                 ("BASE", Bits(ADDRESS_BITS), f"Byte address of {what} buffer {{}}, a multiple of "
-                 "the memory word."),
+                 "the memory word: lower bits read as zero."),
                 ("NUMBER", _COUNT, f"Number of the raw frame in {what} buffer {{}}, from 1 on."),
                 ("TIME_LOW", _COUNT, f"Clocks from the reset to the beginning of the raw frame in "
                  f"{what} buffer {{}}, lower half."),
