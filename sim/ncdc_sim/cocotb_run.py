@@ -43,12 +43,13 @@ def design_of(component, top="dut"):
     return Design(top, module_verilog(component, top))
 
 
-def run_cocotb(design, bench, simulator, **settings):
+def run_cocotb(design, bench, simulator, *, files=None, plusargs=(), **settings):
     """Run all tests of the module ``ncdc_sim.benches.<bench>`` on ``design``.
 
     The design is compiled once per simulator, whatever the ``settings``; these are plain numbers,
-    strings and lists that the bench reads with ``ncdc_sim.benches.common.settings()``. Returns
-    the log.
+    strings and lists that the bench reads with ``ncdc_sim.benches.common.settings()``. The run
+    finds ``files``, bytes by name, in its folder, and ``plusargs`` in its command line. Returns the
+    log.
 
     Raises
     ------
@@ -70,12 +71,14 @@ def run_cocotb(design, bench, simulator, **settings):
         folder = Path(name)
         # cocotb's runner looks for the program under the names it would have given it.
         shutil.copy(program, folder / ("sim.vvp" if simulator == "icarus" else design.top))
+        for file, content in (files or {}).items():
+            (folder / file).write_bytes(content)
         log, results = folder / "log", folder / "results.xml"
         try:
             get_runner(simulator).test(
                 test_module=f"ncdc_sim.benches.{bench}", hdl_toplevel=design.top,
                 hdl_toplevel_lang="verilog", build_dir=folder, test_dir=folder, seed=1,
-                results_xml=str(results), log_file=log,
+                results_xml=str(results), log_file=log, plusargs=list(plusargs),
                 extra_env={SETTINGS: json.dumps(settings)})
         except SystemExit:      # the runner's way to say that a test has failed
             pass

@@ -167,16 +167,20 @@ def keep_verilog():
     _untouched.append((modules, _attributes(modules)))
 
 
-def run_cocotb(design, bench, simulator, *, descriptor=None, **settings):
+def run_cocotb(design, bench, simulator, *, descriptor=None, files=None, plusargs=(), **settings):
     """:func:`ncdc_sim.cocotb_run.run_cocotb`, whose log is kept if it passes.
 
     ``descriptor``: file of the descriptor that the bench needs.
     """
-    files = {} if descriptor is None else {"descriptor": str(descriptor)}
+    needed = {} if descriptor is None else {"descriptor": str(descriptor)}
+    files = files or {}
     return kept_result(
-        "bench", lambda: cocotb_run.run_cocotb(design, bench, simulator, **settings, **files),
+        "bench", lambda: cocotb_run.run_cocotb(design, bench, simulator, files=files,
+                                               plusargs=plusargs, **settings, **needed),
         design.top, without_header(design.verilog), repr(design.open), bench, version_of(simulator),
-        json.dumps(settings, sort_keys=True), *(Path(file).read_text() for file in files.values()),
+        json.dumps(settings, sort_keys=True), *(Path(file).read_text() for file in needed.values()),
+        *(text for name, content in sorted(files.items()) for text in (name, content.hex())),
+        *plusargs,
         sources_of(ncdc_model, ncdc_sim), sys.version, packages=("cocotb", "numpy"))
 
 

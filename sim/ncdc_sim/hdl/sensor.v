@@ -1,0 +1,91 @@
+// A parallel CMOS image sensor: I2C target with its registers, and frames from a file at its pins.
+//
+//   sensor_i2c         I2C target: writes and reads of registers
+//   sensor_<name>      registers of one sensor, and what they mean
+//   sensor_core        frames by these meanings: window, mirrors, exposure, gain, test patterns
+//
+// `extclk` is the pixel clock: there is no PLL. `pixclk` is `extclk`, and the other outputs change
+// when it falls. SCL and SDA are sampled with `extclk`, at least 16 times as fast as a bit;
+// `sda_low` pulls the line low. A sensor of fewer than 12 bits has them at the top of `data`.
+//
+// A model of what a user of the sensor sees, with these simplifications: settings are taken at the
+// beginning of a frame, none later; a sensor that is told to stop stops at once; there is no
+// binning, no skipping, no automatic exposure and no noise.
+//
+// Plusargs, all of which may be absent; numbers are decimal:
+//   sensor_file=<name>       samples, 16 bits each, the low byte first, row by row, frame by frame
+//   sensor_file_width=, sensor_file_height=      of a frame in the file
+//   sensor_file_left=, sensor_file_top=          where its corner lies in the active pixels
+//   sensor_nominal=          exposure in pixel clocks at which, with a gain of 1, samples leave as
+//                            they are in the file; 0 or absent: whatever the exposure and the gain
+//   sensor_fault=            short_line, long_line, glitch, cut_frame, clock_stop; nack, stuck_sda
+//   sensor_fault_frame=, sensor_fault_row=       where one of the first five happens, from 0 on
+//   sensor_fault_clocks=     pixel clocks of clock_stop, clocks of SCL of stuck_sda
+//   sensor_fault_start=      number of the START condition, from 0 on, of one of the last two
+// A pixel outside of the file is dark. The file begins anew whenever the sensor is told to start,
+// and when it has ended. Each frame prints "SENSOR frame <number>", what cannot be modelled
+// "SENSOR-ERROR <reason>".
+
+`timescale 1ns/1ps
+
+module sensor #(
+    parameter SENSOR = "mt9p031"        // one of the sensors below
+) (
+    input  wire        extclk,          // pixel clock
+    input  wire        reset_n,
+    output wire        pixclk,
+    output wire        frame_valid,
+    output wire        line_valid,
+    output wire [11:0] data,
+    input  wire        scl,             // the lines, as all that pull them leave them
+    input  wire        sda,
+    output wire        sda_low          // pulls SDA low
+);
+    wire        write;
+    wire [15:0] pointer, value, answer;
+
+    wire               streaming, mirror_columns, mirror_rows;
+    wire signed [16:0] left, top;
+    wire [15:0]        width, height;
+    wire [31:0]        line_clocks, frame_lines, gain;
+    wire [47:0]        exposure;
+    wire [3:0]         pattern;
+    wire [47:0]        colours;
+    wire [11:0]        black;
+
+    localparam [6:0] ADDRESS = 7'h5D;
+    localparam WIDE_POINTER = 0, WIDE_VALUE = 1;
+    localparam BITS = 12;
+    localparam RED_COLUMN = 1, RED_ROW = 0;     // parities, counted from the first active pixel
+
+    generate
+        if (SENSOR == "mt9p031") begin : chip
+            sensor_mt9p031 registers (
+                .clk(extclk), .reset_n(reset_n), .write(write), .pointer(pointer), .value(value),
+                .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
+                .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
+                .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
+                .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+        end else begin : chip
+            initial begin
+                $display("SENSOR-ERROR no sensor %0s", SENSOR);
+                $finish;
+            end
+        end
+    endgenerate
+
+    sensor_i2c #(
+        .ADDRESS(ADDRESS), .WIDE_POINTER(WIDE_POINTER), .WIDE_VALUE(WIDE_VALUE)
+    ) target (
+        .clk(extclk), .reset_n(reset_n), .scl(scl), .sda(sda), .sda_low(sda_low), .write(write),
+        .pointer(pointer), .value(value), .answer(answer));
+
+    sensor_core #(
+        .BITS(BITS), .RED_COLUMN(RED_COLUMN), .RED_ROW(RED_ROW)
+    ) core (
+        .extclk(extclk), .reset_n(reset_n), .pixclk(pixclk), .frame_valid(frame_valid),
+        .line_valid(line_valid), .data(data), .streaming(streaming),
+        .mirror_columns(mirror_columns), .mirror_rows(mirror_rows), .left(left), .top(top),
+        .width(width), .height(height), .line_clocks(line_clocks), .frame_lines(frame_lines),
+        .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+endmodule
