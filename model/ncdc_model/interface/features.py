@@ -111,15 +111,14 @@ def _formats():
     return tuple(Choice(f.name, f.pfnc, f.mraw) for f in PIXEL_FORMATS)
 
 
-def _pattern(name, mode):
-    word = mode << 3 | 1
+def _pattern(name):
+    word = sensor.TEST_PATTERN_MODES[name] << 3 | 1
     return Choice(name, word, word)
 
 
-TEST_PATTERNS = (Choice("Off", 0, 0), _pattern("GreyHorizontalRamp", 1),
-                 _pattern("GreyVerticalRamp", 2), _pattern("GreyDiagonalRamp", 3),
-                 _pattern("HorizontalBars", 6), _pattern("VerticalBars", 7),
-                 _pattern("ColorBar", 8))
+TEST_PATTERNS = (Choice("Off", 0, 0), *(_pattern(name) for name in (
+    "GreyHorizontalRamp", "GreyVerticalRamp", "GreyDiagonalRamp", "HorizontalBars", "VerticalBars",
+    "ColorBar")))
 
 _MODES = (Choice("Continuous", 0, 0), Choice("SingleFrame", 1, 1))
 

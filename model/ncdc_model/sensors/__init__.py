@@ -1,1 +1,1 @@
-"""Image sensors as data: their register maps."""
+"""Image sensors as data: registers, set-ups, limits, timing."""

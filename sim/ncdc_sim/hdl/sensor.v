@@ -29,7 +29,7 @@
 `timescale 1ns/1ps
 
 module sensor #(
-    parameter SENSOR = "mt9p031"        // one of the sensors below
+    parameter SENSOR = "mt9p031"        // or "mt9d111" or "ov5640"
 ) (
     input  wire        extclk,          // pixel clock
     input  wire        reset_n,
@@ -53,26 +53,42 @@ module sensor #(
     wire [47:0]        colours;
     wire [11:0]        black;
 
-    localparam [6:0] ADDRESS = 7'h5D;
-    localparam WIDE_POINTER = 0, WIDE_VALUE = 1;
-    localparam BITS = 12;
-    localparam RED_COLUMN = 1, RED_ROW = 0;     // parities, counted from the first active pixel
+    localparam MT9P031 = SENSOR == "mt9p031", MT9D111 = SENSOR == "mt9d111";
+    localparam OV5640 = SENSOR == "ov5640";
+    localparam [6:0] ADDRESS = MT9P031 ? 7'h5D : MT9D111 ? 7'h48 : 7'h3C;
+    localparam WIDE_POINTER = OV5640, WIDE_VALUE = !OV5640;
+    localparam BITS = MT9P031 ? 12 : 10;
+    // Parities of the red pixels, counted from the first active one.
+    localparam RED_COLUMN = 1, RED_ROW = OV5640;
 
-    generate
-        if (SENSOR == "mt9p031") begin : chip
-            sensor_mt9p031 registers (
-                .clk(extclk), .reset_n(reset_n), .write(write), .pointer(pointer), .value(value),
-                .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
-                .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
-                .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
-                .gain(gain), .pattern(pattern), .colours(colours), .black(black));
-        end else begin : chip
-            initial begin
-                $display("SENSOR-ERROR no sensor %0s", SENSOR);
-                $finish;
-            end
-        end
-    endgenerate
+    generate if (MT9P031) begin : chip_mt9p031
+        sensor_mt9p031 registers (
+            .clk(extclk), .reset_n(reset_n), .write(write), .pointer(pointer), .value(value),
+            .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
+            .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
+            .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
+            .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+    end endgenerate
+    generate if (MT9D111) begin : chip_mt9d111
+        sensor_mt9d111 registers (
+            .clk(extclk), .reset_n(reset_n), .write(write), .pointer(pointer), .value(value),
+            .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
+            .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
+            .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
+            .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+    end endgenerate
+    generate if (OV5640) begin : chip_ov5640
+        sensor_ov5640 registers (
+            .clk(extclk), .reset_n(reset_n), .write(write), .pointer(pointer), .value(value),
+            .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
+            .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
+            .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
+            .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+    end endgenerate
+    initial if (!MT9P031 && !MT9D111 && !OV5640) begin
+        $display("SENSOR-ERROR no sensor %0s", SENSOR);
+        $finish;
+    end
 
     sensor_i2c #(
         .ADDRESS(ADDRESS), .WIDE_POINTER(WIDE_POINTER), .WIDE_VALUE(WIDE_VALUE)

@@ -1,0 +1,324 @@
+"""What image sensors have in common: what they can do, what is asked of one, what it then does."""
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import log10
+
+from ncdc_model.errors import InputError
+
+__all__ = ["Limits", "Sensor", "Settings", "Setup", "Timing", "Write", "bayer_at", "check_window",
+           "exposure_lines", "factor_of", "frame_lines", "pattern_mode", "resolved"]
+
+UNITY_GAIN = 256        # of ``gain_256``
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Ranges of what a user sets, both ends included.
+
+    Parameters
+    ----------
+    step : int
+        Width and height are multiples of it.
+    corner_step : int
+        So are left and top.
+    smallest : (int, int)
+        Width and height.
+    lines : (int, int)
+        Exposure, in lines.
+    vertical : (int, int)
+        Lines of a frame beyond its height.
+    gain_256 : (int, int)
+        Gain, 256 is 1.
+    pixel_clock_hz : int
+        The fastest.
+    """
+    step: int
+    corner_step: int
+    smallest: tuple
+    lines: tuple
+    vertical: tuple
+    gain_256: tuple
+    pixel_clock_hz: int
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """An image sensor.
+
+    Parameters
+    ----------
+    name : str
+    title : str
+        Maker and where one meets it.
+    i2c_address : int
+        7 bits.
+    pointer_bits, value_bits : int
+        Of a register's address and of a register, 8 or 16, the upper byte first.
+    chip_id : tuple of (int, int)
+        Registers and what they hold.
+    columns, rows : int
+        Active pixels.
+    bits : int
+        Of a sample; fewer than 12 lie at the top of our 12.
+    bayer : str
+        Colours of the active pixels, from the first one on, read without mirrors.
+    mirror_keeps_bayer : bool
+        Mirrored, the window begins one pixel further, so that the first colour stays if there is an
+        even number of columns, or rows.
+    black : int
+        Sample, of 12 bits, that stands for no light.
+    clock_hz, pixel_clock_hz : int
+        Usual external clock, and the pixel clock that is made of it.
+    test_patterns : dict of str to int
+        Name and value for the sensor's register; "Off" is always there besides.
+    limits : Limits
+    """
+    name: str
+    title: str
+    i2c_address: int
+    pointer_bits: int
+    value_bits: int
+    chip_id: tuple
+    columns: int
+    rows: int
+    bits: int
+    bayer: str
+    mirror_keeps_bayer: bool
+    black: int
+    clock_hz: int
+    pixel_clock_hz: int
+    limits: Limits
+    test_patterns: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What is asked of a sensor.
+
+    Parameters
+    ----------
+    width, height : int
+        Window of the active pixels; 0: all that lie right of ``left``, below ``top``.
+    left, top : int
+        Its corner.
+    exposure_us : float
+    gain_db : float
+    mirror_columns, mirror_rows : bool
+        The picture left to right, upside down.
+    test_pattern : str
+        "Off" or one of the sensor's.
+    frames_per_second : float
+        0: as many as the exposure allows.
+    clock_hz, pixel_clock_hz : int
+        External clock and pixel clock; 0: the sensor's usual ones.
+    """
+    width: int = 0
+    height: int = 0
+    left: int = 0
+    top: int = 0
+    exposure_us: float = 10_000.0
+    gain_db: float = 0.0
+    mirror_columns: bool = False
+    mirror_rows: bool = False
+    test_pattern: str = "Off"
+    frames_per_second: float = 0.0
+    clock_hz: int = 0
+    pixel_clock_hz: int = 0
+
+
+@dataclass(frozen=True)
+class Write:
+    """A register write, why it is there, and microseconds to wait behind it."""
+    register: int
+    value: int
+    meaning: str
+    wait_us: int = 0
+
+
+@dataclass(frozen=True)
+class Timing:
+    """When a sensor sends samples: rows of ``width`` of them, ``height`` rows a frame.
+
+    A line takes ``line_clocks`` of the pixel clock, a frame ``frame_lines`` lines.
+    """
+    width: int
+    height: int
+    line_clocks: int
+    frame_lines: int
+    pixel_clock_hz: int
+
+    @property
+    def frame_clocks(self):
+        """Pixel clocks from the beginning of a frame to that of the next one."""
+        return self.line_clocks * self.frame_lines
+
+    @property
+    def line_us(self):
+        """Microseconds of a line."""
+        return 1e6 * self.line_clocks / self.pixel_clock_hz
+
+    @property
+    def frames_per_second(self):
+        return self.pixel_clock_hz / self.frame_clocks
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What makes a sensor do what is asked, and what it then does exactly.
+
+    Parameters
+    ----------
+    sensor : Sensor
+    settings : Settings
+        As asked, with every 0 that stands for something replaced by it.
+    writes : tuple of Write
+        In this order.
+    timing : Timing
+    exposure_clocks : int
+        Pixel clocks.
+    gain_256 : int
+        256 is 1.
+    """
+    sensor: Sensor
+    settings: Settings
+    writes: tuple
+    timing: Timing
+    exposure_clocks: int
+    gain_256: int
+
+    @property
+    def pairs(self):
+        """List of (register, value)."""
+        return [(write.register, write.value) for write in self.writes]
+
+    @property
+    def exposure_us(self):
+        """The exposure one gets, of whole lines, the nearest to what was asked."""
+        return 1e6 * self.exposure_clocks / self.timing.pixel_clock_hz
+
+    @property
+    def gain_db(self):
+        """The gain one gets, the nearest to what was asked, as a factor."""
+        return 20 * log10(self.gain_256 / UNITY_GAIN)
+
+    @property
+    def bayer(self):
+        """Colours of the frame's first pixels; follows from window and mirrors."""
+        return bayer_at(self.sensor.bayer, self.columns[0], self.rows[0])
+
+    @property
+    def columns(self):
+        """Of the active pixels, for each column of the frame, as a range."""
+        asked = self.settings
+        return self._read(asked.left, asked.width, asked.mirror_columns)
+
+    @property
+    def rows(self):
+        """Of the active pixels, for each row of the frame, as a range."""
+        asked = self.settings
+        return self._read(asked.top, asked.height, asked.mirror_rows)
+
+    def _read(self, begin, size, mirrored):
+        if not mirrored:
+            return range(begin, begin + size)
+        begin += self.sensor.mirror_keeps_bayer
+        return range(begin + size - 1, begin - 1, -1)
+
+
+def bayer_at(bayer, left, top):
+    """The pattern ``bayer`` as it begins ``left`` columns and ``top`` rows further on."""
+    rows = bayer[:2], bayer[2:]
+    rows = rows[top % 2], rows[1 - top % 2]
+    return "".join(row[left % 2] + row[1 - left % 2] for row in rows)
+
+
+def resolved(sensor, settings):
+    """``settings`` with what their zeros stand for; raises :class:`InputError` if a clock or the
+    window is out of the sensor's limits."""
+    given = vars(settings) | {
+        "width": settings.width or sensor.columns - settings.left,
+        "height": settings.height or sensor.rows - settings.top,
+        "clock_hz": settings.clock_hz or sensor.clock_hz,
+        "pixel_clock_hz": settings.pixel_clock_hz or sensor.pixel_clock_hz}
+    settings = Settings(**given)
+    if not 0 < settings.pixel_clock_hz <= sensor.limits.pixel_clock_hz:
+        raise InputError(f"the pixel clock is {settings.pixel_clock_hz} Hz, the {sensor.name} has "
+                         f"at most {sensor.limits.pixel_clock_hz} Hz")
+    check_window(sensor, settings)
+    return settings
+
+
+def check_window(sensor, settings):
+    """Raises :class:`InputError` unless the window is one that ``sensor`` can read."""
+    limits = sensor.limits
+    for name, value, step, low, high in (
+            ("left", settings.left, limits.corner_step, 0, sensor.columns),
+            ("top", settings.top, limits.corner_step, 0, sensor.rows),
+            ("width", settings.width, limits.step, limits.smallest[0], sensor.columns),
+            ("height", settings.height, limits.step, limits.smallest[1], sensor.rows)):
+        if value != int(value) or value % step or not low <= value <= high:
+            multiple = f"a multiple of {step} from" if step > 1 else "an integer from"
+            raise InputError(f"{name} is {value}, the {sensor.name} needs {multiple} {low} to "
+                             f"{high}")
+    for name, begin, size, all_ in (("columns", settings.left, settings.width, sensor.columns),
+                                    ("rows", settings.top, settings.height, sensor.rows)):
+        if begin + size > all_:
+            raise InputError(f"the window has the {name} {begin} to {begin + size - 1}, the "
+                             f"{sensor.name} has {all_}")
+
+
+def exposure_lines(sensor, settings, line_clocks, overhead):
+    """Lines, nearest to the exposure asked for; lines * ``line_clocks`` - ``overhead`` clocks are
+    exposed. Raises :class:`InputError` if it is not between the shortest and the longest."""
+    low, high = sensor.limits.lines
+    clock = settings.pixel_clock_hz
+    shortest, longest = ((lines * line_clocks - overhead) * 1e6 / clock for lines in (low, high))
+    if not shortest * (1 - 1e-9) <= settings.exposure_us <= longest * (1 + 1e-9):
+        raise InputError(f"the exposure is {settings.exposure_us:g} us, the {sensor.name} exposes "
+                         f"{shortest:.1f} to {longest:.0f} us with lines of "
+                         f"{1e6 * line_clocks / clock:.2f} us")
+    wanted = Fraction(settings.exposure_us) * clock / 10**6
+    return min(high, max(low, round((wanted + overhead) / line_clocks)))
+
+
+def frame_lines(sensor, settings, line_clocks, least):
+    """Lines of a frame, ``least`` or those nearest to the frame rate asked for.
+
+    Raises :class:`InputError` if that needs fewer or more than the sensor has.
+    """
+    low, high = (settings.height + extra for extra in sensor.limits.vertical)
+    least = max(low, least)
+    rate = settings.frames_per_second
+    if not rate:
+        return least
+    clock, high = settings.pixel_clock_hz, max(high, least)
+    lines = round(Fraction(clock) / (Fraction(rate) * line_clocks)) if rate > 0 else high + 1
+    if not least <= lines <= high:
+        fastest, slowest = (clock / (line_clocks * end) for end in (least, high))
+        raise InputError(f"{rate:g} frames per second are asked for, the {sensor.name} sends "
+                         f"{slowest:.3f} to {fastest:.3f} of {settings.width}x{settings.height} "
+                         f"with this exposure")
+    return lines
+
+
+def factor_of(sensor, settings):
+    """The gain asked for as a factor; raises :class:`InputError` outside of the limits."""
+    factor = 10 ** (settings.gain_db / 20)
+    low, high = (end / UNITY_GAIN for end in sensor.limits.gain_256)
+    if not low * (1 - 1e-9) <= factor <= high * (1 + 1e-9):
+        raise InputError(f"the gain is {settings.gain_db:g} dB, the {sensor.name} has "
+                         f"{20 * log10(low):.1f} to {20 * log10(high):.1f} dB")
+    return min(high, max(low, factor))
+
+
+def pattern_mode(sensor, settings):
+    """Value of the test pattern for the sensor's register, None for "Off"; raises
+    :class:`InputError` if it has no such pattern."""
+    if settings.test_pattern == "Off":
+        return None
+    if settings.test_pattern not in sensor.test_patterns:
+        known = ", ".join(("Off", *sensor.test_patterns))
+        raise InputError(f"the test pattern is {settings.test_pattern!r}, the {sensor.name} has "
+                         f"{known} in its raw frames")
+    return sensor.test_patterns[settings.test_pattern]

@@ -1,0 +1,75 @@
+"""The Verilog model of a sensor: its files, and its plusargs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_sim.runner import HDL
+
+__all__ = ["Light", "Fault", "sensor_sources"]
+
+_FILES = ("sensor.v", "sensor_core.v", "sensor_i2c.v", "sensor_mt9p031.v", "sensor_mt9d111.v",
+          "sensor_ov5640.v")
+
+
+def sensor_sources():
+    """List of (file name, text) of the module ``sensor`` and of all below it."""
+    return [(name, (HDL / name).read_text()) for name in _FILES]
+
+
+@dataclass(frozen=True)
+class Light:
+    """What falls on a sensor, as samples.
+
+    Parameters
+    ----------
+    frames : array of uint16, shape (frames, height, width)
+        Samples of 12 bits, as the sensor would send them with the exposure ``nominal``, a gain of 1
+        and no black level.
+    left, top : int
+        Active pixel of the first column, and row; pixels outside are dark.
+    nominal : int
+        Pixel clocks; 0: exposure and gain change nothing.
+    """
+    frames: np.ndarray
+    left: int = 0
+    top: int = 0
+    nominal: int = 0
+
+    def data(self):
+        """Bytes of the file that the model reads."""
+        return np.ascontiguousarray(self.frames, "<u2").tobytes()
+
+    def plusargs(self, file):
+        """Of the model, which finds the bytes in ``file``."""
+        height, width = self.frames.shape[1:]
+        return [f"+sensor_file={file}", f"+sensor_file_width={width}",
+                f"+sensor_file_height={height}", f"+sensor_file_left={self.left}",
+                f"+sensor_file_top={self.top}", f"+sensor_nominal={self.nominal}"]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What the model does wrong, once.
+
+    Parameters
+    ----------
+    kind : str
+        "short_line", "long_line", "glitch", "cut_frame", "clock_stop", in a frame and row;
+        "nack", "stuck_sda", behind a START condition. All count from 0.
+    frame, row, start : int
+    clocks : int
+        Pixel clocks of "clock_stop", clocks of SCL of "stuck_sda"; 0: 20,000 and 9.
+    """
+    kind: str
+    frame: int = 0
+    row: int = 0
+    start: int = 0
+    clocks: int = 0
+
+    def plusargs(self):
+        """Of the model."""
+        given = {"": self.kind, "_frame": self.frame, "_row": self.row, "_start": self.start}
+        if self.clocks:
+            given["_clocks"] = self.clocks
+        return [f"+sensor_fault{name}={value}" for name, value in given.items()]
