@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from ncdc_model.sensors.catalogue import SENSORS, sensor_named
-from ncdc_sim.sensor.verilog import Fault
 from sensors import random_light, run_sensor
 
 NAMES = [sensor.name for sensor in SENSORS]

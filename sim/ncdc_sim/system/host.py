@@ -1,5 +1,6 @@
 """A host of a simulated system: registers by name, I2C, frames claimed and read."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,6 @@ from ncdc_model.interface.system_map import EVENTS, I2C_COMMAND_FLAGS, system_re
 __all__ = ["Frame", "I2cError", "SystemHost"]
 
 _FLAGS = {name: mask for name, mask, _ in I2C_COMMAND_FLAGS}
-_I2C_CLOCKS = 10_000_000        # for a byte, at most
 
 
 class I2cError(InputError):
@@ -34,6 +34,11 @@ class SystemHost:
     ----------
     live : LiveSystem
     system : ncdc_hdl.system.System
+
+    Attributes
+    ----------
+    i2c_errors : list of str
+        Flags of `I2C_RESULT` that ended commands.
     """
 
     def __init__(self, live, system):
@@ -41,6 +46,7 @@ class SystemHost:
         table = (*registers(system.descriptor.hidden_neurons, system.descriptor.formats,
                             system.descriptor.nodes), *system_registers(system.stores))
         self.rows = {r.name: r for r in table}
+        self.i2c_errors = []
 
     def put(self, **values):
         """Write registers by name, in this order."""
@@ -76,35 +82,70 @@ class SystemHost:
             If it is not acknowledged, or the bus is lost or held.
         """
         self.put(I2C_COMMAND=data | sum(_FLAGS[name] for name in flags))
+        quarter = self.get("I2C_QUARTER")
+        self.live.wait(36 * quarter)        # of a byte
         for _ in range(1000):
             result = self.get("I2C_RESULT")
             if not result & 0x100:
                 break
-            self.live.wait(max(1, self.get("I2C_QUARTER")))
-        for mask, what in ((0x200, "nobody acknowledges"), (0x400, "the bus is not free"),
-                           (0x800, "SCL is held"), (0x100, "the command does not end")):
+            self.live.wait(4 * quarter)
+        for mask, name, what in (
+                (0x200, "NACK", "nobody acknowledges"), (0x400, "LOST", "the bus is not free"),
+                (0x800, "TIMEOUT", "SCL is held"), (0x100, "BUSY", "the command does not end")):
             if result & mask:
+                self.i2c_errors.append(name)
                 raise I2cError(f"I2C: {what}")
         return result & 0xFF
 
-    def write_sensor(self, address, writes, wide_address=False, wide_value=True):
-        """Write registers of the target at the 7-bit ``address``: (register, value) each."""
-        for register, value in writes:
-            words = [register >> 8] * wide_address + [register & 0xFF]
-            words += [value >> 8] * wide_value + [value & 0xFF]
-            self.i2c(address << 1, "START", "WRITE")
-            for word in words[:-1]:
-                self.i2c(word, "WRITE")
-            self.i2c(words[-1], "WRITE", "STOP")
+    def persistent(self, transfer, *arguments):
+        """A transfer, a second and a third time if it fails; before each the bus is freed.
 
-    def read_sensor(self, address, register, wide_address=False, wide_value=True):
-        """A register of the target at the 7-bit ``address``."""
-        self.i2c(address << 1, "START", "WRITE")
-        for word in [register >> 8] * wide_address + [register & 0xFF]:
+        A target that a reset, or noise, left in mid-byte sends the rest of it then.
+        """
+        for _ in range(2):
+            try:
+                return transfer(*arguments)
+            except I2cError:
+                with suppress(I2cError):
+                    self.i2c(0, "READ", "NACK", "STOP")
+        return transfer(*arguments)
+
+    def write_sensor(self, sensor, register, value):
+        """Write a register of a :class:`ncdc_model.sensors.sensor.Sensor`."""
+        words = [*value_bytes(register, sensor.pointer_bits),
+                 *value_bytes(value, sensor.value_bits)]
+        self.i2c(sensor.i2c_address << 1, "START", "WRITE")
+        for word in words[:-1]:
             self.i2c(word, "WRITE")
-        self.i2c(address << 1 | 1, "START", "WRITE")
-        value = self.i2c(0, "READ") if wide_value else 0
+        self.i2c(words[-1], "WRITE", "STOP")
+
+    def read_sensor(self, sensor, register):
+        """Value of a register of a sensor."""
+        self.i2c(sensor.i2c_address << 1, "START", "WRITE")
+        for word in value_bytes(register, sensor.pointer_bits):
+            self.i2c(word, "WRITE")
+        self.i2c(sensor.i2c_address << 1 | 1, "START", "WRITE")
+        value = self.i2c(0, "READ") if sensor.value_bits == 16 else 0
         return value << 8 | self.i2c(0, "READ", "NACK", "STOP")
+
+    def set_up(self, setup, before_start=lambda: None):
+        """Write a sensor's set-up; its last write, which lets it send, behind ``before_start``.
+
+        Raises
+        ------
+        I2cError
+            If the sensor does not answer, or is another one.
+        """
+        sensor = setup.sensor
+        for register, value in sensor.chip_id:
+            if (found := self.persistent(self.read_sensor, sensor, register)) != value:
+                raise I2cError(f"register {register:#x} of the {sensor.name} reads {found:#x}, "
+                               f"{value:#x} is needed")
+        for write in setup.writes[:-1]:
+            self.persistent(self.write_sensor, sensor, write.register, write.value)
+        before_start()
+        last = setup.writes[-1]
+        self.persistent(self.write_sensor, sensor, last.register, last.value)
 
     def claim(self, corrected=True, reader=0):
         """Claim the newest frame; its :class:`Frame`, or None if there is none."""
@@ -134,3 +175,8 @@ class SystemHost:
         pitch = self.get("RAW_PITCH")
         rows = np.frombuffer(frame.data, np.uint8)[:pitch * height].reshape(height, pitch)
         return rows[:, :width]
+
+
+def value_bytes(value, bits):
+    """Bytes of a number of 8 or 16 bits, the upper one first."""
+    return value.to_bytes(bits // 8, "big")

@@ -3,7 +3,7 @@
 import subprocess
 import tempfile
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from ncdc_hdl.export.verilog.system_cover import SYSTEM
@@ -11,12 +11,13 @@ from ncdc_model.errors import InputError
 from ncdc_sim.memory.timing import memory_settings, simulated_memory
 from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build, command_of
+from ncdc_sim.sensor.verilog import sensor_sources
 from ncdc_sim.tools import SimulationError, environment
 
-__all__ = ["Clocks", "LiveSystem", "Sensor"]
+__all__ = ["Clocks", "LiveSystem"]
 
 _BENCH = ("system_bench.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.v",
-          "stream_checker.v", "sensor.v", "sensor_core.v", "sensor_i2c.v", "sensor_mt9p031.v")
+          "stream_checker.v")
 _END, _WRITE, _READ, _WAIT_IRQ, _WAIT, _SAVE, _RESET, _RESET_ALL, _STALL, _SENSOR, _STREAM = \
     range(11)
 _LEAST_MEMORY = 1 << 24         # bytes; more frame sizes share one build
@@ -30,31 +31,17 @@ class Clocks:
     extclk_phase: int = 5000
 
 
-@dataclass(frozen=True)
-class Sensor:
-    """The sensor of a run.
-
-    Parameters
-    ----------
-    name : str
-        Of those that ``sim/ncdc_sim/hdl/sensor.v`` knows.
-    samples : bytes
-        Of its file: 16 bits each, little-endian, row by row, frame by frame.
-    settings : dict
-        Plusargs of the model without their ``sensor_``, see there.
-    """
-    name: str
-    samples: bytes
-    settings: dict = field(default_factory=dict)
-
-
 class LiveSystem:
     """The module ``ncdc_system`` of a Verilog text, running, as a context.
 
     Parameters
     ----------
     verilog : str
-    sensor : Sensor
+    sensor : str
+        Name of a model that :mod:`ncdc_sim.sensor` has.
+    light : Light
+        What falls on it.
+    fault : Fault, optional
     memory : str or a memory
         As of :class:`ncdc_sim.system.frame.Run`, but for LiteDRAM.
     memory_bytes : int
@@ -78,8 +65,8 @@ class LiveSystem:
         From every method, if the program has ended, or a rule of a bus was broken.
     """
 
-    def __init__(self, verilog, sensor, *, memory="sdram", memory_bytes, clocks=Clocks(),
-                 simulator="verilator", seed=1, sink_chance=256):
+    def __init__(self, verilog, sensor, light, *, memory_bytes, fault=None, memory="sdram",
+                 clocks=Clocks(), simulator="verilator", seed=1, sink_chance=256):
         memory = simulated_memory(memory)
         ports = ports_of(verilog, SYSTEM)
         self.width = ports["read0_readdata"]
@@ -91,27 +78,28 @@ class LiveSystem:
         binary = self._build(verilog, ports, sensor, simulator, memory_bytes)
         settings = memory_settings(memory, self.width, self.readers) | {
             "memory_bytes": memory_bytes, "seed": seed, "sink_chance": sink_chance,
-            **vars(clocks), "sensor_file": "sensor.bin",
-            **{f"sensor_{name}": value for name, value in sensor.settings.items()}}
+            **vars(clocks)}
+        plusargs = [*(f"+{key}={value}" for key, value in settings.items()),
+                    *light.plusargs("sensor.bin"), *(fault.plusargs() if fault else [])]
         self._folder = tempfile.TemporaryDirectory(prefix="ncdc-")
         self.folder = Path(self._folder.name)
-        (self.folder / "sensor.bin").write_bytes(sensor.samples)
+        (self.folder / "sensor.bin").write_bytes(light.data())
         self.now, self.results, self._last = 0, {}, deque(maxlen=20)
         self.sensor_lines = []
         self._process = subprocess.Popen(
-            [*command_of(binary), *(f"+{key}={value}" for key, value in settings.items())],
-            cwd=self.folder, env=environment(), text=True, errors="replace",
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+            [*command_of(binary), *plusargs], cwd=self.folder, env=environment(), text=True,
+            errors="replace", stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT)
 
     def _build(self, verilog, ports, sensor, simulator, memory_bytes):
         defines = {"NCDC_DATA_WIDTH": self.width, "NCDC_READ_PORTS": self.readers,
                    "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
                    "NCDC_MEMORY_BYTES": max(_LEAST_MEMORY, 1 << (memory_bytes - 1).bit_length()),
-                   "NCDC_SENSOR": f'"{sensor.name}"'}
+                   "NCDC_SENSOR": f'"{sensor}"'}
         defines |= {"NCDC_THREE_READ_PORTS": None} if self.readers == 3 else {}
         defines |= {"NCDC_STREAM": ports["stream_data"] // 24} if self.stream else {}
-        sources = [(name, (HDL / name).read_text()) for name in _BENCH]
-        sources.append(("ncdc_system.v", verilog))
+        sources = [*((name, (HDL / name).read_text()) for name in _BENCH), *sensor_sources(),
+                   ("ncdc_system.v", verilog)]
         top = "system_bench"
         if simulator == "icarus":
             top = "system_clock"

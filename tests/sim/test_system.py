@@ -1,0 +1,93 @@
+"""The whole camera system under Verilator: sensor's pins to corrected pictures, and its faults."""
+
+import numpy as np
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc_hdl.export.verilog.system_cover import system_verilog
+from ncdc_hdl.system import System
+from ncdc_model.hardware import Hardware
+from ncdc_model.sensors.catalogue import sensor_named, setup
+from ncdc_model.sensors.sensor import Settings
+from ncdc_sim.sensor.verilog import Fault, Light
+from ncdc_sim.system.camera import simulate_camera
+
+regress = pytest.mark.regress
+
+WIDTH, HEIGHT = 64, 24
+FAULTS = {
+    "short_line": ({"frame": 1, "row": 7}, "LINE_FAULTS"),
+    "long_line": ({"frame": 1, "row": 7}, "LINE_FAULTS"),
+    "glitch": ({"frame": 1, "row": 7}, "LINE_FAULTS"),
+    "cut_frame": ({"frame": 1, "row": 15}, "FRAMES_CUT"),
+    "clock_stop": ({"frame": 1, "row": 9, "clocks": 60_000}, "CLOCK_STOPS"),
+}
+
+
+@pytest.fixture(scope="module")
+def system():
+    return System(barrel_descriptor((WIDTH, HEIGHT), (WIDTH, HEIGHT), hidden_neurons=2,
+                                    strength=.4), Hardware(data_width=64))
+
+
+@pytest.fixture(scope="module")
+def verilog(system):
+    return system_verilog(system)
+
+
+@pytest.fixture(scope="module")
+def light():
+    noise = np.random.default_rng(1).integers(0, 4096, (6, HEIGHT, WIDTH), dtype=np.uint16)
+    return Light(noise)
+
+
+def asked(name="mt9p031"):
+    """The sensor sends frames of 64x24, without a PLL."""
+    sensor = sensor_named(name)
+    return setup(sensor, Settings(width=WIDTH, height=HEIGHT, exposure_us=100,
+                                  clock_hz=sensor.pixel_clock_hz))
+
+
+@pytest.mark.parametrize("follow", [False, True])
+def test_every_frame_is_its_own_raw_frame_corrected(system, verilog, light, follow):
+    run = simulate_camera(system, asked(), light, count=3, verilog=verilog, follow=follow)
+    assert [frame.different for frame in run.frames] == [0, 0, 0]
+    assert [frame.number for frame in run.frames] == [1, 2, 3]
+    assert run.counters["RAW_BEGUN"] - run.counters["CORRECTED_BEGUN"] in (0, 1)
+    assert not any(run.counters[name] for name in (
+        "LINE_FAULTS", "FRAMES_CUT", "OVERFLOWS", "FRAMES_MISSED", "CLOCK_STOPS", "RAW_ENDED_BAD",
+        "CORRECTED_ENDED_BAD", "RAW_SKIPPED"))
+    assert not any(value for name, value in run.bench.items() if name.endswith("_errors"))
+    assert run.i2c_errors == []
+
+
+@pytest.mark.parametrize("kind,follow", [
+    ("short_line", False), ("cut_frame", True), ("clock_stop", True),
+    *(pytest.param(kind, follow, marks=regress) for kind, follow in (
+        ("short_line", True), ("long_line", False), ("long_line", True), ("glitch", False),
+        ("glitch", True), ("cut_frame", False), ("clock_stop", False)))])
+def test_a_fault_is_counted_and_the_next_frame_is_right(system, verilog, light, kind, follow):
+    place, counter = FAULTS[kind]
+    run = simulate_camera(system, asked(), light, count=3, verilog=verilog, follow=follow,
+                          fault=Fault(kind, **place))
+    assert run.counters[counter] > 0
+    assert run.counters["RAW_ENDED_BAD"] > 0
+    # One that is followed has been begun; it is not handed on.
+    assert run.counters["CORRECTED_ENDED_BAD"] == (run.counters["RAW_ENDED_BAD"] if follow else 0)
+    assert [frame.different for frame in run.frames] == [0, 0, 0]
+    assert [frame.number for frame in run.frames][0] == 1
+    assert [frame.number for frame in run.frames][1] > 2
+
+
+@pytest.mark.parametrize("kind,flag", [("nack", "NACK"), ("stuck_sda", "LOST")])
+def test_a_sensor_that_does_not_answer_is_asked_again(system, verilog, light, kind, flag):
+    run = simulate_camera(system, asked(), light, count=1, verilog=verilog, fault=Fault(kind, start=9))
+    assert flag in run.i2c_errors
+    assert run.frames[0].different == 0
+
+
+def test_a_memory_that_stalls_loses_frames_and_says_so(system, verilog, light):
+    run = simulate_camera(system, asked(), light, count=3, verilog=verilog,
+                          disturb=lambda host: host.live.stall(200_000))
+    assert run.counters["OVERFLOWS"] > 0
+    assert [frame.different for frame in run.frames] == [0, 0, 0]
