@@ -11,6 +11,8 @@ from ncdc_model.sensors.catalogue import sensor_named, setup
 from ncdc_model.sensors.sensor import Settings
 from ncdc_sim.sensor.verilog import Fault, Light
 from ncdc_sim.system.camera import simulate_camera
+from ncdc_sim.system.live import Clocks
+from ncdc_sim.system.readers import simulate_readers
 
 regress = pytest.mark.regress
 
@@ -81,7 +83,8 @@ def test_a_fault_is_counted_and_the_next_frame_is_right(system, verilog, light, 
 
 @pytest.mark.parametrize("kind,flag", [("nack", "NACK"), ("stuck_sda", "LOST")])
 def test_a_sensor_that_does_not_answer_is_asked_again(system, verilog, light, kind, flag):
-    run = simulate_camera(system, asked(), light, count=1, verilog=verilog, fault=Fault(kind, start=9))
+    run = simulate_camera(system, asked(), light, count=1, verilog=verilog,
+                          fault=Fault(kind, start=9))
     assert flag in run.i2c_errors
     assert run.frames[0].different == 0
 
@@ -91,3 +94,17 @@ def test_a_memory_that_stalls_loses_frames_and_says_so(system, verilog, light):
                           disturb=lambda host: host.live.stall(200_000))
     assert run.counters["OVERFLOWS"] > 0
     assert [frame.different for frame in run.frames] == [0, 0, 0]
+
+
+@pytest.mark.parametrize("frames,limit,period", [
+    (25, 0, 10_000), (25, 40_000, 6_000),
+    pytest.param(500, 0, 7_000, marks=regress), pytest.param(500, 50_000, 23_000, marks=regress)])
+def test_readers_never_see_a_torn_frame_unmarked(system, verilog, light, frames, limit, period):
+    """With a limit buffers are taken away: each time the reader, or a counter, says so."""
+    run = simulate_readers(system, asked(), light, count=frames, seed=frames + limit, limit=limit,
+                           verilog=verilog, clocks=Clocks(extclk_period=period))
+    assert run.torn == 0
+    assert run.raw > 2 and run.corrected > 2
+    assert (run.lost > 0) == (limit > 0)
+    assert run.taken >= run.lost
+    assert run.bad == 0

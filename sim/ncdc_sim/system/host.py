@@ -159,6 +159,12 @@ class SystemHost:
                      self.get(f"{buffer}_TIME_LOW") | self.get(f"{buffer}_TIME_HIGH") << 32,
                      self.live.memory(self.get(f"{buffer}_BASE"), size))
 
+    def reread(self, corrected, reader, size):
+        """Bytes of the buffer that a reader claimed, as they are now."""
+        buffer = self.flag(f"READER{reader}", "BUFFER")
+        base = self.get(f"{'CORRECTED' if corrected else 'RAW'}{buffer}_BASE")
+        return self.live.memory(base, size)
+
     def release(self, reader=0):
         """Release what a reader holds."""
         self.put(**{f"READER{reader}": 4})

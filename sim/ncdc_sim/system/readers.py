@@ -1,0 +1,127 @@
+"""Readers that claim frames at any time and take any time, beside a running camera."""
+
+import random
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_hdl.camera.i2c import quarter_clocks
+from ncdc_hdl.export.verilog.system_cover import system_verilog
+from ncdc_model.corrector import correct
+from ncdc_model.interface.system_values import memory_bytes
+from ncdc_model.sensors.level import levelled
+from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.system.host import SystemHost
+from ncdc_sim.system.live import Clocks, LiveSystem
+
+__all__ = ["ReadersRun", "simulate_readers"]
+
+
+@dataclass
+class ReadersRun:
+    """What readers saw.
+
+    Parameters
+    ----------
+    raw, corrected : int
+        Frames that were read whole and were as the golden model says.
+    torn : int
+        Frames that were not, and were not marked.
+    lost : int
+        Frames whose buffer was taken away meanwhile, which the reader was told.
+    begun, bad, skipped, taken : int
+        Raw frames begun, ended as bad and skipped by the corrector; buffers taken from readers and
+        the corrector: by the system's own counters.
+    """
+    raw: int = 0
+    corrected: int = 0
+    torn: int = 0
+    lost: int = 0
+    begun: int = 0
+    bad: int = 0
+    skipped: int = 0
+    taken: int = 0
+
+
+class _Reader:
+    """One reader, which reads the first half of a frame when it claims it, the rest later."""
+
+    def __init__(self, host, number, golden):
+        self.host, self.number, self.golden, self.frame = host, number, golden, None
+
+    def step(self, chance, run):
+        """Claim a frame, or end the one that is held and say in ``run`` what it was."""
+        host = self.host
+        if self.frame is None:
+            self.is_corrected = chance.random() < .5
+            self.frame = host.claim(self.is_corrected, self.number)
+            return
+        first, name = self.frame, f"READER{self.number}"
+        size = len(first.data)
+        second = host.reread(self.is_corrected, self.number, size)
+        lost = host.flag(name, "LOST")
+        host.release(self.number)
+        self.frame = None
+        if lost:
+            run.lost += 1
+            return
+        data = first.data[:size // 2] + second[size // 2:]
+        whole = type(first)(first.number, first.time, data)
+        seen = host.picture(whole) if self.is_corrected else host.raw(whole)
+        if not np.array_equal(seen, self.golden(self.is_corrected, first.number)):
+            run.torn += 1
+        elif self.is_corrected:
+            run.corrected += 1
+        else:
+            run.raw += 1
+
+
+def simulate_readers(system, setup, light, *, count, seed, limit=0, verilog=None, clocks=None,
+                     progress=lambda fraction: None, **run):
+    """Let a camera run for ``count`` raw frames beside readers that come and go at random.
+
+    Parameters
+    ----------
+    system : System
+    setup : Setup
+    light : Light
+    count, seed : int
+    limit : int
+        Clocks for which a buffer may be held; 0: for ever.
+    verilog : str, optional
+    clocks : Clocks, optional
+    progress, run :
+        As of :func:`ncdc_sim.system.camera.simulate_camera`.
+
+    Returns
+    -------
+    ReadersRun
+    """
+    chance, result, sensor = random.Random(seed), ReadersRun(), setup.sensor
+    clocks = clocks or Clocks(extclk_period=2 * round(5e11 / setup.timing.pixel_clock_hz))
+    raw = levelled(raw_frames(setup, light), sensor.black)
+    pictures = [correct(system.descriptor, one, strip=system.hardware.strip).picture for one in raw]
+
+    def golden(is_corrected, number):
+        return (pictures if is_corrected else raw)[(number - 1) % len(raw)]
+
+    size = memory_bytes(system.descriptor, system.hardware, system.stores)
+    with LiveSystem(verilog or system_verilog(system), sensor.name, light, memory_bytes=size,
+                    clocks=clocks, seed=seed, **run) as live:
+        host = SystemHost(live, system)
+        live.sensor_power(True)
+        live.wait(100)
+        host.put(BLACK_LEVEL=sensor.black, READER_LIMIT=limit,
+                 I2C_QUARTER=quarter_clocks(10**12 // clocks.clk_period, 400_000))
+        host.set_up(setup, before_start=lambda: host.put(RUN=1, CAMERA_ENABLE=1))
+        readers = [_Reader(host, k, golden) for k in range(system.stores.readers)]
+        frame = setup.timing.frame_clocks * clocks.extclk_period // clocks.clk_period
+        while (begun := host.get("RAW_BEGUN")) < count:
+            chance.choice(readers).step(chance, result)
+            live.wait(int(chance.choice((.01, .3, 3)) * frame * chance.random()))
+            progress(begun / count)
+        result.begun, result.bad, result.skipped = (
+            host.get(name) for name in ("RAW_BEGUN", "RAW_ENDED_BAD", "RAW_SKIPPED"))
+        result.taken = host.get("RAW_TAKEN") + host.get("CORRECTED_TAKEN")
+        live.end()
+    return result
