@@ -101,4 +101,6 @@ def _gain(factor):
     """
     doublings = min(5, int(factor).bit_length() - 1)
     part = min(127, round(32 * factor / (1 << doublings)))
+    if part == 64 and doublings < 5:
+        part, doublings = 32, doublings + 1
     return ((1 << doublings) - 1 << 7 | part), part * 8 << doublings
