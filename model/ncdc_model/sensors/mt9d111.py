@@ -55,7 +55,8 @@ SENSOR = Sensor(
     clock_hz=36_000_000, pixel_clock_hz=36_000_000,     # C, the clock of its example
     limits=Limits(step=1, corner_step=1, smallest=(17, 2),      # DS, R0x03, R0x04
                   lines=(1, 0xFFFF), vertical=(_LEAST_VERTICAL, 0x7FFF),
-                  gain_256=(256, 127 * 256), pixel_clock_hz=80_000_000))
+                  gain_256=(256, 127 * 256), pixel_clock_hz=80_000_000,
+                  frame_lines=1200 + 0x7FFF))
 
 
 def setup(settings):

@@ -82,7 +82,7 @@ SENSOR = Sensor(
     clock_hz=24_000_000, pixel_clock_hz=96_000_000,
     limits=Limits(step=2, corner_step=2,        # DS, window control
                   smallest=(2, 2), lines=(1, (1 << 20) - 1), vertical=(9, 4096),
-                  gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000),
+                  gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096),
     test_patterns=TEST_PATTERN_MODES)
 
 

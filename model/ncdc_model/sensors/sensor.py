@@ -32,6 +32,9 @@ class Limits:
         Gain, 256 is 1.
     pixel_clock_hz : int
         The fastest.
+    frame_lines : int
+        The most lines of a frame, blanking included; where an exposure makes a frame longer by
+        itself, the most that are set.
     """
     step: int
     corner_step: int
@@ -40,6 +43,7 @@ class Limits:
     vertical: tuple
     gain_256: tuple
     pixel_clock_hz: int
+    frame_lines: int
 
 
 @dataclass(frozen=True)
@@ -292,7 +296,7 @@ def frame_lines(sensor, settings, line_clocks, least):
     rate = settings.frames_per_second
     if not rate:
         return least
-    clock, high = settings.pixel_clock_hz, max(high, least)
+    clock, high = settings.pixel_clock_hz, max(min(high, sensor.limits.frame_lines), least)
     lines = round(Fraction(clock) / (Fraction(rate) * line_clocks)) if rate > 0 else high + 1
     if not least <= lines <= high:
         fastest, slowest = (clock / (line_clocks * end) for end in (least, high))
