@@ -32,10 +32,11 @@ INPUTS = {"calibrate": ["frame.png"], "train": ["camera.toml", "--neurons", "2"]
 FILES = "calibrate", "train", "correct", "simulate", "export"
 FOLDERS = "demo", "generate", "bench"
 NETWORK = "client", "device"        # they need one: tests/host tries them
+PRINTS = ("sensor",)                # its one file: test_sensor_command
 
 
 def test_every_command_is_here():
-    assert {*INPUTS, *NETWORK} == set(COMMANDS)
+    assert {*INPUTS, *NETWORK, *PRINTS} == set(COMMANDS)
 
 
 @pytest.mark.parametrize("command", FILES)

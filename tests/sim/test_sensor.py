@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 
+import sensors
+from kept import run_cocotb
 from ncdc_model.sensors.catalogue import SENSORS, sensor_named
-from sensors import random_light, run_sensor
+from ncdc_sim.cocotb_run import Design
+from ncdc_sim.sensor.verilog import Fault
+from ncdc_sim.tools import SimulationError
+from sensors import controlled, random_light, run_sensor, with_lines
 
 NAMES = [sensor.name for sensor in SENSORS]
 
@@ -31,3 +36,54 @@ def random_settings(name, seed):
 def test_frames_equal_the_twins(name, seed):
     asked, light = random_settings(name, seed)
     run_sensor(name, "verilator", asked, light)
+
+
+def test_frames_under_the_other_simulator():
+    run_sensor("mt9p031", "icarus", *random_settings("mt9p031", 1))
+
+
+def test_mirrored():
+    asked, light = random_settings("mt9d111", 4)
+    run_sensor("mt9d111", "verilator", asked | {
+        "width": 19, "mirror_columns": True, "mirror_rows": True}, light)
+
+
+SMALL = {"width": 36, "height": 20, "left": 100, "top": 60, "exposure_us": 200}
+EVERY = [(sensor.name, pattern) for sensor in SENSORS for pattern in sensor.test_patterns]
+CHEAP = [("mt9p031", "ColorField"), ("ov5640", "ColorBar")]
+
+
+@pytest.mark.parametrize("name,pattern", [
+    *CHEAP, *(pytest.param(*each, marks=pytest.mark.regress) for each in EVERY
+              if each not in CHEAP)])
+def test_patterns(name, pattern):
+    light = random_light((1, 20, 36), 1, 100, 60)
+    run_sensor(name, "verilator", SMALL | {"test_pattern": pattern, "mirror_rows": True}, light,
+               count=1)
+
+
+@pytest.mark.parametrize("kind", ["glitch", "clock_stop", *(
+    pytest.param(kind, marks=pytest.mark.regress) for kind in (
+        "short_line", "long_line", "cut_frame"))])
+def test_a_fault_is_in_its_row_and_the_next_frame_is_right(kind):
+    light = random_light((3, 20, 36), 2, 100, 60)
+    run_sensor("mt9p031", "verilator", SMALL, light, count=3, fault=Fault(kind, 1, 6, clocks=3000))
+
+
+@pytest.mark.parametrize("name,fault", [
+    ("mt9p031", "nack"), ("mt9p031", "stuck_sda"), ("ov5640", ""),
+    pytest.param("mt9d111", "", marks=pytest.mark.regress)])
+def test_our_controller_sets_it_up(name, fault):
+    # The chip id takes two STARTs a register.
+    plusargs = Fault(fault, start=2).plusargs() if fault else []
+    run_cocotb(controlled(name), "sensor_control", "verilator", plusargs=plusargs, sensor=name,
+               asked=SMALL, fault=fault)
+
+
+def test_a_sensor_that_does_not_round_is_found(monkeypatch):
+    asked, light = random_settings("mt9p031", 1)
+    design = with_lines("mt9p031")
+    broken = Design(design.top, design.verilog.replace("+ 32768) >> 16", ") >> 16"))
+    monkeypatch.setattr(sensors, "with_lines", lambda name: broken)
+    with pytest.raises(SimulationError, match="frames"):
+        run_sensor("mt9p031", "icarus", asked, light)

@@ -52,10 +52,11 @@ SENSOR = Sensor(
     # DS, R0x20: mirrored, reading begins one column or row further, so that the first colour stays.
     bayer="GRBG", mirror_keeps_bayer=True,
     black=42 << 2,                      # D, R0x30: 42 of 1023 after reset
-    clock_hz=36_000_000, pixel_clock_hz=36_000_000,     # C, the clock of its example
+    clock_hz=36_000_000, pixel_clock_hz=36_000_000,     # C
     limits=Limits(step=1, corner_step=1, smallest=(17, 2),      # DS, R0x03, R0x04
                   lines=(1, 0xFFFF), vertical=(_LEAST_VERTICAL, 0x7FFF),
-                  gain_256=(256, 127 * 256), pixel_clock_hz=80_000_000))
+                  gain_256=(256, 127 * 256), pixel_clock_hz=36_000_000,    # C
+                  frame_lines=1200 + 0x7FFF))
 
 
 def setup(settings):
@@ -101,4 +102,6 @@ def _gain(factor):
     """
     doublings = min(5, int(factor).bit_length() - 1)
     part = min(127, round(32 * factor / (1 << doublings)))
+    if part == 64 and doublings < 5:
+        part, doublings = 32, doublings + 1
     return ((1 << doublings) - 1 << 7 | part), part * 8 << doublings

@@ -82,7 +82,7 @@ SENSOR = Sensor(
     clock_hz=24_000_000, pixel_clock_hz=96_000_000,
     limits=Limits(step=2, corner_step=2,        # DS, window control
                   smallest=(2, 2), lines=(1, (1 << 20) - 1), vertical=(9, 4096),
-                  gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000),
+                  gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096),
     test_patterns=TEST_PATTERN_MODES)
 
 
@@ -162,14 +162,14 @@ def _clock(asked):
     if external == pixel:
         return []
     for n in _PLL_N:
+        if not _PLL_INPUT[0] <= Fraction(external, n) <= _PLL_INPUT[1]:
+            continue
         for p in _PLL_P:
-            m = Fraction(pixel * n * p, external)
-            if m in _PLL_M and (
-                    _PLL_CLOCKS[0] <= external <= _PLL_CLOCKS[1]
-                    and _PLL_INPUT[0] <= Fraction(external, n) <= _PLL_INPUT[1]
+            m, rest = divmod(pixel * n * p, external)
+            if (not rest and m in _PLL_M and _PLL_CLOCKS[0] <= external <= _PLL_CLOCKS[1]
                     and _PLL_OSCILLATOR[0] <= pixel * p <= _PLL_OSCILLATOR[1]):
                 return [Write(_PLL_CONTROL, 0x51, "PLL on"),
-                        Write(_PLL_CONFIG_1, int(m) << 8 | n - 1, f"M = {m}, N = {n}"),
+                        Write(_PLL_CONFIG_1, m << 8 | n - 1, f"M = {m}, N = {n}"),
                         Write(_PLL_CONFIG_2, p - 1, f"P = {p}", 1000),
                         Write(_PLL_CONTROL, 0x53, "pixel clock from the PLL")]
     raise InputError(f"the pixel clock is {pixel} Hz, the PLL of the {SENSOR.name} cannot make it "

@@ -32,6 +32,9 @@ class Limits:
         Gain, 256 is 1.
     pixel_clock_hz : int
         The fastest.
+    frame_lines : int
+        The most lines of a frame, blanking included; where an exposure makes a frame longer by
+        itself, the most that are set.
     """
     step: int
     corner_step: int
@@ -40,6 +43,7 @@ class Limits:
     vertical: tuple
     gain_256: tuple
     pixel_clock_hz: int
+    frame_lines: int
 
 
 @dataclass(frozen=True)
@@ -292,8 +296,10 @@ def frame_lines(sensor, settings, line_clocks, least):
     rate = settings.frames_per_second
     if not rate:
         return least
-    clock, high = settings.pixel_clock_hz, max(high, least)
-    lines = round(Fraction(clock) / (Fraction(rate) * line_clocks)) if rate > 0 else high + 1
+    clock, high = settings.pixel_clock_hz, max(min(high, sensor.limits.frame_lines), least)
+    lines = high + 1
+    if 0 < rate < clock:
+        lines = round(Fraction(clock) / (Fraction(rate) * line_clocks))
     if not least <= lines <= high:
         fastest, slowest = (clock / (line_clocks * end) for end in (least, high))
         raise InputError(f"{rate:g} frames per second are asked for, the {sensor.name} sends "
@@ -304,12 +310,12 @@ def frame_lines(sensor, settings, line_clocks, least):
 
 def factor_of(sensor, settings):
     """The gain asked for as a factor; raises :class:`InputError` outside of the limits."""
-    factor = 10 ** (settings.gain_db / 20)
     low, high = (end / UNITY_GAIN for end in sensor.limits.gain_256)
-    if not low * (1 - 1e-9) <= factor <= high * (1 + 1e-9):
+    lowest, highest = 20 * log10(low), 20 * log10(high)
+    if not lowest - 1e-9 <= settings.gain_db <= highest + 1e-9:
         raise InputError(f"the gain is {settings.gain_db:g} dB, the {sensor.name} has "
-                         f"{20 * log10(low):.1f} to {20 * log10(high):.1f} dB")
-    return min(high, max(low, factor))
+                         f"{lowest:.1f} to {highest:.1f} dB")
+    return min(high, max(low, 10 ** (settings.gain_db / 20)))
 
 
 def pattern_mode(sensor, settings):

@@ -1,0 +1,202 @@
+"""Set-ups of image sensors: values worked out by hand from the data sheets, round trips, limits."""
+
+from math import log10
+
+import numpy as np
+import pytest
+
+from ncdc_model.errors import InputError
+from ncdc_model.sensors.catalogue import SENSORS, sensor_named, setup
+from ncdc_model.sensors.sensor import Settings, bayer_at
+
+BY_NAME = {sensor.name: sensor for sensor in SENSORS}
+EACH = pytest.mark.parametrize("sensor", SENSORS, ids=BY_NAME)
+
+
+def prepared(name, **asked):
+    return setup(BY_NAME[name], Settings(**asked))
+
+
+def last_of(plan):
+    """The value that each register is left with."""
+    return dict(plan.pairs)
+
+
+def test_mt9p031_by_hand():
+    plan = prepared("mt9p031", width=1280, height=1024, left=640, top=460, gain_db=20 * log10(4))
+    assert plan.timing.line_clocks == 2 * (640 + 450)
+    # (960,000 + 2 * 213) / 2180 = 440.56
+    assert plan.exposure_clocks == 441 * 2180 - 426
+    assert plan.timing.frame_lines == 1024 + 9
+    expected = {0x01: 54 + 460, 0x02: 16 + 640, 0x03: 1023, 0x04: 1279, 0x05: 449, 0x06: 8,
+                0x07: 0x1F82, 0x08: 0, 0x09: 441, 0x0A: 0x8000, 0x0D: 0, 0x20: 0x0040, 0x35: 32,
+                # 24 MHz * 16 / 2 / 2
+                0x11: 16 << 8 | 1, 0x12: 1, 0x10: 0x53}
+    assert expected.items() <= last_of(plan).items()
+    assert plan.pairs[:3] == [(0x0D, 1), (0x0D, 0), (0x07, 0x1F80)]
+    assert plan.pairs[-1] == (0x07, 0x1F82)
+
+
+@pytest.mark.parametrize("width,height,rate", [
+    (2592, 1944, 14), (2048, 1536, 21), (1600, 1200, 31), (1280, 1024, 42), (1024, 768, 63),
+    (800, 600, 90), (1920, 1080, 31)])
+def test_mt9p031_frame_rates_are_those_of_the_data_sheet(width, height, rate):
+    """Its tables of resolutions have the 26 lines of vertical blanking after reset, not the 9 that
+    its equations allow."""
+    timing = prepared("mt9p031", width=width, height=height, exposure_us=1000).timing
+    assert timing.frame_lines == height + 9
+    assert round(96e6 / (timing.line_clocks * (height + 26))) == rate
+
+
+@pytest.mark.parametrize("factor,word", [
+    (1, 8), (1.125, 9), (4, 32), (4.25, 1 << 6 | 17), (8, 1 << 6 | 32), (9, 0x0160),
+    (128, 0x7860)])
+def test_mt9p031_gain_word(factor, word):
+    plan = prepared("mt9p031", gain_db=20 * log10(factor))
+    assert last_of(plan)[0x35] == word and plan.gain_256 == 256 * factor
+
+
+def test_mt9p031_test_pattern_turns_off_black_correction():
+    words = last_of(prepared("mt9p031", test_pattern="ColorBar", mirror_rows=True))
+    assert words[0xA0] == 8 << 3 | 1 and words[0x20] == 1 << 15 and words[0x4B] == 0
+
+
+def test_mt9p031_makes_the_frame_longer_for_a_long_exposure():
+    plan = prepared("mt9p031", width=640, height=480, exposure_us=1e6)
+    lines = plan.timing.frame_lines - 1
+    assert last_of(plan)[0x08] << 16 | last_of(plan)[0x09] == lines > 60_000
+    assert last_of(plan)[0x06] == 4095
+
+
+def test_mt9d111_by_hand():
+    plan = prepared("mt9d111", width=1600, height=1200, exposure_us=66_660, gain_db=20 * log10(3))
+    # The example of the MT9D011: 66.66 ms at 36 MHz; its line is shorter.
+    assert plan.timing.line_clocks == 1600 + 516
+    assert plan.exposure_clocks == 1134 * 2116 - 260
+    expected = {0x01: 28, 0x02: 60, 0x03: 1200, 0x04: 1600, 0x05: 516, 0x06: 11, 0x09: 1134,
+                0x20: 0, 0x2F: 1 << 7 | 48, 0xF2: 0b1011, 0x0D: 0, 0xC3: 1}
+    assert expected.items() <= last_of(plan).items()
+    assert plan.pairs[:4] == [(0xF0, 1), (0xC3, 1), (0x09, 0), (0xF0, 0)]
+
+
+@pytest.mark.parametrize("factor,word", [(1, 32), (1.5, 48), (2, 1 << 7 | 32), (4, 3 << 7 | 32),
+                                         (32, 31 << 7 | 32), (127, 31 << 7 | 127)])
+def test_mt9d111_gain_word(factor, word):
+    plan = prepared("mt9d111", gain_db=20 * log10(factor))
+    assert last_of(plan)[0x2F] == word and plan.gain_256 == 256 * factor
+
+
+def test_ov5640_by_hand():
+    plan = prepared("ov5640", gain_db=20 * log10(2.5))
+    # Of the whole array: the values after reset, by the data sheet.
+    whole = {0x3800: 0, 0x3801: 0, 0x3804: 0x0A, 0x3805: 0x3F, 0x3806: 0x07, 0x3807: 0x9F,
+             0x3808: 0x0A, 0x3809: 0x20, 0x380A: 0x07, 0x380B: 0x98, 0x380C: 0x0B, 0x380D: 0x1C,
+             0x380E: 0x07, 0x380F: 0xB0, 0x3811: 16, 0x3813: 4}
+    # 10 ms of 96 MHz in lines of 5688: 168.8; 24 MHz / 3 * 120 / 2 / 2 / 2.5 = 96 MHz.
+    rest = {0x3500: 0, 0x3501: 0x0A, 0x3502: 0x90, 0x350A: 0, 0x350B: 40, 0x3035: 0x21,
+            0x3036: 120, 0x3037: 0x13, 0x4300: 0, 0x501F: 3, 0x3821: 6, 0x3820: 0, 0x3008: 0x02}
+    assert (whole | rest).items() <= last_of(plan).items()
+
+
+@EACH
+def test_exposure_and_gain_are_the_nearest(sensor):
+    chance = np.random.default_rng(5)
+    for _ in range(200):
+        exposure, gain = float(chance.uniform(200, 50_000)), float(chance.uniform(0, 35.5))
+        plan = setup(sensor, Settings(width=640, height=480, exposure_us=exposure, gain_db=gain))
+        assert abs(plan.exposure_us - exposure) <= plan.timing.line_us / 2 * (1 + 1e-9)
+        again = setup(sensor, Settings(width=640, height=480, exposure_us=plan.exposure_us,
+                                       gain_db=plan.gain_db))
+        assert again.pairs == plan.pairs
+        assert abs(plan.gain_256 / 256 / 10 ** (gain / 20) - 1) < 1 / 15
+
+
+@EACH
+def test_a_frame_rate_is_kept(sensor):
+    for rate in (15, 20.25, 30):
+        plan = setup(sensor, Settings(width=640, height=480, exposure_us=500,
+                                      frames_per_second=rate))
+        timing = plan.timing
+        assert abs(timing.pixel_clock_hz / rate - timing.frame_clocks) <= timing.line_clocks / 2
+
+
+LIMITS = [
+    ("mt9p031", {"width": 641}, "width is 641, the mt9p031 needs a multiple of 2 from 2 to 2592"),
+    ("mt9p031", {"left": 3}, "left is 3, the mt9p031 needs a multiple of 2 from 0 to 2592"),
+    ("mt9p031", {"width": 640, "left": 2000},
+     "the window has the columns 2000 to 2639, the mt9p031 has 2592"),
+    ("mt9p031", {"exposure_us": 10}, "the exposure is 10 us, the mt9p031 exposes 31.9 to"),
+    ("mt9p031", {"exposure_us": 1e9}, "the exposure is 1e+09 us, the mt9p031 exposes"),
+    ("mt9p031", {"gain_db": -1}, "the gain is -1 dB, the mt9p031 has 0.0 to 42.1 dB"),
+    ("mt9p031", {"gain_db": 43}, "the gain is 43 dB, the mt9p031 has 0.0 to 42.1 dB"),
+    ("mt9p031", {"frames_per_second": 15},
+     "15 frames per second are asked for, the mt9p031 sends 4.552 to 14.077 of 2592x1944"),
+    ("mt9p031", {"gain_db": 1e9}, "the gain is 1e+09 dB"),
+    ("mt9p031", {"gain_db": float("nan")}, "the gain is nan dB"),
+    ("mt9p031", {"exposure_us": float("inf")}, "the exposure is inf us"),
+    ("mt9p031", {"frames_per_second": float("inf")}, "inf frames per second are asked for"),
+    ("mt9p031", {"frames_per_second": 1e-9}, "1e-09 frames per second are asked for"),
+    ("mt9p031", {"left": -2}, "left is -2, the mt9p031 needs"),
+    ("mt9p031", {"width": -2}, "width is -2, the mt9p031 needs"),
+    ("mt9p031", {"clock_hz": -24_000_000}, "cannot make it of -24000000 Hz"),
+    ("ov5640", {"clock_hz": -24_000_000}, "cannot make it of -24000000 Hz"),
+    ("mt9p031", {"frames_per_second": -1}, "-1 frames per second are asked for"),
+    ("mt9p031", {"test_pattern": "Cat"}, "the test pattern is 'Cat', the mt9p031 has Off, Color"),
+    ("mt9p031", {"pixel_clock_hz": 100_000_000},
+     "the pixel clock is 100000000 Hz, the mt9p031 has at most 96000000 Hz"),
+    ("mt9p031", {"clock_hz": 1_000_000}, "cannot make it of 1000000 Hz"),
+    ("mt9d111", {"width": 8}, "width is 8, the mt9d111 needs an integer from 17 to 1600"),
+    ("mt9d111", {"test_pattern": "ColorBar"}, "the mt9d111 has Off in its raw frames"),
+    ("mt9d111", {"pixel_clock_hz": 24_000_000}, "as its PLL is not used"),
+    ("ov5640", {"exposure_us": 300_000}, "the exposure is 300000 us, the ov5640 exposes 59.2 to"),
+    ("ov5640", {"width": 640, "height": 480, "frames_per_second": 5},
+     "5 frames per second are asked for, the ov5640 sends 5.689 to 38.095 of 640x480"),
+    ("ov5640", {"pixel_clock_hz": 95_000_001}, "the PLL of the ov5640 cannot make it"),
+]
+
+
+@pytest.mark.parametrize("name,asked,sentence", LIMITS)
+def test_a_limit_is_told(name, asked, sentence):
+    with pytest.raises(InputError) as error:
+        prepared(name, **asked)
+    assert sentence in str(error.value)
+
+
+def test_an_unknown_sensor():
+    with pytest.raises(InputError, match="'ov2640', known are mt9p031, mt9d111, ov5640"):
+        sensor_named("ov2640")
+
+
+def test_bayer_phase():
+    assert [bayer_at("GRBG", left, top) for top in (0, 1) for left in (0, 1)] == [
+        "GRBG", "RGGB", "BGGR", "GBRG"]
+    # The MT9P031 reads the same pixels backwards, the others begin one further.
+    small = {"width": 64, "height": 48}
+    phases = [prepared("mt9p031", mirror_columns=x, mirror_rows=y, **small).bayer
+              for y in (False, True) for x in (False, True)]
+    assert phases == ["GRBG", "RGGB", "BGGR", "GBRG"]
+    for name, bayer in (("mt9d111", "GRBG"), ("ov5640", "BGGR")):
+        assert {prepared(name, mirror_columns=x, mirror_rows=y, **small).bayer
+                for y in (False, True) for x in (False, True)} == {bayer}
+    assert prepared("mt9d111", left=1, **small).bayer == "RGGB"
+    assert prepared("mt9d111", width=65, height=48, mirror_columns=True).bayer == "RGGB"
+
+
+@EACH
+def test_columns_and_rows_stay_on_the_sensor(sensor):
+    asked = {"left": 32, "top": 16, "width": 64, "height": 48}
+    plain = setup(sensor, Settings(**asked))
+    assert list(plain.columns) == list(range(32, 96)) and list(plain.rows) == list(range(16, 64))
+    moved = int(sensor.mirror_keeps_bayer)
+    mirrored = setup(sensor, Settings(mirror_columns=True, mirror_rows=True, **asked))
+    assert list(mirrored.columns) == [k + moved for k in range(95, 31, -1)]
+    assert list(mirrored.rows) == [k + moved for k in range(63, 15, -1)]
+
+
+@EACH
+def test_values_fit_their_registers(sensor):
+    for asked in ({}, {"mirror_columns": True}, {"gain_db": 36, "exposure_us": 150_000}):
+        plan = setup(sensor, Settings(**asked))
+        for write in plan.writes:
+            assert 0 <= write.register < 1 << sensor.pointer_bits, write
+            assert 0 <= write.value < 1 << sensor.value_bits and write.meaning, write
