@@ -239,6 +239,7 @@ class System(wiring.Component):
             "RAW_BEGUN": raw.begun, "RAW_ENDED_BAD": raw.bad, "RAW_TAKEN": raw.taken,
             "RAW_SKIPPED": control.skipped,
             "CORRECTED_BEGUN": control.begun_count, "CORRECTED_ENDED_BAD": control.bad_count,
+            "CORRECTED_NUMBER": control.number,
             "CORRECTED_TAKEN": 0 if corrected is None else corrected.taken,
             "TIME_LOW": time[:32], "TIME_HIGH": time[32:], "I2C_COMMAND": 0,
             "I2C_RESULT": Cat(result.data, ~i2c.i.ready, result.nack, result.lost, result.timeout),

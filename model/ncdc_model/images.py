@@ -10,7 +10,10 @@ from ncdc_model.files import read_bytes, replace_file
 from ncdc_model.geometry import BAYER_PHASE, MONO
 from ncdc_model.samples import eight_bits
 
-__all__ = ["check_suffix", "demosaic", "is_raw", "mosaic", "read_image", "write_image"]
+__all__ = ["ANIMATIONS", "check_animation", "check_suffix", "demosaic", "is_raw", "mosaic",
+           "read_image", "write_animation", "write_image"]
+
+ANIMATIONS = (".png", ".webp", ".gif")
 
 # OpenCV names a pattern by the 2x2 block that starts at the second row and column, so that its
 # "BG" is the pattern whose first two samples are R, G.
@@ -74,6 +77,32 @@ def write_image(path, image):
         content = cv2.imencode(Path(path).suffix, picture)[1]
     except cv2.error as error:
         raise InputError(f"cannot write {path}: {error.err}") from error
+    with replace_file(path) as temporary:
+        temporary.write_bytes(content.tobytes())
+
+
+def check_animation(path):
+    """Raise :class:`InputError` if no animation is written with the suffix of ``path``."""
+    if Path(path).suffix.lower() not in ANIMATIONS:
+        raise InputError(f"{path} has the suffix {Path(path).suffix!r}, an animation is written as "
+                         f"one of {', '.join(ANIMATIONS)}")
+
+
+def write_animation(path, frames, milliseconds):
+    """Write uint8 RGB ``frames``, each shown for so many ``milliseconds``, again and again.
+
+    The file is replaced whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the suffix is none of :data:`ANIMATIONS` or the folder cannot be written.
+    """
+    check_animation(path)
+    animation = cv2.Animation()
+    animation.frames = [np.ascontiguousarray(frame[:, :, ::-1]) for frame in frames]
+    animation.durations = np.full(len(frames), milliseconds, np.int32)
+    content = cv2.imencodeanimation(Path(path).suffix.lower(), animation)[1]
     with replace_file(path) as temporary:
         temporary.write_bytes(content.tobytes())
 

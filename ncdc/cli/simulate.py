@@ -5,6 +5,7 @@ import sys
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
+from ncdc.cli.moving import add_moving, run_moving
 from ncdc.terminal import Progress
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
@@ -38,6 +39,7 @@ def add_arguments(parser):
     parser.add_argument("--seed", type=int, default=1, metavar="S",
                         help="of the memory's random behaviour (default: 1)")
     add_follow(parser)
+    add_moving(parser)
     add_samples(parser)
     add_json(parser)
 
@@ -49,6 +51,8 @@ def run(args):
     check_suffix(args.output)
     simulated_memory(args.memory)
     descriptor = Descriptor.load(args.descriptor)
+    if args.camera:
+        return run_moving(args, descriptor)
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     raw, note = raw_frame(args, descriptor.geometry)
     hardware, _ = planned(hardware_of(args), fixed, descriptor)

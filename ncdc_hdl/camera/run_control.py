@@ -47,6 +47,8 @@ class RunControl(wiring.Component):
         Base address of its writer's buffer.
 
     corrector : ``Out(RUN)``
+    number : ``Out(32)``
+        Of the raw frame that the last corrected frame, which is over, was made of.
     begun_count, bad_count, skipped : ``Out(32)``
         Corrected frames begun, and ended as bad; raw frames that were not corrected while ``run``
         was high.
@@ -65,7 +67,7 @@ class RunControl(wiring.Component):
             "target_begins": Out(1), "target_ends": Out(1), "target_good": Out(1),
             "target_base": In(ADDRESS_BITS),
             "corrector": Out(RUN),
-            "begun_count": Out(32), "bad_count": Out(32), "skipped": Out(32),
+            "number": Out(32), "begun_count": Out(32), "bad_count": Out(32), "skipped": Out(32),
         })
 
     def elaborate(self, platform):
@@ -130,7 +132,12 @@ class RunControl(wiring.Component):
         return m
 
     def _count(self, m, fresh, ready):
-        """Count what is begun, ends badly and is skipped."""
+        """Count what is begun, ends badly and is skipped; keep the number of what is over."""
+        number = Signal(32)             # of the raw frame that is corrected
+        with m.If(self.target_begins):
+            m.d.sync += number.eq(self.about.number)
+        with m.If(self.target_ends):
+            m.d.sync += self.number.eq(number)
         # A frame that came behind the one that waits takes its place; one followed does not wait.
         missed = Mux(self.follow, self.begun & ~ready, self.came & fresh)
         m.d.sync += self.skipped.eq(self.skipped + (self.run & missed))

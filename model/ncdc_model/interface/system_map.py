@@ -141,6 +141,8 @@ def _counts():
         _ro("CORRECTED_ENDED_BAD", 0x35, "Corrected frames that ended as bad: cut short, with a "
             "fault, or of a raw frame that was bad or taken away."),
         _ro("CORRECTED_TAKEN", 0x36, "Corrected buffers that were taken away from a reader."),
+        _ro("CORRECTED_NUMBER", 0x37, "Number of the raw frame, from 1 on, that the last corrected "
+            "frame was made of: a stream carries no number."),
         _ro("TIME_LOW", 0x38, "Clocks since the reset, lower half."),
         _ro("TIME_HIGH", 0x39, "Clocks since the reset, upper half: read it, `TIME_LOW`, and it "
             "once more."),

@@ -35,7 +35,7 @@ class CameraFrame:
     clocks : int
         That the corrector took for it.
     age : int
-        Clocks from the beginning of its raw frame until the host knew of it.
+        Clocks from the beginning of its raw frame until the host knew of it; 0 of a stream.
     """
     number: int
     picture: np.ndarray
@@ -84,8 +84,8 @@ class CameraRun:
         }
 
 
-def simulate_camera(system, setup, light, *, count, follow=False, clocks=None, disturb=None,
-                    verilog=None, progress=lambda fraction: None, **run):
+def simulate_camera(system, setup, light, *, count, corner=(0, 0), follow=False, clocks=None,
+                    disturb=None, verilog=None, progress=lambda fraction: None, **run):
     """Let a camera run until ``count`` frames are corrected.
 
     The sensor is set up by I2C while the camera is enabled already: its first frame is number 1.
@@ -96,6 +96,8 @@ def simulate_camera(system, setup, light, *, count, follow=False, clocks=None, d
     setup : Setup
         Of the sensor; its pixel clock is the one of the run.
     light : Light
+    corner : (int, int)
+        Column and row of the sensor's frame at which the raw frames begin.
     count : int
     follow : bool
         Whether the corrector follows the camera row by row.
@@ -118,14 +120,18 @@ def simulate_camera(system, setup, light, *, count, follow=False, clocks=None, d
     result, sensor = CameraRun(), setup.sensor
     clocks = clocks or Clocks(extclk_period=2 * round(5e11 / setup.timing.pixel_clock_hz))
     frame = setup.timing.frame_clocks * clocks.extclk_period // clocks.clk_period
-    raw = levelled(raw_frames(setup, light), sensor.black)
+    (left, top), (width, height) = corner, system.descriptor.geometry.distorted
+    raw = raw_frames(setup, light)[:, top:top + height, left:left + width]
+    raw = levelled(raw, sensor.black)
     size = memory_bytes(system.descriptor, system.hardware, system.stores)
     with LiveSystem(verilog or system_verilog(system), sensor.name, light, memory_bytes=size,
                     clocks=clocks, **run) as live:
         host = SystemHost(live, system)
         live.sensor_power(True)
         live.wait(100)
-        host.put(BLACK_LEVEL=sensor.black, RUN_FOLLOW=int(follow), CLOCK_LIMIT=frame // 2,
+        host.put(SENT_WIDTH=setup.timing.width, SENT_HEIGHT=setup.timing.height,
+                 WINDOW_LEFT=left, WINDOW_TOP=top, BLACK_LEVEL=sensor.black,
+                 RUN_FOLLOW=int(follow), CLOCK_LIMIT=frame // 2,
                  I2C_QUARTER=quarter_clocks(10**12 // clocks.clk_period, 400_000))
         host.set_up(setup, before_start=lambda: host.put(RUN=1, CAMERA_ENABLE=1))
         host.listen("CORRECTED_FRAME", "CORRECTED_BAD", "RAW_BAD")
@@ -148,10 +154,12 @@ def simulate_camera(system, setup, light, *, count, follow=False, clocks=None, d
 
 def _frame(host, raw, now):
     """The newest corrected frame, claimed, compared and released."""
-    frame, clocks = host.claim(), host.get("CLOCKS")
+    frame = host.streamed() if host.live.stream else host.claim()
+    clocks = host.get("CLOCKS")
     # The sensor's frames, from 1 on: those that the store never saw count too.
     index = frame.number - 1 + host.get("FRAMES_MISSED")
     golden = correct(host.system.descriptor, raw[index % len(raw)],
                      strip=host.system.hardware.strip)
     host.release()
-    return CameraFrame(frame.number, host.picture(frame), golden.picture, clocks, now - frame.time)
+    return CameraFrame(frame.number, host.picture(frame), golden.picture, clocks,
+                       frame.time and now - frame.time)

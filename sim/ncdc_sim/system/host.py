@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.interface.frames import stored_picture
+from ncdc_model.interface.frames import PIXEL_BYTES, stored_picture
 from ncdc_model.interface.register_map import registers
 from ncdc_model.interface.system_map import EVENTS, I2C_COMMAND_FLAGS, system_registers
 
@@ -169,11 +169,19 @@ class SystemHost:
         """Release what a reader holds."""
         self.put(**{f"READER{reader}": 4})
 
+    def streamed(self):
+        """The last :class:`Frame` that left as a stream, three bytes a pixel, of no known time."""
+        width, height = self.geometry.corrected
+        return Frame(self.get("CORRECTED_NUMBER"), 0,
+                     self.live.streamed()[-3 * width * height:])
+
     def picture(self, frame):
         """Pixels of a corrected frame, uint8 (height, width, 3)."""
         width, height = self.geometry.corrected
-        stored = np.frombuffer(frame.data, np.uint8)[:4 * width * height]
-        return stored_picture(stored.reshape(height, width, 4))
+        size = 3 if self.live.stream else PIXEL_BYTES
+        pixels = np.frombuffer(frame.data, np.uint8)[:size * width * height]
+        pixels = pixels.reshape(height, width, size)
+        return pixels if self.live.stream else stored_picture(pixels)
 
     def raw(self, frame):
         """Samples of a raw frame, uint8 (height, width)."""

@@ -1,0 +1,99 @@
+"""``ncdc simulate --camera``: frames of a running camera, from a sensor's pins to pictures."""
+
+import sys
+
+from ncdc.cli.common import raw_frame, write_report
+from ncdc.cli.hardware import fixed_of, hardware_of, planned
+from ncdc.terminal import Progress
+from ncdc_hdl.system import System
+from ncdc_model.errors import InputError
+from ncdc_model.geometry import MONO
+from ncdc_model.images import check_animation, is_raw, read_image, write_animation
+from ncdc_model.sensors.catalogue import SENSORS, sensor_named, setup
+from ncdc_model.sensors.sensor import Settings, bayer_at
+from ncdc_sim.sensor.photo import moving_photo, still_raw
+from ncdc_sim.system.camera import simulate_camera
+
+__all__ = ["add_moving", "run_moving", "sensor_setup"]
+
+_MOST_FRAMES = 1000
+
+
+def add_moving(parser):
+    """Declare the options."""
+    group = parser.add_argument_group(
+        "a running camera", "frames go through the pins of a sensor and through memory, and are "
+        "corrected as they come; OUT is an animation of the corrected pictures")
+    group.add_argument("--camera", metavar="SENSOR",
+                       help=", ".join(sensor.name for sensor in SENSORS))
+    group.add_argument("--frames", type=int, default=5, metavar="N", help="default: 5")
+    group.add_argument("--velocity", default="12,0", metavar="X,Y",
+                       help="corrected pixels to the right and down by which the scene of a colour "
+                            "picture moves from frame to frame (default: 12,0)")
+    group.add_argument("--exposure-us", type=float, default=1000.0, metavar="X",
+                       help="of the sensor, in microseconds (default: 1000)")
+
+
+def run_moving(args, descriptor):
+    """Simulate, compare, write, report; 1 if a pixel differs."""
+    if not 1 <= args.frames <= _MOST_FRAMES:
+        raise InputError(f"frames is {args.frames}, 1 to {_MOST_FRAMES} are simulated")
+    check_animation(args.output)
+    velocity = _velocity(args.velocity)
+    hardware, _ = planned(hardware_of(args), fixed_of(args, 0 if args.follow else None), descriptor)
+    plan, corner = sensor_setup(args.camera, descriptor.geometry, args.exposure_us)
+    raw, note = raw_frame(args, descriptor.geometry)
+    photo = read_image(args.image)
+    light = (still_raw(plan, corner, raw) if is_raw(photo)
+             else moving_photo(descriptor, plan, corner, photo, args.frames, velocity))
+    result = simulate_camera(
+        System(descriptor, hardware), plan, light, corner=corner, count=args.frames,
+        follow=args.follow, memory=args.memory, simulator=args.simulator, seed=args.seed,
+        progress=Progress("simulating"))
+    write_animation(args.output, [frame.picture for frame in result.frames],
+                    round(1000 / plan.timing.frames_per_second))
+    if note:
+        print(note, file=sys.stderr)
+    report = result.report() | {
+        "sensor": plan.sensor.name, "frames_per_second": plan.timing.frames_per_second,
+        "memory": args.memory, "simulator": args.simulator,
+        **hardware.report(descriptor.geometry)}
+    if not write_report(report, args.json):
+        print(f"{report['frames']} frames of {plan.sensor.name} at "
+              f"{report['frames_per_second']:.1f} a second, {report['pixels_compared']} pixels "
+              f"compared, {report['pixels_different']} differ; at most "
+              f"{report['clocks_per_pixel']:.3f} clocks per pixel ({args.memory}, "
+              f"{args.simulator}); frames dropped: {report['overflows'] + report['frames_missed']}")
+    if report["pixels_different"]:
+        print(f"ncdc simulate: {report['pixels_different']} pixels differ from the golden model",
+              file=sys.stderr)
+        return 1
+    return 0
+
+
+def sensor_setup(name, geometry, exposure_us):
+    """Set-up of a sensor that sends a little more than a raw frame of ``geometry``, and the corner
+    (column, row) where the frame begins, so that its Bayer pattern is that of the geometry.
+
+    The pixel clock is the sensor's usual one, at its clock pin: there is no PLL in the model.
+    """
+    sensor = sensor_named(name)
+    width, height = geometry.distorted
+    step = max(2, sensor.limits.step)
+    size = [-(-(value + 1) // step) * step for value in (width, height)]
+    plan = setup(sensor, Settings(width=size[0], height=size[1], exposure_us=exposure_us,
+                                  clock_hz=sensor.pixel_clock_hz))
+    for corner in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        if geometry.bayer in (MONO, bayer_at(plan.bayer, *corner)):
+            return plan, corner
+    raise InputError(f"the frames are {geometry.bayer}, the {name} sends {plan.bayer}")
+
+
+def _velocity(text):
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f"the velocity is {text!r}, two numbers as in 12,0 are needed") from None
+    if not max(abs(x), abs(y)) <= 1000:
+        raise InputError(f"the velocity is {text}, at most 1000 pixels per frame are simulated")
+    return x, y
