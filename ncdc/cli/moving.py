@@ -17,6 +17,7 @@ from ncdc_sim.system.camera import simulate_camera
 __all__ = ["add_moving", "run_moving", "sensor_setup"]
 
 _MOST_FRAMES = 1000
+_SHOWN_MS = 200         # each picture: slow enough to look at
 
 
 def add_moving(parser):
@@ -51,7 +52,7 @@ def run_moving(args, descriptor):
         follow=args.follow, memory=args.memory, simulator=args.simulator, seed=args.seed,
         progress=Progress("simulating"))
     write_animation(args.output, [frame.picture for frame in result.frames],
-                    round(1000 / plan.timing.frames_per_second))
+                    _SHOWN_MS)
     if note:
         print(note, file=sys.stderr)
     report = result.report() | {

@@ -53,7 +53,7 @@ class WriteArbiter(wiring.Component):
         left = Signal(range(self.burst), reset_less=True)   # words of its burst to come
         served = Signal(range(count))                       # the host that has the port now
         following = Signal(range(self.burst))               # words to come behind this clock
-        m.d.comb += served.eq(Mux(held, owner, self._choice(m, owner)))
+        m.d.comb += served.eq(self._chosen(held, owner, self._choice(m, owner)))
         hosts = Array(self.hosts)
         for name, member in bus.signature.members.items():
             if member.flow is Out:
@@ -68,6 +68,10 @@ class WriteArbiter(wiring.Component):
         with m.If(self.memory_rst):
             m.d.sync += [held.eq(0), left.eq(0)]
         return m
+
+    def _chosen(self, held, owner, choice):
+        """The host that has the port now. A method of its own only so that proofs can break it."""
+        return Mux(held, owner, choice)
 
     def _choice(self, m, owner):
         """The host that gets the port if nobody has it."""

@@ -59,7 +59,8 @@ class SensorPort(wiring.Component):
             m.d.sync += x.eq(x + ~x.all())
         with m.Else():
             m.d.sync += x.eq(0)
-        with m.If(begins):
+        # Before the frame begins: its first sample may come at once.
+        with m.If(~frame):
             m.d.sync += y.eq(0)
         with m.Elif(row_ends):
             m.d.sync += y.eq(y + ~y.all())
@@ -99,7 +100,8 @@ class SensorPort(wiring.Component):
         complete = Signal()             # an entry of samples is complete
         begin = Signal()
         m.d.comb += [
-            taken.eq(now["inside"] & capturing & ~full),
+            # The first sample may come in the clock in which the frame begins.
+            taken.eq(now["inside"] & (capturing & ~full | begin)),
             complete.eq(capturing & ~full
                         & (now["inside"] & (count == SAMPLES - 1) | now["row_last"])),
             begin.eq(now["begins"] & self.enable & ~owed & self.room),
@@ -115,7 +117,8 @@ class SensorPort(wiring.Component):
             m.d.sync += [count.eq(0), full.eq(~self.room)]
         with m.Else():
             with m.If(taken):
-                m.d.sync += [count.eq(count + 1), gathered.word_select(count, 8).eq(byte)]
+                m.d.sync += [count.eq(count + 1),
+                             gathered.word_select(Mux(begin, 0, count), 8).eq(byte)]
             with m.If(begin):
                 m.d.comb += [self.entry.kind.eq(Kind.BEGIN), self.push.eq(1)]
             with m.Elif(owed):
@@ -126,11 +129,21 @@ class SensorPort(wiring.Component):
         with m.If(capturing & wrong_line):
             m.d.sync += lines.eq(lines + ~lines.all())
         with m.If(now["begins"] & self.enable):
-            m.d.sync += [capturing.eq(begin), full.eq(0), count.eq(0), lines.eq(0),
+            # A row of one sample ends before there is a frame: the frame is bad.
+            m.d.sync += [capturing.eq(begin), full.eq(0), count.eq(taken),
+                         lines.eq(now["row_last"]),
                          missed.eq(missed + ~begin)]
         with m.Elif(now["ends"] & capturing):
             m.d.sync += [
                 capturing.eq(0), owed.eq(1), report.rows.eq(wrong_rows),
-                report.overflow.eq(full | complete & ~self.room),
+                report.overflow.eq(self._overflow(full, complete & ~self.room)),
                 report.lines.eq(lines + (wrong_line & ~lines.all())), report.missed.eq(missed),
             ]
+
+    @staticmethod
+    def _overflow(full, now):
+        """Whether the queue was full in the frame, or is in its last clock.
+
+        A method of its own only so that proofs can break it.
+        """
+        return full | now

@@ -7,9 +7,11 @@ of which it must find.
 from importlib.metadata import version
 
 import pytest
-from amaranth import Const
+from amaranth import Const, Mux
 
+from formal.arbiters import Arbiter
 from formal.avalon import Commands, Reader, Writer
+from formal.captures import Pins
 from formal.fences import FencedReads, FencedWords, WordsInBursts
 from formal.fills import FillOrder, FillRoom
 from formal.lookups import Places, Progress, Tokens
@@ -19,12 +21,14 @@ from formal.stores import Store
 from kept import kept_lists
 from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.avalon.read_fence import ReadFence
+from ncdc_hdl.avalon.write_arbiter import WriteArbiter
 from ncdc_hdl.backend.cache.fills import Fills
 from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.camera.frame_store import FrameStore
+from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_model.interpolation import GRADIENT
 
 regress = pytest.mark.regress
@@ -126,6 +130,21 @@ class ForgottenReader(FrameStore):
         return one.held & (number != 0)
 
 
+class Impatient(WriteArbiter):
+    """Gives the port to an urgent host within another's burst."""
+
+    def _chosen(self, held, owner, choice):
+        return Mux(held & ~self.urgent[0], owner, choice)
+
+
+class Forgetful(SensorPort):
+    """Does not remember that the queue was full."""
+
+    @staticmethod
+    def _overflow(full, now):
+        return now
+
+
 class ReadTooFar(ReadFence):
     """Lets a command reach one word beyond the place."""
 
@@ -159,6 +178,9 @@ PROOFS = {
     "credits, five": (lambda: Credits(5, 0), "prove", 2),
     "frames of two readers": (Store, "prove", 2),
     "frames of four readers": (lambda: Store(4), "prove", 2),
+    "bursts of two hosts": (Arbiter, "prove", 2),
+    "bursts of three hosts": (lambda: Arbiter(hosts=3), "prove", 2),
+    "samples of a sensor": (Pins, "bmc", 24),
     "fill room": (FillRoom, "prove", 2),
     "fill room, 32 bits": (lambda: FillRoom(32, 3), "prove", 2),
     "fill room, one tile": (lambda: FillRoom(64, 1), "prove", 2),
@@ -189,6 +211,8 @@ COVERS = {
     "bursts in their place": (WordsInBursts, 12, {"void", "to_the_end"}),
     "credits": (Credits, 20, {"full", "restart", "at_rest"}),
     "frames": (Store, 14, {"all_in_use", "followed", "lost"}),
+    "bursts of two hosts": (Arbiter, 10, {"urgent_waits", "other_waits"}),
+    "samples of a sensor": (Pins, 30, {"clean", "overflow"}),
     "fill room": (FillRoom, 34, {"all_owed", "claim_while_filled"}),
     "fill order": (FillOrder, 32, {"second_tile"}),
     "tokens": (Tokens, 26, {"full", "tokens_to_come"}),
@@ -214,6 +238,8 @@ PLANTED = {
     "a buffer too few": (lambda: Store(buffers_missing=1), 14, "room"),
     "a frame that is not complete": (lambda: Store(kind=BegunClaimed), 10, "alone1"),
     "a frame that is begun anew": (lambda: Store(kind=ForgottenReader), 14, "kept0"),
+    "a burst that another breaks into": (lambda: Arbiter(kind=Impatient), 10, "burst_is_one1"),
+    "samples lost without a word": (lambda: Pins(kind=Forgetful), 28, "nothing_lost"),
     "credit too many": (lambda: Credits(credit_error=1), 16, "no_overflow"),
     "credits' queue too small": (lambda: planted(Credits(), places_missing=1), 16, "no_overflow"),
     "tile too many": (lambda: FillRoom(kind=CreditTooMany), 30, "words_owed"),
