@@ -58,8 +58,7 @@ CHEAP = [("mt9p031", "ColorField"), ("ov5640", "ColorBar")]
               if each not in CHEAP)])
 def test_patterns(name, pattern):
     light = random_light((1, 20, 36), 1, 100, 60)
-    run_sensor(name, "verilator", SMALL | {"test_pattern": pattern, "mirror_rows": True}, light,
-               count=1)
+    run_sensor(name, "verilator", SMALL | {"test_pattern": pattern, "mirror_rows": True}, light)
 
 
 @pytest.mark.parametrize("kind", ["glitch", "clock_stop", *(
