@@ -10,6 +10,7 @@ from ncdc.bench.photos import command as photos
 from ncdc.bench.pictures import command as pictures
 from ncdc.bench.synth import command as synth
 from ncdc.bench.synth.flows import SynthesisError
+from ncdc.bench.system import command as system
 from ncdc.bench.tansig import command as tansig
 from ncdc.bench.throughput import command as throughput
 from ncdc.bench.window import command as window
@@ -19,8 +20,8 @@ __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
 BENCHES = {"accuracy": accuracy, "client": client, "lines": lines, "nodes": nodes,
-           "photos": photos, "pictures": pictures, "synth": synth, "tansig": tansig,
-           "throughput": throughput, "window": window}
+           "photos": photos, "pictures": pictures, "synth": synth, "system": system,
+           "tansig": tansig, "throughput": throughput, "window": window}
 
 
 def add_arguments(parser):

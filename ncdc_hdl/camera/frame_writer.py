@@ -75,9 +75,7 @@ class FrameWriter(wiring.Component):
         idle = Signal(32)               # clocks without an entry
         word_room = Signal()            # a word may be handed on
         samples, row_end, frame_end, stopped, close = (Signal() for _ in range(5))
-        row = Signal(ADDRESS_BITS)      # address of the row
-        fits = Signal()                 # the row is in the place
-        moved = Signal()                # `fits` is not yet of this row
+        row, fits, moved = Signal(ADDRESS_BITS), Signal(), Signal()     # see _place
         new = i.valid & (i.p.kind == Kind.BEGIN)        # a frame begins as soon as it is taken
         m.d.comb += [word_room.eq(~o.valid | o.ready), frame_end.eq(i.p.kind == Kind.END)]
         m.d.sync += idle.eq(Mux(i.valid, 0, idle + 1))
@@ -127,7 +125,8 @@ class FrameWriter(wiring.Component):
         return m
 
     def _place(self, m, last, column, row, fits, moved):
-        """Where the next entry goes, and whether its row has room there."""
+        """Where the next entry goes: address of its ``row``, and whether that ``fits`` the place;
+        it has just ``moved``, which `fits` does not know."""
         place, word_bits = self.place, exact_log2(self.data_width // 8)
         started = Signal()                          # the place of a new frame is known
         row_bytes = Signal(SIZE_BITS + 1)           # of a row, in whole words

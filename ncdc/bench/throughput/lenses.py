@@ -9,6 +9,7 @@ from ncdc.bench.sources import source_digest
 from ncdc_model.calibration.camera_file import training_grid
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.geometry import Geometry
+from ncdc_model.interpolation import FAST, INTERPOLATIONS
 from ncdc_model.lens import Camera
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
@@ -18,8 +19,7 @@ from ncdc_sim.builds import built, key_of
 __all__ = ["NEURONS", "Lens", "trained"]
 
 NEURONS = 8
-# The subject is the memory side: the network is evaluated at every pixel.
-_CHOICES = TrainingChoices(options={"starts": 16, "rounds": 1}, nodes=1)
+_OPTIONS = {"starts": 16, "rounds": 1}
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,16 @@ class Lens:
         makes upright.
     rotation : float
         Degrees by which the corrected picture is turned.
+    nodes : int or "auto"
+        Distance of the nodes; 1: where the subject is the memory side, the network is evaluated at
+        every pixel.
+    interpolation : str
     """
     degrees: float
     size: tuple
     rotation: float = 0.0
+    nodes: int | str = 1
+    interpolation: str = FAST.name
 
     @property
     def corrected(self):
@@ -51,7 +57,8 @@ class Lens:
     @property
     def geometry(self):
         """:class:`Geometry` of the two pictures."""
-        return Geometry(*self.corrected, *self.size)
+        return Geometry(*self.corrected, *self.size,
+                        interpolation=INTERPOLATIONS[self.interpolation])
 
     @cached_property
     def _camera(self):
@@ -83,7 +90,8 @@ def trained(lens):
     def train(folder):
         pairs = training_grid(lens.back_map, lens.geometry)
         source = Source(pairs, lens.geometry, back_map=lens.back_map)
-        train_camera(source, NEURONS, _CHOICES).descriptor.save(folder / "net.toml")
+        choices = TrainingChoices(options=_OPTIONS, nodes=lens.nodes)
+        train_camera(source, NEURONS, choices).descriptor.save(folder / "net.toml")
     folder = built(key_of("lens", repr(lens), _trainer()), train)
     return Descriptor.load(folder / "net.toml")
 

@@ -11,10 +11,10 @@ from ncdc_model.errors import InputError
 from ncdc_sim.memory.timing import memory_settings, simulated_memory
 from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build, command_of
-from ncdc_sim.sensor.verilog import sensor_sources
+from ncdc_sim.sensor.verilog import Fault, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
 
-__all__ = ["Clocks", "LiveSystem"]
+__all__ = ["Clocks", "LiveRun", "LiveSystem"]
 
 _BENCH = ("system_bench.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.v",
           "stream_checker.v")
@@ -31,6 +31,31 @@ class Clocks:
     extclk_phase: int = 5000
 
 
+@dataclass(frozen=True)
+class LiveRun:
+    """On what a system is simulated.
+
+    Parameters
+    ----------
+    memory : str or a memory
+        As of :class:`ncdc_sim.system.frame.Run`, but for LiteDRAM.
+    clocks : Clocks
+    fault : Fault, optional
+        Of the sensor.
+    simulator : str
+    seed : int
+        Of the memory's random behaviour.
+    sink_chance : int
+        How often, of 256 clocks, the sink of a stream is ready.
+    """
+    memory: object = "sdram"
+    clocks: Clocks = Clocks()
+    fault: Fault | None = None
+    simulator: str = "verilator"
+    seed: int = 1
+    sink_chance: int = 256
+
+
 class LiveSystem:
     """The module ``ncdc_system`` of a Verilog text, running, as a context.
 
@@ -41,16 +66,10 @@ class LiveSystem:
         Name of a model that :mod:`ncdc_sim.sensor` has.
     light : Light
         What falls on it.
-    fault : Fault, optional
-    memory : str or a memory
-        As of :class:`ncdc_sim.system.frame.Run`, but for LiteDRAM.
     memory_bytes : int
         From byte address 0 on; at first it holds 0xA5.
-    clocks : Clocks
-    simulator : str
-    seed : int
-    sink_chance : int
-        How often, of 256 clocks, the sink of a stream is ready.
+    run :
+        As of :class:`LiveRun`.
 
     Attributes
     ----------
@@ -65,9 +84,9 @@ class LiveSystem:
         From every method, if the program has ended, or a rule of a bus was broken.
     """
 
-    def __init__(self, verilog, sensor, light, *, memory_bytes, fault=None, memory="sdram",
-                 clocks=Clocks(), simulator="verilator", seed=1, sink_chance=256):
-        memory = simulated_memory(memory)
+    def __init__(self, verilog, sensor, light, memory_bytes, **run):
+        run = LiveRun(**run)
+        memory = simulated_memory(run.memory)
         ports = ports_of(verilog, SYSTEM)
         self.width = ports["read0_readdata"]
         self.readers = sum(name.endswith("_readdata") and name.startswith("read")
@@ -75,12 +94,12 @@ class LiveSystem:
         self.stream = "stream_data" in ports
         if not hasattr(memory, "latency") and not hasattr(memory, "banks"):
             raise InputError("LiteDRAM cannot be the memory of a camera's run")
-        binary = self._build(verilog, ports, sensor, simulator, memory_bytes)
+        binary = self._build(verilog, ports, sensor, run.simulator, memory_bytes)
         settings = memory_settings(memory, self.width, self.readers) | {
-            "memory_bytes": memory_bytes, "seed": seed, "sink_chance": sink_chance,
-            **vars(clocks)}
+            "memory_bytes": memory_bytes, "seed": run.seed, "sink_chance": run.sink_chance,
+            **vars(run.clocks)}
         plusargs = [*(f"+{key}={value}" for key, value in settings.items()),
-                    *light.plusargs("sensor.bin"), *(fault.plusargs() if fault else [])]
+                    *light.plusargs("sensor.bin"), *(run.fault.plusargs() if run.fault else [])]
         self._folder = tempfile.TemporaryDirectory(prefix="ncdc-")
         self.folder = Path(self._folder.name)
         (self.folder / "sensor.bin").write_bytes(light.data())

@@ -5,14 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_hdl.camera.i2c import quarter_clocks
-from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_model.corrector import correct
-from ncdc_model.interface.system_values import memory_bytes
-from ncdc_model.sensors.level import levelled
-from ncdc_sim.sensor.twin import raw_frames
-from ncdc_sim.system.host import SystemHost
-from ncdc_sim.system.live import Clocks, LiveSystem
+from ncdc_sim.system.running import running
 
 __all__ = ["ReadersRun", "simulate_readers"]
 
@@ -76,49 +70,40 @@ class _Reader:
             run.raw += 1
 
 
-def simulate_readers(system, setup, light, *, count, seed, limit=0, verilog=None, clocks=None,
+def simulate_readers(system, setup, light, *, count, seed, limit=0,
                      progress=lambda fraction: None, **run):
     """Let a camera run for ``count`` raw frames beside readers that come and go at random.
 
     Parameters
     ----------
-    system : System
-    setup : Setup
-    light : Light
+    system, setup, light :
+        As of :func:`running`.
     count, seed : int
     limit : int
         Clocks for which a buffer may be held; 0: for ever.
-    verilog : str, optional
-    clocks : Clocks, optional
-    progress, run :
-        As of :func:`ncdc_sim.system.camera.simulate_camera`.
+    progress : callable
+        Called with the fraction of the frames that are done.
+    run :
+        As of :func:`running`.
 
     Returns
     -------
     ReadersRun
     """
-    chance, result, sensor = random.Random(seed), ReadersRun(), setup.sensor
-    clocks = clocks or Clocks(extclk_period=2 * round(5e11 / setup.timing.pixel_clock_hz))
-    raw = levelled(raw_frames(setup, light), sensor.black)
-    pictures = [correct(system.descriptor, one, strip=system.hardware.strip).picture for one in raw]
+    chance, result = random.Random(seed), ReadersRun()
+    with running(system, setup, light, registers={"READER_LIMIT": limit}, seed=seed,
+                 **run) as camera:
+        host, live = camera.host, camera.host.live
+        pictures = [correct(system.descriptor, raw, strip=system.hardware.strip).picture
+                    for raw in camera.raw]
 
-    def golden(is_corrected, number):
-        return (pictures if is_corrected else raw)[(number - 1) % len(raw)]
+        def golden(is_corrected, number):
+            return (pictures if is_corrected else camera.raw)[(number - 1) % len(pictures)]
 
-    size = memory_bytes(system.descriptor, system.hardware, system.stores)
-    with LiveSystem(verilog or system_verilog(system), sensor.name, light, memory_bytes=size,
-                    clocks=clocks, seed=seed, **run) as live:
-        host = SystemHost(live, system)
-        live.sensor_power(True)
-        live.wait(100)
-        host.put(BLACK_LEVEL=sensor.black, READER_LIMIT=limit,
-                 I2C_QUARTER=quarter_clocks(10**12 // clocks.clk_period, 400_000))
-        host.set_up(setup, before_start=lambda: host.put(RUN=1, CAMERA_ENABLE=1))
         readers = [_Reader(host, k, golden) for k in range(system.stores.readers)]
-        frame = setup.timing.frame_clocks * clocks.extclk_period // clocks.clk_period
         while (begun := host.get("RAW_BEGUN")) < count:
             chance.choice(readers).step(chance, result)
-            live.wait(int(chance.choice((.01, .3, 3)) * frame * chance.random()))
+            live.wait(int(chance.choice((.01, .3, 3)) * camera.frame_clocks * chance.random()))
             progress(begun / count)
         result.begun, result.bad, result.skipped = (
             host.get(name) for name in ("RAW_BEGUN", "RAW_ENDED_BAD", "RAW_SKIPPED"))

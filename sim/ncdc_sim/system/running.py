@@ -1,0 +1,83 @@
+"""A simulated camera, set up and running."""
+
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_hdl.camera.i2c import quarter_clocks
+from ncdc_hdl.export.verilog.system_cover import system_verilog
+from ncdc_model.interface.system_values import memory_bytes
+from ncdc_model.sensors.level import levelled
+from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.system.host import SystemHost
+from ncdc_sim.system.live import Clocks, LiveSystem
+
+__all__ = ["Running", "running"]
+
+_I2C_HZ = 400_000
+
+
+@dataclass(frozen=True)
+class Running:
+    """A camera that runs.
+
+    Parameters
+    ----------
+    host : SystemHost
+    raw : ndarray of uint8, shape (frames, height, width)
+        The raw frames that the sensor sends, again and again.
+    frame_clocks : int
+        Clocks of the system from frame to frame.
+    """
+    host: SystemHost
+    raw: np.ndarray
+    frame_clocks: int
+
+    def sent(self, number):
+        """The raw frame of a number, from 1 on; frames that the store never saw count too."""
+        index = number - 1 + self.host.get("FRAMES_MISSED")
+        return self.raw[index % len(self.raw)]
+
+
+@contextmanager
+def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, registers=None,
+            **run):
+    """A :class:`Running` camera, as a context.
+
+    The sensor is set up by I2C while the camera is enabled already: its first frame is number 1.
+
+    Parameters
+    ----------
+    system : ncdc_hdl.system.System
+    setup : Setup
+        Of the sensor; its pixel clock is the one of the run.
+    light : Light
+    corner : (int, int)
+        Column and row of the sensor's frame at which the raw frames begin.
+    clocks : Clocks, optional
+        Of 100 MHz, and the pixel clock of ``setup``, if absent.
+    verilog : str, optional
+        The system's text; made if absent.
+    registers : dict, optional
+        Written before the camera is enabled.
+    run :
+        As of :class:`LiveSystem`.
+    """
+    sensor = setup.sensor
+    clocks = clocks or Clocks(extclk_period=2 * round(5e11 / setup.timing.pixel_clock_hz))
+    frame = setup.timing.frame_clocks * clocks.extclk_period // clocks.clk_period
+    (left, top), (width, height) = corner, system.descriptor.geometry.distorted
+    raw = raw_frames(setup, light)[:, top:top + height, left:left + width]
+    size = memory_bytes(system.descriptor, system.hardware, system.stores)
+    with LiveSystem(verilog or system_verilog(system), sensor.name, light, size,
+                    clocks=clocks, **run) as live:
+        host = SystemHost(live, system)
+        live.sensor_power(True)
+        live.wait(100)
+        host.put(SENT_WIDTH=setup.timing.width, SENT_HEIGHT=setup.timing.height,
+                 WINDOW_LEFT=left, WINDOW_TOP=top, BLACK_LEVEL=sensor.black,
+                 CLOCK_LIMIT=frame // 2, **(registers or {}),
+                 I2C_QUARTER=quarter_clocks(10**12 // clocks.clk_period, _I2C_HZ))
+        host.set_up(setup, before_start=lambda: host.put(RUN=1, CAMERA_ENABLE=1))
+        yield Running(host, levelled(raw, sensor.black), frame)
