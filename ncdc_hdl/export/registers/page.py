@@ -4,6 +4,7 @@ from importlib.resources import files
 
 from ncdc_model.descriptor import Formats
 from ncdc_model.geometry import MAX_SIZE
+from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import SOURCE_BEYOND
 from ncdc_model.interface.register_map import (
     ADDRESS_WORDS_BITS,
@@ -12,6 +13,8 @@ from ncdc_model.interface.register_map import (
     TABLE,
     registers,
 )
+from ncdc_model.interface.system_map import system_registers
+from ncdc_model.interface.system_values import stores_for
 
 __all__ = ["register_doc"]
 
@@ -23,18 +26,24 @@ def register_doc(hidden_neurons, formats):
     ValueError
         If the registers of one kind are not at equal distances.
     """
-    rows = {}
-    for register in registers(hidden_neurons, formats):
-        rows.setdefault(register.family, []).append(register)
-    lines = [_row(_offset(name, same), name, same[0].access, same[0].shape, _text(same[0], text))
-             for (name, text), same in rows.items()]
+    lines = _rows(registers(hidden_neurons, formats))
     lines.append(f"| 0x{4 * TABLE:04X} + 8 r | `VALID_ROWS` | rw | 2 x 32 | "
                  "Spans of pixels with a source in row r, see below. |\n")
     bits = MAX_SIZE.bit_length() - 1
     page = (files("ncdc_hdl.export.registers") / "page.md").read_text()
     return page.format(words=1 << ADDRESS_WORDS_BITS, neurons=hidden_neurons, beyond=SOURCE_BEYOND,
                        last=hidden_neurons - 1, skip=4 * SKIP, nodes=4 * NODES,
-                       rows="".join(lines), bits=bits, high=16 + bits)
+                       rows="".join(lines), bits=bits, high=16 + bits,
+                       system_rows="".join(_rows(system_registers(stores_for(Hardware(), 2)))))
+
+
+def _rows(table):
+    """Lines of the registers of ``table``, one for each family."""
+    rows = {}
+    for register in table:
+        rows.setdefault(register.family, []).append(register)
+    return [_row(_offset(name, same), name, same[0].access, same[0].shape, _text(same[0], text))
+            for (name, text), same in rows.items()]
 
 
 def _offset(name, same):
