@@ -12,8 +12,11 @@ from ncdc_hdl.export.fusesoc import fusesoc_core
 from ncdc_hdl.export.platform_designer import COMPONENT, hw_tcl
 from ncdc_hdl.export.registers.drivers import driver_files
 from ncdc_hdl.export.verilog import TOP, verilog_of
-from ncdc_hdl.export.waivers import verilator_config
+from ncdc_hdl.export.verilog.system_cover import SYSTEM, system_verilog
+from ncdc_hdl.export.waivers import SYSTEM_WAIVERS, verilator_config
+from ncdc_hdl.system import System
 from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
 from ncdc_model.files import write_text
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
@@ -34,6 +37,9 @@ def add_arguments(parser):
                         help=f"write a Quartus project too: {', '.join(board_names())}; the board "
                              "chooses --data-width, --to and --multiplier-bits unless they are "
                              "given")
+    parser.add_argument("--system", action="store_true",
+                        help="write ncdc_system.v instead: a camera and stores of frames before "
+                             "the corrector, which corrects each frame by itself")
     add_json(parser)
 
 
@@ -45,12 +51,19 @@ def run(args):
     hardware = hardware_of(args, board)
     if board:
         check_board(board, descriptor, hardware.output)
+    if args.system and board:
+        raise InputError(f"--system and --board {args.board} are given, the projects of boards "
+                         f"have no camera yet")
     hardware, choice = planned(hardware, fixed_of(args), descriptor)
-    corrector = Corrector(descriptor, hardware)
-    files = {f"{TOP}.v": verilog_of(corrector),
-             **driver_files(corrector, lenses), f"{TOP}.core": fusesoc_core(corrector, TOP),
-             f"{COMPONENT}_hw.tcl": hw_tcl(corrector),
-             f"{TOP}.vlt": verilator_config()}
+    if args.system:
+        system = System(descriptor, hardware)
+        corrector = system.corrector
+        files = {f"{SYSTEM}.v": system_verilog(system),
+                 **driver_files(corrector, lenses, system.table),
+                 f"{SYSTEM}.vlt": verilator_config(SYSTEM, SYSTEM_WAIVERS)}
+    else:
+        corrector = Corrector(descriptor, hardware)
+        files = _corrector_files(corrector, lenses)
     if board:
         files |= project_files(board, corrector)
     folder = Path(args.output)
@@ -69,3 +82,10 @@ def run(args):
             print(f"{folder / name}: {len(text.splitlines())} lines")
         for what, why in report["left_to_user"].items():
             print(f"left to the user: {what}: {why}")
+
+
+def _corrector_files(corrector, lenses):
+    """Text of what belongs to a corrector alone, by file name."""
+    return {f"{TOP}.v": verilog_of(corrector),
+            **driver_files(corrector, lenses), f"{TOP}.core": fusesoc_core(corrector, TOP),
+            f"{COMPONENT}_hw.tcl": hw_tcl(corrector), f"{TOP}.vlt": verilator_config()}

@@ -1,6 +1,6 @@
 """Lint rules that the generated Verilog does not keep, and why that is harmless."""
 
-__all__ = ["DEFAULT_WARNINGS", "SLANG", "VERILATOR", "verilator_config"]
+__all__ = ["DEFAULT_WARNINGS", "SLANG", "SYSTEM_WAIVERS", "VERILATOR", "verilator_config"]
 
 # Amaranth's expressions have the width that holds their result; they are printed as Verilog
 # expressions whose width the context extends or cuts: the same bits, without a cast.
@@ -22,9 +22,15 @@ SLANG = {
 }
 
 
-def verilator_config():
-    """Text of ``ncdc.vlt``: the waivers as a configuration file of Verilator."""
-    lines = ["`verilator_config", "// Waivers for verilator -Wall on ncdc.v."]
-    for rule, reason in VERILATOR.items():
-        lines += [f"// {reason}", f'lint_off -rule {rule} -file "*ncdc.v"']
+SYSTEM_WAIVERS = {
+    "SYNCASYNCNET": "the reset is taken at clock edges, and reaches the sensor's clock at once"}
+"""Of ``ncdc_system.v`` besides."""
+
+
+def verilator_config(top="ncdc", more=None):
+    """The waivers of the Verilog of a top module, and ``more``, as a configuration file of
+    Verilator."""
+    lines = ["`verilator_config", f"// Waivers for verilator -Wall on {top}.v."]
+    for rule, reason in (VERILATOR | (more or {})).items():
+        lines += [f"// {reason}", f'lint_off -rule {rule} -file "*{top}.v"']
     return "\n".join(lines) + "\n"

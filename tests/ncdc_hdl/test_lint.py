@@ -9,7 +9,9 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc_hdl.export.verilog import TOP, corrector_verilog
-from ncdc_hdl.export.waivers import SLANG, VERILATOR, verilator_config
+from ncdc_hdl.export.verilog.system_cover import SYSTEM, system_verilog
+from ncdc_hdl.export.waivers import SLANG, SYSTEM_WAIVERS, VERILATOR, verilator_config
+from ncdc_hdl.system import System
 from ncdc_model.hardware import Hardware
 from ncdc_sim.tools import environment, tool
 
@@ -43,7 +45,8 @@ def yosys(script, cwd):
 
 def lint(verilog, *more):
     """Verilator's exit status and the rules that it finds broken."""
-    done = subprocess.run([tool("verilator"), "--lint-only", "-Wall", "--top-module", TOP, *more,
+    done = subprocess.run([tool("verilator"), "--lint-only", "-Wall", "--top-module", verilog.stem,
+                           *more,
                            verilog.name], cwd=verilog.parent, env=environment(),
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     return done.returncode, set(re.findall(r"^%(?:Warning-|Error-?)(\w+):", done.stdout, re.M))
@@ -52,6 +55,13 @@ def lint(verilog, *more):
 def test_verilator_finds_only_what_is_waived(verilog):
     (verilog.parent / "ncdc.vlt").write_text(verilator_config())
     assert lint(verilog, "ncdc.vlt") == (0, set())
+
+
+def test_verilator_finds_only_what_is_waived_of_a_system(tmp_path):
+    verilog = tmp_path / f"{SYSTEM}.v"
+    verilog.write_text(system_verilog(System(barrel_descriptor())))
+    (tmp_path / "waivers.vlt").write_text(verilator_config(SYSTEM, SYSTEM_WAIVERS))
+    assert lint(verilog, "waivers.vlt") == (0, set())
 
 
 def test_every_waiver_of_verilator_is_needed(verilogs):

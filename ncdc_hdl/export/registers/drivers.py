@@ -13,7 +13,7 @@ __all__ = ["driver_files"]
 _FIXED = ("ncdc.h", "ncdc.c", "ncdc_mapped.h", "ncdc_driver.py", "ncdc_backends.py")
 
 
-def driver_files(corrector, named):
+def driver_files(corrector, named, behind=()):
     """Text of each file, by name.
 
     Parameters
@@ -21,13 +21,15 @@ def driver_files(corrector, named):
     corrector : ncdc_hdl.corrector.Corrector
     named : sequence of (path, Descriptor)
         Lenses that it may be given, the one that it is made for among them.
+    behind : sequence of Register
+        Those of the system around it, if there is one.
 
     Raises
     ------
     InputError
         As :func:`ncdc_hdl.export.registers.lenses.lenses_of`.
     """
-    lenses, table = lenses_of(corrector, named), corrector.registers.table
+    lenses, table = lenses_of(corrector, named), (*corrector.registers.table, *behind)
     host = files("ncdc_hdl.export.registers") / "host"
     return {
         "ncdc_registers.h": c_header(table),

@@ -1,5 +1,6 @@
 """The first screen of ``ncdc_system.v``."""
 
+import textwrap
 from functools import partial
 from importlib.metadata import version
 
@@ -47,10 +48,13 @@ def system_verilog(system):
     """Verilog text of a :class:`ncdc_hdl.system.System`, module ``ncdc_system``."""
     descriptor, g = system.descriptor, system.descriptor.geometry
     stores = system.stores
+    command = " ".join(["ncdc generate NET.toml -o DIR --system", *system.hardware.options(g)])
     header = [
         f"NCDC {version('ncdc')}: camera, frame stores and corrector, made with Amaranth "
         f"{version('amaranth')}.",
-        "Do not edit; it was made by ncdc generate --system",
+        "Do not edit; it was made by",
+        *textwrap.wrap(command, 90, initial_indent="    ", subsequent_indent="        ",
+                       break_long_words=False, break_on_hyphens=False),
         f"from the descriptor {descriptor.digest}: {descriptor.hidden_neurons} hidden neurons, "
         f"{g.distorted_width}x{g.distorted_height} raw {g.bayer} samples to",
         f"{g.corrected_width}x{g.corrected_height} corrected pixels. {stores.raw} raw and "
