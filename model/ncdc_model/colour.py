@@ -6,12 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.interface.white_balance import (
-    GAIN_F_BITS,
-    LARGEST_GAIN,
-    UNITY,
-    grey_world,
-)
+from ncdc_model.interface.white_balance import GAIN_F_BITS, LARGEST_GAIN, UNITY
 from ncdc_model.tone import LINEAR, check_tone, toned
 
 __all__ = ["COLOURS", "Colour", "ColourSums", "GREY_WORLD", "coloured", "gains_of"]
@@ -95,17 +90,14 @@ def coloured(corrected, colour):
                     out[corrected.picture, np.arange(3)])
 
 
-def gains_of(text, sums):
-    """Gains in 256ths of ``text``: "R,G,B" in decimals, each rounded to the nearest, or
-    "grey-world", of the frame with the :class:`ColourSums` that ``sums()`` gives.
+def gains_of(text):
+    """Gains in 256ths of the three decimal numbers in ``text``, "R,G,B", each rounded to nearest.
 
     Raises
     ------
     InputError
-        If the text is neither, or a gain is outside the limits.
+        If there are not three, or one is outside the limits.
     """
-    if text == GREY_WORLD:
-        return grey_world(sums().colours)
     parts = text.split(",")
     if len(parts) != len(COLOURS):
         raise InputError(f"the white balance is {text!r}, three gains R,G,B or {GREY_WORLD} is "

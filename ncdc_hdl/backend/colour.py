@@ -76,12 +76,11 @@ class Colour(wiring.Component):
         """The colour ``c`` of ``value`` after the tone curve, 5 clocks later."""
         register = partial(pipeline.register, m)
         # Cycle 5: the piece, and the place in it in 64ths.
-        piece, place = Signal(4, name=f"piece_now{c}"), Signal(_PLACE_BITS, name=f"place_now{c}")
-        m.d.comb += piece.eq(value)                 # 0..3: pieces of the length 1
-        for top in range(2, 8):                     # the highest one counts
-            with m.If(value[top]):
-                m.d.comb += [piece.eq(Cat(value[top - 1], Const(top, 3))),
-                             place.eq(value[:top - 1] << _PLACE_BITS + 1 - top)]
+        piece, place = Cat(value[:2], Const(0, 2)), Const(0, _PLACE_BITS)   # length 1 below 4
+        for top in range(2, 8):
+            below = _PLACE_BITS + 1 - top           # zeros that follow the place's own bits
+            piece = Mux(value[top], Cat(value[top - 1], Const(top, 3)), piece)
+            place = Mux(value[top], Cat(Const(0, below), value[:top - 1]), place)
         piece = register(f"piece{c}", piece)
         place = register(f"place{c}", place)
         # Cycle 6: both nodes of the piece.
