@@ -69,7 +69,8 @@ class Colour(wiring.Component):
         product = register(f"gain_p1_{c}",
                            register(f"gain_p0_{c}", value * self.colour.gains[c]))
         # Cycle 4: round and clamp. Adding a half carries exactly if the highest bit dropped is set.
-        whole = (product[GAIN_F_BITS:] + product[GAIN_F_BITS - 1])
+        whole = Signal(GAIN_BITS, name=f"gain_whole{c}")
+        m.d.comb += whole.eq(product[GAIN_F_BITS:] + product[GAIN_F_BITS - 1])
         return register(f"balanced{c}", whole[:8] | whole[8:].any().replicate(8))
 
     def _tone(self, m, c, value):
@@ -95,8 +96,9 @@ class Colour(wiring.Component):
         left = delay(m, left, 3, f"left{c}")
         # Cycle 10: the byte. Between two nodes no sum is negative.
         half = Const(1 << _PLACE_BITS - 1, _PLACE_BITS)
-        total = (Cat(half, left) + rise)[_PLACE_BITS:_PLACE_BITS + NODE_BITS]
-        return Mux(total[-1], 255, total)
+        total = Signal(_PLACE_BITS + NODE_BITS, name=f"tone_total{c}")
+        m.d.comb += total.eq(Cat(half, left) + rise)
+        return Mux(total[-1], 255, total[_PLACE_BITS:-1])
 
 
 class ColourSums(wiring.Component):

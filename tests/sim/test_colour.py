@@ -6,7 +6,7 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.colour import Colour, ColourSums, coloured
+from ncdc_model.colour import Colour, ColourSums
 from ncdc_model.corrector import correct
 from ncdc_model.hardware import Hardware
 from ncdc_model.interpolation import FAST, GRADIENT
@@ -19,7 +19,6 @@ FILL = (200, 100, 50)
 
 def camera(bayer="GBRG", interpolation=GRADIENT):
     """A camera whose corrected picture has blank pixels, of a colour that the gains would change.
-
     """
     return barrel_descriptor((48, 40), (72, 49), bayer=bayer, interpolation=interpolation,
                              fill=FILL)
@@ -65,16 +64,21 @@ def test_a_grey_sensor_has_equal_sums():
     assert result.sums["RED_SUM"] == result.sums["GREEN_SUM"] == result.sums["BLUE_SUM"] > 0
 
 
-def test_a_planted_error_is_found():
-    """The comparison sees a gain that is rounded the other way, and a sum that lacks a pixel."""
+@pytest.mark.parametrize("right,wrong,pixels,sums", [
+    ("gain_p1_1[7]", "gain_p1_1[6]", True, False),                      # rounds elsewhere
+    ("issue & ~i__payload_blank;", "issue;", False, True)])             # blank pixels count
+def test_a_planted_error_is_found(right, wrong, pixels, sums):
     d, hardware = camera(), Hardware(colour=True)
     verilog = corrector_verilog(d, hardware)
-    for right, wrong in ():
-        pass
+    assert verilog.count(right) == 1
+    result = simulate_correction(d, noise(d), hardware, colour=SET,
+                                 verilog=verilog.replace(right, wrong))
+    assert bool(result.differing) == pixels
+    assert (result.sums != result.sums_expected) == sums
 
 
 def test_hardware_without_colour_has_nothing_of_it():
     text = corrector_verilog(camera(), Hardware())
-    assert not any(name in text for name in ("colour", "gain_red", "tone0", "red_sum"))
+    assert not any(name in text for name in ("gain_red", "tone0", "red_sum", "balanced0"))
     assert "gain_red" in corrector_verilog(camera(), Hardware(colour=True))
     assert Corrector(camera()).interpolator.queued == 32
