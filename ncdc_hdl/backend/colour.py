@@ -85,9 +85,8 @@ class Colour(wiring.Component):
         piece = register(f"piece{c}", piece)
         place = register(f"place{c}", place)
         # Cycle 6: both nodes of the piece.
-        nodes = [self.colour.tone[k] for k in range(len(NODE_PLACES))]
-        left = register(f"left{c}", Array(nodes[:-1])[piece])
-        right = register(f"right{c}", Array(nodes[1:])[piece])
+        left, right = self._nodes(piece)
+        left, right = register(f"left{c}", left), register(f"right{c}", right)
         # Cycle 7: their difference, the register before the multiplier.
         difference = register(f"difference{c}", right - left)
         # Cycles 8 and 9: the rise from the left node on.
@@ -99,6 +98,27 @@ class Colour(wiring.Component):
         total = Signal(_PLACE_BITS + NODE_BITS, name=f"tone_total{c}")
         m.d.comb += total.eq(Cat(half, left) + rise)
         return Mux(total[-1], 255, total[_PLACE_BITS:-1])
+
+
+    def _nodes(self, piece):
+        """The nodes left and right of ``piece``.
+
+        The left node of an odd piece is the right one of the even piece before it: three choices
+        of 8 nodes instead of two of 16.
+        """
+        nodes = [self.colour.tone[k] for k in range(len(NODE_PLACES))]
+        odd, octave = piece[0], piece[1:]
+        first, middle, last = (_chosen(ones, octave)
+                               for ones in (nodes[:-1:2], nodes[1::2], nodes[2::2]))
+        return Mux(odd, middle, first), Mux(odd, last, middle)
+
+
+def _chosen(values, index):
+    """The one of ``values``, a power of two of them, that ``index`` counts to; as a tree, of which
+    synthesis makes half the LUTs that it makes of an ``Array``."""
+    for bit in index:
+        values = [Mux(bit, b, a) for a, b in zip(values[::2], values[1::2])]
+    return values[0]
 
 
 class ColourSums(wiring.Component):
