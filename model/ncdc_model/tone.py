@@ -4,8 +4,8 @@ import numpy as np
 
 from ncdc_model.errors import InputError
 
-__all__ = ["GAMMA_LIMITS", "LINEAR", "NODE_BITS", "NODE_PLACES", "check_tone", "exact_tone",
-           "toned", "tone_named"]
+__all__ = ["COMMON_TONES", "GAMMA_LIMITS", "LINEAR", "NODE_BITS", "NODE_PLACES", "check_tone",
+           "exact_tone", "toned", "tone_named"]
 
 NODE_PLACES = (0, 1, 2, 3, *(p << e for e in range(1, 7) for p in (2, 3)), 256)
 """Values at the curve's 17 nodes: two pieces in every octave, of the length 1 below 4."""
@@ -13,6 +13,9 @@ NODE_PLACES = (0, 1, 2, 3, *(p << e for e in range(1, 7) for p in (2, 3)), 256)
 NODE_BITS = 9                           # of a node: 0..256
 LINEAR = NODE_PLACES
 """Nodes of the straight curve, which changes nothing."""
+
+COMMON_TONES = ("linear", "sRGB", "gamma:2.2")
+"""Names of the curves that the drivers have."""
 
 GAMMA_LIMITS = (1.0, 3.0)
 _LONGEST = 6                            # log2 of the longest piece

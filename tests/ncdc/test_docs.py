@@ -19,6 +19,7 @@ from ncdc_model.descriptor import Formats
 from ncdc_model.interface.page import protocols_doc
 from ncdc_model.interface.register_map import COUNTERS, registers
 from ncdc_model.tansig import FRACTION_BITS
+from ncdc_model.tone import NODE_PLACES
 from ncdc_model.training.train import TRAINERS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -161,10 +162,11 @@ def test_register_page_gives_every_register_its_offset(neurons):
                                    register_doc(neurons, Formats()), re.MULTILINE):
         first, _, step = offset.partition(" + ")
         if name != "VALID_ROWS":
-            for j in range(neurons if "j" in name else 1):
+            nodes = len(NODE_PLACES) if name == "TONEj" else neurons
+            for j in range(nodes if "j" in name else 1):
                 offsets[name.replace("j", str(j))] = int(first, 16) + j * int(
                     step.removesuffix(" j") or 0)
-    assert offsets == {r.name: 4 * r.address for r in registers(neurons, Formats())}
+    assert offsets == {r.name: 4 * r.address for r in registers(neurons, Formats(), colour=True)}
 
 
 def test_latencies_of_the_tan_sigmoids_are_those_of_the_gateware():

@@ -271,7 +271,7 @@ _COLOUR = (
     Register("VALID_PIXELS", 0x47, "ro", Bits(25), "Pixels that these sums are of."),
     *(Register(f"TONE{k}", _TONE + k, "shadow", Bits(NODE_BITS),
                f"Tone curve: what the value {place} becomes, 0..256.",
-               family=("TONE{j}", "Tone curve: what the value at node j becomes, 0..256; "
+               family=("TONEj", "Tone curve: what the value at node j becomes, 0..256; "
                        "j = 0..16."))
       for k, place in enumerate(NODE_PLACES)))
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284

@@ -24,7 +24,7 @@ def register_doc(hidden_neurons, formats):
         If the registers of one kind are not at equal distances.
     """
     rows = {}
-    for register in registers(hidden_neurons, formats):
+    for register in registers(hidden_neurons, formats, colour=True):
         rows.setdefault(register.family, []).append(register)
     lines = [_row(_offset(name, same), name, same[0].access, same[0].shape, _text(same[0], text))
              for (name, text), same in rows.items()]
