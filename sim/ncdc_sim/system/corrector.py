@@ -111,6 +111,12 @@ def corrector_program(descriptor, hardware, checked=True, follow=False, colour=C
     return program
 
 
+def _follow(result):
+    """How the frame of ``result`` followed its camera's."""
+    return {"follow_latency_clocks": result.ends[0] - result.counters["camera_end"],
+            "follow_early_reads": result.counters["early_reads"]}
+
+
 def _rows(descriptor, hardware):
     """The registers by name."""
     return {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
@@ -178,16 +184,13 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     golden = correct(descriptor, raw, strip=hardware.strip)
     rows = _rows(descriptor, hardware)
     return Simulation(
-        picture=picture, golden=coloured(golden, colour) if hardware.colour else golden.picture,
-        blank=golden.blank,
+        picture=picture, golden=coloured(golden, colour), blank=golden.blank,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
         fetches_expected=(tiles_fetched(descriptor, hardware) if hardware.cached
                           else golden.fetches),
         bytes_read=sum(result.bytes_read),
         bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
-        follow={} if not follow else {
-            "follow_latency_clocks": result.ends[0] - result.counters["camera_end"],
-            "follow_early_reads": result.counters["early_reads"]},
+        follow=_follow(result) if follow else {},
         sums={name: result.registers[rows[name].address] for name in _colour_counters(hardware)},
         sums_expected=ColourSums.of(golden).registers if hardware.colour else {},
         setup={"simulator": run.get("simulator", Run.simulator),
