@@ -173,8 +173,8 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     follow = follow_line is not None
     camera = Camera(*geometry.distorted, places.pitch, follow_line) if follow else None
     result = simulate_frame(
-        verilog, raw_image(raw, places.pitch), corrector_program(
-            descriptor, hardware, follow=follow, colour=colour),
+        verilog, raw_image(raw, places.pitch),
+        corrector_program(descriptor, hardware, follow=follow, colour=colour),
         source_base=places.source, output_base=places.target,
         output_bytes=3 * width * height if hardware.stream else frame_bytes(geometry),
         camera=camera, progress=progress, memory=memory, **run)
@@ -188,9 +188,8 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
         fetches_expected=(tiles_fetched(descriptor, hardware) if hardware.cached
                           else golden.fetches),
-        bytes_read=sum(result.bytes_read),
-        bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
-        follow=_follow(result) if follow else {},
+        bytes_read=sum(result.bytes_read), bytes_written=result.bytes_written,
+        clocks_outside=result.clocks[0], follow=_follow(result) if follow else {},
         sums={name: result.registers[rows[name].address] for name in _colour_counters(hardware)},
         sums_expected=ColourSums.of(golden).registers if hardware.colour else {},
         setup={"simulator": run.get("simulator", Run.simulator),
