@@ -34,6 +34,7 @@ from ncdc_model.interface.register_map import (
     network_registers,
     registers,
 )
+from ncdc_model.tone import NODE_PLACES
 
 __all__ = ["Corrector"]
 
@@ -101,8 +102,8 @@ class Corrector(wiring.Component):
         self.row_gate = RowGate(f_bits, lanes, needs)
         self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes) if hardware.cached
                       else Multiport(f_bits, data_width))
-        self.interpolator = Interpolator(f_bits, lanes, needs)
-        rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes)
+        self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour)
+        rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes, hardware.colour)
         self.registers = Registers(
             rows, host_values(descriptor, self.hardware), digest=int(descriptor.digest[:8], 16),
             hidden_neurons=descriptor.hidden_neurons, nodes=descriptor.nodes,
@@ -208,6 +209,8 @@ class Corrector(wiring.Component):
                 registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last),
             ]
         self._counters(m, begun, pixels)
+        if self.hardware.colour:
+            self._colour(m, active, begun)
         return m
 
     def _active(self, m):
@@ -283,6 +286,17 @@ class Corrector(wiring.Component):
             for step in row.parameter:
                 place = place[step]
             m.d.comb += place.eq(active[row.name])
+
+    def _colour(self, m, active, begun):
+        """Join white balance, tone and sums with their registers."""
+        colour, sums = self.interpolator.colour, self.interpolator.sums
+        counters = self.registers.counters
+        for c, name in enumerate(("RED", "GREEN", "BLUE")):
+            m.d.comb += [colour.gains[c].eq(active[f"GAIN_{name}"]),
+                         counters[f"{name}_SUM"].eq(sums[name.lower()])]
+        for k in range(len(NODE_PLACES)):
+            m.d.comb += colour.tone[k].eq(active[f"TONE{k}"])
+        m.d.comb += [counters.VALID_PIXELS.eq(sums.pixels), self.interpolator.begin.eq(begun)]
 
     def _counters(self, m, begun, pixels):
         counters = self.registers.counters

@@ -53,6 +53,9 @@ class Hardware:
         multiplication, 18 cuts it into parts that fit blocks of 18 x 18 bits.
     lanes : int
         Pixels per clock, 1, 2 or 4: neighbours of a row, each with a network of its own.
+    colour : bool
+        Whether there are registers for white balance and tone, which after configuration change
+        no pixel, and sums of the colours.
 
     Raises
     ------
@@ -70,6 +73,7 @@ class Hardware:
     share: int | None = None
     multiplier_bits: int = 27
     lanes: int = 1
+    colour: bool = False
 
     def __post_init__(self):
         for name, value, choices in (
@@ -204,7 +208,7 @@ class Hardware:
                 "cache_split": self.split_for(geometry) if cache else 0, "strip": self.strip,
                 "data_width": self.data_width, "output": self.output, "hidden": self.hidden,
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
-                "pixels_per_clock": self.lanes}
+                "pixels_per_clock": self.lanes, "colour": self.colour}
 
     def options(self, geometry):
         """The options of ``ncdc generate`` that choose this, for a camera of ``geometry``."""
@@ -213,7 +217,8 @@ class Hardware:
         return [f"--fetch {self.fetcher}", *cache, f"--strip {self.strip}",
                 f"--data-width {self.data_width}", f"--to {self.output}",
                 f"--hidden {self.hidden}", f"--share {self.share}",
-                f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}"]
+                f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}",
+                *(["--colour"] if self.colour else [])]
 
 
 def check_lanes(width, lanes):

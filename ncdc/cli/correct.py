@@ -2,8 +2,10 @@
 
 import sys
 
+from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.terminal import Progress, percent
+from ncdc_model.colour import coloured
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.images import check_suffix, write_image
@@ -20,6 +22,7 @@ def add_arguments(parser):
     parser.add_argument("image", metavar="IMAGE",
                         help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="corrected picture")
+    add_colour(parser)
     add_samples(parser)
     add_json(parser)
 
@@ -27,16 +30,20 @@ def add_arguments(parser):
 def run(args):
     """Correct, write, report."""
     check_suffix(args.output)
+    choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(args, descriptor.geometry)
     corrected = correct(descriptor, raw, percent(Progress("correcting")))
-    write_image(args.output, corrected.picture)
+    colour = choice(corrected) if choice else None
+    write_image(args.output, coloured(corrected, colour) if colour else corrected.picture)
     if note:
         print(note, file=sys.stderr)
     report = {"hidden_neurons": descriptor.hidden_neurons, "pixels": corrected.blank.size,
               "pixels_blank": int(corrected.blank.sum()), "windows_fetched": corrected.fetches,
-              "fetch": "multiport"}
+              "fetch": "multiport", **(colour_report(args, colour) if colour else {})}
     if not write_report(report, args.json):
         share = 100 * corrected.blank.mean()
         print(f"{args.output}: {'x'.join(map(str, descriptor.geometry.corrected))} pixels, "
               f"{share:.1f} % without a source")
+        if colour:
+            print(colour_line(args, colour))

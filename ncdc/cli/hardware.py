@@ -64,6 +64,9 @@ def add_hardware(parser):
     parser.add_argument("--multiplier-bits", type=int, choices=MULTIPLIER_BITS, metavar="BITS",
                         help="width of the device's multiplier blocks: 27 (default), or 18, for "
                              "which products are cut into parts; same results")
+    parser.add_argument("--colour", action="store_true",
+                        help="with registers for white balance and a tone curve, which change no "
+                             "pixel until they are written, and sums of a frame's colours")
 
 
 def fixed_of(args, strip=None):
@@ -83,7 +86,7 @@ def hardware_of(args, board=None):
                    "multiplier_bits": board.multiplier_bits}
         chosen = {name: offered[name] if value is None else value for name, value in chosen.items()}
     return Hardware(fetcher=args.fetch, hidden=args.hidden, share=args.share,
-                    lanes=args.pixels_per_clock,
+                    lanes=args.pixels_per_clock, colour=args.colour,
                     **{name: value for name, value in chosen.items() if value is not None})
 
 

@@ -1,12 +1,16 @@
 """``ncdc simulate``: runs the generated Verilog on an image and compares every pixel."""
 
 import sys
+from dataclasses import replace
 
+from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
 from ncdc.cli.moving import add_moving, run_moving
 from ncdc.terminal import Progress
+from ncdc_model.colour import Colour
+from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.follow import camera_line
@@ -40,6 +44,7 @@ def add_arguments(parser):
                         help="of the memory's random behaviour (default: 1)")
     add_follow(parser)
     add_moving(parser)
+    add_colour(parser)
     add_samples(parser)
     add_json(parser)
 
@@ -49,16 +54,20 @@ def run(args):
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
     check_suffix(args.output)
+    choice = colour_choice(args)
     simulated_memory(args.memory)
     descriptor = Descriptor.load(args.descriptor)
     if args.camera:
         return run_moving(args, descriptor)
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     raw, note = raw_frame(args, descriptor.geometry)
-    hardware, _ = planned(hardware_of(args), fixed, descriptor)
+    hardware = hardware_of(args)
+    hardware, _ = planned(replace(hardware, colour=hardware.colour or choice is not None), fixed,
+                          descriptor)
     line = camera_line(args.camera_line, descriptor.geometry) if args.follow else None
+    colour = choice(correct(descriptor, raw)) if choice else Colour()
     simulation = simulate_correction(
-        descriptor, raw, hardware, follow_line=line, progress=Progress("simulating"),
+        descriptor, raw, hardware, follow_line=line, colour=colour, progress=Progress("simulating"),
         memory=args.memory, simulator=args.simulator, seed=args.seed)
     write_image(args.output, simulation.picture)
     if note:
@@ -66,15 +75,18 @@ def run(args):
     bound = _bound(args, descriptor, hardware)
     report = simulation.report() | {"hidden_neurons": descriptor.hidden_neurons}
     report |= bound.report() if bound else {}
+    report |= colour_report(args, colour) if choice else {}
     if not write_report(report, args.json):
         print(f"{report['pixels_compared']} pixels compared, {report['pixels_different']} differ; "
               f"{report['clocks_per_pixel']:.3f} clocks and {report['bytes_read_per_pixel']:.2f} "
               f"bytes read per pixel ({args.memory}, {args.simulator})")
+        if choice:
+            print(colour_line(args, colour))
         if args.follow:
             print(f"out {report['follow_latency_clocks']} clocks after the camera's last byte"
                   + (f", at most {bound.clocks} planned" if bound else "")
                   + f"; {report['follow_early_reads']} rows read before they were written")
-    message = difference(simulation) or _early(simulation)
+    message = difference(simulation) or _sums(simulation) or _early(simulation)
     if message:
         print(f"ncdc simulate: {message}", file=sys.stderr)
         return 1
@@ -93,6 +105,14 @@ def _bound(args, descriptor, hardware):
     if not hardware.cached or not hardware.keeps_rate(descriptor) or not exact:
         return None
     return bound_of(args, descriptor, hardware, memory)
+
+
+def _sums(simulation):
+    """A sentence on the first sum of colours that differs; None if none does."""
+    for name, expected in simulation.sums_expected.items():
+        if (got := simulation.sums[name]) != expected:
+            return f"{name} reads {got}, {expected} is the golden model's"
+    return None
 
 
 def _early(simulation):

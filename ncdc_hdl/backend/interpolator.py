@@ -6,6 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.bayer import BayerQuads
 from ncdc_hdl.backend.bilinear import Bilinear
+from ncdc_hdl.backend.colour import COLOUR, SUMS, Colour, ColourSums
 from ncdc_hdl.backend.gradient import GradientPlaces
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
 from ncdc_hdl.lib.credits import CreditQueue
@@ -14,6 +15,9 @@ from ncdc_hdl.lib.pipeline import delay
 from ncdc_model.interpolation import FAST
 
 __all__ = ["Interpolator"]
+
+_QUEUED = 32    # groups that the queue and the longest pipeline without colour hold
+_RESTART = 27   # the level of them at which the queue asks for more
 
 
 class Interpolator(wiring.Component):
@@ -29,6 +33,8 @@ class Interpolator(wiring.Component):
     lanes : int
         Pixels of a group, each with a decoder and an interpolator of its own.
     interpolation : Interpolation
+    colour : bool
+        Whether there are white balance and tone behind the interpolation, and sums of the colours.
 
     Members
     -------
@@ -38,34 +44,44 @@ class Interpolator(wiring.Component):
     mono : ``In(1)``
         Whether the sensor is grey: all three colours are its samples. Constant during a frame; not
         of the fast interpolation.
+    colour, begin, sums : ``In(COLOUR)``, ``In(1)``, ``Out(SUMS)``
+        Gains and tone curve, constant during a frame; of pixels with a source only. Begins a frame,
+        before its first window. Sums of its colours before the gains, of pixels with a source. All
+        three only with ``colour``.
     i : ``In(stream.Signature(window_layout(f_bits, lanes, interpolation)))``
     o : ``Out(stream.Signature(pixel_layout(lanes)))``
     """
 
-    queued = 32
-    """Groups that the queue and the pipeline before it hold."""
-
-    def __init__(self, f_bits, lanes=1, interpolation=FAST):
+    def __init__(self, f_bits, lanes=1, interpolation=FAST, colour=False):
         self.f_bits, self.lanes, self.interpolation = f_bits, lanes, interpolation
         self.decoders = [BayerQuads() if interpolation == FAST else GradientPlaces()
                          for _ in range(lanes)]
         self.bilinears = [Bilinear(f_bits, interpolation, decoder.signature.members["o"].shape)
                           for decoder in self.decoders]
+        self.colours = [Colour() for _ in range(lanes)] if colour else []
         super().__init__({
             "phase": In(2), "fill": In(24),
             "i": In(stream.Signature(window_layout(f_bits, lanes, interpolation))),
             "o": Out(stream.Signature(pixel_layout(lanes))),
-        } | ({} if interpolation == FAST else {"mono": In(1)}))
+        } | ({} if interpolation == FAST else {"mono": In(1)})
+            | ({"colour": In(COLOUR), "begin": In(1), "sums": Out(SUMS)} if colour else {}))
 
     @property
     def latency(self):
         """Clocks from a window to its pixel in the queue."""
-        return self.decoders[0].latency + self.bilinears[0].latency
+        return (self.decoders[0].latency + self.bilinears[0].latency
+                + sum(part.latency for part in self.colours[:1]))
+
+    @property
+    def queued(self):
+        """Groups that the queue and the pipeline before it hold."""
+        return _QUEUED + sum(part.latency for part in self.colours[:1])
 
     def elaborate(self, platform):
         m = Module()
         m.submodules.queue = queue = CreditQueue(
-            pixel_layout(self.lanes), depth=self.queued, restart=27)
+            pixel_layout(self.lanes), depth=self.queued,
+            restart=_RESTART + self.queued - _QUEUED)
         m.d.comb += [
             self.i.ready.eq(queue.room), queue.issue.eq(self.i.valid & self.i.ready),
             queue.arrive.eq(delay(m, queue.issue, self.latency, "issue", reset_less=False)),
@@ -91,6 +107,26 @@ class Interpolator(wiring.Component):
                 swapped = delay(m, bayer.swapped, bilinear.latency, f"swapped{k}")
                 colours = Mux(swapped, Cat(bilinear.o[0], bilinear.o[1], bilinear.o[2]), colours)
                 colours = Mux(self.mono, bilinear.o[1].replicate(3), colours)
+            if self.colours:
+                colours = self._coloured(m, k, colours)
             m.d.comb += Cat(pixel.b, pixel.g, pixel.r).eq(Mux(blank, self.fill, colours))
+        if self.colours:
+            self._sums(m, queue.issue)
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m
+
+    def _coloured(self, m, k, colours):
+        """What gain and tone make of the ``colours`` of lane ``k``: blue, green, red."""
+        m.submodules[f"colour{k}"] = colour = self.colours[k]
+        m.d.comb += [colour.colour.eq(self.colour),
+                     Cat(colour.i[2], colour.i[1], colour.i[0]).eq(colours)]
+        return Cat(colour.o[2], colour.o[1], colour.o[0])
+
+    def _sums(self, m, issue):
+        """Sum up what goes into the gains, of the pixels that have a source."""
+        m.submodules.sums = sums = ColourSums(self.lanes)
+        interpolated = self.latency - self.colours[0].latency
+        seen = Cat(issue & ~window.blank for window in lanes_of(self.i.p))
+        m.d.comb += [sums.begin.eq(self.begin), self.sums.eq(sums.sums),
+                     sums.counts.eq(delay(m, seen, interpolated, "seen", reset_less=False)),
+                     *(sums.i[k].eq(colour.i) for k, colour in enumerate(self.colours))]

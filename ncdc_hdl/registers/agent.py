@@ -14,6 +14,7 @@ from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_hdl.registers.weight_store import WeightStore
 from ncdc_model.interface.register_map import (
     ADDRESS_WORDS_BITS,
+    COLOUR_COUNTERS,
     COUNTERS,
     ID,
     OUTSIDE_DIGEST,
@@ -99,6 +100,7 @@ class Registers(wiring.Component):
         self.store = WeightStore(in_memory, values, neurons) if in_memory else None
         self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, "NODES": nodes,
                           **capabilities}
+        self.counting = (*COUNTERS, *(r.name for r in table if r.name in COLOUR_COUNTERS))
         [fault] = [r for r in table if r.name == "FAULT"]
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
                   for r in self.rows if r.access == "shadow"}
@@ -108,7 +110,7 @@ class Registers(wiring.Component):
             "active": Out(data.StructLayout(shadow), init=initial),
             "valid_table": Out(TableAccess()),
             "begin": Out(1), "ended": In(1), "abort": Out(1), "cut": In(1),
-            "counters": In(data.StructLayout({name: 32 for name in COUNTERS})),
+            "counters": In(data.StructLayout({name: 32 for name in self.counting})),
             "faults": In(data.StructLayout({flag.name.lower(): 1 for flag in fault.flags})),
             "running": In(1), "start": In(1), "idle": Out(1),
             "irq": Out(1),
@@ -119,7 +121,7 @@ class Registers(wiring.Component):
         kept = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(),
                                init=self.values.get(r.name, 0))
                 for r in self.rows if r.access in ("rw", "shadow")}
-        counted = {name: Signal(32, name=name.lower()) for name in (*COUNTERS, "FRAMES")}
+        counted = {name: Signal(32, name=name.lower()) for name in (*self.counting, "FRAMES")}
         action = {r.name: r for r in self.rows if r.access == "action"}
         status = {flag.name: Signal(name=flag.name.lower()) for flag in action["STATUS"].flags}
         fault = {flag.name: Signal(name=f"fault_{flag.name.lower()}")
@@ -291,7 +293,7 @@ class Registers(wiring.Component):
         ended = delay(m, self.ended, 2, "ended", reset_less=False)
         with m.If(ended):
             m.d.sync += counted["FRAMES"].eq(counted["FRAMES"] + 1)
-            m.d.sync += [counted[name].eq(self.counters[name]) for name in COUNTERS]
+            m.d.sync += [counted[name].eq(self.counters[name]) for name in self.counting]
 
     def _take_over(self, m, when, kept):
         """Copy the whole set to ``active`` in the clocks in which ``when`` is high."""

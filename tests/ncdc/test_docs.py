@@ -17,8 +17,9 @@ from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.descriptor import Formats
 from ncdc_model.interface.page import protocols_doc
-from ncdc_model.interface.register_map import COUNTERS, registers
+from ncdc_model.interface.register_map import COLOUR_COUNTERS, COUNTERS, registers
 from ncdc_model.tansig import FRACTION_BITS
+from ncdc_model.tone import NODE_PLACES
 from ncdc_model.training.train import TRAINERS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -120,7 +121,8 @@ def test_report_names_are_in_the_code():
     code = "".join(path.read_text() for folder in SOURCES[:5]
                    for path in (ROOT / folder).glob("**/*.py"))
     code = code.replace("map_error_{kind}_px", "map_error_float_px map_error_fixed_px")
-    code += " ".join(COUNTERS).lower()      # reports name them as the registers do
+    # Reports name them as the registers do.
+    code += " ".join((*COUNTERS, *COLOUR_COUNTERS)).lower()
     assert len(names) > 40
     assert sorted(name for name in names if not re.search(rf"\b{name}\b", code)) == []
 
@@ -161,10 +163,11 @@ def test_register_page_gives_every_register_its_offset(neurons):
                                    register_doc(neurons, Formats()), re.MULTILINE):
         first, _, step = offset.partition(" + ")
         if name != "VALID_ROWS":
-            for j in range(neurons if "j" in name else 1):
+            nodes = len(NODE_PLACES) if name == "TONEj" else neurons
+            for j in range(nodes if "j" in name else 1):
                 offsets[name.replace("j", str(j))] = int(first, 16) + j * int(
                     step.removesuffix(" j") or 0)
-    assert offsets == {r.name: 4 * r.address for r in registers(neurons, Formats())}
+    assert offsets == {r.name: 4 * r.address for r in registers(neurons, Formats(), colour=True)}
 
 
 def test_latencies_of_the_tan_sigmoids_are_those_of_the_gateware():

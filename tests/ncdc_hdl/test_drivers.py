@@ -26,8 +26,9 @@ from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.geometry import Geometry, ValidRows
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import TABLE, counters, registers
+from ncdc_model.interface.register_map import TABLE, VERSION, counters, registers
 from ncdc_model.interpolation import GRADIENT
+from ncdc_model.tone import tone_named
 from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SimulationError
 
@@ -205,7 +206,7 @@ int main(void) {{
     assert dict(line.split() for line in head.splitlines()) == {
         **{f"NCDC_{r.name}": str(4 * r.address) for r in ROWS},
         "NCDC_VALID_ROWS": str(4 * TABLE), "NCDC_ID_VALUE": str(0x4E434443),
-        "NCDC_VERSION": "2", "NCDC_SOURCE_BEYOND": "12",
+        "NCDC_VERSION": str(VERSION), "NCDC_SOURCE_BEYOND": "12",
         **{f"NCDC_{r.name}_{flag.name}": str(flag.mask) for r, flag in flags}}
     for d, text in zip((WIDE, TELE), lenses, strict=True):
         first, *pairs = text.splitlines()
@@ -245,7 +246,7 @@ print(json.dumps([r.OFFSET, flags, r.COUNTERS, ncdc_lenses.LENSES]))
 """], cwd=folder, check=True, text=True, stdout=subprocess.PIPE)
     offset, flags, names, lenses = json.loads(done.stdout)
     assert offset == {r.name: 4 * r.address for r in ROWS} and names == COUNTERS
-    assert flags == {"VALID_ROWS": 4 * TABLE, "ID_VALUE": 0x4E434443, "VERSION": 2,
+    assert flags == {"VALID_ROWS": 4 * TABLE, "ID_VALUE": 0x4E434443, "VERSION": VERSION,
                      "SOURCE_BEYOND": 12,
                      **{f"{r.name}_{flag.name}": flag.mask for r in ROWS for flag in r.flags}}
     for name, d in (("wide", WIDE), ("tele", TELE)):
@@ -481,3 +482,69 @@ def test_command_writes_them_all(corrector, folder, tmp_path):
                  "--cache-bytes", str(corrector.hardware.cache.bytes)]) == 0
     for name in driver_files(corrector, [("wide.toml", WIDE)]):
         assert (tmp_path / name).read_text() == (folder / name).read_text(), name
+
+
+COLOUR = """
+import ncdc_registers as r
+from ncdc_driver import Corrector, CorrectorError, grey_world
+words = {r.OFFSET["ID"]: r.ID_VALUE, r.OFFSET["CAPABILITIES"]: r.VERSION | r.CAPABILITIES_COLOUR,
+         r.OFFSET["RED_SUM"]: 100, r.OFFSET["GREEN_SUM"]: 200, r.OFFSET["BLUE_SUM"]: 160}
+corrector = Corrector(lambda offset: words.get(offset, 0), words.__setitem__)
+corrector.white_balance(grey_world(corrector.colour_sums()))
+print([words[r.OFFSET[f"GAIN_{name}"]] for name in ("RED", "GREEN", "BLUE")])
+corrector.tone(r.TONES["sRGB"])
+print([words[r.OFFSET[f"TONE{k}"]] for k in range(17)])
+print(sorted(corrector.counters())[-1])
+before = dict(words)
+for action, values in ((corrector.white_balance, (256, 256)), (corrector.tone, (257,) * 17),
+                       (corrector.white_balance, (256, 1.5, 256)),
+                       (corrector.white_balance, (256, 1024, 256))):
+    try:
+        action(values)
+    except CorrectorError as error:
+        print(error)
+assert words == before
+words[r.OFFSET["CAPABILITIES"]] = r.VERSION
+try:
+    Corrector(lambda offset: words.get(offset, 0), None).colour_sums()
+except CorrectorError as error:
+    print(error)
+"""
+
+
+def test_drivers_of_a_corrector_with_colour(tmp_path):
+    """The Python driver balances by the sums; C and SystemRDL know the registers too."""
+    made = Corrector(WIDE, Hardware(colour=True))
+    for name, text in driver_files(made, [("wide.toml", WIDE)]).items():
+        (tmp_path / name).write_text(text)
+    done = subprocess.run([sys.executable, "-c", COLOUR], cwd=tmp_path, text=True,
+                          capture_output=True)
+    assert not done.returncode, done.stderr
+    assert done.stdout.splitlines() == [
+        "[512, 256, 320]", str(list(tone_named("sRGB"))), "VALID_PIXELS",
+        "there are 2 values, 3 are needed, each a gain",
+        "a node of the tone curve is 257, an integer of 0 to 256 is needed",
+        "a gain is 1.5, an integer of 0 to 1023 is needed",
+        "a gain is 1024, an integer of 0 to 1023 is needed",
+        "the corrector has no registers for colour: it was generated without --colour"]
+    (tmp_path / "colour.c").write_text("""#include <stdio.h>
+#include "ncdc.h"
+int main(void)
+{
+    static const unsigned tone[] = NCDC_TONE_GAMMA_2_2;
+    struct ncdc_counters counters = {0};
+
+    counters.valid_pixels = tone[1];
+    printf("%u %u %u", (unsigned)NCDC_GAIN_RED, (unsigned)NCDC_TONE16,
+           (unsigned)counters.valid_pixels);
+    return 0;
+}
+""")
+    compile_c(tmp_path, "-o", "colour", "colour.c", "ncdc.c", "ncdc_lenses.c")
+    done = subprocess.run([tmp_path / "colour"], check=True, text=True, stdout=subprocess.PIPE)
+    assert done.stdout == f"256 384 {tone_named('gamma:2.2')[1]}"
+    compiler = RDLCompiler()
+    compiler.compile_file(str(tmp_path / "ncdc.rdl"))
+    top = compiler.elaborate().top
+    names = {node.inst_name for node in top.descendants() if isinstance(node, RegNode)}
+    assert {"GAIN_RED", "TONE16", "VALID_PIXELS"} <= names

@@ -1,10 +1,11 @@
 """What a host writes to the registers to correct frames of a camera."""
 
+from ncdc_model.colour import COLOURS, Colour
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces, source_bytes, target_bytes
 from ncdc_model.interface.register_map import BAYER_MONO, TABLE, network_registers
 
-__all__ = ["host_values", "network_values", "place_values", "table_words"]
+__all__ = ["colour_values", "host_values", "network_values", "place_values", "table_words"]
 
 # Array of the descriptor that holds the parameters of a layer's part.
 _ARRAYS = {("hidden", "weights"): "hidden_weights", ("hidden", "bias"): "hidden_biases",
@@ -30,18 +31,26 @@ def place_values(geometry, data_width, places):
             "TARGET_LIMIT": places.target + target_bytes(geometry, data_width)}
 
 
-def host_values(descriptor, hardware=Hardware(), places=None, follow=False):
+def colour_values(colour):
+    """Register values, by name, of the gains and the tone curve of ``colour``."""
+    return {**{f"GAIN_{name.upper()}": gain for name, gain in zip(COLOURS, colour.gains)},
+            **{f"TONE{k}": node for k, node in enumerate(colour.tone)}}
+
+
+def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colour=Colour()):
     """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera.
 
     Parameters
     ----------
     descriptor : Descriptor
     hardware : Hardware
-        Its data width, split and strips count; others are those of the corrector.
+        Its data width, split, strips and colour count; others are those of the corrector.
     places : FramePlaces, optional
         Those after reset if absent.
     follow : bool
         Whether the corrector begins before the raw frame is complete.
+    colour : Colour
+        Gains and tone curve, where the hardware has registers for them.
     """
     g = descriptor.geometry
     places = places or FramePlaces.after_reset(g, hardware.data_width)
@@ -58,6 +67,7 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False):
         "BAYER_PHASE": BAYER_MONO if g.mono else g.phase[0] | g.phase[1] << 1,
         "FILL": red << 16 | green << 8 | blue,
         "CACHE_SPLIT": hardware.split_for(g), "STRIP_WIDTH": hardware.strip, "FOLLOW": int(follow),
+        **(colour_values(colour) if hardware.colour else {}),
     }
 
 

@@ -4,13 +4,16 @@ from dataclasses import dataclass
 
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 from ncdc_model.interface.frames import ADDRESS_BITS
+from ncdc_model.interface.white_balance import GAIN_BITS
 from ncdc_model.interpolation import FAST, GRADIENT
+from ncdc_model.tone import NODE_BITS, NODE_PLACES
 
-__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "CONSTANTS", "COUNTERS",
-           "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "FAULT_ALIGNMENT", "FAULT_SIZE",
-           "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID", "INTERPOLATION_BITS", "NODES",
-           "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY",
-           "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
+__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "COLOUR_COUNTERS",
+           "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START",
+           "FAULT_ALIGNMENT", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID",
+           "INTERPOLATION_BITS", "NODES", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED",
+           "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT",
+           "STATUS_PENDING",
            "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
            "registers"]
 
@@ -18,14 +21,18 @@ ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
 ID = 0x4E434443           # "NCDC"
 
-VERSION = 2               # of this map; one more whenever a host must know of a change
+VERSION = 3               # of this map; one more whenever a host must know of a change
 
 # Of an instance.
 CONSTANTS = ("ID", "DIGEST", "NEURONS", "NODES", "CAPABILITIES", "LARGEST")
 
+# Shadow registers of colour, where there are any.
+COLOUR_SETTINGS = ("GAIN_RED", "GAIN_GREEN", "GAIN_BLUE",
+                   *(f"TONE{k}" for k in range(len(NODE_PLACES))))
+
 # Registers of the set that say nothing of the lens: DIGEST does not tell of them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
-                  "TARGET_LIMIT", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH")
+                  "TARGET_LIMIT", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH", *COLOUR_SETTINGS)
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
@@ -39,6 +46,9 @@ FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE = 1, 2, 4, 8
 # Counted while a frame runs; FRAMES beside them counts frames.
 COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS", "SINK_STALLS", "DATA_STALLS",
             "INTERLOCK_STALLS", "CREDIT_STALLS", "PENDING_STALLS")
+
+# Counted as well where there are registers of colour.
+COLOUR_COUNTERS = ("RED_SUM", "GREEN_SUM", "BLUE_SUM", "VALID_PIXELS")
 
 
 @dataclass(frozen=True)
@@ -236,6 +246,7 @@ _FIXED = (
             Flag("GRADIENT", INTERPOLATION_BITS[GRADIENT.name], "ro",
                  "1: it has the gradient-corrected interpolation, and that of grey sensors"),
             Flag("LANES", 0x7000, "ro", "pixels per clock"),
+            Flag("COLOUR", 0x8000, "ro", "1: it has gains, a tone curve and sums of the colours"),
             Flag("WORD", 0x1F0000, "ro", "bytes of a memory word"),
             Flag("MAX_SPLIT", 0xF000000, "ro", "largest `CACHE_SPLIT`"), access="ro"),
     _action("LARGEST", 0x26, "Largest corrected image that this instance makes.",
@@ -249,6 +260,20 @@ NODES = 0x30
 _NODES = Register("NODES", NODES, "ro", Bits(6),
                   "Pixels from node to node; an instance whose network is evaluated at every pixel "
                   "has no such register and reads 0.")
+_COLOURS, _TONE = ("RED", "GREEN", "BLUE"), 0x50
+_COLOUR = (
+    *(Register(f"GAIN_{name}", 0x40 + k, "shadow", Bits(GAIN_BITS),
+               f"White balance: gain of {name.lower()} in 256ths, 256 is 1.0.")
+      for k, name in enumerate(_COLOURS)),
+    *(Register(f"{name}_SUM", 0x44 + k, "ro", Bits(32),
+               f"Sum of {name.lower()} over the pixels of the last frame that have a source, "
+               "before the gain.") for k, name in enumerate(_COLOURS)),
+    Register("VALID_PIXELS", 0x47, "ro", Bits(25), "Pixels that these sums are of."),
+    *(Register(f"TONE{k}", _TONE + k, "shadow", Bits(NODE_BITS),
+               f"Tone curve: what the value {place} becomes, 0..256.",
+               family=("TONEj", "Tone curve: what the value at node j becomes, 0..256; "
+                       "j = 0..16."))
+      for k, place in enumerate(NODE_PLACES)))
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
 
@@ -285,14 +310,15 @@ def _numbered(name, text, j, address, q, parameter):
                     parameter=parameter, family=(name.format("j"), text.format("j")))
 
 
-def registers(hidden_neurons, formats, nodes=1):
+def registers(hidden_neurons, formats, nodes=1, colour=False):
     """All registers of an instance, by ascending address."""
-    return (*_FIXED, *([_NODES] if nodes > 1 else []), *network_registers(hidden_neurons, formats))
+    return (*_FIXED, *([_NODES] if nodes > 1 else []), *(_COLOUR if colour else ()),
+            *network_registers(hidden_neurons, formats))
 
 
 def counters(table):
     """The registers of ``table`` that count, as opposed to read-only constants."""
-    return tuple(r for r in table if r.name in (*COUNTERS, "FRAMES"))
+    return tuple(r for r in table if r.name in (*COUNTERS, *COLOUR_COUNTERS, "FRAMES"))
 
 
 def capabilities(hardware, width, height):
@@ -309,5 +335,5 @@ def capabilities(hardware, width, height):
     interpolation = hardware.cache.interpolation if hardware.cached else FAST
     return {"CAPABILITIES": VERSION | hardware.stream << 8 | hardware.cached << 9
             | INTERPOLATION_BITS[interpolation.name] | hardware.lanes << 12
-            | hardware.data_width // 8 << 16 | split << 24,
+            | hardware.colour << 15 | hardware.data_width // 8 << 16 | split << 24,
             "LARGEST": width | height << 16}

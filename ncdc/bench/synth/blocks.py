@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 
 from ncdc_hdl.backend.cache.cache import Cache
+from ncdc_hdl.backend.colour import Colour
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.frontend.backmap import BackMap
@@ -94,6 +95,7 @@ BLOCKS = {
                      "gradient bilinear":
                      lambda bits: Interpolator(Formats().coordinate.f_bits,
                                                interpolation=GRADIENT)},
+    "colour": {"gains and tone": lambda bits: Colour()},
     "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),
              "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),
              "HN 8, nodes, 8 KB": _core(8, nodes=_NODES, output="memory", strip=128,

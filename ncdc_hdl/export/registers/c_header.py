@@ -1,7 +1,10 @@
 """The registers and lenses in C."""
 
+import re
+
 from ncdc_model.interface.frames import SOURCE_BEYOND
 from ncdc_model.interface.register_map import ID, TABLE, VERSION, counters
+from ncdc_model.tone import COMMON_TONES, tone_named
 
 __all__ = ["c_header", "c_lenses", "c_lenses_header"]
 
@@ -26,6 +29,10 @@ def c_header(table):
               for r in table for flag in r.flags]
     each = [f"X({r.name.lower()}, NCDC_{r.name})" for r in counters(table)]
     lines += ["", "#define NCDC_EACH_COUNTER(X) \\", " \\\n".join(f"    {x}" for x in each)]
+    if any(r.name == "TONE0" for r in table):
+        lines += ["", "/* Nodes of tone curves, initialisers for NCDC_TONE0 and what follows. */"]
+        lines += [f"#define NCDC_TONE_{_macro(name)} "
+                  f"{{{', '.join(map(str, tone_named(name)))}}}" for name in COMMON_TONES]
     return "\n".join([*lines, "", "#endif", ""])
 
 
@@ -55,6 +62,10 @@ def c_lenses(lenses):
                   f"    values_{name}, {len(lens.values)},",
                   f"    valid_rows_{name}, {len(lens.valid_rows)}", "};", ""]
     return "\n".join(lines)
+
+
+def _macro(name):
+    return re.sub(r"\W", "_", name).upper()
 
 
 def _comment(text):

@@ -1,11 +1,13 @@
 """What a host needs: register header, drivers in C and Python, lenses, SystemRDL."""
 
+import inspect
 from importlib.resources import files
 
 from ncdc_hdl.export.registers.c_header import c_header, c_lenses, c_lenses_header
 from ncdc_hdl.export.registers.lenses import lenses_of
 from ncdc_hdl.export.registers.python_registers import python_lenses, python_registers
 from ncdc_hdl.export.registers.system_rdl import system_rdl
+from ncdc_model.interface import white_balance
 
 __all__ = ["driver_files"]
 
@@ -36,5 +38,6 @@ def driver_files(corrector, named, behind=()):
         "ncdc_lenses.h": c_lenses_header(lenses), "ncdc_lenses.c": c_lenses(lenses),
         "ncdc_registers.py": python_registers(table), "ncdc_lenses.py": python_lenses(lenses),
         **{name: (host / name).read_text() for name in _FIXED},
+        "ncdc_white_balance.py": inspect.getsource(white_balance),
         "ncdc.rdl": system_rdl(corrector.registers),
     }

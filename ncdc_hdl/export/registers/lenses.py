@@ -9,11 +9,14 @@ from ncdc_model.evaluate import check_curvature
 from ncdc_model.fetch.plan import best_split
 from ncdc_model.hardware import check_lanes
 from ncdc_model.interface.host_values import host_values, table_words
+from ncdc_model.interface.register_map import COLOUR_SETTINGS
 
 __all__ = ["Lens", "check_lens", "lens_name", "lenses_of"]
 
-# What the host sets for itself: places of frames, the bank of valid rows, whether to wait for rows.
-_HOST = ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK", "FOLLOW")
+# What the host sets for itself: places of frames, the bank of valid rows, whether to wait for rows,
+# colour.
+_HOST = ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK", "FOLLOW",
+         *COLOUR_SETTINGS)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from ncdc_model.interface.frames import SOURCE_BEYOND
 from ncdc_model.interface.register_map import ID, TABLE, VERSION, counters
+from ncdc_model.tone import COMMON_TONES, tone_named
 
 __all__ = ["python_lenses", "python_registers"]
 
@@ -15,6 +16,10 @@ def python_registers(table):
               f"COUNTERS = {tuple(r.name for r in counters(table))!r}", "", f"ID_VALUE = 0x{ID:X}",
               f"VERSION = {VERSION}", f"SOURCE_BEYOND = {SOURCE_BEYOND}"]
     lines += [f"{r.name}_{flag.name} = 0x{flag.mask:X}" for r in table for flag in r.flags]
+    if any(r.name == "TONE0" for r in table):
+        lines += ["", "# Nodes of tone curves, for ncdc_driver.Corrector.tone.",
+                  "TONES = {"]
+        lines += [*(f'    "{name}": {tone_named(name)},' for name in COMMON_TONES), "}"]
     return "\n".join([*lines, ""])
 
 

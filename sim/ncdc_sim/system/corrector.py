@@ -5,13 +5,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_model.colour import Colour, ColourSums, coloured
 from ncdc_model.corrector import check_raw, correct
 from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
 from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import COUNTERS, CTRL_COMMIT, CTRL_START, registers
+from ncdc_model.interface.register_map import (
+    COLOUR_COUNTERS,
+    COUNTERS,
+    CTRL_COMMIT,
+    CTRL_START,
+    registers,
+)
 from ncdc_sim.system.frame import Camera, Program, Run, simulate_frame
 
 __all__ = ["Simulation", "corrector_program", "simulate_correction", "tiles_fetched"]
@@ -38,6 +45,9 @@ class Simulation:
         Of a frame that begins with the camera's: ``follow_latency_clocks``, from the camera's last
         byte in memory to the interrupt, and ``follow_early_reads``, read commands for rows that
         were not in memory yet; empty otherwise.
+    sums, sums_expected : dict
+        The corrector's sums of the frame's colours, by name, and the golden model's; empty where
+        the hardware has none.
     setup : dict
         ``simulator``, ``memory``, and the names of :meth:`Hardware.report`.
     """
@@ -50,6 +60,8 @@ class Simulation:
     bytes_written: int
     clocks_outside: int
     follow: dict
+    sums: dict
+    sums_expected: dict
     setup: dict
 
     @property
@@ -70,16 +82,18 @@ class Simulation:
             "windows_fetched": self.counters["FETCHES"],
             "windows_fetched_expected": self.fetches_expected,
             **{name.lower(): self.counters[name] for name in COUNTERS if name.endswith("_STALLS")},
+            **{name.lower(): value for name, value in self.sums.items()},
             **self.follow, **self.setup,
         }
 
 
-def corrector_program(descriptor, hardware, checked=True, follow=False):
+def corrector_program(descriptor, hardware, checked=True, follow=False, colour=Colour()):
     """Register accesses that a host makes to correct one frame: every parameter is written
     (and, if ``checked``, read back), a frame started and awaited, the counters read. With
-    ``follow`` the camera begins its frame just before the start."""
-    host = host_values(descriptor, hardware, follow=follow)
-    rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
+    ``follow`` the camera begins its frame just before the start. ``colour`` is of hardware that has
+    it."""
+    host = host_values(descriptor, hardware, follow=follow, colour=colour)
+    rows = _rows(descriptor, hardware)
     writes = [(rows[name].address, value)
               for name, value in host.items()]
     writes += table_words(descriptor.valid)
@@ -92,9 +106,26 @@ def corrector_program(descriptor, hardware, checked=True, follow=False):
     if follow:
         program.camera(host["SOURCE_BASE"])
     program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START).wait_irq()
-    for name in COUNTERS:
+    for name in (*COUNTERS, *_colour_counters(hardware)):
         program.read(rows[name].address)
     return program
+
+
+def _follow(result):
+    """How the frame of ``result`` followed its camera's."""
+    return {"follow_latency_clocks": result.ends[0] - result.counters["camera_end"],
+            "follow_early_reads": result.counters["early_reads"]}
+
+
+def _rows(descriptor, hardware):
+    """The registers by name."""
+    return {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
+                                         colour=hardware.colour)}
+
+
+def _colour_counters(hardware):
+    """Names of the sums of the colours that ``hardware`` has."""
+    return COLOUR_COUNTERS if hardware.colour else ()
 
 
 def tiles_fetched(descriptor, hardware):
@@ -105,7 +136,7 @@ def tiles_fetched(descriptor, hardware):
 
 
 def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, follow_line=None,
-                        progress=None, memory="sdram", **run):
+                        colour=Colour(), progress=None, memory="sdram", **run):
     """Correct the ``raw`` frame with the generated Verilog and with the golden model.
 
     Parameters
@@ -118,6 +149,8 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     follow_line : int, optional
         Begin with the camera's frame, which comes as the frame is corrected, a byte per clock:
         clocks of a row of that camera.
+    colour : Colour
+        Gains and tone curve, of hardware that has them.
     progress :
         As of :func:`ncdc_sim.system.frame.simulate_frame`.
     memory, run :
@@ -140,8 +173,8 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     follow = follow_line is not None
     camera = Camera(*geometry.distorted, places.pitch, follow_line) if follow else None
     result = simulate_frame(
-        verilog, raw_image(raw, places.pitch), corrector_program(
-            descriptor, hardware, follow=follow),
+        verilog, raw_image(raw, places.pitch),
+        corrector_program(descriptor, hardware, follow=follow, colour=colour),
         source_base=places.source, output_base=places.target,
         output_bytes=3 * width * height if hardware.stream else frame_bytes(geometry),
         camera=camera, progress=progress, memory=memory, **run)
@@ -149,17 +182,16 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     if not hardware.stream:
         picture = stored_picture(picture)
     golden = correct(descriptor, raw, strip=hardware.strip)
-    rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
+    rows = _rows(descriptor, hardware)
     return Simulation(
-        picture=picture, golden=golden.picture, blank=golden.blank,
+        picture=picture, golden=coloured(golden, colour), blank=golden.blank,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
         fetches_expected=(tiles_fetched(descriptor, hardware) if hardware.cached
                           else golden.fetches),
-        bytes_read=sum(result.bytes_read),
-        bytes_written=result.bytes_written, clocks_outside=result.clocks[0],
-        follow={} if not follow else {
-            "follow_latency_clocks": result.ends[0] - result.counters["camera_end"],
-            "follow_early_reads": result.counters["early_reads"]},
+        bytes_read=sum(result.bytes_read), bytes_written=result.bytes_written,
+        clocks_outside=result.clocks[0], follow=_follow(result) if follow else {},
+        sums={name: result.registers[rows[name].address] for name in _colour_counters(hardware)},
+        sums_expected=ColourSums.of(golden).registers if hardware.colour else {},
         setup={"simulator": run.get("simulator", Run.simulator),
                "memory": memory if isinstance(memory, str) else "custom",
                **hardware.report(geometry)})

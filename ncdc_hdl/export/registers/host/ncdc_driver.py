@@ -1,8 +1,12 @@
-"""Driver of the NCDC corrector in Python; needs nothing but ncdc_registers.py beside it."""
+"""Driver of the NCDC corrector in Python; needs nothing but what was generated beside it."""
 
 import ncdc_registers as registers
+from ncdc_white_balance import LARGEST_GAIN, grey_world
 
-__all__ = ["Corrector", "CorrectorError"]
+__all__ = ["Corrector", "CorrectorError", "grey_world"]
+
+_COLOURS = ("RED", "GREEN", "BLUE")
+_LARGEST_NODE = 256     # of a tone curve
 
 
 class CorrectorError(RuntimeError):
@@ -35,6 +39,8 @@ class Corrector:
         Pixels per clock; bytes of a memory word.
     stream : bool
         Pixels leave as a video stream.
+    colour : bool
+        It has gains, a tone curve, and sums of the colours.
     interpolations : tuple of str
         What it has of "fast" and "gradient".
     largest : (int, int)
@@ -52,6 +58,7 @@ class Corrector:
                                             registers.CAPABILITIES_LANES,
                                             registers.CAPABILITIES_WORD))
         self.stream = bool(word & registers.CAPABILITIES_STREAM)
+        self.colour = bool(word & registers.CAPABILITIES_COLOUR)
         self.interpolations = tuple(name for name in ("fast", "gradient")
                                     if word & getattr(registers, f"CAPABILITIES_{name.upper()}"))
         word = self.get("LARGEST")
@@ -189,6 +196,55 @@ class Corrector:
     def counters(self):
         """What the last complete frame counted, by name."""
         return {name: self.get(name) for name in registers.COUNTERS}
+
+    def colour_sums(self):
+        """Sums of red, green and blue over the last complete frame, before the gains.
+
+        Of the pixels with a source, whose number is in the counter VALID_PIXELS.
+        """
+        self._has_colour()
+        return tuple(self.get(f"{name}_SUM") for name in _COLOURS)
+
+    def white_balance(self, gains):
+        """Gains of red, green and blue in 256ths, as of ``grey_world``, for the next commit.
+
+        Raises
+        ------
+        CorrectorError
+            If there are not three, one is no integer of 0 to 1023, a commit still waits, or the
+            corrector has no colour.
+        """
+        self._put_colour([f"GAIN_{name}" for name in _COLOURS], gains, "gain", LARGEST_GAIN)
+
+    def tone(self, nodes):
+        """Nodes of the tone curve, as in TONES of ncdc_registers.py, for the next commit.
+
+        Raises
+        ------
+        CorrectorError
+            If there are not 17, one is no integer of 0 to 256, a commit still waits, or the
+            corrector has no colour.
+        """
+        names = [name for name in registers.OFFSET if name.startswith("TONE")]
+        self._put_colour(names, nodes, "node of the tone curve", _LARGEST_NODE)
+
+    def _put_colour(self, names, values, what, largest):
+        self._has_colour()
+        if len(values) != len(names):
+            raise CorrectorError(f"there are {len(values)} values, {len(names)} are needed, each a "
+                                 f"{what}")
+        for value in values:
+            if value not in range(largest + 1):
+                raise CorrectorError(f"a {what} is {value}, an integer of 0 to {largest} is needed")
+        self._free(self.get("STATUS"))
+        for name, value in zip(names, values):
+            self.put(name, int(value))
+        self._taken()
+
+    def _has_colour(self):
+        if not self.colour or "GAIN_RED" not in registers.OFFSET:
+            raise CorrectorError("the corrector has no registers for colour: it was generated "
+                                 "without --colour")
 
     def _free(self, status):
         if status & registers.STATUS_COMMITTED:

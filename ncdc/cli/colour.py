@@ -1,0 +1,59 @@
+"""The options that choose white balance and tone."""
+
+from ncdc_model.colour import COLOURS, GREY_WORLD, Colour, ColourSums, gains_of
+from ncdc_model.interface.white_balance import LARGEST_GAIN, UNITY, grey_world
+from ncdc_model.tone import tone_named
+
+__all__ = ["add_colour", "colour_choice", "colour_line", "colour_report"]
+
+
+def add_colour(parser):
+    """Declare the options --white-balance and --tone."""
+    parser.add_argument("--white-balance", metavar="R,G,B",
+                        help=f"gains of the colours, {1 / UNITY:.4f} to {LARGEST_GAIN / UNITY:.4f},"
+                             f" or {GREY_WORLD}: those that give the frame's colours equal means")
+    parser.add_argument("--tone", metavar="CURVE",
+                        help="tone curve behind the gains: linear (default), sRGB, or gamma:G, G "
+                             "from 1 to 3, as in gamma:2.2")
+
+
+def colour_choice(args):
+    """How a command's options choose the :class:`Colour` of a frame; None without them.
+
+    A function of the :class:`ncdc_model.corrector.Corrected` frame, which ``grey-world`` looks at.
+
+    Raises
+    ------
+    InputError
+        If a gain or a tone is outside the limits, or is none.
+    """
+    if args.white_balance is None and args.tone is None:
+        return None
+    tone = tone_named(_tone(args))
+    if args.white_balance == GREY_WORLD:
+        return lambda corrected: Colour(grey_world(ColourSums.of(corrected).colours), tone)
+    gains = Colour().gains if args.white_balance is None else gains_of(args.white_balance)
+    colour = Colour(gains, tone)
+    return lambda corrected: colour
+
+
+def _tone(args):
+    """Name of the tone curve."""
+    return "linear" if args.tone is None else args.tone
+
+
+def colour_report(args, colour):
+    """The names of every report that tell of ``colour``, which the options chose."""
+    return {"gains": [gain / UNITY for gain in colour.gains], "tone": _tone(args),
+            "tone_nodes": list(colour.tone)}
+
+
+def colour_line(args, colour):
+    """One line on ``colour``, and on gains that grey-world would choose larger than they can be."""
+    line = ", ".join(f"{gain / UNITY:.3f}" for gain in colour.gains)
+    line = f"gains {line}; tone {_tone(args)}"
+    if args.white_balance == GREY_WORLD and LARGEST_GAIN in colour.gains:
+        names = " and ".join(name for name, gain in zip(COLOURS, colour.gains)
+                             if gain == LARGEST_GAIN)
+        line += f"; {names} would need more than {LARGEST_GAIN / UNITY:.3f}, the largest gain"
+    return line

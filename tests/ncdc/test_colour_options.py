@@ -1,0 +1,109 @@
+"""White balance and tone on the command line: correct, simulate, generate."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc.cli import main
+from ncdc_model.colour import Colour, ColourSums, coloured, gains_of
+from ncdc_model.corrector import correct
+from ncdc_model.images import read_image, write_image
+from ncdc_model.interface.white_balance import grey_world
+from ncdc_model.tone import tone_named
+
+D = barrel_descriptor((40, 24), (50, 34), hidden_neurons=2, fill=(250, 20, 3))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Folder with a descriptor and a raw frame whose green is the brightest."""
+    path = tmp_path_factory.mktemp("colour")
+    D.save(path / "net.toml")
+    raw = np.random.default_rng(1).integers(0, 90, (34, 50))
+    raw[::2, 1::2] *= 2
+    raw[1::2, ::2] *= 2
+    write_image(path / "raw.png", raw.astype(np.uint8))
+    return path
+
+
+def run(folder, command, output, *options):
+    return main([command, str(folder / "net.toml"), str(folder / "raw.png"), "-o", str(output),
+                 *options])
+
+
+def plain(folder):
+    return correct(D, read_image(folder / "raw.png"))
+
+
+@pytest.mark.parametrize("options,expected", [
+    ([], lambda f: Colour()), (["--tone", "linear"], lambda f: Colour()),
+    (["--white-balance", "1.8,1,1.4"], lambda f: Colour(gains_of("1.8,1,1.4"))),
+    (["--tone", "sRGB"], lambda f: Colour(tone=tone_named("sRGB"))),
+    (["--white-balance", "grey-world", "--tone", "gamma:2.2"], lambda f: Colour(
+        grey_world(ColourSums.of(f).colours), tone_named("gamma:2.2")))])
+def test_correct_follows_the_options(folder, tmp_path, options, expected):
+    assert run(folder, "correct", tmp_path / "out.png", *options) == 0
+    frame = plain(folder)
+    np.testing.assert_array_equal(read_image(tmp_path / "out.png"),
+                                  coloured(frame, expected(frame)))
+
+
+def test_the_verilog_gives_the_picture_of_the_golden_model(folder, tmp_path, capsys):
+    options = ["--white-balance", "grey-world", "--tone", "sRGB"]
+    for command in ("correct", "simulate"):
+        assert run(folder, command, tmp_path / f"{command}.png", *options, "--json",
+                   str(tmp_path / f"{command}.json")) == 0
+    np.testing.assert_array_equal(read_image(tmp_path / "simulate.png"),
+                                  read_image(tmp_path / "correct.png"))
+    one, two = (json.loads((tmp_path / f"{command}.json").read_text())
+                for command in ("correct", "simulate"))
+    assert one["gains"] == two["gains"] and one["tone_nodes"] == two["tone_nodes"]
+    assert two["colour"] and two["pixels_different"] == 0
+    sums = ColourSums.of(plain(folder))
+    assert {name: two[name.lower()] for name in sums.registers} == sums.registers
+    gains = ", ".join(f"{gain:.3f}" for gain in one["gains"])
+    assert capsys.readouterr().out.count(f"gains {gains}; tone sRGB\n") == 2
+
+
+def test_a_gain_at_its_limit_is_told(folder, tmp_path, capsys):
+    """A frame without blue: no gain makes it grey."""
+    raw = read_image(folder / "raw.png").copy()
+    raw[1::2, 1::2] = 0
+    write_image(tmp_path / "raw.png", raw)
+    assert main(["correct", str(folder / "net.toml"), str(tmp_path / "raw.png"), "-o",
+                 str(tmp_path / "out.png"), "--white-balance", "grey-world"]) == 0
+    assert "; blue would need more than 3.996, the largest gain\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["correct", "simulate"])
+@pytest.mark.parametrize("options,sentence", [
+    (["--white-balance", "0,1,1"],
+     "the gain of red is 0, the limits are 0.00390625 and 3.99609375"),
+    (["--white-balance", "1,1,1,1,1"],
+     "the white balance is '1,1,1,1,1', three gains R,G,B or grey-world is needed"),
+    (["--white-balance", ""], "the white balance is '', three gains R,G,B or grey-world is needed"),
+    (["--tone", "gamma:9"], "the gamma of the tone is 9, the limits are 1 and 3"),
+    (["--tone", "film"], "the tone is 'film', one of linear, sRGB, gamma:G is needed")])
+def test_careless_options_are_refused(folder, tmp_path, command, options, sentence, capsys):
+    output = tmp_path / "out.png"
+    output.write_text("kept")
+    assert run(folder, command, output, *options) == 2
+    assert capsys.readouterr().err == f"ncdc {command}: {sentence}\n"
+    assert output.read_text() == "kept"
+
+
+def test_generate_puts_it_in_only_if_asked(folder, tmp_path):
+    texts = {}
+    for name, options in (("without", []), ("with", ["--colour"])):
+        assert main(["generate", str(folder / "net.toml"), "-o", str(tmp_path / name),
+                     *options]) == 0
+        texts[name] = {file: (tmp_path / name / file).read_text()
+                       for file in ("ncdc.v", "ncdc_registers.h", "ncdc_registers.py",
+                                    "ncdc_lenses.c")}
+    assert texts["without"] != texts["with"]
+    assert texts["without"]["ncdc_lenses.c"] == texts["with"]["ncdc_lenses.c"]
+    for word, file in (("--colour", "ncdc.v"), ("reg [9:0] gain_red = 10'h100;", "ncdc.v"),
+                       ("NCDC_TONE_SRGB", "ncdc_registers.h"), ("TONES", "ncdc_registers.py")):
+        assert word in texts["with"][file] and word not in texts["without"][file], word
