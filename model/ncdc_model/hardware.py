@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.geometry import check_strip_width
+from ncdc_model.interface.frames import BGRX8, OUTPUT_FORMATS, check_format, output_format
 from ncdc_model.interpolation import FAST
 from ncdc_model.nodes import row_nodes
 
-__all__ = ["DATA_WIDTHS", "FETCHERS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "NODE_CLOCKS",
+__all__ = ["DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "NODE_CLOCKS",
            "OUTPUTS", "Hardware", "check_lanes"]
 
 DATA_WIDTHS = (32, 64, 128)
@@ -17,6 +18,7 @@ FETCHERS = ("cache", "multiport")
 HIDDEN = ("multiply", "raster")
 MULTIPLIER_BITS = (27, 18)
 LANES = (1, 2, 4)
+FORMATS = tuple(OUTPUT_FORMATS)
 NODE_CLOCKS = 2         # that a node takes at least: its scan adds up the next one meanwhile
 
 
@@ -53,12 +55,14 @@ class Hardware:
         multiplication, 18 cuts it into parts that fit blocks of 18 x 18 bits.
     lanes : int
         Pixels per clock, 1, 2 or 4: neighbours of a row, each with a network of its own.
+    format : str
+        Name of the ``OutputFormat`` of pixels in memory, after configuration.
 
     Raises
     ------
     InputError
-        If a value is none of the above, strips are asked of a stream, or the multiport fetcher is
-        to give more than one pixel per clock.
+        If a value is none of the above, strips or a format are asked of a stream, or the multiport
+        fetcher is to give more than one pixel per clock.
     """
     data_width: int = 32
     output: str = "memory"
@@ -70,6 +74,7 @@ class Hardware:
     share: int | None = None
     multiplier_bits: int = 27
     lanes: int = 1
+    format: str = BGRX8.name
 
     def __post_init__(self):
         for name, value, choices in (
@@ -77,7 +82,7 @@ class Hardware:
                 ("the output", self.output, OUTPUTS), ("fetch", self.fetcher, FETCHERS),
                 ("hidden", self.hidden, HIDDEN),
                 ("multiplier bits", self.multiplier_bits, MULTIPLIER_BITS),
-                ("pixels per clock", self.lanes, LANES)):
+                ("pixels per clock", self.lanes, LANES), ("the format", self.format, FORMATS)):
             if value not in choices:
                 raise InputError(f"{name} is {value!r}, one of {', '.join(map(str, choices))} is "
                                  f"needed")
@@ -86,6 +91,9 @@ class Hardware:
         check_strip_width(self.strip)
         if self.strip and self.stream:
             raise InputError(f"the strip width is {self.strip}, a video stream needs 0 (raster)")
+        if self.stream and self.format != BGRX8.name:
+            raise InputError(f"the format is {self.format}, a video stream has none: its pixels "
+                             f"are always of 24 bits")
         if self.lanes > 1 and not self.cached:
             raise InputError(f"pixels per clock is {self.lanes}, the multiport fetcher can have 1 "
                              f"only")
@@ -177,8 +185,8 @@ class Hardware:
         InputError
             If the pixels per clock do not divide the corrected width, a tan-sigmoid is to serve
             more neurons than there are, hidden neurons at nodes are to follow the scan of pixels,
-            the tile cache has no such split, or the windows of the descriptor's interpolation
-            cannot be fetched.
+            the tile cache has no such split, the windows of the descriptor's interpolation
+            cannot be fetched, or the format would lose the camera's colours.
         """
         geometry = descriptor.geometry
         needed = geometry.interpolation
@@ -190,6 +198,7 @@ class Hardware:
             raise InputError(f"the tile cache is for the interpolation "
                              f"{self.cache.interpolation.name}, the descriptor's is {needed.name}")
         check_lanes(geometry.corrected_width, self.lanes)
+        check_format(output_format(self.format), geometry)
         if self.hidden == "raster" and descriptor.nodes > 1:
             raise InputError(f"hidden is raster, a network at every {descriptor.nodes}th pixel "
                              f"needs multiply")
@@ -204,7 +213,7 @@ class Hardware:
                 "cache_split": self.split_for(geometry) if cache else 0, "strip": self.strip,
                 "data_width": self.data_width, "output": self.output, "hidden": self.hidden,
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
-                "pixels_per_clock": self.lanes}
+                "pixels_per_clock": self.lanes, "format": None if self.stream else self.format}
 
     def options(self, geometry):
         """The options of ``ncdc generate`` that choose this, for a camera of ``geometry``."""
@@ -213,7 +222,8 @@ class Hardware:
         return [f"--fetch {self.fetcher}", *cache, f"--strip {self.strip}",
                 f"--data-width {self.data_width}", f"--to {self.output}",
                 f"--hidden {self.hidden}", f"--share {self.share}",
-                f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}"]
+                f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}",
+                *([] if self.stream else [f"--format {self.format}"])]
 
 
 def check_lanes(width, lanes):

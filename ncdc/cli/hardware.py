@@ -9,6 +9,7 @@ from ncdc_model.fetch.traffic import distinct_bytes
 from ncdc_model.hardware import (
     DATA_WIDTHS,
     FETCHERS,
+    FORMATS,
     HIDDEN,
     LANES,
     MULTIPLIER_BITS,
@@ -18,7 +19,7 @@ from ncdc_model.hardware import (
 )
 from ncdc_model.nodes import row_nodes
 
-__all__ = ["add_fixed", "add_hardware", "add_lanes", "choice_line", "fixed_of",
+__all__ = ["add_fixed", "add_format", "add_hardware", "add_lanes", "choice_line", "fixed_of",
            "front_end_line", "hardware_of", "planned"]
 
 _LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
@@ -43,6 +44,14 @@ def add_lanes(parser):
                              "each has a network of its own; same results")
 
 
+def add_format(parser):
+    """Declare the option --format."""
+    parser.add_argument("--format", choices=FORMATS, default=FORMATS[0],
+                        help="bytes of a pixel in memory, after configuration: BGRX8 (default; "
+                             "blue, green, red, zero), BGR8 without the zero, or Mono8, of a grey "
+                             "sensor; a stream has no such choice")
+
+
 def add_hardware(parser):
     """Declare the options that choose the hardware."""
     parser.add_argument("--fetch", choices=FETCHERS, default=FETCHERS[0],
@@ -54,6 +63,7 @@ def add_hardware(parser):
                         help="width of the memory ports: 32 (default), 64 or 128")
     parser.add_argument("--to", choices=OUTPUTS,
                         help="where corrected pixels go: memory (default) or a video stream")
+    add_format(parser)
     parser.add_argument("--hidden", choices=HIDDEN, default="multiply",
                         help="hidden neurons: multiply (default), or raster, which add from pixel "
                              "to pixel and need no multiplier; same results")
@@ -83,7 +93,7 @@ def hardware_of(args, board=None):
                    "multiplier_bits": board.multiplier_bits}
         chosen = {name: offered[name] if value is None else value for name, value in chosen.items()}
     return Hardware(fetcher=args.fetch, hidden=args.hidden, share=args.share,
-                    lanes=args.pixels_per_clock,
+                    lanes=args.pixels_per_clock, format=args.format,
                     **{name: value for name, value in chosen.items() if value is not None})
 
 

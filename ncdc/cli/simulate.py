@@ -70,7 +70,7 @@ def run(args):
             print(f"out {report['follow_latency_clocks']} clocks after the camera's last byte"
                   + (f", at most {bound.clocks} planned" if bound else "")
                   + f"; {report['follow_early_reads']} rows read before they were written")
-    message = difference(simulation) or _early(simulation)
+    message = difference(simulation) or _outside(simulation) or _early(simulation)
     if message:
         print(f"ncdc simulate: {message}", file=sys.stderr)
         return 1
@@ -91,6 +91,12 @@ def _bound(args, descriptor, hardware):
     return bound_of(args, descriptor, hardware, memory)
 
 
+def _outside(simulation):
+    """A sentence on bytes that are no frame's; None if none was read or written."""
+    outside = simulation.bytes_outside
+    return f"{outside} bytes were read or written that are of neither frame" if outside else None
+
+
 def _early(simulation):
     """A sentence on rows that were read too early; None if none was."""
     early = simulation.follow.get("follow_early_reads")
@@ -103,6 +109,6 @@ def difference(simulation):
     if not differing:
         return None
     u, v = differing[0]
-    got, expected = (picture[v, u].tolist() for picture in (simulation.picture, simulation.golden))
+    got, expected = (pixels[v, u].tolist() for pixels in (simulation.stored, simulation.expected))
     return (f"{len(differing)} pixels differ from the golden model, the first at column {u}, row "
             f"{v}: {got} instead of {expected}")
