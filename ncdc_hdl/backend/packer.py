@@ -159,7 +159,8 @@ class Packer(wiring.Component):
                          top.eq(1)]
 
     def _fill(self, m, put, part, place, end, begun, carried):
-        """Put the units of the group that are in the word there, and those carried into it."""
+        """Put the units of the group that are in the word there, and those carried into it, which
+        the group follows without a gap."""
         units, bits, o = self.units, 8 * self.lanes, self.o.p
         turned = Cat(self._turned(m, place))
         # Of each group, in case that it is taken and units are left.
@@ -174,8 +175,7 @@ class Packer(wiring.Component):
             with m.Elif(put & ~begun):
                 m.d.sync += enable.eq(0)
                 if k < len(kept):
-                    m.d.sync += [data.eq(kept[k]), enable.eq((carried & (k < place)).replicate(
-                        self.lanes))]
+                    m.d.sync += [data.eq(kept[k]), enable.eq(carried.replicate(self.lanes))]
         with m.If(put):
             m.d.sync += [unit.eq(turned.word_select((units + k) % _MOST, bits))
                          for k, unit in enumerate(kept)]

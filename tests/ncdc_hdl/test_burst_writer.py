@@ -213,6 +213,46 @@ def test_a_frame_that_ends_early(strip, lanes, data_width, upto):
     np.testing.assert_array_equal(content, expected)
 
 
+@pytest.mark.parametrize("data_width,lanes", [(32, 1), (128, 1), (32, 2), (64, 4)])
+@pytest.mark.parametrize("before,form", [(BGR8, MONO8), (MONO8, BGR8), (BGRX8, BGRX8)])
+def test_nothing_is_left_of_a_frame_begun_before(before, form, data_width, lanes):
+    """A start in the middle of a frame, at several places in the word; the next frame ends with its
+    first group, so that a word would show what is left."""
+    dut, rng, size = Packer(data_width, lanes), np.random.default_rng(1), (16, 8)
+    frames = rng.integers(0, 256, (16, size[1], size[0], 3))
+    content, expected = np.full(SIZE, 0xEE, np.uint8), np.full(SIZE, 0xEE, np.uint8)
+
+    class Bench:
+        packer = dut
+
+    async def source(ctx):
+        ctx.set(dut.o.ready, 1)
+        for k, pixels in enumerate(frames):
+            await begin(ctx, Bench, 512 * k, size, 0, form if k % 2 else before)
+            items = groups(pixels, 0, lanes, lanes) if k % 2 else groups(pixels, 0, lanes)[:k + 1]
+            for item in items:
+                ready = False
+                while not ready:
+                    ctx.set(dut.i.payload, item)
+                    ctx.set(dut.i.valid, 1)
+                    _, _, ready = await ctx.tick().sample(dut.i.ready)
+                ctx.set(dut.i.valid, 0)
+            await ctx.tick().repeat(4)
+
+    async def sink(ctx):
+        while True:
+            _, _, valid, word = await ctx.tick().sample(dut.o.valid, dut.o.payload)
+            if valid and word.address // 512 % 2:
+                for k in range(data_width // 8):
+                    if word.enable >> k & 1:
+                        content[word.address + k] = word.data >> 8 * k & 0xFF
+
+    run_bench(dut, source, background=(sink,), results=(content,))
+    for k in range(1, len(frames), 2):
+        stored(expected, 512 * k, frames[k], 0, lanes, form)
+    np.testing.assert_array_equal(content, expected)
+
+
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("data_width,strip,form", [(32, 0, BGRX8), (64, 32, BGR8),
                                                    (128, 32, BGRX8), (32, 32, MONO8)])
