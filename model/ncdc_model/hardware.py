@@ -9,8 +9,8 @@ from ncdc_model.interface.frames import BGRX8, OUTPUT_FORMATS, check_format, out
 from ncdc_model.interpolation import FAST
 from ncdc_model.nodes import row_nodes
 
-__all__ = ["DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "NODE_CLOCKS",
-           "OUTPUTS", "Hardware", "check_lanes"]
+__all__ = ["DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
+           "NODE_CLOCKS", "OUTPUTS", "Hardware", "check_lanes"]
 
 DATA_WIDTHS = (32, 64, 128)
 OUTPUTS = ("memory", "stream")

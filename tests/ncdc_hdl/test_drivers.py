@@ -205,7 +205,7 @@ int main(void) {{
     assert dict(line.split() for line in head.splitlines()) == {
         **{f"NCDC_{r.name}": str(4 * r.address) for r in ROWS},
         "NCDC_VALID_ROWS": str(4 * TABLE), "NCDC_ID_VALUE": str(0x4E434443),
-        "NCDC_VERSION": "2", "NCDC_SOURCE_BEYOND": "12",
+        "NCDC_VERSION": "3", "NCDC_SOURCE_BEYOND": "12",
         **{f"NCDC_{r.name}_{flag.name}": str(flag.mask) for r, flag in flags}}
     for d, text in zip((WIDE, TELE), lenses, strict=True):
         first, *pairs = text.splitlines()
@@ -245,7 +245,7 @@ print(json.dumps([r.OFFSET, flags, r.COUNTERS, ncdc_lenses.LENSES]))
 """], cwd=folder, check=True, text=True, stdout=subprocess.PIPE)
     offset, flags, names, lenses = json.loads(done.stdout)
     assert offset == {r.name: 4 * r.address for r in ROWS} and names == COUNTERS
-    assert flags == {"VALID_ROWS": 4 * TABLE, "ID_VALUE": 0x4E434443, "VERSION": 2,
+    assert flags == {"VALID_ROWS": 4 * TABLE, "ID_VALUE": 0x4E434443, "VERSION": 3,
                      "SOURCE_BEYOND": 12,
                      **{f"{r.name}_{flag.name}": flag.mask for r in ROWS for flag in r.flags}}
     for name, d in (("wide", WIDE), ("tele", TELE)):

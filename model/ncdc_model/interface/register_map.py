@@ -8,9 +8,9 @@ from ncdc_model.interpolation import FAST, GRADIENT
 
 __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "CONSTANTS", "COUNTERS",
            "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "FAULT_ALIGNMENT", "FAULT_FORMAT",
-           "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID", "INTERPOLATION_BITS", "NODES",
-           "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY",
-           "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
+           "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID", "INTERPOLATION_BITS",
+           "NODES", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
+           "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT", "STATUS_PENDING",
            "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
            "registers"]
 

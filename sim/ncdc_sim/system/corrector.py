@@ -166,11 +166,13 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
         camera=camera, progress=progress, memory=memory, **run)
     stored = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
     golden = correct(descriptor, raw, strip=hardware.strip)
+    picture, expected = stored, golden.picture
+    if not hardware.stream:
+        picture, expected = stored_picture(stored, form), stored_bytes(golden.picture, form)
     rows = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats)}
     return Simulation(
-        picture=stored if hardware.stream else stored_picture(stored, form), golden=golden.picture,
-        stored=stored,
-        expected=golden.picture if hardware.stream else stored_bytes(golden.picture, form), blank=golden.blank,
+        picture=picture, golden=golden.picture, stored=stored, expected=expected,
+        blank=golden.blank,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
         fetches_expected=(tiles_fetched(descriptor, hardware) if hardware.cached
                           else golden.fetches),
