@@ -17,6 +17,7 @@ from ncdc_model.hardware import (
     OUTPUTS,
     Hardware,
 )
+from ncdc_model.interface.frames import check_format, output_format
 from ncdc_model.nodes import row_nodes
 
 __all__ = ["add_fixed", "add_format", "add_hardware", "add_lanes", "choice_line", "fixed_of",
@@ -140,9 +141,10 @@ def _planned_cache(hardware, fixed, descriptor):
     Raises
     ------
     InputError
-        If an option is outside its limits.
+        If an option is outside its limits, or the format would lose the camera's colours.
     """
     geometry = descriptor.geometry
+    check_format(output_format(hardware.format), geometry)
     if not hardware.cached:
         return replace(hardware, strip=fixed.strip or 0), None
     if fixed.everything:
