@@ -53,8 +53,8 @@ class Corrector(wiring.Component):
     runs : bool
         Whether it can be started by a :class:`RunControl` as well as by the host.
     hardware : ncdc_model.hardware.Hardware
-        With the output "memory" a burst writer stores four bytes per pixel (blue, green, red,
-        zero), row after row without a gap; with "stream" a video stream source is in its place.
+        With the output "memory" a burst writer stores pixels in the format that a register
+        chooses, row after row without a gap; with "stream" a video stream source is in its place.
 
     Members
     -------
@@ -195,6 +195,7 @@ class Corrector(wiring.Component):
             m.d.comb += [
                 packer.start.eq(begun), packer.base.eq(active.TARGET_BASE),
                 packer.limit.eq(active.TARGET_LIMIT), packer.refuse.eq(refuse),
+                packer.format.eq(active.OUTPUT_FORMAT),
                 registers.faults.target.eq(packer.outside),
                 packer.order.width.eq(active.CORRECTED_WIDTH),
                 packer.order.height.eq(active.CORRECTED_HEIGHT),
@@ -253,6 +254,7 @@ class Corrector(wiring.Component):
             m.d.sync += refuse.eq(checks.faults.as_value().any() | self.fetch.empty | mismatch)
         m.d.comb += [faults.alignment.eq(begins & checks.faults.alignment),
                      faults.size.eq(begins & (checks.faults.size | mismatch)),
+                     faults.format.eq(begins & checks.faults.format),
                      faults.source.eq(begins & self.fetch.empty | self.fetch.outside)]
         return refuse
 

@@ -5,11 +5,12 @@ from dataclasses import dataclass, replace
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.geometry import check_strip_width
+from ncdc_model.interface.frames import BGRX8, OUTPUT_FORMATS, check_format, output_format
 from ncdc_model.interpolation import FAST
 from ncdc_model.nodes import row_nodes
 
-__all__ = ["DATA_WIDTHS", "FETCHERS", "HIDDEN", "LANES", "MULTIPLIER_BITS", "NODE_CLOCKS",
-           "OUTPUTS", "Hardware", "check_lanes"]
+__all__ = ["DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
+           "NODE_CLOCKS", "OUTPUTS", "Hardware", "check_lanes"]
 
 DATA_WIDTHS = (32, 64, 128)
 OUTPUTS = ("memory", "stream")
@@ -17,6 +18,7 @@ FETCHERS = ("cache", "multiport")
 HIDDEN = ("multiply", "raster")
 MULTIPLIER_BITS = (27, 18)
 LANES = (1, 2, 4)
+FORMATS = tuple(OUTPUT_FORMATS)
 NODE_CLOCKS = 2         # that a node takes at least: its scan adds up the next one meanwhile
 
 
@@ -56,12 +58,14 @@ class Hardware:
     colour : bool
         Whether there are registers for white balance and tone, which after configuration change
         no pixel, and sums of the colours.
+    format : str
+        Name of the ``OutputFormat`` of pixels in memory, after configuration.
 
     Raises
     ------
     InputError
-        If a value is none of the above, strips are asked of a stream, or the multiport fetcher is
-        to give more than one pixel per clock.
+        If a value is none of the above, strips or a format are asked of a stream, or the multiport
+        fetcher is to give more than one pixel per clock.
     """
     data_width: int = 32
     output: str = "memory"
@@ -74,6 +78,7 @@ class Hardware:
     multiplier_bits: int = 27
     lanes: int = 1
     colour: bool = False
+    format: str = BGRX8.name
 
     def __post_init__(self):
         for name, value, choices in (
@@ -81,7 +86,7 @@ class Hardware:
                 ("the output", self.output, OUTPUTS), ("fetch", self.fetcher, FETCHERS),
                 ("hidden", self.hidden, HIDDEN),
                 ("multiplier bits", self.multiplier_bits, MULTIPLIER_BITS),
-                ("pixels per clock", self.lanes, LANES)):
+                ("pixels per clock", self.lanes, LANES), ("the format", self.format, FORMATS)):
             if value not in choices:
                 raise InputError(f"{name} is {value!r}, one of {', '.join(map(str, choices))} is "
                                  f"needed")
@@ -90,6 +95,9 @@ class Hardware:
         check_strip_width(self.strip)
         if self.strip and self.stream:
             raise InputError(f"the strip width is {self.strip}, a video stream needs 0 (raster)")
+        if self.stream and self.format != BGRX8.name:
+            raise InputError(f"the format is {self.format}, a video stream has none: its pixels "
+                             f"are always of 24 bits")
         if self.lanes > 1 and not self.cached:
             raise InputError(f"pixels per clock is {self.lanes}, the multiport fetcher can have 1 "
                              f"only")
@@ -181,8 +189,8 @@ class Hardware:
         InputError
             If the pixels per clock do not divide the corrected width, a tan-sigmoid is to serve
             more neurons than there are, hidden neurons at nodes are to follow the scan of pixels,
-            the tile cache has no such split, or the windows of the descriptor's interpolation
-            cannot be fetched.
+            the tile cache has no such split, the windows of the descriptor's interpolation
+            cannot be fetched, or the format would lose the camera's colours.
         """
         geometry = descriptor.geometry
         needed = geometry.interpolation
@@ -194,6 +202,7 @@ class Hardware:
             raise InputError(f"the tile cache is for the interpolation "
                              f"{self.cache.interpolation.name}, the descriptor's is {needed.name}")
         check_lanes(geometry.corrected_width, self.lanes)
+        check_format(output_format(self.format), geometry)
         if self.hidden == "raster" and descriptor.nodes > 1:
             raise InputError(f"hidden is raster, a network at every {descriptor.nodes}th pixel "
                              f"needs multiply")
@@ -208,7 +217,8 @@ class Hardware:
                 "cache_split": self.split_for(geometry) if cache else 0, "strip": self.strip,
                 "data_width": self.data_width, "output": self.output, "hidden": self.hidden,
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
-                "pixels_per_clock": self.lanes, "colour": self.colour}
+                "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
+                "colour": self.colour}
 
     def options(self, geometry):
         """The options of ``ncdc generate`` that choose this, for a camera of ``geometry``."""
@@ -218,6 +228,7 @@ class Hardware:
                 f"--data-width {self.data_width}", f"--to {self.output}",
                 f"--hidden {self.hidden}", f"--share {self.share}",
                 f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}",
+                *([] if self.stream else [f"--format {self.format}"]),
                 *(["--colour"] if self.colour else [])]
 
 

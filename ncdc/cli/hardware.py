@@ -9,6 +9,7 @@ from ncdc_model.fetch.traffic import distinct_bytes
 from ncdc_model.hardware import (
     DATA_WIDTHS,
     FETCHERS,
+    FORMATS,
     HIDDEN,
     LANES,
     MULTIPLIER_BITS,
@@ -16,9 +17,10 @@ from ncdc_model.hardware import (
     OUTPUTS,
     Hardware,
 )
+from ncdc_model.interface.frames import check_format, output_format
 from ncdc_model.nodes import row_nodes
 
-__all__ = ["add_fixed", "add_hardware", "add_lanes", "choice_line", "fixed_of",
+__all__ = ["add_fixed", "add_format", "add_hardware", "add_lanes", "choice_line", "fixed_of",
            "front_end_line", "hardware_of", "planned"]
 
 _LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
@@ -43,6 +45,14 @@ def add_lanes(parser):
                              "each has a network of its own; same results")
 
 
+def add_format(parser):
+    """Declare the option --format."""
+    parser.add_argument("--format", choices=FORMATS, default=FORMATS[0],
+                        help="bytes of a pixel in memory, after configuration: BGRX8 (default; "
+                             "blue, green, red, zero), BGR8 without the zero, or Mono8, of a grey "
+                             "sensor; a stream has no such choice")
+
+
 def add_hardware(parser):
     """Declare the options that choose the hardware."""
     parser.add_argument("--fetch", choices=FETCHERS, default=FETCHERS[0],
@@ -54,6 +64,7 @@ def add_hardware(parser):
                         help="width of the memory ports: 32 (default), 64 or 128")
     parser.add_argument("--to", choices=OUTPUTS,
                         help="where corrected pixels go: memory (default) or a video stream")
+    add_format(parser)
     parser.add_argument("--hidden", choices=HIDDEN, default="multiply",
                         help="hidden neurons: multiply (default), or raster, which add from pixel "
                              "to pixel and need no multiplier; same results")
@@ -86,7 +97,7 @@ def hardware_of(args, board=None):
                    "multiplier_bits": board.multiplier_bits}
         chosen = {name: offered[name] if value is None else value for name, value in chosen.items()}
     return Hardware(fetcher=args.fetch, hidden=args.hidden, share=args.share,
-                    lanes=args.pixels_per_clock, colour=args.colour,
+                    lanes=args.pixels_per_clock, format=args.format, colour=args.colour,
                     **{name: value for name, value in chosen.items() if value is not None})
 
 
@@ -133,9 +144,10 @@ def _planned_cache(hardware, fixed, descriptor):
     Raises
     ------
     InputError
-        If an option is outside its limits.
+        If an option is outside its limits, or the format would lose the camera's colours.
     """
     geometry = descriptor.geometry
+    check_format(output_format(hardware.format), geometry)
     if not hardware.cached:
         return replace(hardware, strip=fixed.strip or 0), None
     if fixed.everything:

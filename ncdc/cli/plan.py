@@ -2,7 +2,14 @@
 
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
-from ncdc.cli.hardware import add_fixed, add_lanes, choice_line, fixed_of, front_end_line
+from ncdc.cli.hardware import (
+    add_fixed,
+    add_format,
+    add_lanes,
+    choice_line,
+    fixed_of,
+    front_end_line,
+)
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.descriptor import Descriptor
@@ -33,6 +40,7 @@ def add_arguments(parser):
                              "which takes raster order only")
     add_fixed(parser)
     add_lanes(parser)
+    add_format(parser)
     parser.add_argument("--rate", type=float, metavar="FPS",
                         help="refuse what does not correct so many frames per second")
     add_follow(parser)
@@ -46,7 +54,8 @@ def run(args):
     descriptor = Descriptor.load(args.descriptor)
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
-    hardware = Hardware(data_width=width, output=args.to, lanes=args.pixels_per_clock)
+    hardware = Hardware(data_width=width, output=args.to, lanes=args.pixels_per_clock,
+                        format=args.format)
     planned = plan(descriptor, hardware, args.memory,
                    lambda chosen: Corrector(descriptor, chosen).timing, fixed=fixed,
                    clock_mhz=args.clock, rate=args.rate, progress=Progress("planning"))

@@ -86,7 +86,8 @@ def run(args):
             print(f"out {report['follow_latency_clocks']} clocks after the camera's last byte"
                   + (f", at most {bound.clocks} planned" if bound else "")
                   + f"; {report['follow_early_reads']} rows read before they were written")
-    message = difference(simulation) or _sums(simulation) or _early(simulation)
+    message = (difference(simulation) or _sums(simulation) or _outside(simulation)
+               or _early(simulation))
     if message:
         print(f"ncdc simulate: {message}", file=sys.stderr)
         return 1
@@ -115,6 +116,12 @@ def _sums(simulation):
     return None
 
 
+def _outside(simulation):
+    """A sentence on bytes that are no frame's; None if none was read or written."""
+    outside = simulation.bytes_outside
+    return f"{outside} bytes were read or written that are of neither frame" if outside else None
+
+
 def _early(simulation):
     """A sentence on rows that were read too early; None if none was."""
     early = simulation.follow.get("follow_early_reads")
@@ -127,6 +134,6 @@ def difference(simulation):
     if not differing:
         return None
     u, v = differing[0]
-    got, expected = (picture[v, u].tolist() for picture in (simulation.picture, simulation.golden))
+    got, expected = (pixels[v, u].tolist() for pixels in (simulation.stored, simulation.expected))
     return (f"{len(differing)} pixels differ from the golden model, the first at column {u}, row "
             f"{v}: {got} instead of {expected}")

@@ -10,24 +10,33 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.layouts import pixel_layout
 from ncdc_hdl.frontend.strips import ORDER, Strips
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_model.interface.frames import PIXEL_BYTES
+from ncdc_model.interface.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
 
-__all__ = ["Packer"]
+__all__ = ["FORMAT", "Packer"]
+
+FORMAT = range(len(OUTPUT_FORMATS))     # of codes of formats
+_MOST = BGRX8.pixel_bytes               # units of a group, at most
+_CARRIED = BGR8.pixel_bytes - 1         # units that a group leaves for another word, at most
 
 
 class Packer(wiring.Component):
-    """Gathers pixels of four bytes (blue, green, red, zero) into words, each with its address.
+    """Gathers pixels, in the format that a register chooses, into words, each with its address.
 
-    Pixel (u, v) goes to ``base + 4 (v width + u)``; the pixels come in the order of
-    :class:`Strips`. Rows of a raster follow each other without a gap. A row of a strip ends with a
-    word of its own, and begins with one: bytes of pixels of other strips are not enabled. The
-    frame's last word is sent as soon as the last pixel has come.
+    Pixel (u, v) goes to ``base + n (v width + u)``, n the bytes of a pixel; the pixels come in the
+    order of :class:`Strips`. Rows of a raster follow each other without a gap. A row of a strip
+    ends with a word of its own, and begins with one: bytes of pixels of other strips are not
+    enabled. The frame's last word is sent as soon as the last pixel has come.
+
+    Bytes are moved by units of as many as there are lanes: every group has n of them, and begins at
+    a multiple. A group of three units may end in a later word than it begins in. It is taken with
+    the last word that it completes; units behind that are carried into the next group's word, or
+    sent in a word of their own at the end of a row.
 
     Nothing is sent that is not inside ``base`` .. ``limit`` - 1, in whole words. From the first
     word on that is not, nothing more of the frame is sent but a void word for its end.
 
-    Timing: latency 1; one group per clock, or as many clocks as it has words; the first one
-    ``Strips.latency`` clocks after ``start`` at the earliest.
+    Timing: latency 1; one group per clock, or as many clocks as words are complete with it; the
+    first group ``Strips.latency`` clocks after ``start`` at the earliest.
 
     Parameters
     ----------
@@ -40,9 +49,10 @@ class Packer(wiring.Component):
     -------
     start : ``In(1)``
         Begins a frame, in which nothing of the last one is left.
+    format : ``In(FORMAT)``
+        Code of an ``OutputFormat``. Constant in a frame, as are the next three.
     base, limit, order : ``In(32)``, ``In(32)``, ``In(ORDER)``
         Byte address of the frame, a multiple of the word, and of what is behind its place; sizes.
-        Constant in a frame.
     refuse : ``In(1)``
         Nothing of this frame is to be sent; high before its first pixel comes.
     outside : ``Out(1)``
@@ -55,71 +65,62 @@ class Packer(wiring.Component):
 
     def __init__(self, data_width, lanes=1):
         self.data_width, self.lanes = data_width, lanes
-        super().__init__({"start": In(1), "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS),
-                          "order": In(ORDER), "refuse": In(1), "outside": Out(1),
-                          "i": In(stream.Signature(pixel_layout(lanes))),
+        self.units = data_width // (8 * lanes)      # of a word
+        super().__init__({"start": In(1), "format": In(FORMAT), "base": In(ADDRESS_BITS),
+                          "limit": In(ADDRESS_BITS), "order": In(ORDER), "refuse": In(1),
+                          "outside": Out(1), "i": In(stream.Signature(pixel_layout(lanes))),
                           "o": Out(stream.Signature(word_layout(data_width)))})
 
     def elaborate(self, platform):
         m = Module()
-        room = self.data_width // (8 * PIXEL_BYTES)  # pixels of a word
-        step = min(self.lanes, room)                 # pixels taken at a time
-        parts = self.lanes // step
+        units, word_bits = self.units, exact_log2(self.data_width // 8)
         # At least one bit: Verilog has no signal of none.
-        part = Signal(range(max(parts, 2)))
-        group = Cat(Cat(p.b, p.g, p.r, Const(0, 8)) for p in lanes_of(self.i.p))
-        pixels = group.word_select(part, 8 * PIXEL_BYTES * step)
-        last = self.i.p.last & (part == parts - 1)
+        part = Signal(range(max(2, _MOST // units)))    # words before this one that the group is in
+        number = Signal(ADDRESS_BITS - word_bits)       # of the word
+        place = Signal(exact_log2(units))               # unit of the word in which the group begins
+        size = Signal(range(_MOST + 1))                 # units of a group
+        end = Signal(range(units + _MOST))              # unit behind the group, from this word on
+        carried = Signal()                              # units of the last group are in the word
+        begun = Signal()                                # the word has pixels already
+        put = Signal()                                  # pixels go into the word
+        closed = Signal()                               # nothing more of the frame is sent
 
-        m.submodules.strips = strips = Strips(step)
-        address = Signal(ADDRESS_BITS)          # of the next pixel
-        row = Signal(ADDRESS_BITS)              # of the first pixel in its row of the strip
-        strip = Signal(ADDRESS_BITS)            # of the strip's first pixel
-        next_strip = Signal(ADDRESS_BITS)       # of the first pixel of the strip behind it
-        word_bits, step_bits = exact_log2(self.data_width // 8), exact_log2(PIXEL_BYTES * step)
-        place = address[step_bits:word_bits] if step < room else Const(0)
-        row_end = strips.last_column & ~strips.raster
-        begun = Signal()                             # the word has pixels already
-        complete = (place == room // step - 1) | row_end | last
-        put = Signal()                               # pixels go into the word
-        closed = Signal()                            # nothing more of the frame is sent
-        inside = Signal()                            # the word is in the frame's place
-        m.d.comb += [inside.eq(self._inside(*(value[word_bits:]
-                                              for value in (address, self.base, self.limit)))),
-                     self.outside.eq(put & ~inside & ~closed)]
-        with m.If(self.start):
-            m.d.sync += closed.eq(self.base[:word_bits] != 0)
-        with m.Elif(put & ~inside | self.refuse):
-            m.d.sync += closed.eq(1)
+        m.submodules.strips = strips = Strips(self.lanes)
+        ending = self.i.p.last | (strips.last_column & ~strips.raster)
+        complete = end >= units
+        # Units that complete no word wait for the next group, if one follows.
+        final = (end <= units) | (end < 2 * units) & ~ending
+        last = self.i.p.last & final
+        first, behind, present = (value[word_bits:] for value in (self.base, self.limit,
+                                                                  Cat(Const(0, word_bits), number)))
+        inside = self._inside(present, first, behind)
         void = closed | ~inside
-        m.d.comb += [strips.order.eq(self.order), strips.start.eq(self.start),
-                     strips.advance.eq(put | strips.begin)]
-        # `next_strip` is a clock late, which no strip is short enough to notice.
-        m.d.sync += next_strip.eq(strip + strips.strip * PIXEL_BYTES)
-
+        m.d.comb += [
+            size.eq(self._by_format(1, BGR8.pixel_bytes, _MOST)),
+            end.eq(place + size - part * units),
+            self.outside.eq(put & ~inside & ~closed),
+            strips.order.eq(self.order), strips.start.eq(self.start),
+            strips.advance.eq(put & final | strips.begin),
+        ]
         o = self.o.p
         with m.If(~self.o.valid | self.o.ready):
-            m.d.comb += [self.i.ready.eq(part == parts - 1), put.eq(self.i.valid)]
-            m.d.sync += self.o.valid.eq(self.i.valid & Mux(void, last, complete))
+            m.d.comb += [self.i.ready.eq(final), put.eq(self.i.valid)]
+            m.d.sync += self.o.valid.eq(self.i.valid & Mux(void, last, complete | ending))
         with m.If(put):
-            m.d.sync += [part.eq(Mux(part == parts - 1, 0, part + 1)), begun.eq(~complete),
-                         o.last.eq(last), o.end.eq(row_end | last), o.void.eq(void),
-                         o.address.eq(Cat(Const(0, word_bits), address[word_bits:]))]
-            for k in range(room // step):
-                enable = o.enable.word_select(k, PIXEL_BYTES * step)
-                with m.If(place == k):
-                    m.d.sync += [o.data.word_select(k, len(pixels)).eq(pixels), enable.eq(-1)]
-                with m.Elif(~begun):
-                    m.d.sync += enable.eq(0)
-            m.d.sync += address.eq(address + PIXEL_BYTES * step)
-            with m.If(strips.last_column & ~strips.last_row):
-                below = row + self.order.width * PIXEL_BYTES
-                m.d.sync += [address.eq(below), row.eq(below)]
-            with m.If(strips.last_column & strips.last_row):
-                m.d.sync += [address.eq(next_strip), row.eq(next_strip), strip.eq(next_strip)]
+            m.d.sync += [part.eq(Mux(final, 0, part + 1)), begun.eq(~complete & ~ending),
+                         carried.eq(final & (end > units)),
+                         o.last.eq(last), o.end.eq(ending & final), o.void.eq(void),
+                         o.address.eq(Cat(Const(0, word_bits), number))]
+        self._fill(m, put, part, place, end, begun, carried)
+        # A word of one unit has no places.
+        then = Mux(final, end[:len(place)], place) if units > 1 else place
+        self._advance(m, put, final, strips, Cat(place, number),
+                      Cat(then, (number + complete)[:len(number)]))
         with m.If(self.start):
-            m.d.sync += [address.eq(self.base), row.eq(self.base), strip.eq(self.base),
-                         begun.eq(0), part.eq(0)]
+            m.d.sync += [closed.eq(self.base[:word_bits] != 0),
+                         begun.eq(0), carried.eq(0), part.eq(0)]
+        with m.Elif(put & ~inside | self.refuse):
+            m.d.sync += closed.eq(1)
         return m
 
     @staticmethod
@@ -129,3 +130,71 @@ class Packer(wiring.Component):
         A method of its own only so that proofs and tests can break it.
         """
         return (number >= first) & (number < end)
+
+    def _by_format(self, of_mono, of_bgr, otherwise):
+        """What belongs to the format."""
+        return Mux(self.format == BGR8.code, of_bgr,
+                   Mux(self.format == MONO8.code, of_mono, otherwise))
+
+    def _advance(self, m, put, final, strips, address, further):
+        """Keep ``address``, of the next group, in units; ``further``: behind what is ``put``."""
+        lane_bits = exact_log2(self.lanes)
+        width = self.order.width[lane_bits:]
+        stride = Signal(range((_MOST << len(width)) + 1))   # units from row to row
+        row = Signal(len(address))              # of the first group in the row of the strip
+        next_strip = Signal(len(address))       # of the first group of the strip behind it
+        top = Signal()                          # the row is the picture's first
+        below, beside = Signal(len(address)), Signal(len(address))
+        m.d.sync += stride.eq(self._by_format(width, BGR8.pixel_bytes * width, _MOST * width))
+        # The strip behind begins where the first row of this one ends.
+        m.d.comb += [below.eq(row + stride), beside.eq(Mux(top, further, next_strip))]
+        anew = Mux(strips.last_row, beside, below)
+        with m.If(put):
+            m.d.sync += address.eq(further)
+            with m.If(final & strips.last_column):
+                m.d.sync += [address.eq(anew), row.eq(anew), next_strip.eq(beside),
+                             top.eq(strips.last_row)]
+        with m.If(self.start):
+            m.d.sync += [address.eq(self.base[lane_bits:]), row.eq(self.base[lane_bits:]),
+                         top.eq(1)]
+
+    def _fill(self, m, put, part, place, end, begun, carried):
+        """Put the units of the group that are in the word there, and those carried into it, which
+        the group follows without a gap."""
+        units, bits, o = self.units, 8 * self.lanes, self.o.p
+        turned = Cat(self._turned(m, place))
+        # Of each group, in case that it is taken and units are left.
+        kept = [Signal(bits, name=f"kept{k}") for k in range(min(_CARRIED, units - 1))]
+        word = turned.word_select(part, bits * units) if units < _MOST else turned
+        for k in range(units):
+            there = (k < end) & ((k >= place) | (part != 0)) if k < units - 1 else end >= units
+            unit = word.word_select(k % _MOST, bits)
+            data, enable = o.data.word_select(k, bits), o.enable.word_select(k, self.lanes)
+            with m.If(put & there):
+                m.d.sync += [data.eq(unit), enable.eq(-1)]
+            with m.Elif(put & ~begun):
+                m.d.sync += enable.eq(0)
+                if k < len(kept):
+                    m.d.sync += [data.eq(kept[k]), enable.eq(carried.replicate(self.lanes))]
+        with m.If(put):
+            m.d.sync += [unit.eq(turned.word_select((units + k) % _MOST, bits))
+                         for k, unit in enumerate(kept)]
+
+    def _turned(self, m, place):
+        """The group's units, that of place p as number p modulo 4: a list of four."""
+        pixels = lanes_of(self.i.p)
+        of_four = Cat(Cat(p.b, p.g, p.r, Const(0, 8)) for p in pixels)
+        of_three = Cat(Cat(p.b, p.g, p.r) for p in pixels)
+        mono = Cat(p.g for p in pixels)
+        turned = []
+        for k in range(_MOST):
+            turn = (k - place)[:2] if self.units > 1 else k
+            unit = Signal(8 * self.lanes, name=f"turned{k}")
+            with m.If(self.format == BGR8.code):
+                m.d.comb += unit.eq(of_three.word_select(turn, len(unit)))
+            with m.Elif(self.format == MONO8.code):
+                m.d.comb += unit.eq(mono)
+            with m.Else():
+                m.d.comb += unit.eq(of_four.word_select(k, len(unit)))
+            turned.append(unit)
+        return turned

@@ -6,10 +6,13 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, STRIP_UNIT
+from ncdc_model.interface.frames import MONO8, OUTPUT_FORMATS
+from ncdc_model.interface.register_map import BAYER_MONO
+from ncdc_model.interpolation import GRADIENT
 
 __all__ = ["FAULTS", "Checks"]
 
-FAULTS = data.StructLayout({"alignment": 1, "size": 1})
+FAULTS = data.StructLayout({"alignment": 1, "size": 1, "format": 1})
 
 
 class Checks(wiring.Component):
@@ -33,7 +36,8 @@ class Checks(wiring.Component):
     -------
     active : ``In(active)``
     faults : ``Out(FAULTS)``
-        A base or the pitch is no multiple of the memory word; a size is outside its limits.
+        A base or the pitch is no multiple of the memory word; a size is outside its limits; the
+        format of pixels in memory is none, or loses colours.
     """
 
     latency = 1
@@ -66,4 +70,15 @@ class Checks(wiring.Component):
             self.faults.alignment.eq(Cat(value[:word_bits] for value in aligned).any()),
             self.faults.size.eq(Cat(wrong).any()),
         ]
+        if not hardware.stream:
+            m.d.sync += self.faults.format.eq(self._loses(active))
         return m
+
+    def _loses(self, active):
+        """Whether the pixels in memory would not be the corrected ones."""
+        grey = (active.BAYER_PHASE & BAYER_MONO).any()
+        if not (self.hardware.cached and self.hardware.cache.interpolation == GRADIENT):
+            grey = Const(0)     # the fast interpolation takes no notice of that bit
+        form = active.OUTPUT_FORMAT
+        known = Cat(form == one.code for one in OUTPUT_FORMATS.values()).any()
+        return ~known | (form == MONO8.code) & ~grey

@@ -120,6 +120,7 @@ def test_a_rate_takes_a_larger_cache(barrel):
      "the strip width is 64, a video stream needs 0"),
     (dict(fixed=(None, None, 40)), "the strip width is 40, 0 .raster. or a multiple of 32"),
     (dict(memory="tape"), "memory is 'tape'"),
+    (dict(format="Mono8"), "the format is Mono8, which needs a grey sensor"),
 ])
 def test_what_cannot_be_is_refused(barrel, options, message):
     with pytest.raises(InputError, match=message):

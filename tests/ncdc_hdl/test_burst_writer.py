@@ -10,11 +10,12 @@ from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.frontend.strips import Strips
 from ncdc_model.geometry import scan_order
+from ncdc_model.interface.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
 from pipelines import put, run_bench
 
 BURST = 8
 SIZE = 1 << 15
-BASES = (64, SIZE // 2)
+BASES = [64 + 4096 * k for k in range(6)]
 
 
 class Sink(Elaboratable):
@@ -41,30 +42,34 @@ def groups(pixels, strip, lanes, upto=None):
     return items
 
 
-def stored(content, base, pixels, strip, upto=None):
+def stored(content, base, pixels, strip, upto=None, form=BGRX8):
     """Write the first ``upto`` of ``pixels`` into ``content`` where they belong."""
     height, width, _ = pixels.shape
     place = scan_order(np.arange(height * width).reshape(height, width), strip)[:upto]
-    frame = content[base:base + 4 * height * width].reshape(-1, 4)
-    bytes_of = np.column_stack([pixels.reshape(-1, 3)[:, ::-1], np.zeros(height * width)])
+    count = form.pixel_bytes
+    frame = content[base:base + count * height * width].reshape(-1, count)
+    red, green, blue = pixels.reshape(-1, 3).T
+    bytes_of = np.column_stack({1: [green], 3: [blue, green, red],
+                                4: [blue, green, red, np.zeros_like(red)]}[count])
     frame[place] = bytes_of[place]
 
 
-def bursts(base, size, strip, word):
+def bursts(base, size, strip, word, form=BGRX8):
     """(address, words) of every burst of a frame."""
-    width, height = size
+    (width, height), count = size, form.pixel_bytes
     rows = [(base, width * height)]
     if strip:
-        rows = [(base + 4 * (v * width + left), min(strip, width - left))
+        rows = [(base + count * (v * width + left), min(strip, width - left))
                 for left in range(0, width, strip) for v in range(height)]
     for start, pixels in rows:
-        first, end = start // word, -(-(start + 4 * pixels) // word)
+        first, end = start // word, -(-(start + count * pixels) // word)
         yield from ((word * k, min(BURST, end - k)) for k in range(first, end, BURST))
 
 
-async def begin(ctx, dut, base, size, strip):
+async def begin(ctx, dut, base, size, strip, form=BGRX8):
+    ctx.set(dut.packer.format, form.code)
     ctx.set(dut.packer.base, base)
-    ctx.set(dut.packer.limit, base + -(-4 * size[0] * size[1] // 16) * 16)
+    ctx.set(dut.packer.limit, base + -(-form.pixel_bytes * size[0] * size[1] // 16) * 16)
     ctx.set(dut.packer.order, {"width": size[0], "height": size[1], "strip": strip})
     ctx.set(dut.packer.start, 1)
     await ctx.tick()
@@ -81,24 +86,32 @@ def counter(dut, done):
     return watch
 
 
+SIZES = [((1, 1), 0, 1), ((13, 10), 0, 1), ((8, 8), 0, 1), ((72, 3), 32, 1),
+         ((37, 3), 32, 1),          # rows that begin within a word
+         ((65, 4), 64, 1),          # a strip of one column
+         ((40, 3), 64, 1),          # one strip only: rows end all the same
+         ((33, 1), 32, 1),          # a strip whose first row is its last
+         ((38, 3), 32, 2), ((14, 5), 0, 2), ((34, 4), 32, 2), ((36, 4), 32, 4), ((12, 5), 0, 4),
+         ((44, 3), 64, 4)]
+FORMATS = list(OUTPUT_FORMATS.values())
+EACH_FORMAT = pytest.mark.parametrize("form", FORMATS, ids=list(OUTPUT_FORMATS))
+
+
 @pytest.mark.parametrize("data_width", [32, 64, 128])
-@pytest.mark.parametrize("size,strip,lanes", [
-    ((1, 1), 0, 1), ((13, 10), 0, 1), ((8, 8), 0, 1), ((72, 3), 32, 1),
-    ((37, 3), 32, 1),           # rows that begin within a word
-    ((65, 4), 64, 1),           # a strip of one column
-    ((40, 3), 64, 1),           # one strip only: rows end all the same
-    ((38, 3), 32, 2), ((14, 5), 0, 2), ((36, 4), 32, 4), ((12, 5), 0, 4)])
+@pytest.mark.parametrize("size,strip,lanes", SIZES)
 @pytest.mark.parametrize("gap,wait", [
     pytest.param(0, 0, marks=pytest.mark.regress), (.2, .6)])
-def test_two_frames(data_width, size, strip, lanes, gap, wait):
+def test_frames_in_each_format(data_width, size, strip, lanes, gap, wait):
+    """The memory's bytes, all others untouched, and the bursts, of a frame in each format."""
     rng, word = np.random.default_rng(size[0]), data_width // 8
-    frames = rng.integers(0, 256, (2, size[1], size[0], 3))
+    frames = rng.integers(0, 256, (len(FORMATS), size[1], size[0], 3))
+    forms = rng.permutation(FORMATS)
     content, log, done = np.full(SIZE, 0xEE, np.uint8), [], []
     dut = Sink(data_width, lanes)
 
     async def source(ctx):
-        for k, (base, pixels) in enumerate(zip(BASES, frames)):
-            await begin(ctx, dut, base, size, strip)
+        for k, (base, pixels, one) in enumerate(zip(BASES, frames, forms)):
+            await begin(ctx, dut, base, size, strip, one)
             await put(ctx, dut.packer.i, groups(pixels, strip, lanes), lambda: rng.random() < gap)
             while len(done) == k:
                 await ctx.tick()
@@ -106,21 +119,60 @@ def test_two_frames(data_width, size, strip, lanes, gap, wait):
     agent = write_agent(dut.writer.bus, content, word, rng, wait=wait, log=log)
     run_bench(dut, source, background=(counter(dut, done), agent), results=(content, log, done))
     expected = np.full(SIZE, 0xEE, np.uint8)
-    for base, pixels in zip(BASES, frames):
-        stored(expected, base, pixels, strip)
+    for base, pixels, one in zip(BASES, frames, forms):
+        stored(expected, base, pixels, strip, form=one)
     np.testing.assert_array_equal(content, expected)
-    assert log == [burst for base in BASES for burst in bursts(base, size, strip, word)]
-    assert len(done) == 2
+    assert log == [burst for base, one in zip(BASES, forms)
+                   for burst in bursts(base, size, strip, word, one)]
+    assert len(done) == len(forms)
 
 
-def test_a_word_per_clock():
+def clocks_to_pack(data_width, lanes, form, size, strip):
+    """Clocks from the first group at the packer to the last one taken, nothing waiting."""
+    dut, taken = Packer(data_width, lanes), []
+    pixels = np.zeros((size[1], size[0], 3), int)
+
+    class Bench:
+        packer = dut
+
+    async def source(ctx):
+        ctx.set(dut.o.ready, 1)
+        await begin(ctx, Bench, 0, size, strip, form)
+        for item in groups(pixels, strip, lanes):
+            ctx.set(dut.i.payload, item)
+            ctx.set(dut.i.valid, 1)
+            ready = False
+            while not ready:
+                _, _, ready = await ctx.tick().sample(dut.i.ready)
+                taken.append(ready)
+
+    run_bench(dut, source, results=(taken,))
+    return len(taken)
+
+
+@pytest.mark.parametrize("data_width,lanes,strip", [
+    (32, 1, 0), (32, 1, 32), (64, 1, 32), (32, 2, 0), (64, 4, 0), (32, 4, 32), (128, 4, 0)])
+@EACH_FORMAT
+def test_a_group_or_a_word_per_clock(data_width, lanes, strip, form):
+    """A row of 44 pixels takes as many clocks as it has groups, or words if those are more; with
+    strips a row of theirs may have one word more than groups complete."""
+    size, word = (44, 4), data_width // 8
+    clocks = clocks_to_pack(data_width, lanes, form, size, strip)
+    words = sum(count for _, count in bursts(0, size, strip, word, form))
+    rows = 2 * size[1] if strip else 1
+    groups_ = 44 * 4 // lanes
+    assert max(groups_, words) <= clocks <= max(groups_, words) + rows
+
+
+@pytest.mark.parametrize("form", FORMATS[:2], ids=list(OUTPUT_FORMATS)[:2])
+def test_a_word_per_clock(form):
     """Without waits the bus has no gap from the first word to the last, short bursts included."""
-    dut, writes, rng = Sink(32), [], np.random.default_rng(1)
+    dut, writes, rng = Sink(32, 2), [], np.random.default_rng(1)
     pixels = rng.integers(0, 256, (6, 44, 3))
 
     async def source(ctx):
-        await begin(ctx, dut, 0, (44, 6), 32)
-        await put(ctx, dut.packer.i, groups(pixels, 32, 1), lambda: False)
+        await begin(ctx, dut, 0, (44, 6), 32, form)
+        await put(ctx, dut.packer.i, groups(pixels, 32, 2), lambda: False)
         for _ in range(40):
             await ctx.tick()
 
@@ -130,25 +182,27 @@ def test_a_word_per_clock():
 
     run_bench(dut, source, background=(watch,), results=(writes,))
     busy = np.flatnonzero(writes)
-    assert len(busy) == 44 * 6
+    words = 44 * 6 * form.pixel_bytes // 4
+    assert len(busy) == words
     # Between strips of different rows: a burst of 8 begins when it is complete, 4 clocks more.
-    assert busy[-1] - busy[0] + 1 <= 44 * 6 + BURST
+    assert busy[-1] - busy[0] + 1 <= words + BURST
 
 
 @pytest.mark.parametrize("strip,lanes,data_width", [(0, 1, 32), (32, 1, 64), (32, 2, 128),
                                                     (0, 4, 32)])
 @pytest.mark.parametrize("upto", [4, 8, 36, 100])
 def test_a_frame_that_ends_early(strip, lanes, data_width, upto):
-    """The last pixel may come anywhere; the next frame is whole."""
+    """The last pixel may come anywhere; the next frame is whole. In each format."""
     rng, size, done = np.random.default_rng(upto), (44, 6), []
-    frames = rng.integers(0, 256, (2, size[1], size[0], 3))
+    frames = rng.integers(0, 256, (len(BASES), size[1], size[0], 3))
+    ends = [(form, end) for form in FORMATS for end in (upto, None)]
     content, dut = np.full(SIZE, 0xEE, np.uint8), Sink(data_width, lanes)
     expected = content.copy()
 
     async def source(ctx):
-        for k, (base, pixels, end) in enumerate(zip(BASES, frames, (upto, None))):
-            await begin(ctx, dut, base, size, strip)
-            stored(expected, base, pixels, strip, end)
+        for k, (base, pixels, (form, end)) in enumerate(zip(BASES, frames, ends)):
+            await begin(ctx, dut, base, size, strip, form)
+            stored(expected, base, pixels, strip, end, form)
             await put(ctx, dut.packer.i, groups(pixels, strip, lanes, end),
                       lambda: rng.random() < .2)
             while len(done) == k:
@@ -159,9 +213,50 @@ def test_a_frame_that_ends_early(strip, lanes, data_width, upto):
     np.testing.assert_array_equal(content, expected)
 
 
+@pytest.mark.parametrize("data_width,lanes", [(32, 1), (128, 1), (32, 2), (64, 4)])
+@pytest.mark.parametrize("before,form", [(BGR8, MONO8), (MONO8, BGR8), (BGRX8, BGRX8)])
+def test_nothing_is_left_of_a_frame_begun_before(before, form, data_width, lanes):
+    """A start in the middle of a frame, at several places in the word; the next frame ends with its
+    first group, so that a word would show what is left."""
+    dut, rng, size = Packer(data_width, lanes), np.random.default_rng(1), (16, 8)
+    frames = rng.integers(0, 256, (16, size[1], size[0], 3))
+    content, expected = np.full(SIZE, 0xEE, np.uint8), np.full(SIZE, 0xEE, np.uint8)
+
+    class Bench:
+        packer = dut
+
+    async def source(ctx):
+        ctx.set(dut.o.ready, 1)
+        for k, pixels in enumerate(frames):
+            await begin(ctx, Bench, 512 * k, size, 0, form if k % 2 else before)
+            items = groups(pixels, 0, lanes, lanes) if k % 2 else groups(pixels, 0, lanes)[:k + 1]
+            for item in items:
+                ready = False
+                while not ready:
+                    ctx.set(dut.i.payload, item)
+                    ctx.set(dut.i.valid, 1)
+                    _, _, ready = await ctx.tick().sample(dut.i.ready)
+                ctx.set(dut.i.valid, 0)
+            await ctx.tick().repeat(4)
+
+    async def sink(ctx):
+        while True:
+            _, _, valid, word = await ctx.tick().sample(dut.o.valid, dut.o.payload)
+            if valid and word.address // 512 % 2:
+                for k in range(data_width // 8):
+                    if word.enable >> k & 1:
+                        content[word.address + k] = word.data >> 8 * k & 0xFF
+
+    run_bench(dut, source, background=(sink,), results=(content,))
+    for k in range(1, len(frames), 2):
+        stored(expected, 512 * k, frames[k], 0, lanes, form)
+    np.testing.assert_array_equal(content, expected)
+
+
 @pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("data_width,strip", [(32, 0), (64, 32), (128, 32)])
-def test_reset_completes_the_burst(data_width, strip, seed):
+@pytest.mark.parametrize("data_width,strip,form", [(32, 0, BGRX8), (64, 32, BGR8),
+                                                   (128, 32, BGRX8), (32, 32, MONO8)])
+def test_reset_completes_the_burst(data_width, strip, form, seed):
     """A reset at any moment, also while a word waits: the bus sees whole bursts, nothing wrong is
     written, and the next frame is right."""
     rng, size, done, log = np.random.default_rng(seed), (44, 12), [], []
@@ -170,7 +265,7 @@ def test_reset_completes_the_burst(data_width, strip, seed):
     moment, length, word = int(rng.integers(20, 500)), int(rng.integers(1, 4)), data_width // 8
 
     async def source(ctx):
-        await begin(ctx, dut, BASES[0], size, strip)
+        await begin(ctx, dut, BASES[0], size, strip, form)
         items = groups(frames[0], strip, 1)
         for clock in range(moment):
             ctx.set(dut.packer.i.payload, items[0])
@@ -185,7 +280,7 @@ def test_reset_completes_the_burst(data_width, strip, seed):
         assert not done
         for _ in range(int(rng.integers(1, 30))):
             await ctx.tick()
-        await begin(ctx, dut, BASES[1], size, strip)
+        await begin(ctx, dut, BASES[1], size, strip, form)
         await put(ctx, dut.packer.i, groups(frames[1], strip, 1), lambda: rng.random() < .1)
         while not done:
             await ctx.tick()
@@ -193,13 +288,14 @@ def test_reset_completes_the_burst(data_width, strip, seed):
     agent = write_agent(dut.writer.bus, content, word, rng, wait=.6, log=log)
     run_bench(dut, source, background=(counter(dut, done), agent), results=(content, log))
     expected = np.full(SIZE, 0xEE, np.uint8)
-    stored(expected, BASES[0], frames[0], strip)
-    stored(expected, BASES[1], frames[1], strip)
-    end = BASES[0] + 4 * size[0] * size[1]
+    stored(expected, BASES[0], frames[0], strip, form=form)
+    stored(expected, BASES[1], frames[1], strip, form=form)
+    end = BASES[0] + form.pixel_bytes * size[0] * size[1]
     wrong = (content != expected) & (content != 0xEE)
     assert not wrong.any()
     np.testing.assert_array_equal(content[end:], expected[end:])
     # Whole bursts: those of the frame that was cut, and all of the second.
-    second = list(bursts(BASES[1], size, strip, word))
+    second = list(bursts(BASES[1], size, strip, word, form))
     assert log[-len(second):] == second
-    assert log[:-len(second)] == list(bursts(BASES[0], size, strip, word))[:len(log) - len(second)]
+    assert log[:-len(second)] == list(
+        bursts(BASES[0], size, strip, word, form))[:len(log) - len(second)]

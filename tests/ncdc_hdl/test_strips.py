@@ -213,7 +213,11 @@ def test_groups_equal_golden(lanes, data_width, output, hidden, share, strip, me
     ({"strip": 32, "output": "stream"}, "the strip width is 32, a video stream needs 0 .raster."),
     ({"lanes": 2}, "the corrected width is 77, 2 pixels per clock need a multiple of 2"),
     ({"lanes": 2, "fetcher": "multiport"},
-     "pixels per clock is 2, the multiport fetcher can have 1 only")])
+     "pixels per clock is 2, the multiport fetcher can have 1 only"),
+    ({"format": "Mono8"}, "the format is Mono8, which needs a grey sensor, the camera's colour "
+     "filter is GBRG"),
+    ({"format": "BGR8", "output": "stream"}, "the format is BGR8, a video stream has none"),
+    ({"format": "BGRa8"}, "the format is 'BGRa8', one of BGRX8, BGR8, Mono8 is needed")])
 def test_choices_that_do_not_fit(options, message):
     with pytest.raises(InputError, match=message):
         Corrector(camera(), Hardware(**options))
@@ -222,6 +226,11 @@ def test_choices_that_do_not_fit(options, message):
 def test_pixels_per_clock_that_there_are_not():
     with pytest.raises(InputError, match="pixels per clock is 3, one of 1, 2, 4 is needed"):
         Hardware(lanes=3)
+
+
+def test_a_host_is_told_that_colours_would_be_lost():
+    with pytest.raises(InputError, match="the format is Mono8, which needs a grey sensor"):
+        host_values(camera(), Hardware(format="Mono8"))
 
 
 @pytest.mark.regress

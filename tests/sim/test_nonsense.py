@@ -14,6 +14,7 @@ from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.register_map import (
     FAULT_ALIGNMENT,
+    FAULT_FORMAT,
     FAULT_SIZE,
     FAULT_SOURCE,
     FAULT_TARGET,
@@ -23,7 +24,7 @@ from ncdc_sim.system.nonsense import simulate_nonsense
 CACHE = CacheOptions(64, pending=32, outstanding=8)
 BUILDS = {
     "multiport, memory": Hardware(fetcher="multiport"),
-    "2 pixels, memory": Hardware(cache=CACHE, lanes=2, data_width=64),
+    "2 pixels, memory": Hardware(cache=CACHE, lanes=2, data_width=64, format="BGR8"),
     "1 pixel, memory": Hardware(cache=CACHE),
     "4 pixels, memory": Hardware(cache=CACHE, lanes=4, data_width=128),
     "multiport, stream": Hardware(fetcher="multiport", output="stream", data_width=128),
@@ -60,6 +61,7 @@ def test_nothing_happens_outside(name):
     for bit in (FAULT_SOURCE, FAULT_ALIGNMENT, FAULT_SIZE):
         assert (faults & bit != 0).sum() > 10
     assert ((faults & FAULT_TARGET != 0).sum() > 2) == (not BUILDS[name].stream)
+    assert (faults & FAULT_FORMAT).any() == (not BUILDS[name].stream)
     assert (faults == 0).sum() > 3
 
 

@@ -12,7 +12,7 @@ from ncdc_model.fetch.traffic import distinct_bytes, live_tiles, worst_span
 from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.geometry import check_strip_width
 from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import FramePlaces
+from ncdc_model.interface.frames import FramePlaces, check_format, output_format
 from ncdc_model.interpolation import FAST
 from ncdc_model.memory_timing import memory_at
 
@@ -223,7 +223,7 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
     ----------
     descriptor : Descriptor
     hardware : Hardware
-        Its tile cache, split and strip are chosen.
+        Its tile cache, split and strip are chosen; the corrected pixels' format counts.
     memory : str
         Of :func:`ncdc_model.memory_timing.memory_timing`; ``sdram`` and ``ddr3`` at ``clock_mhz``.
     timing : callable
@@ -241,12 +241,14 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
     Raises
     ------
     InputError
-        If a value is outside its limits, or no configuration holds the map at the rate.
+        If a value is outside its limits, the format would lose the camera's colours, or no
+        configuration holds the map at the rate.
     """
     model = memory_at(memory, clock_mhz)
     if rate is not None and not rate > 0:
         raise InputError(f"the rate is {rate:g} frames per second, it must be positive")
     geometry = descriptor.geometry
+    check_format(output_format(hardware.format), geometry)
     limit = _limit(geometry, hardware.lanes, clock_mhz, rate)
     windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
     distinct = distinct_bytes(windows, geometry)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ncdc_model.interface.frames import PIXEL_BYTES
+from ncdc_model.interface.frames import output_format
 
 __all__ = ["FrameWrites", "frame_writes"]
 
@@ -37,13 +37,13 @@ class FrameWrites:
 
 
 def frame_writes(geometry, hardware, block, base, timing):
-    """:class:`FrameWrites` of a frame of four bytes per pixel.
+    """:class:`FrameWrites` of a frame.
 
     Parameters
     ----------
     geometry : Geometry
     hardware : Hardware
-        Data width and strips.
+        Data width, strips, and format of the pixels.
     block : int
         Bytes of the aligned blocks that an access does not leave.
     base : int
@@ -52,6 +52,7 @@ def frame_writes(geometry, hardware, block, base, timing):
         Words of a burst, and what the queues hold.
     """
     word, strip, burst = hardware.data_width // 8, hardware.strip, timing.write_burst
+    pixel_bytes = output_format(hardware.format).pixel_bytes
     width, height = geometry.corrected
     block = max(block, word)
     if strip:
@@ -59,11 +60,11 @@ def frame_writes(geometry, hardware, block, base, timing):
         left = np.repeat(np.arange(0, width, strip), height)
         row = np.tile(np.arange(height), -(-width // strip))
         pixels = np.minimum(strip, width - left)
-        begin = base + PIXEL_BYTES * (row * width + left)
+        begin = base + pixel_bytes * (row * width + left)
     else:
         pixels, begin = np.array([width * height]), np.array([base])
     scanned = np.cumsum(pixels) - pixels
-    end = begin + PIXEL_BYTES * pixels
+    end = begin + pixel_bytes * pixels
     count = (end - 1) // block - begin // block + 1
     which = np.repeat(np.arange(len(begin)), count)
     index = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
@@ -72,8 +73,8 @@ def frame_writes(geometry, hardware, block, base, timing):
     words = (stop - 1) // word - start // word + 1
     begin_word = begin[which] // word
     burst_end = (((start // word - begin_word) // burst + 1) * burst + begin_word) * word
-    last = (np.minimum(burst_end, end[which]) - 1 - begin[which]) // PIXEL_BYTES
-    first = (start - begin[which]) // PIXEL_BYTES
-    slack = timing.queued_words * word // PIXEL_BYTES + timing.queued_pixels
+    last = (np.minimum(burst_end, end[which]) - 1 - begin[which]) // pixel_bytes
+    first = (start - begin[which]) // pixel_bytes
+    slack = timing.queued_words * word // pixel_bytes + timing.queued_pixels
     return FrameWrites(start.tolist(), words.tolist(), (scanned[which] + last).tolist(),
                        (scanned[which] + first + slack).tolist())

@@ -2,7 +2,14 @@
 
 from ncdc_model.colour import COLOURS, Colour
 from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import FramePlaces, source_bytes, target_bytes
+from ncdc_model.interface.frames import (
+    BGRX8,
+    FramePlaces,
+    check_format,
+    output_format,
+    source_bytes,
+    target_bytes,
+)
 from ncdc_model.interface.register_map import BAYER_MONO, TABLE, network_registers
 
 __all__ = ["colour_values", "host_values", "network_values", "place_values", "table_words"]
@@ -23,12 +30,13 @@ def network_values(descriptor):
     return values
 
 
-def place_values(geometry, data_width, places):
-    """Register values, by name, of the ``places`` that the frames of ``geometry`` just fill."""
+def place_values(geometry, data_width, places, form=BGRX8):
+    """Register values, by name, of the ``places`` that the frames of ``geometry`` just fill, the
+    corrected one in the :class:`OutputFormat` ``form``."""
     return {"SOURCE_BASE": places.source,
             "SOURCE_LIMIT": places.source + source_bytes(geometry, places.pitch),
             "TARGET_BASE": places.target,
-            "TARGET_LIMIT": places.target + target_bytes(geometry, data_width)}
+            "TARGET_LIMIT": places.target + target_bytes(geometry, data_width, form)}
 
 
 def colour_values(colour):
@@ -44,22 +52,29 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colo
     ----------
     descriptor : Descriptor
     hardware : Hardware
-        Its data width, split, strips and colour count; others are those of the corrector.
+        Its data width, split, strips, format and colour count; others are those of the corrector.
     places : FramePlaces, optional
         Those after reset if absent.
     follow : bool
         Whether the corrector begins before the raw frame is complete.
     colour : Colour
         Gains and tone curve, where the hardware has registers for them.
+
+    Raises
+    ------
+    InputError
+        If the format would lose the camera's colours.
     """
-    g = descriptor.geometry
+    g, form = descriptor.geometry, output_format(hardware.format)
+    check_format(form, g)
     places = places or FramePlaces.after_reset(g, hardware.data_width)
     origin_x, step_x, origin_y, step_y = g.scan()
     red, green, blue = g.fill
     return {
         **network_values(descriptor),
         "VALID_BANK": 0,
-        **place_values(g, hardware.data_width, places), "SOURCE_PITCH": places.pitch,
+        **place_values(g, hardware.data_width, places, form), "SOURCE_PITCH": places.pitch,
+        "OUTPUT_FORMAT": form.code,
         "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
         "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
         "SCAN_ORIGIN_X": origin_x, "SCAN_STEP_X": step_x,

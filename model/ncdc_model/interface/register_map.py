@@ -3,17 +3,17 @@
 from dataclasses import dataclass
 
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
-from ncdc_model.interface.frames import ADDRESS_BITS
+from ncdc_model.interface.frames import ADDRESS_BITS, MONO8, OUTPUT_FORMATS
 from ncdc_model.interface.white_balance import GAIN_BITS
 from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_model.tone import NODE_BITS, NODE_PLACES
 
 __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "COLOUR_COUNTERS",
            "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START",
-           "FAULT_ALIGNMENT", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID",
-           "INTERPOLATION_BITS", "NODES", "OUTSIDE_DIGEST", "Register", "SKIP", "STATUS_ABORTED",
-           "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT",
-           "STATUS_PENDING",
+           "FAULT_ALIGNMENT", "FAULT_FORMAT", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag",
+           "ID", "INTERPOLATION_BITS", "NODES", "OUTSIDE_DIGEST", "Register", "SKIP",
+           "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE",
+           "STATUS_FAULT", "STATUS_PENDING",
            "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
            "registers"]
 
@@ -32,7 +32,8 @@ COLOUR_SETTINGS = ("GAIN_RED", "GAIN_GREEN", "GAIN_BLUE",
 
 # Registers of the set that say nothing of the lens: DIGEST does not tell of them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
-                  "TARGET_LIMIT", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH", *COLOUR_SETTINGS)
+                  "TARGET_LIMIT", "OUTPUT_FORMAT", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
+                  *COLOUR_SETTINGS)
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
@@ -41,7 +42,7 @@ STATUS_FAULT = 128
 CAPABILITIES = 0x25
 BAYER_MONO = 4            # of BAYER_PHASE
 INTERPOLATION_BITS = {FAST.name: 0x400, GRADIENT.name: 0x800}       # of CAPABILITIES
-FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE = 1, 2, 4, 8
+FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE, FAULT_FORMAT = 1, 2, 4, 8, 16
 
 # Counted while a frame runs; FRAMES beside them counts frames.
 COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS", "SINK_STALLS", "DATA_STALLS",
@@ -237,7 +238,10 @@ _FIXED = (
                  "a frame was refused: a base or the pitch is no multiple of the memory word"),
             Flag("SIZE", FAULT_SIZE, "w1c",
                  "a frame was refused: a size, the pitch, the strip or the split is beyond its "
-                 "limits, or the width no multiple of the pixels per clock")),
+                 "limits, or the width no multiple of the pixels per clock"),
+            Flag("FORMAT", FAULT_FORMAT, "w1c",
+                 "a frame was refused: `OUTPUT_FORMAT` is none of its values, or "
+                 f"{MONO8.name} and `BAYER_PHASE` names no grey sensor")),
     _action("CAPABILITIES", CAPABILITIES, "What this instance is.",
             Flag("VERSION", 0xFF, "ro", "version of this register map"),
             Flag("STREAM", 0x100, "ro", "1: pixels leave as a video stream, 0: to memory"),
@@ -255,6 +259,10 @@ _FIXED = (
     Register("ALTERED", 0x27, "ro", Bits(1),
              "1: the lens may be another one than DIGEST says: a register of it was written since "
              "the reset, or a valid row of the bank in use since configuration."),
+    Register("OUTPUT_FORMAT", 0x28, "shadow", Bits(2),
+             "Bytes of a pixel in memory, pixels and rows without a gap. "
+             + "; ".join(f"{one.code} {one.name}: {one.text}" for one in OUTPUT_FORMATS.values())
+             + ". A stream takes no notice."),
 )
 NODES = 0x30
 _NODES = Register("NODES", NODES, "ro", Bits(6),

@@ -1,6 +1,11 @@
 """What the registers of a system hold after a reset: sizes and places for one camera."""
 
-from ncdc_model.interface.frames import FramePlaces, source_bytes, target_bytes
+from ncdc_model.interface.frames import (
+    FramePlaces,
+    output_format,
+    source_bytes,
+    target_bytes,
+)
 from ncdc_model.interface.system_map import Stores
 from ncdc_model.sensors.level import LINEAR
 
@@ -29,7 +34,8 @@ def _sizes(descriptor, hardware):
     """Pitch of raw frames, bytes of the place of a raw and of a corrected frame."""
     pitch = FramePlaces.after_reset(descriptor.geometry, hardware.data_width).pitch
     return (pitch, _aligned(source_bytes(descriptor.geometry, pitch)),
-            _aligned(target_bytes(descriptor.geometry, hardware.data_width)))
+            _aligned(target_bytes(descriptor.geometry, hardware.data_width,
+                                  output_format(hardware.format))))
 
 
 def memory_bytes(descriptor, hardware, stores):

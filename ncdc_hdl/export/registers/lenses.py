@@ -8,6 +8,7 @@ from ncdc_model.errors import InputError, reading
 from ncdc_model.evaluate import check_curvature
 from ncdc_model.fetch.plan import best_split
 from ncdc_model.hardware import check_lanes
+from ncdc_model.interface.frames import check_format, output_format
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import COLOUR_SETTINGS
 
@@ -75,8 +76,8 @@ def check_lens(corrector, path, descriptor):
     ------
     InputError
         If neurons, formats, tan-sigmoid, interpolation or nodes differ, the nodes miss the lens's
-        own network by more than the limit, the table of valid rows is too small, or the width is
-        no multiple of the pixels per clock.
+        own network by more than the limit, the table of valid rows is too small, the width is no
+        multiple of the pixels per clock, or the corrector's format would lose the lens's colours.
     """
     made_for = corrector.descriptor
     for what, value, needed in (
@@ -99,6 +100,7 @@ def check_lens(corrector, path, descriptor):
                          f"of valid rows counts to {corrector.table.max_column}")
     with reading(path):
         check_lanes(width, corrector.hardware.lanes)
+        check_format(output_format(corrector.hardware.format), descriptor.geometry)
         check_curvature(descriptor)
 
 

@@ -21,7 +21,7 @@ WRITE_HOST = {
     "address": "byte address of a burst, on a word",
     "write": "a word of a burst, held in waitrequest",
     "burstcount": "words of the burst, constant in it",
-    "writedata": "pixels: blue, green, red, zero",
+    "writedata": "pixels as OUTPUT_FORMAT has them",
     "byteenable": "bytes of the word that count",
     "waitrequest": "the memory takes no word now"}
 STREAM = {

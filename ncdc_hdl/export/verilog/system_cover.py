@@ -38,7 +38,7 @@ _INTERFACES = (
     ("raw frames, second row of a window: Avalon-MM burst read host", "read1_", READ_HOST),
     ("raw frames, third row of a window: Avalon-MM burst read host", "read2_", READ_HOST),
     ("raw and corrected frames: Avalon-MM burst write host", "write_", WRITE_HOST | {
-        "writedata": "samples, or pixels: blue, green, red, zero"}),
+        "writedata": "samples, or pixels as OUTPUT_FORMAT has them"}),
     ("corrected frames: Avalon-ST video source", "stream_", STREAM),
     ("status", tuple(_STATUS), _STATUS),
 )

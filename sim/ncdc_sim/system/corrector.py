@@ -10,7 +10,14 @@ from ncdc_model.corrector import check_raw, correct
 from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_model.interface.frames import (
+    FramePlaces,
+    frame_bytes,
+    output_format,
+    raw_image,
+    stored_bytes,
+    stored_picture,
+)
 from ncdc_model.interface.host_values import host_values, table_words
 from ncdc_model.interface.register_map import (
     COLOUR_COUNTERS,
@@ -31,6 +38,8 @@ class Simulation:
     Parameters
     ----------
     picture, golden : ndarray of uint8, shape (height, width, 3)
+    stored, expected : ndarray of uint8, shape (height, width, bytes of a pixel)
+        The same as memory holds them, all bytes of the format; of a stream the pictures.
     blank : ndarray of bool, shape (height, width)
         Pixels without a source, of the golden model.
     counters : dict
@@ -39,6 +48,8 @@ class Simulation:
         Windows, or tiles, that the golden model says are read.
     bytes_read, bytes_written : int
         On the memory's ports.
+    bytes_outside : int
+        Of these those that are no part of the raw frame's place, and none of a pixel.
     clocks_outside : int
         From the start's register write to the interrupt, counted by the bench.
     follow : dict
@@ -53,11 +64,14 @@ class Simulation:
     """
     picture: np.ndarray
     golden: np.ndarray
+    stored: np.ndarray
+    expected: np.ndarray
     blank: np.ndarray
     counters: dict
     fetches_expected: int
     bytes_read: int
     bytes_written: int
+    bytes_outside: int
     clocks_outside: int
     follow: dict
     sums: dict
@@ -67,7 +81,7 @@ class Simulation:
     @property
     def differing(self):
         """(u, v) of the pixels that differ, in raster order."""
-        rows, columns = np.nonzero((self.picture != self.golden).any(axis=2))
+        rows, columns = np.nonzero((self.stored != self.expected).any(axis=2))
         return list(zip(columns.tolist(), rows.tolist()))
 
     def report(self):
@@ -79,6 +93,7 @@ class Simulation:
             "clocks_per_pixel": self.counters["CLOCKS"] / pixels,
             "bytes_read_per_pixel": self.bytes_read / pixels,
             "bytes_written_per_pixel": self.bytes_written / pixels,
+            "bytes_outside": self.bytes_outside,
             "windows_fetched": self.counters["FETCHES"],
             "windows_fetched_expected": self.fetches_expected,
             **{name.lower(): self.counters[name] for name in COUNTERS if name.endswith("_STALLS")},
@@ -97,7 +112,11 @@ def corrector_program(descriptor, hardware, checked=True, follow=False, colour=C
     writes = [(rows[name].address, value)
               for name, value in host.items()]
     writes += table_words(descriptor.valid)
-    program = Program()
+    target = host["TARGET_BASE"]
+    written = 0 if hardware.stream else frame_bytes(descriptor.geometry,
+                                                    output_format(hardware.format))
+    program = Program().place((host["SOURCE_BASE"], host["SOURCE_LIMIT"]),
+                              (target, target + written))
     for address, value in [*writes, (rows["IRQ_ENABLE"].address, 1)]:
         program.write(address, value)
     if checked:
@@ -170,25 +189,28 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
         verilog = corrector_verilog(descriptor, hardware)
     places = FramePlaces.after_reset(geometry, hardware.data_width)
     width, height = geometry.corrected
-    follow = follow_line is not None
+    form, follow = output_format(hardware.format), follow_line is not None
     camera = Camera(*geometry.distorted, places.pitch, follow_line) if follow else None
     result = simulate_frame(
         verilog, raw_image(raw, places.pitch),
         corrector_program(descriptor, hardware, follow=follow, colour=colour),
         source_base=places.source, output_base=places.target,
-        output_bytes=3 * width * height if hardware.stream else frame_bytes(geometry),
+        output_bytes=3 * width * height if hardware.stream else frame_bytes(geometry, form),
         camera=camera, progress=progress, memory=memory, **run)
-    picture = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
-    if not hardware.stream:
-        picture = stored_picture(picture)
+    stored = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
     golden = correct(descriptor, raw, strip=hardware.strip)
+    balanced = coloured(golden, colour)
+    picture, expected = stored, balanced
+    if not hardware.stream:
+        picture, expected = stored_picture(stored, form), stored_bytes(balanced, form)
     rows = _rows(descriptor, hardware)
     return Simulation(
-        picture=picture, golden=coloured(golden, colour), blank=golden.blank,
+        picture=picture, golden=balanced, stored=stored, expected=expected, blank=golden.blank,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
         fetches_expected=(tiles_fetched(descriptor, hardware) if hardware.cached
                           else golden.fetches),
         bytes_read=sum(result.bytes_read), bytes_written=result.bytes_written,
+        bytes_outside=result.counters["outside_bytes"],
         clocks_outside=result.clocks[0], follow=_follow(result) if follow else {},
         sums={name: result.registers[rows[name].address] for name in _colour_counters(hardware)},
         sums_expected=ColourSums.of(golden).registers if hardware.colour else {},

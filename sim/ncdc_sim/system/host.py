@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.interface.frames import PIXEL_BYTES, stored_picture
+from ncdc_model.interface.frames import output_format, stored_picture
 from ncdc_model.interface.register_map import registers
 from ncdc_model.interface.system_map import EVENTS, I2C_COMMAND_FLAGS, system_registers
 
@@ -178,10 +178,11 @@ class SystemHost:
     def picture(self, frame):
         """Pixels of a corrected frame, uint8 (height, width, 3)."""
         width, height = self.geometry.corrected
-        size = 3 if self.live.stream else PIXEL_BYTES
+        form = output_format(self.system.hardware.format)
+        size = 3 if self.live.stream else form.pixel_bytes
         pixels = np.frombuffer(frame.data, np.uint8)[:size * width * height]
         pixels = pixels.reshape(height, width, size)
-        return pixels if self.live.stream else stored_picture(pixels)
+        return pixels if self.live.stream else stored_picture(pixels, form)
 
     def raw(self, frame):
         """Samples of a raw frame, uint8 (height, width)."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image
+from ncdc_model.interface.frames import FramePlaces, frame_bytes, output_format, raw_image
 from ncdc_model.interface.host_values import host_values, place_values
 from ncdc_model.interface.register_map import CTRL_ABORT, STATUS_DONE, TABLE
 from ncdc_sim.system.frame import Program, simulate_frame
@@ -57,13 +57,13 @@ def simulate_nonsense(corrector, verilog, raw, frames, *, seed=1, **options):
     """
     rng = np.random.default_rng(seed)
     d, hardware = corrector.descriptor, corrector.hardware
-    stream = hardware.stream
+    stream, form = hardware.stream, output_format(hardware.format)
     table = {r.name: r for r in corrector.registers.table}
     rows = {name: r.address for name, r in table.items()}
     right = host_values(d, hardware)
     pitch = right["SOURCE_PITCH"]
     image = raw_image(raw, pitch)
-    size = frame_bytes(d.geometry)
+    size = frame_bytes(d.geometry, form)
     step = aligned(size)
     # Nonsense goes to the first place, frames with sense each to one of their own.
     junk = aligned(right["SOURCE_LIMIT"])
@@ -73,7 +73,7 @@ def simulate_nonsense(corrector, verilog, raw, frames, *, seed=1, **options):
         _nonsense_frame(program, rng, table, right, junk, bool(k % 2))
         target = base + k * step
         values = right | place_values(d.geometry, hardware.data_width,
-                                      FramePlaces(0, target, pitch))
+                                      FramePlaces(0, target, pitch), form)
         program.place((0, values["SOURCE_LIMIT"]), (target, target + size))
         begin(program, rows, values)
         program.wait_irq().compare(rows["FAULT"], 0).write(rows["STATUS"], STATUS_DONE)
@@ -81,11 +81,11 @@ def simulate_nonsense(corrector, verilog, raw, frames, *, seed=1, **options):
         verilog, image.ljust(base, b"\x5a"), program, source_base=0, output_base=base,
         output_bytes=_most(corrector, frames) if stream else frames * step, seed=seed, **options)
     golden = correct(d, raw, strip=hardware.strip).picture
-    count = output_bytes(d.geometry, stream)
+    count = output_bytes(d.geometry, stream, form)
     begins = [end - count for end in result.outputs[1::2]] if stream else range(
         0, frames * step, step)
     faults = tuple(value for address, value in result.reads if address == rows["FAULT"])
-    wrong = differing(result.output, begins, len(begins) * [golden], stream)
+    wrong = differing(result.output, begins, len(begins) * [golden], stream, form)
     return Nonsense(wrong, result.counters["outside_bytes"], faults)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ncdc_model.interface.frames import PIXEL_BYTES, stored_picture
+from ncdc_model.interface.frames import BGRX8, frame_bytes, stored_bytes
 from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START
 
 __all__ = ["aligned", "begin", "differing", "output_bytes"]
@@ -22,23 +22,21 @@ def begin(program, rows, values):
     program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
 
 
-def output_bytes(geometry, stream):
-    """Bytes of a corrected frame in a run's output: of a stream three per pixel."""
+def output_bytes(geometry, stream, form=BGRX8):
+    """Bytes of a corrected frame in a run's output: of a stream three per pixel, else as the
+    :class:`OutputFormat` ``form`` has it."""
     pixels = geometry.corrected_width * geometry.corrected_height
-    return pixels * (3 if stream else PIXEL_BYTES)
+    return 3 * pixels if stream else frame_bytes(geometry, form)
 
 
-def differing(output, places, goldens, stream):
+def differing(output, places, goldens, stream, form=BGRX8):
     """Pixels that differ from the golden picture (height, width, 3), of each frame, as a tuple.
 
-    ``places``: where each frame begins in the run's ``output``.
+    ``places``: where each frame begins in the run's ``output``. All bytes of a pixel count.
     """
     counts = []
     for place, golden in zip(places, goldens, strict=True):
-        height, width, _ = golden.shape
-        step = 3 if stream else PIXEL_BYTES
-        got = np.frombuffer(output, np.uint8, height * width * step, place)
-        got = got.reshape(height, width, step)
-        got = got if stream else stored_picture(got)
-        counts.append(int((got != golden).any(axis=2).sum()))
+        expected = golden if stream else stored_bytes(golden, form)
+        got = np.frombuffer(output, np.uint8, expected.size, place).reshape(expected.shape)
+        counts.append(int((got != expected).any(axis=2).sum()))
     return tuple(counts)

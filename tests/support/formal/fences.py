@@ -12,7 +12,7 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.avalon.read_commands import command_layout
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.layouts import pixel_layout
-from ncdc_hdl.backend.packer import Packer
+from ncdc_hdl.backend.packer import FORMAT, Packer
 from ncdc_hdl.frontend.strips import ORDER
 
 __all__ = ["FencedReads", "FencedWords", "WordsInBursts"]
@@ -56,7 +56,7 @@ class FencedReads(Wrapper):
 
 
 class FencedWords(Wrapper):
-    """``Packer`` with any pixels, sizes, strips, base and limit, reset at any time.
+    """``Packer`` with any pixels, formats, sizes, strips, base and limit, reset at any time.
 
     Asserts that each word that is no void one is inside the place, aligned, and where the one
     before it ends unless that one said otherwise.
@@ -66,7 +66,7 @@ class FencedWords(Wrapper):
         self.dut, self.word = kind(data_width, lanes), data_width // 8
         super().__init__({
             "start": In(1), "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS),
-            "order": In(ORDER), "refuse": In(1), "valid": In(1),
+            "order": In(ORDER), "format": In(FORMAT), "refuse": In(1), "valid": In(1),
             "pixel": In(pixel_layout(lanes)), "ready": In(1)})
 
     def elaborate(self, platform):
@@ -82,7 +82,8 @@ class FencedWords(Wrapper):
         given(m, ~self.start | ~dut.o.valid)
         given(m, ~self.valid | (running & ~self.start))
         m.d.comb += [dut.start.eq(self.start), dut.base.eq(self.base), dut.limit.eq(self.limit),
-                     dut.order.eq(self.order), dut.refuse.eq(self.refuse),
+                     dut.order.eq(self.order), dut.format.eq(self.format),
+                     dut.refuse.eq(self.refuse),
                      dut.i.valid.eq(self.valid), dut.i.payload.eq(self.pixel),
                      dut.o.ready.eq(self.ready)]
         end = Signal(ADDRESS_BITS + 1)
