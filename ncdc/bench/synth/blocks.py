@@ -4,9 +4,13 @@ from functools import cache
 
 import numpy as np
 
+from ncdc.bench.synth.camera import CameraBlocks
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.colour import Colour
 from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.camera.frame_store import FrameStore
+from ncdc_hdl.camera.i2c import I2cController
+from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.between import NodesToCoordinates
@@ -95,6 +99,10 @@ BLOCKS = {
                      "gradient bilinear":
                      lambda bits: Interpolator(Formats().coordinate.f_bits,
                                                interpolation=GRADIENT)},
+    "camera": {"capture, store, I2C": lambda bits: CameraBlocks(_DATA_WIDTH, 16, 3, 512),
+               "with a queue of 32": lambda bits: CameraBlocks(_DATA_WIDTH, 16, 3, 32),
+               "frame store": lambda bits: FrameStore(3), "I2C": lambda bits: I2cController(),
+               "sensor port": lambda bits: SensorPort()},
     "colour": {"gains and tone": lambda bits: Colour()},
     "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),
              "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),
