@@ -6,6 +6,7 @@ import re
 import shlex
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -16,12 +17,15 @@ from ncdc_hdl.export.registers.page import register_doc
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.descriptor import Formats
+from ncdc_model.hardware import Hardware
 from ncdc_model.interface.page import protocols_doc
 from ncdc_model.interface.register_map import COLOUR_COUNTERS, COUNTERS, registers
+from ncdc_model.interface.system_map import system_registers
+from ncdc_model.interface.system_values import stores_for
 from ncdc_model.tansig import FRACTION_BITS
-from ncdc_model.tone import NODE_PLACES
 from ncdc_model.training.train import TRAINERS
 
+_STORES = stores_for(Hardware(), 2)
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
 SOURCES = ("ncdc", "ncdc_hdl", "host", "model", "sim", "boards", "tests", "docs")
@@ -158,16 +162,17 @@ def test_register_page_is_printed():
 
 @pytest.mark.parametrize("neurons", [1, 2, 32])
 def test_register_page_gives_every_register_its_offset(neurons):
+    table = (*registers(neurons, Formats(), colour=True), *system_registers(_STORES))
+    families = Counter(register.family[0] for register in table)
     offsets = {}
     for offset, name in re.findall(r"^\| (0x[^|]*) \| `(\w+)` \|",
                                    register_doc(neurons, Formats()), re.MULTILINE):
         first, _, step = offset.partition(" + ")
         if name != "VALID_ROWS":
-            nodes = len(NODE_PLACES) if name == "TONEj" else neurons
-            for j in range(nodes if "j" in name else 1):
+            for j in range(families[name]):
                 offsets[name.replace("j", str(j))] = int(first, 16) + j * int(
                     step.removesuffix(" j") or 0)
-    assert offsets == {r.name: 4 * r.address for r in registers(neurons, Formats(), colour=True)}
+    assert offsets == {r.name: 4 * r.address for r in table}
 
 
 def test_latencies_of_the_tan_sigmoids_are_those_of_the_gateware():

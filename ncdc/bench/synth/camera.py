@@ -25,8 +25,8 @@ class CameraBlocks(wiring.Component):
     """
 
     def __init__(self, data_width, burst, readers, depth):
-        self.parts = {"capture": Capture(data_width, burst=burst, depth=depth), "store": FrameStore(readers),
-                      "i2c": I2cController()}
+        self.parts = {"capture": Capture(data_width, burst=burst, depth=depth),
+                      "store": FrameStore(readers), "i2c": I2cController()}
         super().__init__({name: Out(part.signature) for name, part in self.parts.items()})
 
     def elaborate(self, platform):
