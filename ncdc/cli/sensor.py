@@ -51,7 +51,7 @@ def run(args):
                                      for field in dataclasses.fields(Settings)}))
     if args.c is not None:
         write_text(args.c, c_array(plan))
-    if not write_report(_report(plan), args.json):
+    if not write_report(plan.report(), args.json):
         print(_table(plan))
         print("\n".join(f"{name:<18} {text}" for name, text in _summary(plan)))
 
@@ -82,16 +82,6 @@ def _table(plan):
                            for number, digits in zip((write.register, write.value), wide))
         lines.append(f"{register:<8}  {value:<6}  {write.meaning}{wait}")
     return "\n".join(lines)
-
-
-def _report(plan):
-    timing = plan.timing
-    return {"sensor": plan.sensor.name, "i2c_address": plan.sensor.i2c_address,
-            "writes": [dataclasses.asdict(write) for write in plan.writes],
-            "exposure_us": plan.exposure_us, "gain_db": plan.gain_db, "bayer": plan.bayer,
-            "black": plan.sensor.black, "line_clocks": timing.line_clocks,
-            "frame_lines": timing.frame_lines, "pixel_clock_hz": timing.pixel_clock_hz,
-            "frames_per_second": timing.frames_per_second}
 
 
 def c_array(plan):

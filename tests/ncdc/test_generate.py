@@ -133,3 +133,19 @@ def test_every_output_and_width_has_its_ports(folder, tmp_path):
         assert ("stream_data" in verilog) == (to == "stream")
         assert ("write_writedata" in verilog) == (to == "memory")
         assert re.search(r"^  input  wire +\[63:0\] read0_readdata,", verilog, re.MULTILINE)
+
+
+def test_a_system_is_written_with_the_driver_of_its_camera(folder, capsys):
+    """And without the files of a corrector alone."""
+    net, output = str(folder / "net.toml"), folder / "system"
+    assert main(["generate", net, "-o", str(output), "--system", "--data-width", "64"]) == 0
+    names = {path.name for path in output.iterdir()}
+    assert {"ncdc_system.v", "ncdc_system.vlt", "ncdc_camera.py", "ncdc_registers.h"} <= names
+    assert not {"ncdc.v", "ncdc.core", "ncdc_hw.tcl"} & names
+    verilog = (output / "ncdc_system.v").read_text()
+    assert "--system" in verilog and "--data-width 64" in verilog
+    assert re.search(r"NCDC_RAW0_BASE 0x11100u", (output / "ncdc_registers.h").read_text())
+    with pytest.raises(SystemExit) as ended:
+        main(["generate", net, "-o", str(folder / "none"), "--system", "--board", "de2-115"])
+    assert ended.value.code == 2 and "--system" in capsys.readouterr().err
+    assert not (folder / "none").exists()

@@ -1,6 +1,6 @@
 """What image sensors have in common: what they can do, what is asked of one, what it then does."""
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from fractions import Fraction
 from math import log10
 
@@ -190,6 +190,19 @@ class Setup:
     timing: Timing
     exposure_clocks: int
     gain_256: int
+
+    def report(self):
+        """The figures under their names in every report."""
+        sensor, timing = self.sensor, self.timing
+        return {
+            "sensor": sensor.name, "i2c_address": sensor.i2c_address,
+            "pointer_bits": sensor.pointer_bits, "value_bits": sensor.value_bits,
+            "chip_id": [list(pair) for pair in sensor.chip_id],
+            "writes": [asdict(write) for write in self.writes],
+            "exposure_us": self.exposure_us, "gain_db": self.gain_db, "bayer": self.bayer,
+            "black": sensor.black, "line_clocks": timing.line_clocks,
+            "frame_lines": timing.frame_lines, "pixel_clock_hz": timing.pixel_clock_hz,
+            "frames_per_second": timing.frames_per_second}
 
     @property
     def pairs(self):

@@ -13,6 +13,7 @@ __all__ = ["driver_files"]
 
 # The same for every corrector.
 _FIXED = ("ncdc.h", "ncdc.c", "ncdc_mapped.h", "ncdc_driver.py", "ncdc_backends.py")
+_SYSTEM = ("ncdc_camera.py",)       # of a system besides
 
 
 def driver_files(corrector, named, behind=()):
@@ -37,7 +38,7 @@ def driver_files(corrector, named, behind=()):
         "ncdc_registers.h": c_header(table),
         "ncdc_lenses.h": c_lenses_header(lenses), "ncdc_lenses.c": c_lenses(lenses),
         "ncdc_registers.py": python_registers(table), "ncdc_lenses.py": python_lenses(lenses),
-        **{name: (host / name).read_text() for name in _FIXED},
+        **{name: (host / name).read_text() for name in (*_FIXED, *(_SYSTEM if behind else ()))},
         "ncdc_white_balance.py": inspect.getsource(white_balance),
         "ncdc.rdl": system_rdl(corrector.registers),
     }

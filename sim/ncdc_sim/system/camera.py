@@ -105,11 +105,11 @@ def simulate_camera(system, setup, light, *, count, follow=False, disturb=None,
     with running(system, setup, light, registers={"RUN_FOLLOW": int(follow)}, **run) as camera:
         host, live = camera.host, camera.host.live
         limit = 6 * camera.frame_clocks + _PATIENCE
-        host.listen("CORRECTED_FRAME", "CORRECTED_BAD", "RAW_BAD")
+        host.camera.listen("CORRECTED_FRAME", "CORRECTED_BAD", "RAW_BAD")
         while len(result.frames) < count:
             if not live.wait_irq(limit):
                 raise SimulationError(f"no frame came in {limit} clocks")
-            now, events = live.now, host.events()
+            now, events = live.now, host.camera.events()
             if "CORRECTED_FRAME" in events:
                 result.frames.append(_frame(camera, now))
                 progress(len(result.frames) / count)
@@ -118,7 +118,8 @@ def simulate_camera(system, setup, light, *, count, follow=False, disturb=None,
             elif not disturb and not run.get("fault"):
                 raise SimulationError(f"a frame ended badly: {', '.join(sorted(events))}")
         result.counters = {name: host.get(name) for name in _COUNTERS}
-        result.i2c_errors, result.clocks, result.bench = host.i2c_errors, live.now, live.end()
+        result.i2c_errors = host.camera.i2c_errors
+        result.clocks, result.bench = live.now, live.end()
     return result
 
 
@@ -129,6 +130,6 @@ def _frame(camera, now):
     clocks = host.get("CLOCKS")
     golden = correct(host.system.descriptor, camera.sent(frame.number),
                      strip=host.system.hardware.strip)
-    host.release()
+    host.camera.release(0)
     return CameraFrame(frame.number, host.picture(frame), golden.picture, clocks,
                        frame.time and now - frame.time)

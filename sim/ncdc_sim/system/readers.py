@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.corrector import correct
+from ncdc_sim.system.host import Content
 from ncdc_sim.system.running import running
 
 __all__ = ["ReadersRun", "simulate_readers"]
@@ -48,19 +49,19 @@ class _Reader:
         host = self.host
         if self.frame is None:
             self.is_corrected = chance.random() < .5
-            self.frame = host.claim(self.is_corrected, self.number)
+            frame = host.camera.claim(self.number, self.is_corrected)
+            self.frame = frame and (frame, host.live.memory(frame.base, frame.size // 2))
             return
-        first, name = self.frame, f"READER{self.number}"
-        size = len(first.data)
-        second = host.reread(self.is_corrected, self.number, size)
-        lost = host.flag(name, "LOST")
-        host.release(self.number)
+        first, data = self.frame
+        size = first.size // 2
+        data += host.live.memory(first.base + size, first.size - size)
+        lost = host.camera.lost(self.number)
+        host.camera.release(self.number)
         self.frame = None
         if lost:
             run.lost += 1
             return
-        data = first.data[:size // 2] + second[size // 2:]
-        whole = type(first)(first.number, first.time, data)
+        whole = Content(first.number, first.time, data)
         seen = host.picture(whole) if self.is_corrected else host.raw(whole)
         if not np.array_equal(seen, self.golden(self.is_corrected, first.number)):
             run.torn += 1

@@ -75,9 +75,14 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
         host = SystemHost(live, system)
         live.sensor_power(True)
         live.wait(100)
-        host.put(SENT_WIDTH=setup.timing.width, SENT_HEIGHT=setup.timing.height,
-                 WINDOW_LEFT=left, WINDOW_TOP=top, BLACK_LEVEL=sensor.black,
-                 CLOCK_LIMIT=frame // 2, **(registers or {}),
-                 I2C_QUARTER=quarter_clocks(10**12 // clocks.clk_period, _I2C_HZ))
-        host.set_up(setup, before_start=lambda: host.put(RUN=1, CAMERA_ENABLE=1))
+        host.quarter = quarter_clocks(10**12 // clocks.clk_period, _I2C_HZ)
+        host.camera.put(SENT_WIDTH=setup.timing.width, SENT_HEIGHT=setup.timing.height,
+                        WINDOW_LEFT=left, WINDOW_TOP=top, BLACK_LEVEL=sensor.black,
+                        CLOCK_LIMIT=frame // 2, I2C_QUARTER=host.quarter, **(registers or {}))
+        # Without the waits, which are those of a PLL.
+        report = setup.report()
+        writes = [write | {"wait_us": 0} for write in report["writes"]]
+        host.camera.set_up(report | {"writes": writes[:-1]})
+        host.camera.start()
+        host.camera.set_up(report | {"writes": writes[-1:]})
         yield Running(host, levelled(raw, sensor.black), frame)
