@@ -53,7 +53,8 @@ class Packer(wiring.Component):
     format : ``In(FORMAT)``
         Code of an ``OutputFormat``. Constant in a frame, as are the next three.
     base, limit, order : ``In(32)``, ``In(32)``, ``In(ORDER)``
-        Byte address of the frame, a multiple of the word, and of what is behind its place; sizes.
+        Byte address of the frame, a multiple of the word, and of what is behind its place; sizes,
+        of which the height is 2 at least where there are several strips.
     refuse : ``In(1)``
         Nothing of this frame is to be sent; high before its first pixel comes.
     outside : ``Out(1)``
@@ -145,19 +146,21 @@ class Packer(wiring.Component):
         row = Signal(len(address))              # of the first group in the row of the strip
         next_strip = Signal(len(address))       # of the first group of the strip behind it
         top = Signal()                          # the row is the picture's first
-        below, beside = Signal(len(address)), Signal(len(address))
+        below = Signal(len(address))            # of the first group in the row below
         m.d.sync += stride.eq(self._by_format(width, BGR8.pixel_bytes * width, _MOST * width))
-        # The strip behind begins where the first row of this one ends.
         behind = Cat(end[:place_bits], number)
-        m.d.comb += [below.eq(row + stride), beside.eq(Mux(top, behind, next_strip))]
-        anew = Mux(strips.last_row, beside, below)
+        m.d.comb += below.eq(row + stride)
+        anew = Mux(strips.last_row, next_strip, below)
         with m.If(put):
             m.d.sync += address[place_bits:].eq(number)
             with m.If(~final):
                 m.d.sync += end.eq(end - self.units)
             with m.Elif(strips.last_column):
                 m.d.sync += [address.eq(anew), end.eq(anew[:place_bits] + size), row.eq(anew),
-                             next_strip.eq(beside), top.eq(strips.last_row)]
+                             top.eq(strips.last_row)]
+                # The strip behind begins where the first row of this one ends.
+                with m.If(top):
+                    m.d.sync += next_strip.eq(behind)
             with m.Else():
                 m.d.sync += [address.eq(behind), end.eq(end[:place_bits] + size)]
         with m.If(self.start):
