@@ -10,6 +10,7 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.layouts import pixel_layout
 from ncdc_hdl.frontend.strips import ORDER, Strips
 from ncdc_hdl.lib.groups import lanes_of
+from ncdc_hdl.lib.pipeline import register
 from ncdc_model.interface.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
 
 __all__ = ["FORMAT", "Packer"]
@@ -52,7 +53,8 @@ class Packer(wiring.Component):
     format : ``In(FORMAT)``
         Code of an ``OutputFormat``. Constant in a frame, as are the next three.
     base, limit, order : ``In(32)``, ``In(32)``, ``In(ORDER)``
-        Byte address of the frame, a multiple of the word, and of what is behind its place; sizes.
+        Byte address of the frame, a multiple of the word, and of what is behind its place; sizes,
+        of which the height is 2 at least where there are several strips.
     refuse : ``In(1)``
         Nothing of this frame is to be sent; high before its first pixel comes.
     outside : ``Out(1)``
@@ -78,7 +80,6 @@ class Packer(wiring.Component):
         part = Signal(range(max(2, _MOST // units)))    # words before this one that the group is in
         number = Signal(ADDRESS_BITS - word_bits)       # of the word
         place = Signal(exact_log2(units))               # unit of the word in which the group begins
-        size = Signal(range(_MOST + 1))                 # units of a group
         end = Signal(range(units + _MOST))              # unit behind the group, from this word on
         carried = Signal()                              # units of the last group are in the word
         begun = Signal()                                # the word has pixels already
@@ -86,7 +87,8 @@ class Packer(wiring.Component):
         closed = Signal()                               # nothing more of the frame is sent
 
         m.submodules.strips = strips = Strips(self.lanes)
-        ending = self.i.p.last | (strips.last_column & ~strips.raster)
+        in_strips = register(m, "in_strips", ~strips.raster)
+        ending = self.i.p.last | (strips.last_column & in_strips)
         complete = end >= units
         # Units that complete no word wait for the next group, if one follows.
         final = (end <= units) | (end < 2 * units) & ~ending
@@ -96,8 +98,6 @@ class Packer(wiring.Component):
         inside = self._inside(present, first, behind)
         void = closed | ~inside
         m.d.comb += [
-            size.eq(self._by_format(1, BGR8.pixel_bytes, _MOST)),
-            end.eq(place + size - part * units),
             self.outside.eq(put & ~inside & ~closed),
             strips.order.eq(self.order), strips.start.eq(self.start),
             strips.advance.eq(put & final | strips.begin),
@@ -112,10 +112,10 @@ class Packer(wiring.Component):
                          o.last.eq(last), o.end.eq(ending & final), o.void.eq(void),
                          o.address.eq(Cat(Const(0, word_bits), number))]
         self._fill(m, put, part, place, end, begun, carried)
-        # A word of one unit has no places.
-        then = Mux(final, end[:len(place)], place) if units > 1 else place
-        self._advance(m, put, final, strips, Cat(place, number),
-                      Cat(then, (number + complete)[:len(number)]))
+        behind_it = Signal(len(number))                 # number of the next word
+        m.d.comb += behind_it.eq(number + 1)
+        self._advance(m, put, final, strips, Cat(place, number), end,
+                      Mux(complete, behind_it, number))
         with m.If(self.start):
             m.d.sync += [closed.eq(self.base[:word_bits] != 0),
                          begun.eq(0), carried.eq(0), part.eq(0)]
@@ -136,27 +136,36 @@ class Packer(wiring.Component):
         return Mux(self.format == BGR8.code, of_bgr,
                    Mux(self.format == MONO8.code, of_mono, otherwise))
 
-    def _advance(self, m, put, final, strips, address, further):
-        """Keep ``address``, of the next group, in units; ``further``: behind what is ``put``."""
-        lane_bits = exact_log2(self.lanes)
+    def _advance(self, m, put, final, strips, address, end, number):
+        """Keep ``address``, of the next group, in units, and ``end``; ``number``: of the word that
+        is filled next."""
+        lane_bits, place_bits = exact_log2(self.lanes), exact_log2(self.units)
+        size = self._by_format(1, BGR8.pixel_bytes, _MOST)      # units of a group
         width = self.order.width[lane_bits:]
         stride = Signal(range((_MOST << len(width)) + 1))   # units from row to row
         row = Signal(len(address))              # of the first group in the row of the strip
         next_strip = Signal(len(address))       # of the first group of the strip behind it
         top = Signal()                          # the row is the picture's first
-        below, beside = Signal(len(address)), Signal(len(address))
+        below = Signal(len(address))            # of the first group in the row below
         m.d.sync += stride.eq(self._by_format(width, BGR8.pixel_bytes * width, _MOST * width))
-        # The strip behind begins where the first row of this one ends.
-        m.d.comb += [below.eq(row + stride), beside.eq(Mux(top, further, next_strip))]
-        anew = Mux(strips.last_row, beside, below)
+        behind = Cat(end[:place_bits], number)
+        m.d.comb += below.eq(row + stride)
+        anew = Mux(strips.last_row, next_strip, below)
         with m.If(put):
-            m.d.sync += address.eq(further)
-            with m.If(final & strips.last_column):
-                m.d.sync += [address.eq(anew), row.eq(anew), next_strip.eq(beside),
+            m.d.sync += address[place_bits:].eq(number)
+            with m.If(~final):
+                m.d.sync += end.eq(end - self.units)
+            with m.Elif(strips.last_column):
+                m.d.sync += [address.eq(anew), end.eq(anew[:place_bits] + size), row.eq(anew),
                              top.eq(strips.last_row)]
+                # The strip behind begins where the first row of this one ends.
+                with m.If(top):
+                    m.d.sync += next_strip.eq(behind)
+            with m.Else():
+                m.d.sync += [address.eq(behind), end.eq(end[:place_bits] + size)]
         with m.If(self.start):
-            m.d.sync += [address.eq(self.base[lane_bits:]), row.eq(self.base[lane_bits:]),
-                         top.eq(1)]
+            m.d.sync += [address.eq(self.base[lane_bits:]), end.eq(size),
+                         row.eq(self.base[lane_bits:]), top.eq(1)]
 
     def _fill(self, m, put, part, place, end, begun, carried):
         """Put the units of the group that are in the word there, and those carried into it, which

@@ -90,7 +90,7 @@ SIZES = [((1, 1), 0, 1), ((13, 10), 0, 1), ((8, 8), 0, 1), ((72, 3), 32, 1),
          ((37, 3), 32, 1),          # rows that begin within a word
          ((65, 4), 64, 1),          # a strip of one column
          ((40, 3), 64, 1),          # one strip only: rows end all the same
-         ((33, 1), 32, 1),          # a strip whose first row is its last
+         ((33, 2), 32, 1),          # a strip of one column and two rows
          ((38, 3), 32, 2), ((14, 5), 0, 2), ((34, 4), 32, 2), ((36, 4), 32, 4), ((12, 5), 0, 4),
          ((44, 3), 64, 4)]
 FORMATS = list(OUTPUT_FORMATS.values())
