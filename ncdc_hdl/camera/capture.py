@@ -6,13 +6,16 @@ from amaranth.lib.cdc import FFSynchronizer, ResetSynchronizer
 from amaranth.lib.fifo import AsyncFIFOBuffered
 from amaranth.lib.wiring import In, Out, connect, flipped
 
-from ncdc_hdl.avalon.burst_writer import BurstWriter
+from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.bus import WriteHost
 from ncdc_hdl.camera.frame_writer import COUNTS, PLACE, FrameWriter
 from ncdc_hdl.camera.layouts import ENTRY, PINS, SETTINGS, SIZE_BITS
 from ncdc_hdl.camera.sensor_port import SensorPort
+from ncdc_hdl.lib.relay import Relay
 
 __all__ = ["Capture"]
+
+_UNDER_WAY = 4          # entries that may come behind one that leaves no room, and one to spare
 
 
 class Capture(wiring.Component):
@@ -29,7 +32,7 @@ class Capture(wiring.Component):
     burst : int
         Words of a burst, at most.
     depth : int
-        A power of two.
+        A power of two, at least 8.
 
     Members
     -------
@@ -72,22 +75,31 @@ class Capture(wiring.Component):
         m.submodules.port = port = DomainRenamer("camera")(SensorPort())
         m.submodules.queue = queue = AsyncFIFOBuffered(
             width=ENTRY.size, depth=self.depth, r_domain="sync", w_domain="camera_queue")
+        # The words of a block RAM come late in their clock.
+        m.submodules.relay = relay = Relay(ENTRY)
         m.submodules.writer = writer = FrameWriter(self.data_width)
+        m.submodules.words = words = Relay(word_layout(self.data_width))
         m.submodules.bursts = bursts = BurstWriter(self.data_width, burst=self.burst)
+        # Registers before the queue: it counts as full while there is room for what is under way.
+        entry, push, room = Signal(ENTRY), Signal(), Signal()
+        m.d.camera += [entry.eq(port.entry), push.eq(port.push),
+                       room.eq(queue.w_level <= self.depth - _UNDER_WAY)]
         m.submodules.enable = FFSynchronizer(self.enable, port.enable, o_domain="camera")
         # One register on the way: a synchroniser wants no glitch.
         active, active_there = Signal(), Signal()
         m.d.camera += active.eq(port.active)
         m.submodules.active = FFSynchronizer(active, active_there)
         connect(m, flipped(self.pins), port.pins)
-        connect(m, writer.o, bursts.i)
+        connect(m, relay.o, writer.i)
+        connect(m, writer.o, words.i)
+        connect(m, words.o, bursts.i)
         connect(m, bursts.bus, flipped(self.bus))
         m.d.comb += [
             self.active.eq(self.enable | active_there),
             port.settings.eq(self.settings),
-            queue.w_data.eq(port.entry), queue.w_en.eq(port.push), port.room.eq(queue.w_rdy),
-            writer.i.payload.eq(queue.r_data), writer.i.valid.eq(queue.r_rdy),
-            queue.r_en.eq(writer.i.ready), self.half_full.eq(queue.r_level >= self.depth // 2),
+            queue.w_data.eq(entry), queue.w_en.eq(push), port.room.eq(room),
+            relay.i.payload.eq(queue.r_data), relay.i.valid.eq(queue.r_rdy),
+            queue.r_en.eq(relay.i.ready), self.half_full.eq(queue.r_level >= self.depth // 2),
             writer.place.eq(self.place), writer.limit.eq(self.limit),
             writer.done.eq(bursts.done), bursts.memory_rst.eq(self.memory_rst),
             self.begins.eq(writer.begins), self.ends.eq(writer.ends), self.good.eq(writer.good),

@@ -29,7 +29,7 @@ class Level(wiring.Component):
     o : ``Out(8)``
     """
 
-    latency = 4
+    latency = 6
 
     def __init__(self):
         super().__init__({"level": In(LEVEL, init={"curve": LINEAR}), "i": In(SAMPLE_BITS),
@@ -45,9 +45,10 @@ class Level(wiring.Component):
         left = register(m, "left", Array(nodes[:-1])[piece])
         right = register(m, "right", Array(nodes[1:])[piece])
         place = register(m, "place", d[:_PIECE_BITS])
-        # The rise from the left node on.
-        rise = register(m, "rise", (right - left) * place)
-        left = delay(m, left, 1, "left")
+        # The rise from the left node on, with the registers of a multiplier before and behind.
+        slope = register(m, "slope", right - left)
+        rise = register(m, "rise", register(m, "product", slope * delay(m, place, 1, "place")))
+        left = delay(m, left, 3, "left")
         # The byte: not negative, as it lies between two nodes.
         value = (Cat(Const(128, _PIECE_BITS), left) + rise)[_PIECE_BITS:_PIECE_BITS + CURVE_BITS]
         m.d.sync += self.o.eq(Mux(value[-1], 255, value))

@@ -66,25 +66,31 @@ class SensorPort(wiring.Component):
             m.d.sync += y.eq(y + ~y.all())
         right = register(m, "right", settings.left + settings.width - 1)
         bottom = register(m, "bottom", settings.top + settings.height)
-        in_rows, inside, last = Signal(), Signal(), Signal()
-        m.d.comb += [
-            in_rows.eq((y >= settings.top) & (y < bottom)),
-            inside.eq(line & in_rows & (x >= settings.left) & (x <= right)),
-            last.eq(inside & (x == right)),
-        ]
+        # Compared in one clock, joined in the next.
+        in_rows = register(m, "in_rows", (y >= settings.top) & (y < bottom))
+        beyond_left = register(m, "beyond_left", x >= settings.left)
+        before_end = register(m, "before_end", x <= right)
+        at_end = register(m, "at_end", x == right)
+        sent = register(m, "sent", line, reset_less=False)
+        ended = register(m, "ended", row_ends, reset_less=False)
+        inside, last = Signal(), Signal()
+        m.d.comb += [inside.eq(sent & in_rows & beyond_left & before_end),
+                     last.eq(sent & in_rows & at_end)]
         short = Signal()                # a row of the window ends before its last sample
-        m.d.comb += short.eq(row_ends & in_rows & (x <= right))
+        m.d.comb += short.eq(ended & in_rows & before_end)
 
         # Bytes, and with them what happens in their clock.
         m.submodules.level = level = Level()
-        m.d.comb += [level.level.eq(settings.level), level.i.eq(sample)]
+        m.d.comb += [level.level.eq(settings.level),
+                     level.i.eq(delay(m, sample, 1, "sample"))]
         later = {name: delay(m, signal, level.latency, name, reset_less=False)
-                 for name, signal in (("inside", inside), ("row_last", last | short),
-                                      ("begins", begins), ("ends", ends))}
-        wrong_line = delay(m, row_ends & (x != settings.sent_width), level.latency, "wrong_line",
-                           reset_less=False)
+                 for name, signal in (("inside", inside), ("row_last", last | short))}
+        later |= {name: delay(m, signal, 1 + level.latency, name, reset_less=False)
+                  for name, signal in (("begins", begins), ("ends", ends))}
+        wrong_length = register(m, "wrong_length", x != settings.sent_width)
+        wrong_line = delay(m, ended & wrong_length, level.latency, "wrong_line", reset_less=False)
         rows = y + row_ends
-        wrong_rows = delay(m, rows != settings.sent_height, level.latency, "wrong_rows")
+        wrong_rows = delay(m, rows != settings.sent_height, 1 + level.latency, "wrong_rows")
         self._entries(m, level.o, later, wrong_line, wrong_rows)
         return m
 
