@@ -21,6 +21,7 @@ module metastable_bit #(
     reg [31:0] window, seed, chance;
     reg [31:0] late_events = 0, early_events = 0;
     reg [63:0] edge_at = 0, changed_at = 0;
+    reg        begun = 0;                       // there was an edge: a change before is none
     reg        taken = 0;                       // at the last edge
     reg        early = 0, early_before = 0;     // differ: what came behind that edge was taken
     assign o = taken ^ early ^ early_before;
@@ -34,9 +35,10 @@ module metastable_bit #(
     always @(posedge clk) begin
         chance <= {chance[30:0], chance[31] ^ chance[21] ^ chance[1] ^ chance[0]};
         edge_at <= $time;
+        begun <= 1;
         early_before <= early;
         taken <= i;
-        if ($time - changed_at < {32'd0, window} && chance[3]) begin
+        if (begun && $time - changed_at < {32'd0, window} && chance[3]) begin
             taken <= !i;
             late_events = late_events + 1;
             if ((late_events & (late_events - 1)) == 0)
@@ -46,7 +48,7 @@ module metastable_bit #(
 
     always @(posedge i or negedge i) begin
         changed_at <= $time;
-        if ($time - edge_at < {32'd0, window} && chance[17]) begin
+        if (begun && $time - edge_at < {32'd0, window} && chance[17]) begin
             early <= !early_before;
             early_events = early_events + 1;
             if ((early_events & (early_events - 1)) == 0)
@@ -83,6 +85,7 @@ module metastable_reset #(
     reg [31:0] window, seed, chance;
     reg [31:0] late_events = 0, early_events = 0;
     reg [63:0] edge_at = 0, ended_at = 0;
+    reg        begun = 0;                       // there was an edge: an end before is none
     reg        set = 1;
     reg        early = 0, early_before = 0;     // differ: the edge before the end has cleared it
     assign o = i || set && early == early_before;
@@ -96,13 +99,14 @@ module metastable_reset #(
     always @(posedge clk) begin
         chance <= {chance[30:0], chance[31] ^ chance[21] ^ chance[1] ^ chance[0]};
         edge_at <= $time;
+        begun <= 1;
     end
 
     always @(posedge clk or posedge i) begin
         early_before <= early;
         if (i)
             set <= 1;
-        else if ($time - ended_at < {32'd0, window} && chance[3] && o) begin
+        else if (begun && $time - ended_at < {32'd0, window} && chance[3] && o) begin
             late_events = late_events + 1;
             if ((late_events & (late_events - 1)) == 0)
                 $display("METASTABLE %m late %0d", late_events);
@@ -113,7 +117,7 @@ module metastable_reset #(
 
     always @(negedge i) begin
         ended_at <= $time;
-        if ($time - edge_at < {32'd0, window} && chance[17]) begin
+        if (begun && $time - edge_at < {32'd0, window} && chance[17]) begin
             early <= !early_before;
             early_events = early_events + 1;
             if ((early_events & (early_events - 1)) == 0)
