@@ -6,6 +6,9 @@ from ncdc_hdl.export.verilog.cover import TOP, corrector_verilog, verilog_of
 __all__ = ["TOP", "corrector_verilog", "module_verilog", "verilog_of"]
 
 
-def module_verilog(component, name):
-    """Verilog text of one Amaranth ``component`` as module ``name``, without a header."""
-    return convert(component, name)
+def module_verilog(component, name, platform=None):
+    """Verilog text of one Amaranth ``component`` as module ``name``, without a header.
+
+    ``platform``: as Amaranth's, what may make synchronisers of its own; a simulation's does.
+    """
+    return convert(component, name, platform=platform)

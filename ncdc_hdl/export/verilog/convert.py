@@ -47,6 +47,8 @@ class Netlist:
     name : str
         Of the top module. A module below is called by it and the class it is made from, and by its
         instance too where several modules are of one class.
+    platform : object, optional
+        As of :func:`convert`.
 
     Attributes
     ----------
@@ -60,8 +62,8 @@ class Netlist:
         Verilog's name of each module that is written, by the converter's.
     """
 
-    def __init__(self, component, name):
-        fragment = Fragment.get(component, None)
+    def __init__(self, component, name, platform=None):
+        fragment = Fragment.get(component, platform)
         components = _components(fragment, ())
         self.rtlil = rtlil.convert(_Elaborated(component, fragment), name=name, emit_src=False)
         self.parts = {}
@@ -100,7 +102,7 @@ class Netlist:
         return counts
 
 
-def convert(component, name, header=(), port_lines=None):
+def convert(component, name, header=(), port_lines=None, platform=None):
     """Verilog text of ``component`` as module ``name`` and of the modules below it.
 
     Equal modules are written once. Identical text for identical input.
@@ -113,8 +115,10 @@ def convert(component, name, header=(), port_lines=None):
         Lines that open the file, without the slashes of comments.
     port_lines : callable, optional
         Lines of the top's port list, see :func:`ncdc_hdl.export.verilog.printer.module_lines`.
+    platform : object, optional
+        Amaranth's, whose synchronisers take the place of plain flops.
     """
-    netlist = Netlist(component, name)
+    netlist = Netlist(component, name, platform)
     counts, lines = netlist.instances(), [f"// {line}".rstrip() for line in header]
     for k, original in enumerate(netlist.written()):
         part = netlist.parts[original]

@@ -44,8 +44,11 @@ _INTERFACES = (
 )
 
 
-def system_verilog(system):
-    """Verilog text of a :class:`ncdc_hdl.system.System`, module ``ncdc_system``."""
+def system_verilog(system, platform=None):
+    """Verilog text of a :class:`ncdc_hdl.system.System`, module ``ncdc_system``.
+
+    ``platform``: as of :func:`ncdc_hdl.export.verilog.module_verilog`.
+    """
     descriptor, g = system.descriptor, system.descriptor.geometry
     stores = system.stores
     command = " ".join(["ncdc generate NET.toml -o DIR --system", *system.hardware.options(g)])
@@ -62,4 +65,5 @@ def system_verilog(system):
         "",
         "Every distinct module stands here once, the top first, each below a line with its source,",
         "what it does and its latency in clocks."]
-    return convert(system, SYSTEM, header, partial(port_lines, interfaces=_INTERFACES))
+    return convert(system, SYSTEM, header, partial(port_lines, interfaces=_INTERFACES),
+                   platform)

@@ -12,7 +12,7 @@ from ncdc_model.sensors.level import LINEAR, levelled
 from ncdc_sim.benches.avalon import write_memory
 from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
 
-__all__ = ["faults", "frames", "switched_off", "too_small"]
+__all__ = ["faults", "frames", "restarts", "switched_off", "too_small"]
 
 SENT, WINDOW, CORNER = (26, 14), (18, 9), (5, 3)        # width and height; left and top
 PITCH, PLACE_BYTES, FIRST = 32, 512, 1024
@@ -74,6 +74,7 @@ class Writer:
     """Gives each frame a place of its own, and knows how each ended."""
     def __init__(self, dut, wait):
         self.dut, self.ended, self.begun, self.content = dut, [], 0, bytearray(b"\xee" * 16384)
+        self.good = []          # numbers of the frames that ended as good
         self.wait, self.bytes, self.pitch = wait, PITCH * WINDOW[1], PITCH
         cocotb.start_soon(write_memory(dut, "bus", self.content, wait=wait))
         cocotb.start_soon(self._watch())
@@ -96,6 +97,7 @@ class Writer:
                 self.begun += 1
             if ends:
                 self.ended.append(good)
+                self.good += [self.begun - 1] * good
 
     async def end_of(self, count):
         """Wait until so many frames have ended."""
@@ -165,7 +167,7 @@ async def frames(dut, black, curve):
         # The sensor's clock goes on; the memory may take its time.
         while len(writer.ended) <= number:
             await sensor.tick()
-        assert writer.ended[number]
+        assert writer.ended[number], (number, counts(dut))
         assert np.array_equal(writer.frame(number), expected(samples, black, curve))
         assert int(dut.rows.value) == WINDOW[1]
     assert not any(counts(dut).values())
@@ -272,3 +274,38 @@ async def too_small(dut):
     assert set(first[:PITCH * (WINDOW[1] - 1)]) != {0xEE}
     assert set(first[PITCH * (WINDOW[1] - 1):]) == {0xEE} == set(second)
     assert not any(counts(dut).values())
+
+
+@cocotb.test()
+async def restarts(dut):
+    """Enabled, disabled and reset at any time: what ends as good is a whole frame, in order, and
+    the last one is captured."""
+    sensor, writer = await begin(dut, enable=0)
+    period, frames = settings()["camera_period_ps"], []
+
+    async def change(wait_ps, name):
+        await Timer(max(1, wait_ps), "ps")
+        if name == "rst":
+            dut.rst.value = 1
+            await Timer(3 * PERIOD, "ns")
+            dut.rst.value = 0
+        else:
+            dut.enable.value = 1 - int(dut.enable.value)
+
+    for number in range(16):
+        clocks_of_frame = SENT[0] * SENT[1] * period
+        cocotb.start_soon(change(sensor.chance.randrange(clocks_of_frame),
+                                 "rst" if number % 4 == 3 else "enable"))
+        frames.append(await sensor.frame())
+        await sensor.rest(40)
+    dut.enable.value = 1
+    await Timer(40 * max(period, 1000 * PERIOD), "ps")
+    await sensor.rest(max(40, 2000 * PERIOD // period))
+    frames.append(await sensor.frame())
+    while writer.begun - 1 not in writer.good:
+        await sensor.tick()
+    wanted = iter([expected(samples).tobytes() for samples in frames])
+    for number in writer.good:
+        assert writer.frame(number).tobytes() in wanted, number
+    assert next(wanted, None) is None and len(writer.good) >= 3
+    writer.check_outside()

@@ -1,0 +1,140 @@
+"""No signal goes from one clock to the other but by the ways that are named here.
+
+Found in the netlist: a register that reads one of the other clock is a row of the table below, or
+the test fails. How the synchronisers behave is tested in ``tests/sim/test_crossing.py``.
+"""
+
+import pytest
+from amaranth import *
+from amaranth.back import rtlil
+from amaranth.lib import data
+from amaranth.lib.cdc import FFSynchronizer
+
+from cameras import barrel_descriptor
+from crossings import Clocks
+from ncdc_hdl.camera import capture
+from ncdc_hdl.system import System
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.system_map import LOCKED
+
+QUEUE = "capture.queue.unbuffered"
+SENSOR = ("sensor_clock", "sensor_frame_valid", "sensor_line_valid", "sensor_data")
+
+# Source, first flop, its second one, bits. Of more than one bit only a Gray counter may be.
+SYNCHRONISERS = (
+    ("scl", "i2c.scl_cdc.stage0", "i2c.scl_cdc.stage1", 1),
+    ("sda", "i2c.sda_cdc.stage0", "i2c.sda_cdc.stage1", 1),
+    ("page.values", "capture.enable.stage0", "capture.enable.stage1", 1),
+    ("capture.$signal", "capture.active.stage0", "capture.active.stage1", 1),
+    (f"{QUEUE}.produce_w_gry", f"{QUEUE}.produce_cdc.stage0", f"{QUEUE}.produce_cdc.stage1", 10),
+    (f"{QUEUE}.consume_r_gry", f"{QUEUE}.consume_cdc.stage0", f"{QUEUE}.consume_cdc.stage1", 10),
+)
+# At once, not with an edge: a reset, whose end goes through both flops.
+RESETS = {("rst", "capture.reset.stage0"), ("rst", "capture.reset.stage1")}
+# An entry of the queue is read when the counter that has passed it has crossed.
+MEMORIES = {(f"{QUEUE}.storage", f"{QUEUE}.r_data")}
+# Amaranth's queue has a level for its writer, with logic before a synchroniser. We do not use it.
+UNUSED = "capture.queue.consume_buffered_cdc"
+# Constant while the capture is active: registers that are locked then.
+SETTINGS = {name for name in LOCKED if name.startswith(("SENT_", "WINDOW_", "BLACK_", "CURVE"))}
+
+
+@pytest.fixture(scope="module")
+def system():
+    return System(barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, strength=.4),
+                  Hardware(data_width=64))
+
+
+@pytest.fixture(scope="module")
+def clocks(system):
+    return Clocks(rtlil.convert(system, name="ncdc_system", emit_src=False), {
+        "scl": "", "sda": "", **dict.fromkeys(SENSOR, "sensor_clock")})
+
+
+def registers_in(system, bits):
+    """Names of the page's registers that some bits of their values are of."""
+    layout = data.StructLayout({r.name: r.shape.width for r in system.table if r.access == "rw"})
+    return {name for name, field in layout
+            if not bits.isdisjoint(range(field.offset, field.offset + field.width))}
+
+
+def unknown(crossings, prefix):
+    """Those whose sink is no synchroniser, reset or memory of the tables above."""
+    known = {sink for _, sink, *_ in SYNCHRONISERS} | {sink for _, sink in RESETS | MEMORIES}
+    known |= {f"{UNUSED}.stage0"}
+    return {c for c in crossings if prefix + c.sink not in known}
+
+
+def test_every_crossing_is_a_known_one(system, clocks):
+    crossings = clocks.crossings()
+    pairs = {(c.source, c.sink) for c in crossings}
+    assert {(source, sink) for source, sink, *_ in SYNCHRONISERS} | RESETS | MEMORIES <= pairs
+    settings = unknown(crossings, "")
+    assert {c.source for c in settings} == {"page.values"}
+    assert all(c.sink.startswith("capture.port.") for c in settings)
+    assert set().union(*(registers_in(system, c.bits) for c in settings)) == SETTINGS
+
+
+def test_nothing_but_wires_leads_to_a_synchroniser(system, clocks):
+    crossings = clocks.crossings()
+    for source, first, _, width in SYNCHRONISERS:
+        found, = (c for c in crossings if c.sink == first)
+        assert (found.source, len(found.bits), found.direct) == (source, width, True)
+        if source == "page.values":
+            assert registers_in(system, found.bits) == {"CAMERA_ENABLE"}
+
+
+def test_only_the_second_flop_reads_the_first(clocks):
+    for _, first, second, _ in SYNCHRONISERS:
+        assert clocks.readers(first) == {second: True}
+    assert clocks.readers("capture.reset.stage0") == {"capture.reset.stage1": True}
+
+
+def test_nobody_reads_what_has_logic_before_its_synchroniser(clocks):
+    assert clocks.readers(f"{UNUSED}.stage0") == {f"{UNUSED}.stage1": True}
+    assert clocks.readers(f"{UNUSED}.stage3") == {}
+
+
+class Wire(Elaboratable):
+    """A planted error: no synchroniser."""
+
+    def __init__(self, i, o, **_):
+        self.i, self.o = i, o
+
+    def elaborate(self, platform):
+        m = Module()
+        m.d.comb += self.o.eq(self.i)
+        return m
+
+
+def crossings_of_capture():
+    alone = capture.Capture(32, burst=4, depth=512)
+    pins = ("clock", *(f"pins__{name}" for name in ("frame_valid", "line_valid", "data")))
+    netlist = rtlil.convert(alone, name="capture", emit_src=False)
+    return Clocks(netlist, dict.fromkeys(pins, "clock")).crossings()
+
+
+def test_a_crossing_without_a_synchroniser_is_found(monkeypatch):
+    assert {c.source for c in unknown(crossings_of_capture(), "capture.")} == {"settings"}
+    monkeypatch.setattr(capture, "FFSynchronizer", Wire)
+    found = {(c.source, c.sink) for c in unknown(crossings_of_capture(), "capture.")}
+    assert ("enable", "port.capturing") in found and "active" in {sink for _, sink in found}
+
+
+def test_logic_before_a_synchroniser_is_found(monkeypatch):
+    class Behind(Elaboratable):
+        """A planted error: a gate before a synchroniser."""
+
+        def __init__(self, i, o, **options):
+            self.i, self.gated = i, Signal()
+            self.inner = FFSynchronizer(self.gated, o, **options)
+
+        def elaborate(self, platform):
+            m = Module()
+            m.d.comb += self.gated.eq(self.i & ResetSignal())
+            m.submodules.inner = self.inner
+            return m
+
+    monkeypatch.setattr(capture, "FFSynchronizer", Behind)
+    found = {c.sink: c.direct for c in crossings_of_capture() if "inner" in c.sink}
+    assert found == {"active.inner.stage0": False, "enable.inner.stage0": False}
