@@ -15,8 +15,6 @@ from ncdc_hdl.lib.relay import Relay
 
 __all__ = ["Capture"]
 
-_UNDER_WAY = 4          # entries that may come behind one that leaves no room, and one to spare
-
 
 class Capture(wiring.Component):
     """Writes the frames of a sensor to memory, while it is enabled.
@@ -32,7 +30,7 @@ class Capture(wiring.Component):
     burst : int
         Words of a burst, at most.
     depth : int
-        A power of two, at least 8.
+        A power of two.
 
     Members
     -------
@@ -75,15 +73,12 @@ class Capture(wiring.Component):
         m.submodules.port = port = DomainRenamer("camera")(SensorPort())
         m.submodules.queue = queue = AsyncFIFOBuffered(
             width=ENTRY.size, depth=self.depth, r_domain="sync", w_domain="camera_queue")
-        # The words of a block RAM come late in their clock.
+        # Registers before the queue and behind its block RAM.
+        m.submodules.entries = entries = DomainRenamer("camera")(Relay(ENTRY))
         m.submodules.relay = relay = Relay(ENTRY)
         m.submodules.writer = writer = FrameWriter(self.data_width)
         m.submodules.words = words = Relay(word_layout(self.data_width))
         m.submodules.bursts = bursts = BurstWriter(self.data_width, burst=self.burst)
-        # Registers before the queue: it counts as full while there is room for what is under way.
-        entry, push, room = Signal(ENTRY), Signal(), Signal()
-        m.d.camera += [entry.eq(port.entry), push.eq(port.push),
-                       room.eq(queue.w_level <= self.depth - _UNDER_WAY)]
         m.submodules.enable = FFSynchronizer(self.enable, port.enable, o_domain="camera")
         # One register on the way: a synchroniser wants no glitch.
         active, active_there = Signal(), Signal()
@@ -97,7 +92,9 @@ class Capture(wiring.Component):
         m.d.comb += [
             self.active.eq(self.enable | active_there),
             port.settings.eq(self.settings),
-            queue.w_data.eq(entry), queue.w_en.eq(push), port.room.eq(room),
+            entries.i.payload.eq(port.entry), entries.i.valid.eq(port.push),
+            port.room.eq(entries.i.ready), entries.o.ready.eq(queue.w_rdy),
+            queue.w_data.eq(entries.o.payload), queue.w_en.eq(entries.o.valid),
             relay.i.payload.eq(queue.r_data), relay.i.valid.eq(queue.r_rdy),
             queue.r_en.eq(relay.i.ready), self.half_full.eq(queue.r_level >= self.depth // 2),
             writer.place.eq(self.place), writer.limit.eq(self.limit),
