@@ -63,9 +63,8 @@ def of_real_size(size, neurons):
 @pytest.mark.regress
 @pytest.mark.parametrize("size,neurons,settings", [
     (SXGA, 16, dict()), (SXGA, 12, dict(strip=128)), (SXGA, 12, dict(output="stream")),
-    (SXGA, 16, dict(output="stream", fetcher="multiport")),
     (FHD, 12, dict(output="stream")), (FHD, 16, dict(output="stream")),
-    (FHD, 12, dict(output="stream", lanes=2)), (FHD, 12, dict(output="stream", lanes=4)),
+    (FHD, 12, dict(output="stream", lanes=2)),
     (FHD, 16, dict(output="stream", lanes=4)), (FHD, 16, dict(strip=256, lanes=2))])
 def test_whole_frames_of_real_size(size, neurons, settings):
     """And the cache's streams keep the rate: 0.5 % over a clock per pixel and lane."""

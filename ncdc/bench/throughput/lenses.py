@@ -9,6 +9,7 @@ from ncdc.bench.sources import source_digest
 from ncdc_model.calibration.camera_file import training_grid
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.geometry import Geometry
+from ncdc_model.interpolation import FAST, interpolation_of
 from ncdc_model.lens import Camera
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
@@ -38,10 +39,13 @@ class Lens:
         makes upright.
     rotation : float
         Degrees by which the corrected picture is turned.
+    interpolation : str
+        "fast" or "gradient".
     """
     degrees: float
     size: tuple
     rotation: float = 0.0
+    interpolation: str = FAST.name
 
     @property
     def corrected(self):
@@ -51,7 +55,8 @@ class Lens:
     @property
     def geometry(self):
         """:class:`Geometry` of the two pictures."""
-        return Geometry(*self.corrected, *self.size)
+        return Geometry(*self.corrected, *self.size,
+                        interpolation=interpolation_of(self.interpolation))
 
     @cached_property
     def _camera(self):
