@@ -6,6 +6,8 @@ from ncdc_model.errors import InputError
 
 __all__ = ["DEFAULT", "FAST", "GRADIENT", "INTERPOLATIONS", "Interpolation", "interpolation_of"]
 
+_NARROW = 8             # samples of a word of the tile memory, or else twice as many
+
 
 @dataclass(frozen=True)
 class Interpolation:
@@ -66,6 +68,14 @@ class Interpolation:
     def box_rows(self):
         """Rows that the tile memory gives in one clock: a power of two that holds a window."""
         return 1 << (self.window - 1).bit_length()
+
+    def box_word(self, lanes):
+        """Samples of a word of the tile memory, for ``lanes`` pixels per clock.
+
+        Two words, the first of which begins at a multiple of its size, hold the windows of a group
+        at any place if the map steps by up to two columns from pixel to pixel.
+        """
+        return _NARROW if self.window + 2 * (lanes - 1) <= _NARROW + 1 else 2 * _NARROW
 
     def bounds(self, first, size):
         """First and last sample, of ``size`` in a direction, of windows of the places ``first``."""

@@ -12,7 +12,8 @@ from ncdc_hdl.lib.pipeline import delay, register
 
 __all__ = ["NodesToCoordinates"]
 
-_SUM_LATENCY = 2        # clocks of a sum that is added up in halves
+_HALVES = 2             # clocks from the low half of a sum to the high one
+_SUM_LATENCY = 2 + _HALVES      # of a sum: what is added, the low half, the high one
 
 
 class NodesToCoordinates(wiring.Component):
@@ -44,7 +45,7 @@ class NodesToCoordinates(wiring.Component):
     advance : ``In(1)``
         The next group's coordinates are to be made.
     begins : ``In(1)``
-        With ``advance``: it is the first one behind a node.
+        With ``advance`` only: it is the first one behind a node.
     o : ``Out(ArrayLayout({x, y}, lanes))``
     """
 
@@ -73,10 +74,9 @@ class NodesToCoordinates(wiring.Component):
         m = Module()
         m.submodules.segments = segments = self.segments
         wiring.connect(m, wiring.flipped(self.i), segments.i)
-        taken = Signal()                # a segment is taken
         m.d.comb += [
-            segments.flush.eq(self.flush), taken.eq(self.advance & self.begins),
-            segments.o.ready.eq(taken), self.ready.eq(segments.o.valid & ~taken),
+            segments.flush.eq(self.flush), segments.o.ready.eq(self.begins),
+            self.ready.eq(segments.o.valid & ~self.begins),
         ]
         valid = delay(m, self.advance, _SUM_LATENCY, "slope_valid", reset_less=False)
         anew = delay(m, self.begins, _SUM_LATENCY, "slope_anew")
@@ -87,26 +87,42 @@ class NodesToCoordinates(wiring.Component):
     @staticmethod
     def _sum(m, name, shape, enable, begins, start, step):
         """A sum that grows by ``step`` with each ``enable``, and is ``start`` with those that
-        ``begins``, ``_SUM_LATENCY`` clocks later: its high half is added up a clock behind the low
-        one, so that no carry runs through both."""
+        ``begins``, ``_SUM_LATENCY`` clocks later.
+
+        Its high half is added up two clocks behind the low one, so that no carry runs through both,
+        and has a clock for its way from one to the other. A sum that begins anew is cleared ahead,
+        which needs no multiplexer behind the adder; what leaves is therefore kept apart from it.
+        """
         width = Shape.cast(shape).width
         cut = width // 2
-        low = Signal(cut, name=f"{name}_low", reset_less=True)
-        carry = Signal(name=f"{name}_carry", reset_less=True)   # of the low half
-        after = Signal(cut, name=f"{name}_after", reset_less=True)      # the low half a clock later
-        high = Signal(signed(width - cut), name=f"{name}_high", reset_less=True)
+
+        def signal(what, shape):
+            return Signal(shape, name=f"{name}_{what}", reset_less=True)
+
         wide_start, wide_step = Signal(shape), Signal(shape)
         m.d.comb += [wide_start.eq(start), wide_step.eq(step)]
-        with m.If(enable):
-            m.d.sync += Cat(low, carry).eq(Mux(begins, wide_start[:cut], low + wide_step[:cut]))
-        late_begins = register(m, f"{name}_begins", begins)
-        late_start = register(m, f"{name}_start_high", wide_start[cut:].as_signed())
-        late_step = register(m, f"{name}_step_high", wide_step[cut:].as_signed())
-        with m.If(register(m, f"{name}_enable", enable, reset_less=False)):
-            # The carry enters the chain as the sum of one bit more below.
-            total = Cat(Const(1, 1), high).as_signed() + Cat(carry, late_step).as_signed()
-            m.d.sync += [after.eq(low), high.eq(Mux(late_begins, late_start, total >> 1))]
-        return Cat(after, high).as_signed()
+        addend = register(m, f"{name}_addend", Mux(begins, wide_start, wide_step), shape)
+        low_enable = register(m, f"{name}_low_enable", enable, reset_less=False)
+        # Low half.
+        low = signal("low", cut)                # the sum
+        seen = signal("seen", cut + 1)          # what leaves of it, and the carry
+        total = Signal(cut + 1, name=f"{name}_low_total")
+        m.d.comb += total.eq(low + addend[:cut])
+        with m.If(low_enable):
+            m.d.sync += [low.eq(total), seen.eq(total)]
+        with m.If(begins):
+            m.d.sync += low.eq(0)
+        # High half. The carry enters the chain as the sum of one bit more below.
+        late = delay(m, seen, 1, f"{name}_seen")
+        high_addend = delay(m, addend[cut:].as_signed(), _HALVES, f"{name}_high_addend")
+        high, o = signal("high", signed(width - cut)), signal("sum", signed(width))
+        high_total = (Cat(Const(1, 1), high).as_signed()
+                      + Cat(late[-1], high_addend).as_signed()) >> 1
+        with m.If(delay(m, low_enable, _HALVES, f"{name}_high_enable", reset_less=False)):
+            m.d.sync += [high.eq(high_total), o.eq(Cat(late[:-1], high_total[:width - cut]))]
+        with m.If(delay(m, begins, _HALVES, f"{name}_high_begins")):
+            m.d.sync += high.eq(0)
+        return o
 
     def _axis(self, m, name, valid, anew):
         segment, lanes = self.segments.o.p[name], self.lanes
@@ -116,12 +132,13 @@ class NodesToCoordinates(wiring.Component):
 
         bend = Signal.like(segment.bend, name=f"{name}_bend", reset_less=True)
         base = Signal.like(segment.base, name=f"{name}_base", reset_less=True)
-        with m.If(self.advance & self.begins):
+        with m.If(self.begins):
             m.d.sync += [bend.eq(segment.bend), base.eq(segment.base)]
         # Slope: that of the group's first pixel.
         slope = self._sum(m, f"{name}_slope", segment.slope.shape(), self.advance, self.begins,
                           segment.slope, bend << exact_log2(2 * lanes))
-        bend, base = kept("late_bend", bend), kept("late_base", base)
+        bend, base = (kept(f"late_{what}", value, _SUM_LATENCY - 1)
+                      for what, value in (("bend", bend), ("base", base)))
         # Parts: what the lanes' values are more than the first one's, and the next group's.
         if lanes == 1:
             parts, growth, clocks = [], slope, 0

@@ -69,10 +69,10 @@ class Scan(wiring.Component):
         Coordinates of the group shown, and what the next group adds to them; valid while
         ``active`` (only without nodes).
     begins : ``Out(1)``
-        The group shown is the first one behind a node, and not one that ends the frame early;
-        valid while ``active`` (only with nodes).
+        With ``advance`` only: the group that is left is the first one behind a node, and not one
+        that ends the frame early (only with nodes).
     will_begin : ``Out(1)``
-        So is the one in the next clock, if one is shown then (only with nodes).
+        The group in the next clock is, if one is shown then (only with nodes).
     cut : ``Out(1)``
         The frame was ended early; valid from its end to the next ``start``.
     """
@@ -162,11 +162,12 @@ class Scan(wiring.Component):
             m.d.comb += [pixel.new_row.eq(new_row), pixel.new_strip.eq(new_strip)]
 
     def _segments(self, m, take, shown, following):
-        """Which groups are the first behind a node, and not cut: of (column, cut) of the group
-        shown and of the next one. Strips begin on nodes, so that the column tells."""
+        """Whether the group in the next clock is the first behind a node, and not cut: of (column,
+        cut) of the group shown and of the next one. Strips begin on nodes, so that the column
+        tells."""
         shown, following = (~Cat(cut, column[:exact_log2(self.nodes)]).any()
                             for column, cut in (shown, following))
-        m.d.comb += [self.begins.eq(shown), self.will_begin.eq(Mux(take, following, shown))]
+        m.d.comb += self.will_begin.eq(Mux(take, following, shown))
 
     def _ends(self, m):
         """Whether the frame is to end early: it is aborted, or the picture has no pixel."""
@@ -199,6 +200,7 @@ class Scan(wiring.Component):
         m.d.sync += [
             self.active.eq(will_show),
             self.advance.eq(will_show & self.go),
+            *([self.begins.eq(will_show & self.go & self.will_begin)] if self.nodes > 1 else []),
             take.eq(will_take),
             step.eq(will_take | strips.soon),
         ]

@@ -259,7 +259,7 @@ def test_command(flows, monkeypatch, tmp_path, capsys):
     assert set(shown["tools"]) == set(synthesis._TOOLS)
     assert capsys.readouterr().out == table(shown["rows"]) + "\n"
     assert table(shown["rows"]).splitlines()[1].split() == [
-        "tansig", "mmhbc", "ecp5", "-", "5", "6", "1", "2", "210.0", "-"]
+        "tansig", "mmhbc", "ecp5", "-", "-", "5", "6", "1", "2", "210.0", "-"]
     main(["bench", "synth", "--block", "tansig", "--variant", "mmhbc", "--seeds", "1", "--plain"])
     assert capsys.readouterr().out.splitlines()[1].split()[-2:] == ["210.0", "210.0"]
 

@@ -14,11 +14,11 @@ from ncdc.bench.throughput.plots import plot_throughput
 from ncdc.cli import main
 
 ROW = {"fetch": "cache", "memory": "ddr3", "scan": "raster", "width": 1920, "height": 1080,
-       "lens": 120, "rotation": 0, "output": "stream", "data_width": 128, "cache_bytes": 32768,
-       "cache_split": 6, "strip": 0, "pixels_per_clock": 1, "clocks_per_pixel": 1.001,
-       "predicted_clocks_per_pixel": 1.0, "bytes_read_per_pixel": .97, "amplification": 1.01,
-       "misses": 7, "misses_expected": 7, "frames_per_second": 48.0, "pixels_compared": 10,
-       "pixels_different": 0}
+       "lens": 120, "rotation": 0, "interpolation": "fast", "output": "stream",
+       "data_width": 128, "cache_bytes": 32768, "cache_split": 6, "strip": 0,
+       "pixels_per_clock": 1, "clocks_per_pixel": 1.001, "predicted_clocks_per_pixel": 1.0,
+       "bytes_read_per_pixel": .97, "amplification": 1.01, "misses": 7, "misses_expected": 7,
+       "frames_per_second": 48.0, "pixels_compared": 10, "pixels_different": 0}
 
 
 def test_a_turn_by_90_degrees_makes_the_picture_upright():
@@ -66,7 +66,8 @@ def test_each_goal_has_a_row_among_the_runs(runs):
     assert [name for name, _, _, holds in goal_rows(rows) if holds is None] == []
     wide = [row for row in rows if row["pixels_per_clock"] == 1]
     assert [name for name, _, _, holds in goal_rows(wide) if holds is None] == [
-        "clocks per pixel, two pixels per clock (at least 1.9 pixels per clock)"]
+        "clocks per pixel, two pixels per clock (at least 1.9 pixels per clock)",
+        "clocks per pixel, gradient, four pixels per clock (at least 3.9 pixels per clock)"]
 
 
 @pytest.mark.parametrize("list_of_runs,status", [("--quick", 0), ("--all", 1)])
@@ -91,6 +92,7 @@ def test_no_run_twice_and_every_turn_of_both_lenses():
 def test_table_four_begins_with_the_paper():
     rows = table_four([ROW, ROW | {"memory": "fixed:100:4"}, ROW | {"rotation": 45}])
     assert [row[-1] for row in rows] == [0.47, 8.21, 48.0]
+    assert len(table_four([ROW | {"interpolation": "gradient"}])) == 2
 
 
 def test_rows_are_printed_and_plotted(tmp_path):
@@ -103,10 +105,11 @@ def test_rows_are_printed_and_plotted(tmp_path):
 
 @pytest.mark.regress
 def test_a_frame_is_measured():
-    runs = [Run("cache", Lens(105, (96, 72))), Run("cache", Lens(105, (96, 72), 90))]
+    runs = [Run("cache", Lens(105, (96, 72))), Run("cache", Lens(105, (96, 72), 90)),
+            Run("cache", Lens(105, (96, 72), interpolation="gradient"))]
     rows = list(measure(runs))
     assert set(rows[0]) == set(ROW)
-    for row, size in zip(rows, ((96, 72), (72, 96))):
+    for row, size in zip(rows, ((96, 72), (72, 96), (96, 72))):
         assert (row["width"], row["height"]) == size
         assert (row["pixels_compared"], row["pixels_different"]) == (96 * 72, 0)
         assert row["misses"] == row["misses_expected"] > 0

@@ -11,7 +11,14 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc.bench.synth import flows as synthesis
 from ncdc.bench.synth.ecp5_netlist.output_registers import absorb_output_registers
-from ncdc.bench.synth.flows import Registered, SynthesisError, cyclone_v, ecp5, synthesise
+from ncdc.bench.synth.flows import (
+    Registered,
+    SynthesisError,
+    cyclone_iv,
+    cyclone_v,
+    ecp5,
+    synthesise,
+)
 from ncdc.cli import main
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.lib.pipeline import DelayMemory
@@ -170,6 +177,18 @@ def test_a_memory_that_would_not_fill_its_block_rams_is_of_mlabs():
     assert row["m10k"] == 2
     # Four MLABs' words for each bit of the one, and what the 27 bits of addresses need.
     assert 4 * 51 < row["alut"] < 2 * 4 * 51
+
+
+def test_logic_elements_hold_a_lut_and_the_flip_flop_behind_it():
+    """Eight exclusive-ors with a flip-flop each, four flip-flops alone, two exclusive-ors alone."""
+    row = cyclone_iv("""
+module top(input clk, input [7:0] a, input [7:0] b, output reg [7:0] q, output reg [3:0] alone,
+           output [1:0] comb);
+  assign comb = a[1:0] ^ b[3:2];
+  always @(posedge clk) begin q <= a ^ b; alone <= a[3:0]; end
+endmodule
+""", "top")
+    assert (row["lut"], row["ff"], row["le"]) == (10, 12, 14)
 
 
 @pytest.mark.regress

@@ -14,7 +14,7 @@ OPTIONS = {each: CacheOptions(tiles=64, pending=8, interpolation=each)
            for each in (FAST, GRADIENT)}
 # Of each interpolation, the word widths of its tile memory, and all splits.
 MEMORIES = [(each, word_bytes, split) for each, options in OPTIONS.items()
-            for word_bytes in ((4, 8) if each == FAST else (8,))
+            for word_bytes in ((4, 8) if each == FAST else (8, 16))
             for split in range(options.max_split + 1)]
 F = 10
 
@@ -26,7 +26,7 @@ def edge(first, size, needs):
     return {"missing": max(before, behind), "behind": int(behind > 0)}
 
 
-def parts(x0, y0, blank, lanes, needs, size):
+def parts(x0, y0, blank, lanes, needs, size, word):
     """(lanes, box or None) of each look-up of a group, by the rule of ``CacheOptions``."""
     used = [k for k in lanes if not blank[k]]
     if not used:
@@ -37,12 +37,12 @@ def parts(x0, y0, blank, lanes, needs, size):
            max(min(y0[k] + needs.after, size - 1) for k in used))
     rows, tile_rows = (4, 2) if needs == FAST else (8, 4)
     height = 4 if needs == FAST else 2
-    if len(lanes) == 1 or ((box[2] >> 3) - (box[0] >> 3) <= 1 and box[3] - box[1] < rows
+    if len(lanes) == 1 or (box[2] // word - box[0] // word <= 1 and box[3] - box[1] < rows
                            and box[3] // height - box[1] // height < tile_rows):
         return [(lanes, box)]
     half = len(lanes) // 2
-    return (parts(x0, y0, blank, lanes[:half], needs, size)
-            + parts(x0, y0, blank, lanes[half:], needs, size))
+    return (parts(x0, y0, blank, lanes[:half], needs, size, word)
+            + parts(x0, y0, blank, lanes[half:], needs, size, word))
 
 
 @pytest.mark.parametrize("needs,lanes", [(FAST, 2), (FAST, 4), (GRADIENT, 1), (GRADIENT, 2),
@@ -50,8 +50,10 @@ def parts(x0, y0, blank, lanes, needs, size):
 @pytest.mark.parametrize("gap,stall", [(0, 0), (.3, .5)])
 def test_groups_become_boxes(needs, lanes, gap, stall):
     rng, count, size = np.random.default_rng(lanes), 400, 61
+    word = 16 if (needs, lanes) == (GRADIENT, 4) else 8
     first = rng.integers(0, 60, (count, 1, 2))
-    places = np.clip(first + rng.integers(-4, 8, (count, lanes, 2)) // [1, 3], 0, size - needs.core)
+    apart = rng.integers(-4, word, (count, lanes, 2)) // [1, word // 8 * 3]
+    places = np.clip(first + apart, 0, size - needs.core)
     blank = rng.random((count, lanes)) < .2
     blank[:3] = True
     items, expected = [], []
@@ -62,7 +64,7 @@ def test_groups_become_boxes(needs, lanes, gap, stall):
                     if needs.margin else {}) for x, y, b in zip(x0, y0, no)]
         items.append((group[0] if lanes == 1 else {"lane": group})
                      | {"first": k == 0, "last": k == count - 1})
-        found = parts(x0, y0, no, list(range(lanes)), needs, size)
+        found = parts(x0, y0, no, list(range(lanes)), needs, size, word)
         expected += [(k, sum(1 << n for n in chosen), box, place is found[-1])
                      for place in found for chosen, box in [place]]
     dut, got, sizes = Boxes(F, lanes, needs), [], set()
@@ -106,10 +108,11 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
             for tx in range(across):
                 slot = ((tx & 1) | ty % kinds << 1) * options.sets + place(tx, ty)
                 for row in range(height):
-                    for word in range(16 // (2 * word_bytes)):
+                    for word in range(max(1, 16 // (2 * word_bytes))):
                         start = 16 * tx + 2 * word_bytes * word
-                        pair = [int.from_bytes(frame[height * ty + row, start + word_bytes * k:][
-                            :word_bytes].tobytes(), "little") for k in range(2)]
+                        pair = [int.from_bytes(frame[height * ty + row, start + each:][
+                            :word_bytes].tobytes(), "little")
+                            for each in ((0, word_bytes) if word_bytes < 16 else (0, 0))]
                         ctx.set(tiles.fill, {"enable": 3, "slot": slot, "row": row, "word": word,
                                              "data": pair})
                         await ctx.tick()
@@ -147,7 +150,7 @@ def test_windows_are_cut_from_the_samples(needs, word_bytes):
         ctx.set(align.shift, 1)
         ctx.set(align.take, 1)
         ctx.set(align.samples, block.tolist())
-        for x, y in np.ndindex(16, rows):
+        for x, y in np.ndindex(max(16, columns), rows):
             ctx.set(align.x, x)
             ctx.set(align.y, y)
             edges = {name: {"missing": int(rng.integers(0, needs.margin + 1)),

@@ -6,6 +6,7 @@ that a printer could make, in the text alone.
 
 import inspect
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -18,6 +19,7 @@ from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.convert import Netlist
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.hardware import Hardware
+from ncdc_model.interpolation import GRADIENT
 
 # Those that are not proved here, and why; whole frames run through them in simulation.
 NOT_PROVED = {
@@ -44,6 +46,15 @@ def netlist():
                              Hardware(cache=CacheOptions(16, pending=4, outstanding=2))), "ncdc")
 
 
+@pytest.fixture(scope="module")
+def at_nodes():
+    """With the network at nodes, weights in memories, four pixels per clock of 6x6 windows."""
+    plain = barrel_descriptor((40, 12), (40, 12), hidden_neurons=4, interpolation=GRADIENT)
+    cache = CacheOptions(16, pending=4, outstanding=2, interpolation=GRADIENT)
+    return Netlist(Corrector(replace(plain, nodes=8), Hardware(
+        data_width=128, output="stream", lanes=4, share=2, cache=cache)), "ncdc")
+
+
 def test_the_others_are_named(netlist):
     names = set(netlist.names.values())
     assert len(names) == len(netlist.names) and LONG | set(NOT_PROVED) < names
@@ -60,6 +71,17 @@ def test_modules_are_what_the_converter_made(netlist, shard):
 @pytest.mark.regress
 def test_long_ones_too(netlist):
     prove_all(netlist, [key for key in netlist.written() if netlist.names[key] in LONG])
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("shard", range(SHARDS))
+def test_modules_at_nodes(netlist, at_nodes, shard):
+    """Those that are others than without nodes."""
+    known = {"\n".join(netlist.lines(key)) for key in netlist.written()}
+    others = [key for key in at_nodes.written() if at_nodes.names[key] not in NOT_PROVED
+              and "\n".join(at_nodes.lines(key)) not in known]
+    assert len(others) >= 30
+    prove_all(at_nodes, others[shard::SHARDS])
 
 
 def prove_all(netlist, originals):

@@ -36,7 +36,8 @@ def check(groups, data_width, options, lanes=1, **settings):
 
 @pytest.mark.parametrize("data_width,options,lanes", [
     (32, TINY, 1), (64, MIDDLE, 1), (128, SMALL, 1), (128, MIDDLE, 2), (32, SMALL, 4),
-    (32, replace(TINY, interpolation=GRADIENT), 1), (128, LARGE_WINDOWS, 4)])
+    (32, replace(TINY, interpolation=GRADIENT), 1), (128, LARGE_WINDOWS, 4),
+    (32, LARGE_WINDOWS, 4)])
 def test_random_windows(data_width, options, lanes):
     check(50000 // lanes, data_width, options, lanes)
     assert check(10000, data_width, options, lanes, resets=100, seed=2)["resets"] > 2
@@ -46,7 +47,8 @@ def test_random_windows(data_width, options, lanes):
 @pytest.mark.parametrize("data_width,options,lanes,groups", [
     (32, SMALL, 1, 2_000_000), (64, MIDDLE, 1, 3_000_000), (128, CacheOptions(), 1, 4_000_000),
     (128, SMALL, 1, 1_000_000), (64, MIDDLE, 2, 1_000_000), (128, CacheOptions(), 4, 1_000_000),
-    (32, LARGE_WINDOWS, 1, 1_000_000), (128, LARGE_WINDOWS, 2, 1_000_000)])
+    (32, LARGE_WINDOWS, 1, 1_000_000), (128, LARGE_WINDOWS, 2, 1_000_000),
+    (64, LARGE_WINDOWS, 4, 1_000_000)])
 def test_ten_million_random_windows(data_width, options, lanes, groups):
     check(groups, data_width, options, lanes, seed=3)
     check(groups // 10, data_width, options, lanes, resets=100, seed=4)

@@ -1,5 +1,7 @@
 """Whole frames of gradient-corrected colour: the generated Verilog against the golden model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -68,11 +70,36 @@ def test_a_frame_follows_its_camera():
     assert 0 < simulation.follow["follow_latency_clocks"] <= bound.clocks
 
 
+SXGA, FHD = (1280, 1024), (1920, 1080)
+
+
 @regress
 @pytest.mark.parametrize("size,settings,memory", [
-    ((1280, 1024), dict(output="stream"), "sdram"),
-    ((1920, 1080), dict(output="stream", data_width=128), "ddr3")])
+    (SXGA, dict(output="stream"), "sdram"),
+    (FHD, dict(output="stream", data_width=128), "ddr3")])
 def test_large_frames(size, settings, memory):
     # The weights of the first seed leave their format at 1920 columns.
     check(barrel_descriptor(size, size, seed=2, interpolation=GRADIENT), Hardware(**settings),
           memory)
+
+
+@regress
+@pytest.mark.parametrize("size,neurons,bayer,settings,memory", [
+    (SXGA, 12, "RGGB", dict(), "sdram"), (SXGA, 16, "GBRG", dict(strip=128), "sdram"),
+    (SXGA, 12, "MONO", dict(output="stream"), "sdram"),
+    (FHD, 12, "BGGR", dict(output="stream", data_width=128), "ddr3"),
+    (FHD, 16, "GRBG", dict(output="stream", data_width=128, lanes=2), "ddr3"),
+    (FHD, 16, "RGGB", dict(output="stream", data_width=128, lanes=4), "ddr3")])
+def test_large_frames_at_nodes(size, neurons, bayer, settings, memory):
+    """Streams keep the rate: 0.5 % over a clock per pixel and lane.
+
+    With four lanes 1 %: a look-up of four windows misses several tiles at once more often, which
+    takes a clock for each.
+    """
+    plain = barrel_descriptor(size, size, neurons, strength=.1, bayer=bayer,
+                              interpolation=GRADIENT)
+    hardware = Hardware(**settings)
+    report = check(replace(plain, nodes=16), hardware, memory).report()
+    if hardware.stream:
+        limit = 1.005 if hardware.lanes < 4 else 1.01
+        assert report["clocks_per_pixel"] * hardware.lanes <= limit

@@ -1,5 +1,6 @@
 """Another lens with every frame: no pixel of a wrong set, no clock lost between frames."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,19 +11,22 @@ from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
 from ncdc_hdl.registers.agent import Registers
 from ncdc_model.hardware import Hardware
+from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_sim.system.lens_change import simulate_lens_change
 
 BETWEEN = 2     # clocks from a frame's last to the next one's first
 
 
-def cameras(corrected=(96, 72), distorted=(104, 80), hidden_neurons=3):
+def cameras(corrected=(96, 72), distorted=(104, 80), hidden_neurons=3, nodes=1, needs=FAST):
     """Two cameras that differ in everything a host can set, sizes and Bayer phase included."""
     wide = barrel_descriptor(corrected, distorted, hidden_neurons, bayer="GBRG", strength=0.4,
-                             fill=(200, 100, 50))
+                             fill=(200, 100, 50), interpolation=needs)
     other = (corrected[0] - 8, corrected[1] - 6), (distorted[0] - 11, distorted[1] - 9)
-    tele = barrel_descriptor(*other, hidden_neurons, seed=8, bayer="RGGB", strength=0.1)
+    tele = barrel_descriptor(*other, hidden_neurons, seed=8, bayer="RGGB", strength=0.1,
+                             interpolation=needs)
     rng = np.random.default_rng(4)
-    return [(d, rng.integers(0, 256, d.geometry.distorted[::-1], np.uint8)) for d in (wide, tele)]
+    return [(replace(d, nodes=nodes), rng.integers(0, 256, d.geometry.distorted[::-1], np.uint8))
+            for d in (wide, tele)]
 
 
 @cache
@@ -73,3 +77,15 @@ def test_lenses_change_at_full_size(fetcher, data_width, size):
     result = simulate_lens_change(corrector, verilog_of(corrector), pair, 20, memory="hostile",
                                   intruder=True)
     assert result.differing == (0,) * 20 and max(result.idle) <= BETWEEN
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("size,neurons,needs,settings", [
+    ((1280, 1024), 12, FAST, dict()), ((1280, 1024), 16, GRADIENT, dict(output="stream")),
+    ((1920, 1080), 16, GRADIENT, dict(output="stream", lanes=4))])
+def test_lenses_of_real_size_at_nodes(size, neurons, needs, settings):
+    pair = cameras(size, size, neurons, 16, needs)
+    corrector = Corrector(pair[0][0], Hardware(data_width=128, **settings))
+    result = simulate_lens_change(corrector, verilog_of(corrector), pair, 3, memory="ddr3",
+                                  intruder=True)
+    assert result.differing == (0,) * 3 and max(result.idle) <= BETWEEN

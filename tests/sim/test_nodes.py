@@ -53,24 +53,44 @@ def test_verilog_with_a_skip_path():
     assert simulate_correction(d, noise(d), memory="sdram").differing == []
 
 
-@pytest.mark.parametrize("size,output,lanes", [
-    pytest.param((1280, 1024), "memory", 1, marks=pytest.mark.regress),
-    pytest.param((1920, 1080), "stream", 4, marks=pytest.mark.regress),
-    pytest.param((1920, 1080), "stream", 1, marks=pytest.mark.regress)])
-def test_whole_frames_of_real_size(size, output, lanes):
-    """And the front end keeps the rate: HN 16, 0.5 % over a clock per pixel and lane."""
-    d = replace(barrel_descriptor(size, size, 16, strength=.1), nodes=16)
-    hardware = Hardware(data_width=128, output=output, lanes=lanes)
+SXGA, FHD = (1280, 1024), (1920, 1080)
+
+
+def of_real_size(size, neurons):
+    return replace(barrel_descriptor(size, size, neurons, strength=.1), nodes=16)
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("size,neurons,settings", [
+    (SXGA, 16, dict()), (SXGA, 12, dict(strip=128)), (SXGA, 12, dict(output="stream")),
+    (FHD, 12, dict(output="stream")), (FHD, 16, dict(output="stream")),
+    (FHD, 12, dict(output="stream", lanes=2)),
+    (FHD, 16, dict(output="stream", lanes=4)), (FHD, 16, dict(strip=256, lanes=2))])
+def test_whole_frames_of_real_size(size, neurons, settings):
+    """And the cache's streams keep the rate: 0.5 % over a clock per pixel and lane."""
+    d = of_real_size(size, neurons)
+    hardware = Hardware(data_width=128, **settings)
     assert hardware.keeps_rate(d)
     result = simulate_correction(d, noise(d), hardware, memory="ddr3")
     assert result.differing == []
-    if output == "stream":
-        pixels = size[0] * size[1]
-        assert result.counters["CLOCKS"] * lanes / pixels <= 1.005
+    assert result.counters["PIXELS"] == size[0] * size[1]
+    if hardware.stream and hardware.cached:
+        assert result.counters["CLOCKS"] * hardware.lanes / (size[0] * size[1]) <= 1.005
 
 
-def test_a_frame_follows_its_camera():
-    d, hardware = at_nodes(8), Hardware(output="stream")
+@pytest.mark.regress
+def test_a_skip_path_at_real_size():
+    plain = of_real_size(SXGA, 12)
+    network = replace(plain.network, skip_weights=np.array([[3.25, -4.5], [1.0625, -7.75]]))
+    d = Descriptor.quantise(network, plain.geometry, plain.valid, nodes=16)
+    assert simulate_correction(d, noise(d), Hardware(output="stream"),
+                               memory="sdram").differing == []
+
+
+@pytest.mark.parametrize("size,neurons", [
+    ((104, 30), 4), pytest.param(SXGA, 12, marks=pytest.mark.regress)])
+def test_a_frame_follows_its_camera(size, neurons):
+    d, hardware = at_nodes(8, size, neurons), Hardware(output="stream")
     line = camera_line(None, d.geometry)
     result = simulate_correction(d, noise(d), hardware, memory="sdram", follow_line=line)
     made = hardware.made_for(d)

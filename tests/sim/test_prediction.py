@@ -15,6 +15,7 @@ from ncdc_model.fetch.timing import predict_clocks
 from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces
+from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_model.memory_timing import memory_timing
 from ncdc_sim.system.corrector import simulate_correction
 
@@ -65,6 +66,23 @@ def test_misses_are_equal_and_clocks_within_a_hundredth(prepared, memory, split)
     assert simulation.differing == []
     assert simulation.counters["FETCHES"] == missed
     assert simulation.bytes_read == 64 * missed
+    assert simulation.counters["CLOCKS"] == pytest.approx(clocks.clocks, rel=.01)
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("size,neurons,needs,settings,memory", [
+    ((1280, 1024), 12, FAST, dict(strip=128), "sdram"),
+    ((1280, 1024), 16, GRADIENT, dict(output="stream"), "sdram"),
+    ((1920, 1080), 12, GRADIENT, dict(output="stream", data_width=128), "ddr3"),
+    ((1920, 1080), 16, FAST, dict(output="stream", data_width=128, lanes=4), "ddr3"),
+    ((1920, 1080), 16, GRADIENT, dict(output="stream", data_width=128, lanes=4), "ddr3")])
+def test_misses_and_clocks_of_real_size(size, neurons, needs, settings, memory):
+    plain = barrel_descriptor(size, size, neurons, strength=.1, interpolation=needs)
+    descriptor, hardware = replace(plain, nodes=16), Hardware(**settings)
+    simulation = simulate_correction(descriptor, noise(descriptor), hardware, memory=memory)
+    missed, clocks = predicted(Corrector(descriptor, hardware), hardware, memory)
+    assert simulation.differing == []
+    assert simulation.counters["FETCHES"] == missed
     assert simulation.counters["CLOCKS"] == pytest.approx(clocks.clocks, rel=.01)
 
 

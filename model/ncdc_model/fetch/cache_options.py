@@ -29,9 +29,9 @@ class CacheOptions:
     one, 2 and 4 of the gradient-corrected one.
 
     Several pixels per clock make groups, each one look-up if its samples (x0, y0) to (x1, y1), the
-    windows of all its pixels that are not blank, fit a box: ``(x1 >> 3) - (x0 >> 3) <= 1``,
-    ``y1 - y0 <= 3`` (gradient: 7), and no more than R rows of tiles. A group that does not is cut
-    in halves, these likewise, from left to right.
+    windows of all its pixels that are not blank, fit a box: ``x1 div w - x0 div w <= 1`` with w = 8
+    samples (gradient, four lanes: 16), ``y1 - y0 <= 3`` (gradient: 7), and no more than R rows of
+    tiles. A group that does not is cut in halves, these likewise, from left to right.
 
     The tiles that a window, or a box, can touch are in different banks, so no window evicts its own
     tiles.

@@ -9,9 +9,8 @@ from ncdc_model.geometry import scan_order
 from ncdc_model.hardware import check_lanes
 from ncdc_model.interpolation import FAST, Interpolation
 
-__all__ = ["BOX_WORD", "Lookups", "Windows", "frame_windows", "lookups"]
+__all__ = ["Lookups", "Windows", "frame_windows", "lookups"]
 
-BOX_WORD = 8            # samples of a word of the tile memory, if there are several lanes
 
 @dataclass(frozen=True)
 class Windows:
@@ -87,8 +86,8 @@ def lookups(windows, strip=0, lanes=1):
 
     One for each group of ``lanes`` neighbours of a row, if all samples of its pixels, those that
     are not blank, fit a box that the tile memory gives in one clock: four rows, or eight of an
-    interpolation with larger windows, and two words of :data:`BOX_WORD` samples across. Else the
-    group is cut in halves, these likewise.
+    interpolation with larger windows, and two words of ``Interpolation.box_word`` samples across.
+    Else the group is cut in halves, these likewise.
 
     Raises
     ------
@@ -103,7 +102,7 @@ def lookups(windows, strip=0, lanes=1):
         return Lookups(x0, y0, x1, y1, used, np.arange(x0.size), x0.size, needs)
     check_lanes(windows.x0.shape[1], lanes)
     # A group is cut where it has no box of its own: `begins` marks the first lane of each box.
-    edges = _Edges(x0, y0, x1, y1, used, needs)
+    edges = _Edges(x0, y0, x1, y1, used, needs, needs.box_word(lanes))
     boxes, begins = edges, np.ones(x0.shape, bool)
     while lanes > 1:
         joined = edges.joined()
@@ -118,13 +117,17 @@ def lookups(windows, strip=0, lanes=1):
 
 @dataclass(frozen=True)
 class _Edges:
-    """Boxes around runs of pixels of equal length."""
+    """Boxes around runs of pixels of equal length.
+
+    ``word``: samples of a word of the tile memory.
+    """
     x0: np.ndarray
     y0: np.ndarray
     x1: np.ndarray
     y1: np.ndarray
     used: np.ndarray
     interpolation: Interpolation
+    word: int
 
     def arrays(self):
         return self.x0, self.y0, self.x1, self.y1, self.used
@@ -133,22 +136,23 @@ class _Edges:
     def fits(self):
         """Whether one clock is enough."""
         needs = self.interpolation
-        across = self.x1 // BOX_WORD - self.x0 // BOX_WORD
+        across = self.x1 // self.word - self.x0 // self.word
         down = self.y1 // needs.tile_height - self.y0 // needs.tile_height
         return ~self.used | ((across <= 1) & (self.y1 - self.y0 < needs.box_rows)
                              & (down < needs.tile_rows))
 
     def joined(self):
         """Boxes around each two neighbours, of which a blank one takes no part."""
-        a, b = (_Edges(*(array[k::2] for array in self.arrays()), self.interpolation)
+        a, b = (_Edges(*(array[k::2] for array in self.arrays()), self.interpolation, self.word)
                 for k in (0, 1))
         both = a.used & b.used
         return _Edges(*(np.where(both, least(one, other), np.where(b.used, other, one))
                         for one, other, least in zip(a.arrays()[:4], b.arrays()[:4],
                                                      (np.minimum,) * 2 + (np.maximum,) * 2)),
-                      a.used | b.used, self.interpolation)
+                      a.used | b.used, self.interpolation, self.word)
 
     def where(self, chosen, other, span):
         """These, or where ``chosen`` those of ``other``, each repeated ``span`` times."""
         return _Edges(*(np.where(chosen, np.repeat(new, span), old)
-                        for old, new in zip(self.arrays(), other.arrays())), self.interpolation)
+                        for old, new in zip(self.arrays(), other.arrays())),
+                      self.interpolation, self.word)

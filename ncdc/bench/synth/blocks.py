@@ -1,5 +1,6 @@
 """What ``ncdc bench synth`` puts through synthesis: the corrector's blocks, and the whole."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -21,7 +22,7 @@ from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.formats import Formats
 from ncdc_model.geometry import Geometry, ValidRows
 from ncdc_model.hardware import Hardware
-from ncdc_model.interpolation import GRADIENT
+from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_model.tansig import design_for
 
 __all__ = ["BLOCKS", "component", "traits"]
@@ -47,7 +48,7 @@ def traits(part):
 
 
 @cache
-def _descriptor(hidden_neurons, variant, nodes=1):
+def _descriptor(hidden_neurons, variant, nodes=1, interpolation=FAST):
     """A descriptor of arbitrary weights: they are reset values of registers, the size is theirs
     whatever they are. Every pixel has a source."""
     rng = np.random.default_rng(hidden_neurons)
@@ -55,7 +56,8 @@ def _descriptor(hidden_neurons, variant, nodes=1):
                            rng.uniform(-1, 1, hidden_neurons),
                            rng.uniform(-500, 500, (2, hidden_neurons)), np.array([640.0, 512.0]))
     valid = ValidRows.of_mask(np.ones(_GEOMETRY.corrected[::-1], bool))
-    return Descriptor.quantise(network, _GEOMETRY, valid, variant=variant, nodes=nodes)
+    geometry = replace(_GEOMETRY, interpolation=interpolation)
+    return Descriptor.quantise(network, geometry, valid, variant=variant, nodes=nodes)
 
 
 def _tansig(variant):
@@ -72,11 +74,23 @@ def _between(lanes=1):
                                            lanes)
 
 
-def _core(hidden_neurons, variant="mmhbc", nodes=1, **options):
+def _core(hidden_neurons, variant="mmhbc", nodes=1, cache_bytes=_CACHE.bytes, interpolation=FAST,
+          **options):
     """1280 x 1024 pixels, cache of 32 KB, memory of 32 bits, video stream out."""
-    options = {"data_width": _DATA_WIDTH, "output": "stream", "cache": _CACHE} | options
-    return lambda bits: Corrector(_descriptor(hidden_neurons, variant, nodes),
+    options = {"data_width": _DATA_WIDTH, "output": "stream",
+               "cache": CacheOptions.of_bytes(cache_bytes, interpolation)} | options
+    return lambda bits: Corrector(_descriptor(hidden_neurons, variant, nodes, interpolation),
                                   Hardware(multiplier_bits=bits, **options))
+
+
+def _smallest(variant):
+    """The smallest useful core: HN 8 at nodes, strips to memory from a cache of 8 KB."""
+    return _core(8, variant, _NODES, 8 << 10, output="memory", strip=128)
+
+
+def _four_lanes(variant, interpolation=FAST):
+    """Four pixels per clock, for which the memory's port must be wide."""
+    return _core(16, variant, _NODES, interpolation=interpolation, lanes=4, data_width=128)
 
 
 # Of each block its variants, the first one first in the tables. Multipliers shared by four
@@ -106,9 +120,13 @@ BLOCKS = {
     "colour": {"gains and tone": lambda bits: Colour()},
     "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),
              "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),
-             "HN 8, nodes, 8 KB": _core(8, nodes=_NODES, output="memory", strip=128,
-                                        cache=CacheOptions.of_bytes(8 << 10)),
+             "HN 8, nodes, 8 KB": _smallest("mmhbc"),
+             "HN 8, nodes, 8 KB, table": _smallest("table"),
              "HN 16, nodes": _core(16, nodes=_NODES),
-             "HN 16, nodes, table": _core(16, "table", nodes=_NODES),
-             "HN 16, nodes, 4 lanes": _core(16, nodes=_NODES, lanes=4, data_width=128)},
+             "HN 16, nodes, table": _core(16, "table", _NODES),
+             "HN 16, nodes, gradient": _core(16, nodes=_NODES, interpolation=GRADIENT),
+             "HN 16, nodes, table, gradient": _core(16, "table", _NODES, interpolation=GRADIENT),
+             "HN 16, nodes, 4 lanes": _four_lanes("mmhbc"),
+             "HN 16, nodes, 4 lanes, table": _four_lanes("table"),
+             "HN 16, nodes, 4 lanes, table, gradient": _four_lanes("table", GRADIENT)},
 }

@@ -13,7 +13,7 @@ HELP = "size and clock of the corrector's blocks, by open synthesis and placemen
 EXAMPLE = "ncdc bench synth --block tansig neuron --target ecp5 --seeds 1"
 
 _SEEDS = 5
-_COLUMNS = ("block", "variant", "target", "alm", "lut", "ff", "dsp", "ram_blocks", "fmax_mhz",
+_COLUMNS = ("block", "variant", "target", "alm", "le", "lut", "ff", "dsp", "ram_blocks", "fmax_mhz",
             "fmax_plain_mhz")
 
 

@@ -158,7 +158,11 @@ def _rules(name, theirs, ours):
 
 
 def cyclone_iv(verilog, top, *, progress=lambda step: None):
-    """Size on Cyclone IV E, before placement: ``lut``, ``ff``, ``multipliers_18x18``, ``m9k``.
+    """Size on Cyclone IV E, before placement: ``lut``, ``ff``, ``le``, ``multipliers_18x18``,
+    ``m9k``.
+
+    ``le``, logic elements: each holds a LUT, and a flip-flop that takes what this LUT gives; other
+    flip-flops count as an element each, though a fitter finds room for many of them.
 
     Yosys's flow for this family knows no multiplier, and its cells of block RAM no contents: both
     become boxes of our own, which are counted. The flip-flops around multipliers, which a fitter
@@ -170,8 +174,19 @@ def cyclone_iv(verilog, top, *, progress=lambda step: None):
         (folder / "boxes.v").write_text(_BOXES)
         (folder / "memory.v").write_text(_MEMORY)
         cells = _yosys(folder, verilog, _CYCLONE_IV.format(top=top))
-    return {"lut": cells.get("cycloneive_lcell_comb", 0), "ff": cells.get("dffeas", 0),
+        pairs = _pairs(json.loads((folder / "netlist.json").read_text())["modules"][top])
+    lut, ff = cells.get("cycloneive_lcell_comb", 0), cells.get("dffeas", 0)
+    return {"lut": lut, "ff": ff, "le": lut + ff - pairs,
             "multipliers_18x18": cells.get("NCDC_MUL18X18", 0), "m9k": cells.get("NCDC_M9K", 0)}
+
+
+def _pairs(module):
+    """Flip-flops of a netlist for Cyclone IV that take what a LUT gives, one for each LUT."""
+    cells = module["cells"].values()
+    given = {bit for cell in cells if cell["type"] == "cycloneive_lcell_comb"
+             for bit in cell["connections"]["combout"]}
+    return len(given & {bit for cell in cells if cell["type"] == "dffeas"
+                        for bit in cell["connections"]["d"]})
 
 
 _CYCLONE_IV = """
@@ -186,6 +201,7 @@ synth_intel -family cycloneive -top {top} -run begin:map_bram
 memory_bram -rules +/intel/common/brams_m9k.txt
 techmap -map memory.v
 synth_intel -family cycloneive -top {top} -run map_ffram:check
+write_json netlist.json
 """
 _BOXES = """
 (* blackbox *) module NCDC_MUL18X18(input [17:0] A, input [17:0] B, output [35:0] Y);

@@ -37,7 +37,7 @@ _NAMES = {"ecp5": {"dsp": "multipliers_18x18", "ram_blocks": "block_rams"},
           "cyclonev": {"lut": "alut", "ff": "alm_ff", "ram_blocks": "m10k"},
           "cycloneiv": {"dsp": "multipliers_18x18", "ram_blocks": "m9k"}}
 _CLOCKS = ("fmax_mhz", "fmax_seeds_mhz", "fmax_plain_mhz")
-_LARGER_IS_WORSE = ("alm", "lut", "ff", "dsp", "ram_blocks")
+_LARGER_IS_WORSE = ("alm", "le", "lut", "ff", "dsp", "ram_blocks")
 
 
 def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: None, plain=False):
@@ -64,7 +64,7 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
     -------
     list of dict
         ``block``, ``variant``, ``target``, ``multiplier_bits``; ``hidden_neurons``, ``nodes``,
-        ``lanes``; ``alm``, ``lut``, ``ff``, ``dsp``,
+        ``lanes``; ``alm``, ``le`` (logic elements of Cyclone IV), ``lut``, ``ff``, ``dsp``,
         ``ram_blocks``, ``fmax_mhz``, ``fmax_seeds_mhz``, ``fmax_plain_mhz`` (the median of the
         same seeds, if ``plain``), ``seeds``; None for what a flow does not tell.
 
@@ -138,7 +138,7 @@ def regressions(rows, baseline):
         name = row["block"], row["variant"], row["target"]
         old = before.get(name, {})
         for key in (*_LARGER_IS_WORSE, "fmax_mhz"):
-            if row[key] is None or old.get(key) is None:
+            if row.get(key) is None or old.get(key) is None:
                 continue
             limit = old[key] * (1 - WORSE if key == "fmax_mhz" else 1 + WORSE)
             if row[key] < limit if key == "fmax_mhz" else row[key] > limit:

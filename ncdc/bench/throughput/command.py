@@ -81,6 +81,8 @@ _COLUMNS = (
     ("size", lambda row: f"{row['width']}x{row['height']}"),
     ("lens", lambda row: f"{row['lens']:g}"),
     ("turn", lambda row: f"{row['rotation']:g}"),
+    ("colour", lambda row: row["interpolation"]),
+    ("lanes", lambda row: str(row["pixels_per_clock"])),
     ("scan", lambda row: f"{row['strip']}" if row["strip"] else "raster"),
     ("cache", lambda row: f"{row['cache_bytes'] // 1024} KB" if row["cache_bytes"] else "-"),
     ("clocks/px", lambda row: f"{row['clocks_per_pixel']:.4f}"),

@@ -9,7 +9,7 @@ from ncdc.bench.sources import source_digest
 from ncdc_model.calibration.camera_file import training_grid
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.geometry import Geometry
-from ncdc_model.interpolation import FAST, INTERPOLATIONS
+from ncdc_model.interpolation import FAST, interpolation_of
 from ncdc_model.lens import Camera
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
@@ -42,6 +42,7 @@ class Lens:
         Distance of the nodes; 1: where the subject is the memory side, the network is evaluated at
         every pixel.
     interpolation : str
+        "fast" or "gradient".
     """
     degrees: float
     size: tuple
@@ -58,7 +59,7 @@ class Lens:
     def geometry(self):
         """:class:`Geometry` of the two pictures."""
         return Geometry(*self.corrected, *self.size,
-                        interpolation=INTERPOLATIONS[self.interpolation])
+                        interpolation=interpolation_of(self.interpolation))
 
     @cached_property
     def _camera(self):

@@ -70,13 +70,14 @@ class Run:
         """The part of its row that is known before it is planned."""
         width, height = self.lens.corrected
         return {"fetch": self.fetch, "memory": self.memory, "width": width, "height": height,
-                "lens": self.lens.degrees, "rotation": self.lens.rotation, "output": self.output,
+                "lens": self.lens.degrees, "rotation": self.lens.rotation,
+                "interpolation": self.lens.interpolation, "output": self.output,
                 "data_width": self.data_width, "pixels_per_clock": self.lanes}
 
     def __str__(self):
         width, height = self.lens.corrected
         return (f"{self.fetch} on {self.memory} to {self.output}, {width}x{height}, lens "
-                f"{self.lens} at {self.lens.rotation:g} degrees")
+                f"{self.lens} at {self.lens.rotation:g} degrees, {self.lens.interpolation}")
 
 
 def _both(lens, memory, output):
@@ -84,6 +85,8 @@ def _both(lens, memory, output):
 
 
 _FHD, _SXGA = Lens(120, FHD), Lens(105, SXGA)
+_GRADIENT_FHD, _GRADIENT_SXGA = (Lens(lens.degrees, lens.size, interpolation="gradient")
+                                 for lens in (_FHD, _SXGA))
 QUICK = [*_both(Lens(105, VGA), "ddr3", "stream"), *_both(Lens(105, VGA), "sdram", "stream"),
          Run("cache", Lens(105, VGA), "fixed:100:4"), Run("cache", Lens(105, VGA), output="memory")]
 DEFAULT = [Run("cache", _FHD, cache_bytes=32768), Run("multiport", _FHD),
@@ -92,7 +95,10 @@ DEFAULT = [Run("cache", _FHD, cache_bytes=32768), Run("multiport", _FHD),
            Run("multiport", _FHD, output="memory"),
            *_both(_SXGA, "sdram", "stream"), *_both(_SXGA, "sdram", "memory"),
            Run("cache", _FHD, cache_bytes=32768, lanes=2),
-           Run("cache", Lens(105, VGA), "litedram")]
+           Run("cache", Lens(105, VGA), "litedram"),
+           *(Run("cache", _GRADIENT_FHD, cache_bytes=32768, lanes=lanes) for lanes in (1, 2)),
+           Run("cache", _GRADIENT_FHD, lanes=4),
+           Run("cache", _GRADIENT_SXGA, "sdram", cache_bytes=32768)]
 ALL = DEFAULT + [run for run in (Run("cache", Lens(degrees, size, rotation), "ddr3", output)
                                  for degrees, size in ((105, SXGA), (120, FHD))
                                  for rotation in ROTATIONS for output in ("stream", "memory"))
@@ -114,8 +120,8 @@ def measure(runs, progress=lambda run: None):
     ------
     dict
         ``fetch``, ``memory``, ``scan``, ``width``, ``height``, ``lens`` (degrees of its view),
-        ``rotation``, ``output``, ``data_width``, ``cache_bytes``, ``cache_split``,
-        ``strip``, ``pixels_per_clock``,
+        ``rotation``, ``interpolation``, ``output``, ``data_width``, ``cache_bytes``,
+        ``cache_split``, ``strip``, ``pixels_per_clock``,
         ``clocks_per_pixel``, ``predicted_clocks_per_pixel`` (None of ``multiport`` and
         of LiteDRAM's controller),
         ``bytes_read_per_pixel``, ``amplification``, ``misses``, ``misses_expected``,
@@ -126,7 +132,8 @@ def measure(runs, progress=lambda run: None):
     InputError, SimulationError
         As of :func:`ncdc_sim.system.corrector.simulate_correction`.
     """
-    tallest = max((run.lens for run in runs), key=lambda lens: lens.corrected[1])
+    tallest = {run.lens.interpolation: run.lens
+               for run in sorted(runs, key=lambda run: run.lens.corrected[1])}
     verilogs = {}
     for run in runs:
         show = progress(run)
@@ -137,12 +144,14 @@ def measure(runs, progress=lambda run: None):
                            lambda chosen: Corrector(descriptor, chosen).timing,
                            fixed=Fixed(run.cache_bytes, strip=run.strip))
             hardware = planned.hardware
+        interpolation = run.lens.interpolation
         built = replace(hardware, split=None, strip=0)
-        if built not in verilogs:
-            verilogs[built] = corrector_verilog(trained(tallest), built)
+        if (built, interpolation) not in verilogs:
+            verilogs[built, interpolation] = corrector_verilog(trained(tallest[interpolation]),
+                                                               built)
         simulation = simulate_correction(
-            descriptor, _noise(run.lens.size), hardware, verilog=verilogs[built], progress=show,
-            memory=run.memory)
+            descriptor, _noise(run.lens.size), hardware, verilog=verilogs[built, interpolation],
+            progress=show, memory=run.memory)
         yield _row(run, descriptor, planned, simulation)
 
 
@@ -177,7 +186,7 @@ def _is(**values):
 
 
 _CACHE_FHD = dict(fetch="cache", width=1920, height=1080, lens=120, rotation=0, output="stream",
-                  pixels_per_clock=1)
+                  interpolation="fast", pixels_per_clock=1)
 # What is asked of rows: name, which rows, figure of a row, limit. The worst row counts.
 GOALS = (
     ("clocks per pixel, 1920x1080, lens 120, ddr3, raster to a stream",
@@ -193,6 +202,11 @@ GOALS = (
      _is(fetch="cache", memory="ddr3", pixels_per_clock=1), "clocks_per_pixel", 1.02),
     ("clocks per pixel, two pixels per clock (at least 1.9 pixels per clock)",
      _is(fetch="cache", memory="ddr3", pixels_per_clock=2), "clocks_per_pixel", 1 / 1.9),
+    ("clocks per pixel, gradient, 1920x1080, lens 120, ddr3, raster to a stream",
+     _is(**_CACHE_FHD | {"interpolation": "gradient"}, memory="ddr3"), "clocks_per_pixel", 1.005),
+    ("clocks per pixel, gradient, four pixels per clock (at least 3.9 pixels per clock)",
+     _is(interpolation="gradient", memory="ddr3", pixels_per_clock=4), "clocks_per_pixel",
+     1 / 3.9),
     ("clocks per pixel, 1280x1024, sdram, to a stream",
      _is(fetch="cache", memory="sdram", width=1280, output="stream"), "clocks_per_pixel", 1.05),
     ("clocks predicted, off by a factor of at most",
@@ -224,11 +238,13 @@ def _figure(row, name):
 
 
 def table_four(rows):
-    """Table IV of the paper remade: (method, memory, resolution, output, frames per second)."""
+    """Table IV of the paper remade: (method, memory, resolution, output, frames per second), with
+    the paper's interpolation."""
     table = [(method, memory, "{}x{}".format(*size), "memory", fps)
              for method, memory, size, fps in PAPER]
     for row in rows:
-        if row["rotation"] == 0 and row["memory"] in ("sdram", "ddr3"):
+        if (row["rotation"] == 0 and row["memory"] in ("sdram", "ddr3")
+                and row["interpolation"] == "fast"):
             table.append((row["fetch"], row["memory"], f"{row['width']}x{row['height']}",
                           row["output"], row["frames_per_second"]))
     return table

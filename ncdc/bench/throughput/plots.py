@@ -51,5 +51,5 @@ def _label(row):
     scan = f"strips {row['strip']}" if row["strip"] else "raster"
     lanes = f", {row['pixels_per_clock']} per clock" if row["pixels_per_clock"] > 1 else ""
     size = f"{row['width']}x{row['height']}"
-    return (f"{row['fetch']}{lanes}, {row['memory']} to {row['output']}, {size}, "
-            f"lens {row['lens']:g}, {row['rotation']:g}°, {scan}")
+    return (f"{row['fetch']}, {row['interpolation']}{lanes}, {row['memory']} to {row['output']}, "
+            f"{size}, lens {row['lens']:g}, {row['rotation']:g}°, {scan}")

@@ -44,7 +44,8 @@ class _Align(wiring.Component):
         super().__init__({
             "shift": In(1), "take": In(1),
             "samples": In(samples_layout(word_bytes, interpolation)),
-            "x": In(ceil_log2(TILE_WIDTH)), "y": In(ceil_log2(interpolation.box_rows)),
+            "x": In(ceil_log2(max(TILE_WIDTH, COLUMNS * word_bytes))),
+            "y": In(ceil_log2(interpolation.box_rows)),
             "o": Out(data.ArrayLayout(8, len(interpolation.samples))),
         } | {name: In(layout) for name, layout in layouts.items()})
 
@@ -78,9 +79,9 @@ class Align(_Align):
 class AlignMirrored(_Align):
     __doc__ = _Align.__doc__ + """
     Windows with a margin, whose samples outside the frame are mirrored about its first or last
-    column or row. Eight neighbouring columns hold a window, so that of the two bytes whose columns
-    are the same modulo 8 one is enough: the first stage chooses it. The second one turns the rows,
-    the third the columns, the fourth one mirrors.
+    column or row. Eight neighbouring columns hold a window, so that of the two bytes, or four,
+    whose columns are the same modulo 8 one is enough: the first stage chooses it. The second one
+    turns the rows, the third the columns, the fourth one mirrors.
     """
 
     latency = 4
@@ -89,8 +90,8 @@ class AlignMirrored(_Align):
         m = Module()
         needs = self.interpolation
         margin, wanted = needs.margin, needs.samples
-        ring = self.word_bytes                  # columns that stay, and rows of the tile memory
-        bits, row_bits = ceil_log2(ring), ceil_log2(needs.box_rows)
+        ring = needs.box_rows                   # columns that stay, as many as rows
+        bits = ceil_log2(ring)
 
         def register(name, value):
             """``value`` after the next shift."""
@@ -107,14 +108,17 @@ class AlignMirrored(_Align):
             return values
 
         # The first column and row of the window, as far as they count.
-        column, row = Signal(bits + 1), Signal(row_bits)
+        across = COLUMNS * self.word_bytes // ring      # rings side by side in the samples
+        column, row = Signal(bits + ceil_log2(across)), Signal(bits)
         m.d.comb += [column.eq(self.x - margin), row.eq(self.y - margin)]
         # Stage 1: of both words, the columns from the window's first one on.
-        second = Signal(ring)       # whether it is in the second word, for each column modulo 8
-        m.d.comb += second[:-1].eq(Cat(column[-1] ^ (column[:bits] > k) for k in range(ring - 1)))
-        m.d.comb += second[-1].eq(column[-1])
-        chosen = [[register(f"w_{j}{k}", Mux(second[k], samples[ring + k], samples[k]))
-                   for k in range(ring)] for j, samples in enumerate(self.samples)]
+        chosen = [[] for _ in self.samples]
+        for k in range(ring):
+            # Which ring has the window's column that is k modulo 8.
+            which = Signal(ceil_log2(across), name=f"which{k}")
+            m.d.comb += which.eq(column[bits:] + (column[:bits] > k if k < ring - 1 else 0))
+            for j, samples in enumerate(self.samples):
+                chosen[j].append(register(f"w_{j}{k}", turned(list(samples)[k::ring], which)[0]))
         w_column, w_row = register("w_column", column[:bits]), register("w_row", row)
         # Stage 2: the rows.
         rows = [Cat(each) for each in chosen]

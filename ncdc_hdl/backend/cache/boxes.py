@@ -3,7 +3,7 @@
 from amaranth import *
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
-from amaranth.utils import ceil_log2
+from amaranth.utils import ceil_log2, exact_log2
 
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.lib.groups import lanes_of
@@ -12,7 +12,6 @@ from ncdc_model.interpolation import FAST
 
 __all__ = ["Boxes", "box_layout"]
 
-_WORD_BITS = 3          # a word of the tile memory has 8 bytes if there are several lanes
 _EDGES = "x0", "y0", "x1", "y1"     # of a box
 
 
@@ -29,10 +28,10 @@ def box_layout(f_bits, lanes, interpolation=FAST):
 class Boxes(wiring.Component):
     """One box for all windows of a group if it can be read in one clock; else of its halves.
 
-    A box fits if it has at most two words of eight bytes across, each on a multiple of eight, as
-    many rows as the tile memory gives, and as many rows of tiles as can be looked up. A group that
-    does not fit is cut in halves, these likewise, from left to right; the window of one pixel
-    always fits. Blank pixels take no part.
+    A box fits if it has at most two words of the tile memory across (``Interpolation.box_word``),
+    as many rows as it gives, and as many rows of tiles as can be looked up. A group that does not
+    fit is cut in halves, these likewise, from left to right; the window of one pixel always fits.
+    Blank pixels take no part.
 
     Of windows with a margin, only what is in the frame counts.
 
@@ -156,7 +155,8 @@ class Boxes(wiring.Component):
         for name, chooses_b in (("x0", b.x0 < a.x0), ("y0", b.y0 < a.y0), ("x1", b.x1 > a.x1),
                                 ("y1", b.y1 > a.y1)):
             m.d.comb += box[name].eq(Mux(Mux(both, chooses_b, b.used), b[name], a[name]))
-        across = box.x1[_WORD_BITS:] - box.x0[_WORD_BITS:]
+        word = exact_log2(needs.box_word(self.lanes))
+        across = box.x1[word:] - box.x0[word:]
         fits = (across <= 1) & (box.y1 - box.y0 < needs.box_rows)
         if (needs.tile_rows - 1) * needs.tile_height + 1 < needs.box_rows:
             # So few rows may yet touch more rows of tiles than can be looked up.

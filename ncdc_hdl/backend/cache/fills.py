@@ -152,6 +152,7 @@ class Fills(wiring.Component):
                     m.d.sync += before.eq(Cat(before, arrived)[self.data_width:])
                 gathered = Cat(before, arrived)
             last = beat[:part_bits] == parts - 1
-            m.d.sync += [fill.enable.eq(Mux(came & last, 1 << word[0], 0)),
-                         fill.word.eq(word[1:]),
+            # A row of a tile that is one word goes where its tile's column says.
+            bank = 1 << word[0] if len(word) else 0b11
+            m.d.sync += [fill.enable.eq(Mux(came & last, bank, 0)), fill.word.eq(word[1:]),
                          fill.data[0].eq(gathered), fill.data[1].eq(gathered)]

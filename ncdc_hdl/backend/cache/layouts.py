@@ -47,7 +47,9 @@ def slot_bits(options):
 def word_bytes(data_width, lanes, interpolation):
     """Bytes that one bank of the tile memory gives per clock, see ``tiles``: a window at any place
     is in two words of four bytes only if it has at most five columns."""
-    return 8 if data_width == 128 or lanes > 1 or interpolation.window > 5 else 4
+    if lanes > 1 or interpolation.window > 5:
+        return interpolation.box_word(lanes)
+    return 8 if data_width == 128 else 4
 
 
 def window_place_layout(f_bits, options, lanes):
@@ -62,17 +64,18 @@ def window_place_layout(f_bits, options, lanes):
     without a margin begins at its ``x`` and ``y``.
     """
     needs = options.interpolation
+    word = needs.box_word(lanes)
     fields = {
         "set": set_bits(options), "next_set": set_bits(options),
         "odd_tile": data.StructLayout({"x": 1, "y": row_bits(options)}),
         "lane": data.ArrayLayout(data.StructLayout(
-            {"x": ceil_log2(TILE_WIDTH), "y": ceil_log2(needs.box_rows), "fx": f_bits,
-             "fy": f_bits, "blank": 1, **edges(needs)}), lanes),
+            {"x": ceil_log2(max(TILE_WIDTH, 2 * word)), "y": ceil_log2(needs.box_rows),
+             "fx": f_bits, "fy": f_bits, "blank": 1, **edges(needs)}), lanes),
         "first": 1, "last": 1}
     if lanes > 1:
         fields |= {"mask": lanes, "end": 1}
     if lanes > 1 or needs.margin:
-        fields |= {"word": 1, "row": ceil_log2(options.tile_height)}
+        fields |= {"word": ceil_log2(TILE_WIDTH // word), "row": ceil_log2(options.tile_height)}
     return data.StructLayout(fields)
 
 

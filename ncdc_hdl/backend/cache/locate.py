@@ -95,7 +95,7 @@ class Locate(wiring.Component):
         if self.lanes > 1:
             m.d.comb += [place.mask.eq(t.mask), place.end.eq(t.end)]
         if "word" in place.shape().members:
-            m.d.comb += [place.word.eq(t.x0[_X_BITS - 1]), place.row.eq(t.y0)]
+            m.d.comb += [place.word.eq(t.x0[_X_BITS - len(place.word):]), place.row.eq(t.y0)]
         # The tile beside an even one is in the same pair, that beside an odd one in the next.
         # Not read back from ``o``: simulators take a vector for one thing.
         set_x = [Signal(len(mask_x), name=f"set_x{odd}") for odd in range(2)]

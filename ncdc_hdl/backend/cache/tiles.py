@@ -15,15 +15,17 @@ COLUMNS = 2     # banks side by side
 
 
 def _words(word_bytes):
-    """Words of one tile row that lie in the same bank."""
-    return TILE_WIDTH // (COLUMNS * word_bytes)
+    """Words of one tile row that lie in the same bank; of two tiles' rows side by side, if a word
+    is a whole row."""
+    return max(1, TILE_WIDTH // (COLUMNS * word_bytes))
 
 
 def fill_layout(options, word_bytes):
     """Words to write into ``row`` of the tile in ``slot``.
 
     ``data`` and ``enable`` have an element for each of the banks side by side; ``word`` counts the
-    words of one bank along the row.
+    words of one bank along the row. Words of 16 bytes, whole rows of a tile, have the same in both
+    banks, of which the tile's column takes one.
     """
     return data.StructLayout({
         "enable": COLUMNS, "slot": slot_bits(options), "row": range(options.tile_height),
@@ -62,7 +64,8 @@ class Tiles(wiring.Component):
     w of a row y of the frame is in bank (y mod M, w mod 2) at the address ``s n + w / 2``, with n =
     16 / (2 word_bytes) words per bank and row, and s the number of the tile's slot among those that
     have rows in that bank: all slots if a tile has M rows, else those whose tile's row leaves the
-    same rest.
+    same rest. Words of 16 bytes are whole rows of a tile: w is its column, n is 1, and s counts
+    only the slots of every second column.
 
     Timing: ``samples`` follow ``box`` after 3 shifts: address, memory, samples.
 
@@ -96,7 +99,9 @@ class Tiles(wiring.Component):
         # Bits of a tile's row that the bank tells, and those that are left to the address.
         in_tile = ceil_log2(needs.tile_height)
         told = ceil_log2(needs.box_rows) - in_tile
-        fill_column, fill_row = fill.slot[:sets + 1], fill.slot[sets + 1:]
+        # Whether a word is a whole row of a tile: the bank tells the tile's column modulo 2.
+        whole = self.word_bytes == TILE_WIDTH
+        fill_column, fill_row = fill.slot[:sets + (not whole)], fill.slot[sets + 1:]
         # Row modulo M in which the box begins.
         begin = Cat(box.row, box.odd_tile.y[:told])
         mask_x = Signal(sets)
@@ -108,18 +113,21 @@ class Tiles(wiring.Component):
             word = Signal.like(box.word, name=f"word{column}")
             in_next_tile = Signal(name=f"next{column}")
             # This bank's word is the box's first, or the one behind it.
-            m.d.comb += Cat(word, in_next_tile).eq(box.word + (box.word[0] != column))
-            odd_x = box.odd_tile.x ^ in_next_tile
+            begins_in = box.odd_tile.x if whole else box.word[0]
+            m.d.comb += Cat(word, in_next_tile).eq(box.word + (begins_in != column))
+            odd_x = Const(0, 0) if whole else box.odd_tile.x ^ in_next_tile
             for row in range(needs.box_rows):
                 bank = f"bank{row}{column}"
                 # A tile is not read before it is complete, nor written before it has been read.
                 m.submodules[bank] = memory = block_memory(8 * self.word_bytes,
-                                                           (self.options.tiles >> told) * words)
+                                                           (self.options.tiles >> told + whole)
+                                                           * words)
                 write, read = memory.write_port(), memory.read_port()
                 m.d.comb += [
                     write.addr.eq(Cat(fill.word, fill_column, fill_row[told:])),
                     write.data.eq(fill.data[column]),
-                    write.en.eq(fill.enable[column] & (Cat(fill.row, fill_row[:told]) == row)),
+                    write.en.eq(fill.enable[column] & (Cat(fill.row, fill_row[:told]) == row)
+                                & ((fill.slot[sets] == column) if whole else 1)),
                 ]
                 # The bank's row is not in the box's first M rows of the frame, but in the next.
                 lower = begin > row if row < needs.box_rows - 1 else Const(0, 1)
