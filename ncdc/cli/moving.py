@@ -2,13 +2,13 @@
 
 import sys
 
-from ncdc.cli.common import raw_frame, write_report
+from ncdc.cli.common import raw_frame, read_photo, write_report
 from ncdc.cli.hardware import fixed_of, hardware_of, planned
 from ncdc.terminal import Progress
 from ncdc_hdl.system import System
 from ncdc_model.errors import InputError
 from ncdc_model.geometry import MONO
-from ncdc_model.images import check_animation, is_raw, read_image, write_animation
+from ncdc_model.images import check_animation, is_raw, write_animation
 from ncdc_model.sensors.catalogue import SENSORS, sensor_named, setup
 from ncdc_model.sensors.sensor import Settings, bayer_at
 from ncdc_sim.sensor.photo import moving_photo, still_raw
@@ -41,10 +41,15 @@ def run_moving(args, descriptor):
         raise InputError(f"frames is {args.frames}, 1 to {_MOST_FRAMES} are simulated")
     check_animation(args.output)
     velocity = _velocity(args.velocity)
+    for option, given in (("--camera-line", args.camera_line), ("--tone", args.tone),
+                          ("--white-balance", args.white_balance)):
+        if given is not None:
+            raise InputError(f"{option} is given with --camera {args.camera}, which does not take "
+                             f"it")
     hardware, _ = planned(hardware_of(args), fixed_of(args, 0 if args.follow else None), descriptor)
     plan, corner = sensor_setup(args.camera, descriptor.geometry, args.exposure_us)
     raw, note = raw_frame(args, descriptor.geometry)
-    photo = read_image(args.image)
+    photo = read_photo(args.image, args)
     light = (still_raw(plan, corner, raw) if is_raw(photo)
              else moving_photo(descriptor, plan, corner, photo, args.frames, velocity))
     result = simulate_camera(
@@ -95,6 +100,6 @@ def _velocity(text):
         x, y = (float(part) for part in text.split(","))
     except ValueError:
         raise InputError(f"the velocity is {text!r}, two numbers as in 12,0 are needed") from None
-    if not max(abs(x), abs(y)) <= 1000:
+    if not all(abs(value) <= 1000 for value in (x, y)):
         raise InputError(f"the velocity is {text}, at most 1000 pixels per frame are simulated")
     return x, y

@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 
+from ncdc_model.geometry import MONO
 from ncdc_model.images import mosaic
 from ncdc_model.network import frame_coordinates
 from ncdc_model.sensors.sensor import bayer_at
@@ -44,7 +45,7 @@ def moving_photo(descriptor, setup, corner, photo, frames, velocity):
     forward = [(raw * scale).astype(np.float32) for raw in frame_coordinates(descriptor)]
     u, v = _inverse(forward, photo.shape[:2])
     left, top = asked.left + corner[0], asked.top + corner[1]
-    bayer = bayer_at(sensor.bayer, left, top)
+    bayer = MONO if descriptor.geometry.mono else bayer_at(sensor.bayer, left, top)
     period = setup.timing.frame_clocks / setup.timing.pixel_clock_hz
     made = []
     for number in range(frames):
