@@ -1,5 +1,7 @@
 """``ncdc plan``: cache, scan and speed of a trained map, before any Verilog exists."""
 
+from fractions import Fraction
+
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import (
@@ -10,17 +12,22 @@ from ncdc.cli.hardware import (
     fixed_of,
     front_end_line,
 )
+from ncdc.cli.moving import sensor_setup
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
+from ncdc_model.fetch.beside import clocks_beside_camera
 from ncdc_model.fetch.plan import CLOCK_MHZ, plan
 from ncdc_model.hardware import DATA_WIDTHS, OUTPUTS, Hardware
 from ncdc_model.memory_timing import memory_at
+from ncdc_model.sensors.catalogue import SENSORS
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
 HELP = "choose cache, split and strips for a trained map, and predict its speed on a memory"
+_NAMES = [sensor.name for sensor in SENSORS]
+_EXPOSURE_US = 1000.0           # short: the sensor sends as many frames as it can
 EXAMPLE = "ncdc plan net.toml --memory ddr3 --clock 150 --to stream"
 
 
@@ -43,6 +50,9 @@ def add_arguments(parser):
     add_format(parser)
     parser.add_argument("--rate", type=float, metavar="FPS",
                         help="refuse what does not correct so many frames per second")
+    parser.add_argument("--camera", metavar="SENSOR",
+                        help="also the clocks of a running system, in which this sensor's frames "
+                             f"come to the same memory meanwhile: {', '.join(_NAMES)}")
     add_follow(parser)
     add_json(parser)
 
@@ -63,6 +73,7 @@ def run(args):
     made = planned.hardware.made_for(descriptor)
     report = planned.report() | {"nodes": descriptor.nodes, "share": made.share,
                                  "tansigs": made.units(descriptor.hidden_neurons)}
+    report |= _beside(args, descriptor, planned)
     if write_report({"digest": descriptor.digest, "output": args.to, **report,
                      **(bound.report() if bound else {})}, args.json):
         return
@@ -75,3 +86,21 @@ def run(args):
     if bound:
         print(f"with the camera's frame: out at most {bound.clocks} clocks after its last byte, "
               f"{100 * bound.share:.1f} % of its {bound.camera_clocks}")
+    if args.camera:
+        print(f"{report['beside_camera_clocks_per_pixel']:.4f} clocks per pixel while the "
+              f"{args.camera} writes its next frames, {report['camera_frames_per_second']:.1f} a "
+              f"second")
+
+
+def _beside(args, descriptor, planned):
+    """What a running camera makes of the plan, under the names in every report."""
+    if not args.camera:
+        return {}
+    setup, _ = sensor_setup(args.camera, descriptor.geometry, _EXPOSURE_US)
+    timing = setup.timing
+    clocks = clocks_beside_camera(
+        descriptor, planned.hardware, memory_at(args.memory, args.clock),
+        Corrector(descriptor, planned.hardware).timing, timing,
+        Fraction(args.clock * 1e6) / timing.pixel_clock_hz)
+    return {"beside_camera_clocks_per_pixel": clocks / planned.pixels,
+            "camera_frames_per_second": timing.frames_per_second}

@@ -36,7 +36,12 @@ class _Port:
         self.last = 0               # edge of the last word on the port
         self.writes, self.lags, self.known = writes, lags, 0
         self.total = len(writes.words) if writes else 0
+        self.others = iter(writes.others() if writes and writes.others else ())
+        self.other = next(self.others, None)    # the next access of somebody else
+        self.own = 0                # accesses of the frame that have arrived
+        self.last_own = -1          # number of the last one of them
         self.arrived = []           # edge that accepts the last word of each write access
+        self.accesses = []          # address and words of each
         self.done = 0               # write accesses placed
         self.done_at = deque([], self.queue)
 
@@ -48,28 +53,57 @@ class _Port:
 
     def _arrive(self):
         """Arrivals of writes, as far as they are known; whether one waits to be placed."""
-        writes = self.writes
-        while len(self.arrived) < min(self.total, self.done + self.queue):
-            j = len(self.arrived)
-            last, words = writes.last[j], writes.words[j]
-            if last >= self.known:
+        while len(self.arrived) < self.done + self.queue:
+            j, own = len(self.arrived), self._own_edge()
+            theirs = self._other_is_first(own)
+            if theirs:
+                edge, *access = self.other
+                self.other = next(self.others, None)
+            elif own is not None:
+                edge = own
+                access = self.writes.address[self.own], self.writes.words[self.own]
+            else:
                 break
-            self.lags.settle(last)
-            edge = self.lags.clock(last) + self.read_to_bus + words - 1
+            words = access[1]
             if j:
                 edge = max(edge, self.arrived[-1] + words)
             if j >= self.queue:
                 before = j - self.queue - self.done + len(self.done_at)
                 edge = max(edge, self.done_at[before] + words)
             self.arrived.append(edge)
-            self.lags.hold(writes.held[j], edge - words + 1)
+            self.accesses.append(access)
+            if not theirs:
+                self.lags.hold(self.writes.held[self.own], edge - words + 1)
+                self.own, self.last_own = self.own + 1, j
         return self.done < len(self.arrived)
+
+    def _own_edge(self):
+        """Edge at which the frame's next access would be complete; None if that is not known."""
+        if self.own == self.total:
+            return None
+        last = self.writes.last[self.own]
+        if last >= self.known:
+            return None
+        self.lags.settle(last)
+        return self.lags.clock(last) + self.read_to_bus + self.writes.words[self.own] - 1
+
+    def _other_is_first(self, own):
+        """Whether somebody else's access comes before the frame's next one, which comes at ``own``.
+
+        Of one that is not known all that is known is what comes before it. Behind the frame's last
+        one nobody else counts.
+        """
+        if self.other is None or (self.total and self.own == self.total):
+            return False
+        if own is None:
+            own = self.lags.clock(self.known) + self.read_to_bus if self.total else _NEVER
+        return self.other[0] <= own
 
     def finish(self):
         """All pixels are known: the edge at which the last write is accepted."""
         self.known = _NEVER
         self.advance(_NEVER)
-        return self.arrived[-1] if self.total else 0
+        return self.arrived[self.last_own] if self.total else 0
 
 
 class _LatencyPort(_Port):
@@ -106,8 +140,8 @@ class _LatencyPort(_Port):
             self.last, cost = self._pay(edge, cost), 256
 
     def advance(self, clock):
-        while self.total and self._arrive() and self.arrived[self.done] < clock:
-            words = self.writes.words[self.done]
+        while self._arrive() and self.arrived[self.done] < clock:
+            words = self.accesses[self.done][1]
             edge = self.arrived[self.done] - words
             for _ in range(words):
                 edge = self._pay(edge + 1, 256)
@@ -156,7 +190,7 @@ class _DramPort(_Port):
             address = upto
 
     def advance(self, clock):
-        if self.done < self.total and self._arrive():
+        if self._arrive():
             self._write_until(_NEVER, _NEVER, clock)
 
     def _write_until(self, read_from, held_from, clock=_NEVER):
@@ -166,7 +200,7 @@ class _DramPort(_Port):
         memory = self.memory
         while True:
             edge = max(self.placed + 1, self._edge(self.columns[0]))
-            if not self.total or not self._arrive():
+            if not self._arrive():
                 self.batch = 1 if self.writing else self.batch + 1
                 self.writing = False
                 return max(edge, read_from)
@@ -205,10 +239,8 @@ class _DramPort(_Port):
         return self.writing and may_write
 
     def _write(self, edge):
-        writes, j = self.writes, self.done
-        address = writes.address[j]
-        self._place(edge, address, self._length(address, address + writes.words[j] * self.word),
-                    True)
+        address, words = self.accesses[self.done]
+        self._place(edge, address, self._length(address, address + words * self.word), True)
         self.batch += 1
         self.done_at.append(edge)
         self.done += 1

@@ -77,7 +77,7 @@ def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
         if k % 4096 == 0:
             progress(k, total)
     run.close()
-    if writes is not None:
+    if writes is not None and writes.words:
         clocks = run.port.finish() + timing.start
     else:
         clocks = timing.start + run.read.clock(len(boxes) - 1) + timing.end

@@ -23,11 +23,15 @@ class FrameWrites:
         Number, in the order of the scan, of the last pixel of its burst: then the burst begins.
     held : list of int
         Number of the first pixel that the full writer holds up until the access is on the bus.
+    others : callable, optional
+        ``others()`` gives what somebody else writes through the same port: (edge, address, words)
+        of each access, the edge at which its last word could be accepted, ascending.
     """
     address: list
     words: list
     last: list
     held: list
+    others: object = None
 
     def by_lookup(self, pixel):
         """The same with the numbers of look-ups, whose first pixels are ``pixel``."""

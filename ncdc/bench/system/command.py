@@ -11,6 +11,7 @@ __all__ = ["EXAMPLE", "HELP", "add_arguments", "failures", "run", "table"]
 HELP = ("let a camera run from a sensor's pins through memory and corrector, with faults and with "
         "readers at random, and compare every frame with the golden model")
 EXAMPLE = "ncdc bench system --quick"
+_PREDICTION = .02       # of the clocks, by which the planner may be wrong
 
 
 def add_arguments(parser):
@@ -41,6 +42,13 @@ def failures(rows):
             found.append(f"{name}: {row['frames_torn']} frames were torn")
         if row["camera_bytes_dropped"] and row["fault"] is None:
             found.append(f"{name}: {row['camera_bytes_dropped']} bytes of the camera were dropped")
+        predicted, bound = row["predicted_clocks_per_pixel"], row["follow_bound_clocks"]
+        if predicted and abs(row["clocks_per_pixel"] / predicted - 1) > _PREDICTION:
+            found.append(f"{name}: {predicted:.4f} clocks per pixel were predicted, "
+                         f"{row['clocks_per_pixel']:.4f} are measured")
+        if bound and row["follow_latency_clocks"] > bound:
+            found.append(f"{name}: a frame that follows its camera came "
+                         f"{row['follow_latency_clocks']} clocks behind it, {bound} are promised")
         if row["recovered"] is False:
             found.append(f"{name}: the fault was not told")
     return found
@@ -63,7 +71,9 @@ _COLUMNS = (
     ("size", lambda row: f"{row['width']}x{row['height']}"),
     ("memory", lambda row: row["memory"]),
     ("to", lambda row: row["output"]),
-    ("follow", lambda row: "yes" if row["follow"] else "no"),
+    ("behind its camera", lambda row: (
+        f"{row['follow_latency_clocks']} of {row['follow_bound_clocks']} clocks"
+        if row["follow"] else "-")),
     ("fault", lambda row: row["fault"] or "-"),
     ("frames", lambda row: row["frames"]),
     ("pixels", lambda row: row["pixels_compared"]),

@@ -1,6 +1,7 @@
 """Runs of a camera on the generated Verilog: frames, faults, readers."""
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
@@ -9,8 +10,11 @@ from ncdc.cli.moving import sensor_setup
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_hdl.system import System
-from ncdc_model.fetch.plan import plan
+from ncdc_model.fetch.beside import clocks_beside_camera
+from ncdc_model.fetch.follow import follow_bound
+from ncdc_model.fetch.plan import Fixed, plan
 from ncdc_model.hardware import Hardware
+from ncdc_model.memory_timing import memory_at
 from ncdc_model.sensors.mt9p031 import SENSOR
 from ncdc_sim.sensor.verilog import Fault, Light
 from ncdc_sim.system.camera import simulate_camera
@@ -20,6 +24,7 @@ __all__ = ["FAULTS", "FULL", "QUICK", "Run", "measure"]
 
 VGA, SXGA, FHD, SMALL = (640, 480), (1280, 1024), (1920, 1080), (64, 24)
 _EXPOSURE_US = 100.0
+_CLOCK_MHZ = 100
 _STALL = 200_000        # clocks: 2 ms at 100 MHz
 
 # Fault, and what the counters must tell of it.
@@ -43,7 +48,7 @@ class Run:
     ----------
     size : (int, int)
         Of raw and corrected frames.
-    memory, data_width, output : str, int, str
+    memory, data_width, output, format : str, int, str, str
     frames : int
     follow : bool
     degrees : float
@@ -57,6 +62,7 @@ class Run:
     memory: str = "sdram"
     data_width: int = 32
     output: str = "memory"
+    format: str = "BGRX8"
     frames: int = 5
     follow: bool = False
     degrees: float = 105.0
@@ -72,7 +78,7 @@ class Run:
 QUICK = [Run(VGA), *(Run(SMALL, frames=3, fault=fault) for fault in FAULTS),
          Run(SMALL, readers=100)]
 FULL = [*QUICK[:-1], Run(SMALL, readers=1000), Run(FHD, "ddr3", 128, frames=2, degrees=120.0),
-        Run(SXGA, frames=2), Run(SXGA, output="stream", frames=2, follow=True)]
+        Run(SXGA, frames=2, format="BGR8"), Run(SXGA, frames=2, follow=True, format="BGR8")]
 
 
 def measure(runs, progress=lambda run: None):
@@ -81,13 +87,15 @@ def measure(runs, progress=lambda run: None):
     Yields
     ------
     dict
-        ``width``, ``height``, ``frames``, ``memory``, ``output``, ``follow``,
+        ``width``, ``height``, ``frames``, ``memory``, ``output``, ``format``, ``follow``,
         ``pixels_compared``, ``pixels_different``, ``camera_bytes_dropped`` (of the rows in
         frames that lost samples or were missed), ``frames_torn``, ``clocks_per_pixel`` (of
-        the slowest frame), ``predicted_clocks_per_pixel`` (None of a frame that follows its
-        camera, and of what has no prediction), ``follow_latency_clocks`` (of one that does),
-        ``fault``, ``recovered`` (whether the fault was told and the frames behind it are right;
-        None without one).
+        the slowest frame), ``predicted_clocks_per_pixel`` (beside the camera's own
+        writes; None of a frame that follows its camera, of faults and readers),
+        ``follow_latency_clocks`` (of one that does, from the camera's last sample to the
+        interrupt), ``follow_bound_clocks`` (what the planner promises), ``camera_clocks`` (from
+        the first sample to the last), ``fault``, ``recovered`` (whether the fault was told and
+        the frames behind it are right; None without one).
     """
     verilogs = {}
     for run in runs:
@@ -96,21 +104,24 @@ def measure(runs, progress=lambda run: None):
 
 def _row(run, verilogs, show):
     descriptor = trained(Lens(run.degrees, run.size, nodes="auto", interpolation="gradient"))
-    hardware = Hardware(data_width=run.data_width, output=run.output)
+    hardware = Hardware(data_width=run.data_width, output=run.output, format=run.format)
     planned = plan(descriptor, hardware, run.memory,
-                   lambda chosen: Corrector(descriptor, chosen).timing)
+                   lambda chosen: Corrector(descriptor, chosen).timing,
+                   fixed=Fixed(strip=0) if run.follow else Fixed())
     system = System(descriptor, planned.hardware)
-    setup, corner = sensor_setup(SENSOR.name, descriptor.geometry, _EXPOSURE_US)
-    key = run.size, run.data_width, run.output
+    key = descriptor.digest, system.hardware
     if key not in verilogs:
         verilogs[key] = system_verilog(system)
+    setup, corner = sensor_setup(SENSOR.name, descriptor.geometry, _EXPOSURE_US)
     width, height = run.size
     noise = np.random.default_rng(1).integers(0, 4096 - SENSOR.black,
                                               (min(run.frames, 5), height, width), np.uint16)
     light = Light(noise, *corner)
     common = {"corner": corner, "verilog": verilogs[key], "memory": run.memory, "progress": show}
     row = {"width": width, "height": height, "memory": run.memory, "output": run.output,
-           "follow": run.follow, "fault": run.fault or None}
+           "format": run.format, "follow": run.follow, "fault": run.fault or None,
+           "predicted_clocks_per_pixel": None, "follow_latency_clocks": None,
+           "follow_bound_clocks": None, "camera_clocks": None, "recovered": None}
     if run.readers:
         return row | _readers(simulate_readers(system, setup, light, count=run.readers, seed=1,
                                                **common), width * height)
@@ -118,8 +129,26 @@ def _row(run, verilogs, show):
     disturb = (lambda host: host.live.stall(_STALL)) if run.fault == "memory_stall" else None
     result = simulate_camera(system, setup, light, count=run.frames, follow=run.follow, fault=fault,
                              disturb=disturb, **common)
-    predicted = None if run.follow or run.fault else planned.clocks_per_pixel
-    return row | _frames(result, tells, setup) | {"predicted_clocks_per_pixel": predicted}
+    row |= _frames(result, setup)
+    if tells:
+        told = tells in result.i2c_errors or result.report().get(tells, 0) > 0
+        return row | {"recovered": told and row["pixels_different"] == 0}
+    return row | _predicted(run, system, setup, result)
+
+
+def _predicted(run, system, setup, result):
+    """What the planner says of a run without faults, beside what is measured of it."""
+    descriptor, hardware, timing = system.descriptor, system.hardware, setup.timing
+    memory, own = memory_at(run.memory, _CLOCK_MHZ), system.corrector.timing
+    ratio = Fraction(_CLOCK_MHZ * 10**6, timing.pixel_clock_hz)
+    if not run.follow:
+        clocks = clocks_beside_camera(descriptor, hardware, memory, own, timing, ratio)
+        return {"predicted_clocks_per_pixel": clocks / (run.size[0] * run.size[1])}
+    line = round(timing.line_clocks * ratio)
+    sent = (run.size[1] - 1) * line + round(run.size[0] * ratio)
+    bound = follow_bound(descriptor, hardware, memory, own, line=line)
+    return {"follow_latency_clocks": max(frame.age for frame in result.frames) - sent,
+            "follow_bound_clocks": bound.clocks, "camera_clocks": sent}
 
 
 def _readers(result, pixels):
@@ -127,22 +156,16 @@ def _readers(result, pixels):
     whole = result.raw + result.corrected
     return {"frames": result.begun, "pixels_compared": whole * pixels,
             "pixels_different": result.torn * pixels, "frames_torn": result.torn,
-            "camera_bytes_dropped": 0, "clocks_per_pixel": None,
-            "predicted_clocks_per_pixel": None, "follow_latency_clocks": None, "recovered": None}
+            "camera_bytes_dropped": 0, "clocks_per_pixel": None}
 
 
-def _frames(result, tells, setup):
-    """Figures of corrected frames; ``tells``: what must be counted of a fault, or None."""
+def _frames(result, setup):
+    """Figures of corrected frames."""
     report, timing = result.report(), setup.timing
     lost = report["overflows"] + report["frames_missed"]
-    recovered = None
-    if tells:
-        told = tells in result.i2c_errors or report.get(tells, 0) > 0
-        recovered = told and report["pixels_different"] == 0
     return {
         "frames": report["frames"], "pixels_compared": report["pixels_compared"],
         "pixels_different": report["pixels_different"],
         # A frame that lost samples is dropped whole.
         "camera_bytes_dropped": lost * timing.width * timing.height, "frames_torn": 0,
-        "clocks_per_pixel": report["clocks_per_pixel"],
-        "follow_latency_clocks": None, "recovered": recovered}
+        "clocks_per_pixel": report["clocks_per_pixel"]}

@@ -1,0 +1,46 @@
+"""How fast a frame is corrected while a camera writes the next ones to the same memory."""
+
+from ncdc_model.fetch.camera_writes import CameraWrites
+from ncdc_model.fetch.lookups import frame_windows, lookups
+from ncdc_model.fetch.tags import accesses, misses
+from ncdc_model.fetch.timing import predict_clocks
+from ncdc_model.fetch.writes import frame_writes
+from ncdc_model.interface.frames import FramePlaces
+from ncdc_model.interface.system_values import stores_for, system_values
+
+__all__ = ["clocks_beside_camera"]
+
+_READERS = 2            # of the system: they say where its buffers lie
+_QUEUE = 20             # clocks from a sample at the pins to the burst that it completes, about
+
+
+def clocks_beside_camera(descriptor, hardware, memory, timing, sensor, ratio):
+    """Clocks of a frame of a running system, in which the camera goes on.
+
+    The frame begins when its raw frame is complete; the next ones come meanwhile, into another
+    buffer. Buffers lie where they do after a reset.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    hardware : Hardware
+        With a tile cache, a split and a scan, as :func:`ncdc_model.fetch.plan.plan` chooses them.
+    memory : LatencyMemory or DramMemory
+    timing : CorrectorTiming
+    sensor : ncdc_model.sensors.sensor.Timing
+    ratio : Fraction
+        Clocks of the corrector per pixel clock of the sensor.
+    """
+    geometry, word = descriptor.geometry, hardware.data_width // 8
+    values = system_values(descriptor, hardware, stores_for(hardware, _READERS))
+    places = FramePlaces(values["RAW0_BASE"], values.get("CORRECTED0_BASE", 0),
+                         values["RAW_PITCH"])
+    block = getattr(memory, "access_bytes", 1)
+    boxes = lookups(frame_windows(descriptor), hardware.strip, hardware.lanes)
+    missed = misses(accesses(boxes), hardware.cache, hardware.split)
+    writes = None if hardware.stream else frame_writes(geometry, hardware, block, places.target,
+                                                       timing)
+    camera = CameraWrites.of(sensor, ratio, geometry, values["RAW1_BASE"], places.pitch,
+                             burst=timing.write_burst, latency=_QUEUE - timing.start)
+    return predict_clocks(missed, boxes, hardware, memory, timing, places,
+                          camera.beside(writes, word, block)).clocks
