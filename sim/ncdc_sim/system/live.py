@@ -3,6 +3,7 @@
 import subprocess
 import tempfile
 from collections import deque
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.sensor.verilog import sensor_sources
 from ncdc_sim.tools import SimulationError, environment
+from ncdc_sim.waves import build_options, recorded
 
 __all__ = ["Clocks", "LiveSystem"]
 
@@ -20,6 +22,7 @@ _BENCH = ("system_bench.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.
           "stream_checker.v")
 _END, _WRITE, _READ, _WAIT_IRQ, _WAIT, _SAVE, _RESET, _RESET_ALL, _STALL, _SENSOR, _STREAM = \
     range(11)
+_PATIENCE_S = 60                # for a run to end by itself, and to close its waveforms
 _LEAST_MEMORY = 1 << 24         # bytes; more frame sizes share one build
 
 
@@ -51,6 +54,8 @@ class LiveSystem:
     seed : int
     sink_chance : int
         How often, of 256 clocks, the sink of a stream is ready.
+    waves : Waves, optional
+        Where to write the waveforms; they are there behind the context.
 
     Attributes
     ----------
@@ -66,7 +71,7 @@ class LiveSystem:
     """
 
     def __init__(self, verilog, sensor, light, *, memory_bytes, fault=None, memory="sdram",
-                 clocks=Clocks(), simulator="verilator", seed=1, sink_chance=256):
+                 clocks=Clocks(), simulator="verilator", seed=1, sink_chance=256, waves=None):
         memory = simulated_memory(memory)
         ports = ports_of(verilog, SYSTEM)
         self.width = ports["read0_readdata"]
@@ -75,14 +80,17 @@ class LiveSystem:
         self.stream = "stream_data" in ports
         if not hasattr(memory, "latency") and not hasattr(memory, "banks"):
             raise InputError("LiteDRAM cannot be the memory of a camera's run")
-        binary = self._build(verilog, ports, sensor, simulator, memory_bytes)
+        binary = self._build(verilog, ports, sensor, simulator, memory_bytes,
+                             build_options(waves, simulator))
         settings = memory_settings(memory, self.width, self.readers) | {
             "memory_bytes": memory_bytes, "seed": seed, "sink_chance": sink_chance,
             **vars(clocks)}
         plusargs = [*(f"+{key}={value}" for key, value in settings.items()),
                     *light.plusargs("sensor.bin"), *(fault.plusargs() if fault else [])]
-        self._folder = tempfile.TemporaryDirectory(prefix="ncdc-")
-        self.folder = Path(self._folder.name)
+        self._stack = ExitStack()
+        self.folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="ncdc-")))
+        self._records = waves is not None
+        plusargs = [*self._stack.enter_context(recorded(waves, simulator)), *plusargs]
         (self.folder / "sensor.bin").write_bytes(light.data())
         self.now, self.results, self._last = 0, {}, deque(maxlen=20)
         self.sensor_lines = []
@@ -90,8 +98,9 @@ class LiveSystem:
             [*command_of(binary), *plusargs], cwd=self.folder, env=environment(), text=True,
             errors="replace", stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT)
+        self._stack.push(self._stop)
 
-    def _build(self, verilog, ports, sensor, simulator, memory_bytes):
+    def _build(self, verilog, ports, sensor, simulator, memory_bytes, options):
         defines = {"NCDC_DATA_WIDTH": self.width, "NCDC_READ_PORTS": self.readers,
                    "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
                    "NCDC_MEMORY_BYTES": max(_LEAST_MEMORY, 1 << (memory_bytes - 1).bit_length()),
@@ -105,15 +114,21 @@ class LiveSystem:
             top = "system_clock"
             sources.insert(0, ("system_clock.v", (HDL / "system_clock.v").read_text()))
         return build("system", top, sources, defines=defines, simulator=simulator,
-                     main=HDL / "system_main.cpp")
+                     main=HDL / "system_main.cpp", options=options)
 
     def __enter__(self):
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *failure):
+        return self._stack.__exit__(*failure)
+
+    def _stop(self, kind, *_):
+        """End the program; by itself if it has waveforms to close, which its input's end tells."""
+        if self._records and (kind is None or issubclass(kind, SimulationError)):
+            with suppress(subprocess.TimeoutExpired):
+                self._process.communicate(timeout=_PATIENCE_S)
         self._process.kill()
         self._process.communicate()
-        self._folder.cleanup()
 
     def write(self, address, value):
         """Write ``value`` to the register at a word address."""
