@@ -1,5 +1,7 @@
 """Waveforms of a simulation, as a file for a viewer."""
 
+import shutil
+import subprocess
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +13,8 @@ from ncdc_sim.tools import SimulationError
 __all__ = ["FORMATS", "Waves", "build_options", "recorded"]
 
 FORMATS = ("vcd", "fst")
+
+_FST_HEADERS = ("lz4.h", "zlib.h")
 
 
 @dataclass(frozen=True)
@@ -42,8 +46,28 @@ def build_options(waves, simulator):
     """Verilator's options of a build that can write ``waves``; it is slower even if it does not.
 
     Icarus Verilog needs none.
+
+    Raises
+    ------
+    InputError
+        If Verilator's writer of FST does not compile here.
     """
-    return (f"--trace-{waves.kind}",) if waves and simulator == "verilator" else ()
+    if not waves or simulator != "verilator":
+        return ()
+    if waves.kind == "fst":
+        _check_libraries()
+    return (f"--trace-{waves.kind}",)
+
+
+def _check_libraries():
+    """Refuse what would fail in the middle of a build, with the compiler's words."""
+    includes = "".join(f"#include <{header}>\n" for header in _FST_HEADERS)
+    compiler = shutil.which("g++")
+    if compiler and subprocess.run([compiler, "-E", "-x", "c++", "-"], input=includes.encode(),
+                                   capture_output=True).returncode:
+        raise InputError(
+            f"Verilator packs FST with {' and '.join(_FST_HEADERS)}, which are not installed here "
+            "(Debian: liblz4-dev, zlib1g-dev); VCD, or the simulator icarus, goes without")
 
 
 @contextmanager
