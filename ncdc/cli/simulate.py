@@ -6,6 +6,7 @@ from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
 from ncdc.cli.moving import add_moving, run_moving
+from ncdc.cli.waves import add_waves, waves_of
 from ncdc.terminal import Progress
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
@@ -40,6 +41,7 @@ def add_arguments(parser):
                         help="of the memory's random behaviour (default: 1)")
     add_follow(parser)
     add_moving(parser)
+    add_waves(parser)
     add_samples(parser)
     add_json(parser)
 
@@ -50,6 +52,7 @@ def run(args):
         raise InputError(f"seed is {args.seed}, it must not be negative")
     check_suffix(args.output)
     simulated_memory(args.memory)
+    waves = waves_of(args)
     descriptor = Descriptor.load(args.descriptor)
     if args.camera:
         return run_moving(args, descriptor)
@@ -59,7 +62,7 @@ def run(args):
     line = camera_line(args.camera_line, descriptor.geometry) if args.follow else None
     simulation = simulate_correction(
         descriptor, raw, hardware, follow_line=line, progress=Progress("simulating"),
-        memory=args.memory, simulator=args.simulator, seed=args.seed)
+        memory=args.memory, simulator=args.simulator, seed=args.seed, waves=waves)
     write_image(args.output, simulation.picture)
     if note:
         print(note, file=sys.stderr)

@@ -56,13 +56,15 @@ class LiveSystem:
         How often, of 256 clocks, the sink of a stream is ready.
     waves : Waves, optional
         Where to write the waveforms; they are there behind the context.
+    more : sequence of str
+        Plusargs of what the Verilog has besides.
 
     Attributes
     ----------
     now : int
         Clocks since the start, at the last answer.
     results : dict
-        Counters of the bench, once :meth:`end` was called.
+        Counters of the bench, once :meth:`end` was called, and of flops that were metastable.
 
     Raises
     ------
@@ -71,7 +73,8 @@ class LiveSystem:
     """
 
     def __init__(self, verilog, sensor, light, *, memory_bytes, fault=None, memory="sdram",
-                 clocks=Clocks(), simulator="verilator", seed=1, sink_chance=256, waves=None):
+                 clocks=Clocks(), simulator="verilator", seed=1, sink_chance=256, waves=None,
+                 more=()):
         memory = simulated_memory(memory)
         ports = ports_of(verilog, SYSTEM)
         self.width = ports["read0_readdata"]
@@ -86,7 +89,7 @@ class LiveSystem:
             "memory_bytes": memory_bytes, "seed": seed, "sink_chance": sink_chance,
             **vars(clocks)}
         plusargs = [*(f"+{key}={value}" for key, value in settings.items()),
-                    *light.plusargs("sensor.bin"), *(fault.plusargs() if fault else [])]
+                    *light.plusargs("sensor.bin"), *(fault.plusargs() if fault else []), *more]
         self._stack = ExitStack()
         self.folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="ncdc-")))
         self._records = waves is not None
@@ -186,8 +189,8 @@ class LiveSystem:
             if kind in ("DONE", "READ", "IRQ", "STREAM", "END"):
                 self.now = int(values[-1])
                 return values[:-1]
-            if kind == "RESULT":
-                self.results[values[0]] = int(values[1])
+            if kind in ("RESULT", "METASTABLE"):
+                self.results[" ".join(values[:-1])] = int(values[-1])
             elif kind in ("AVALON-ERROR", "FAILED", "SENSOR-ERROR"):
                 raise SimulationError(f"simulation failed: {line.strip()}")
             elif kind == "SENSOR":
