@@ -59,6 +59,7 @@ def _files(args):
     outputs = []
     if args.command not in _TO_FOLDER and given.get("output"):
         outputs.append(given["output"])
+    outputs += [given[name] for name in ("vcd", "fst") if given.get(name)]
     inputs = []
     for name in ("descriptor", "image", "source", "against", "photos"):
         value = given.get(name, [])

@@ -4,6 +4,7 @@ import sys
 
 from ncdc.cli.common import raw_frame, read_photo, write_report
 from ncdc.cli.hardware import fixed_of, hardware_of, planned
+from ncdc.cli.waves import waves_of
 from ncdc.terminal import Progress
 from ncdc_hdl.system import System
 from ncdc_model.errors import InputError
@@ -55,7 +56,7 @@ def run_moving(args, descriptor):
     result = simulate_camera(
         System(descriptor, hardware), plan, light, corner=corner, count=args.frames,
         follow=args.follow, memory=args.memory, simulator=args.simulator, seed=args.seed,
-        progress=Progress("simulating"))
+        waves=waves_of(args), progress=Progress("simulating"))
     write_animation(args.output, [frame.picture for frame in result.frames],
                     _SHOWN_MS)
     if note:

@@ -8,6 +8,7 @@ from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
 from ncdc.cli.moving import add_moving, run_moving
+from ncdc.cli.waves import add_waves, waves_of
 from ncdc.terminal import Progress
 from ncdc_model.colour import Colour
 from ncdc_model.corrector import correct
@@ -45,6 +46,7 @@ def add_arguments(parser):
     add_follow(parser)
     add_moving(parser)
     add_colour(parser)
+    add_waves(parser)
     add_samples(parser)
     add_json(parser)
 
@@ -56,6 +58,7 @@ def run(args):
     check_suffix(args.output)
     choice = colour_choice(args)
     simulated_memory(args.memory)
+    waves = waves_of(args)
     descriptor = Descriptor.load(args.descriptor)
     if args.camera:
         return run_moving(args, descriptor)
@@ -68,7 +71,7 @@ def run(args):
     colour = choice(correct(descriptor, raw)) if choice else Colour()
     simulation = simulate_correction(
         descriptor, raw, hardware, follow_line=line, colour=colour, progress=Progress("simulating"),
-        memory=args.memory, simulator=args.simulator, seed=args.seed)
+        memory=args.memory, simulator=args.simulator, seed=args.seed, waves=waves)
     write_image(args.output, simulation.picture)
     if note:
         print(note, file=sys.stderr)

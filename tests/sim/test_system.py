@@ -1,5 +1,7 @@
 """The whole camera system under Verilator: sensor's pins to corrected pictures, and its faults."""
 
+from itertools import takewhile
+
 import numpy as np
 import pytest
 
@@ -9,10 +11,12 @@ from ncdc_hdl.system import System
 from ncdc_model.hardware import Hardware
 from ncdc_model.sensors.catalogue import sensor_named, setup
 from ncdc_model.sensors.sensor import Settings
+from ncdc_sim.metastability import Metastability, metastable_verilog
 from ncdc_sim.sensor.verilog import Fault, Light
 from ncdc_sim.system.camera import simulate_camera
 from ncdc_sim.system.live import Clocks
 from ncdc_sim.system.readers import simulate_readers
+from ncdc_sim.waves import FORMATS, Waves
 
 regress = pytest.mark.regress
 
@@ -61,6 +65,47 @@ def test_every_frame_is_its_own_raw_frame_corrected(system, verilog, light, foll
         "CORRECTED_ENDED_BAD", "RAW_SKIPPED"))
     assert not any(value for name, value in run.bench.items() if name.endswith("_errors"))
     assert run.i2c_errors == []
+
+
+@regress
+def test_a_second_simulator_agrees(system, verilog, light):
+    run = simulate_camera(system, asked(), light, count=1, verilog=verilog, simulator="icarus")
+    assert [(frame.number, frame.different) for frame in run.frames] == [(1, 0)]
+
+
+@regress
+@pytest.mark.parametrize("kind", FORMATS)
+def test_waveforms_of_a_camera(system, verilog, light, tmp_path, kind):
+    path = tmp_path / f"waves.{kind}"
+    run = simulate_camera(system, asked(), light, count=1, verilog=verilog,
+                          waves=Waves(path, kind))
+    assert run.frames[0].different == 0
+    if kind == "fst":
+        assert path.read_bytes()[:9] == bytes([0]) + (329).to_bytes(8, "big")
+        return
+    with path.open() as lines:
+        variables = [line.split() for line in takewhile(
+            lambda line: "$enddefinitions" not in line, lines) if "$var" in line]
+        codes = {words[3]: words[4] for words in variables}
+        moved = {codes.get(line[1:].strip()) for line in lines if line[0] in "01"}
+    assert {"frame_valid", "line_valid", "scl", "sda", "irq", "write_write"} <= moved
+
+
+@regress
+@pytest.mark.parametrize("period,counters", [
+    (9_990, ("produce_cdc", "consume_cdc")), (30_010, ("produce_cdc", "consume_cdc")),
+    # An entry is taken some clocks behind the sensor's edge, never near the next one.
+    (79_990, ("produce_cdc",))])
+def test_every_synchroniser_of_a_system_may_be_metastable(system, light, period, counters):
+    verilog = metastable_verilog(system_verilog(system, Metastability()))
+    run = simulate_camera(
+        system, asked(), light, count=3, verilog=verilog, clocks=Clocks(extclk_period=period),
+        more=["+metastable_ps=4490"])
+    assert [(frame.number, frame.different) for frame in run.frames] == [(1, 0), (2, 0), (3, 0)]
+    assert not any(run.counters[name] for name in (
+        "LINE_FAULTS", "FRAMES_CUT", "OVERFLOWS", "FRAMES_MISSED", "CLOCK_STOPS", "RAW_ENDED_BAD"))
+    paths = " ".join(run.bench)
+    assert all(name in paths for name in (*counters, "scl_cdc", "sda_cdc"))
 
 
 @pytest.mark.parametrize("kind,follow", [

@@ -18,4 +18,11 @@ module system_clock;
         join
     end
     system_bench bench (.clk(clk), .extclk(extclk));
+
+    string waves;                       // file of the waveforms, if there are to be any
+    initial
+        if ($value$plusargs("waves=%s", waves)) begin
+            $dumpfile(waves);
+            $dumpvars(0, bench);
+        end
 endmodule

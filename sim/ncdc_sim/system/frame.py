@@ -11,6 +11,7 @@ from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.runner import run as run_program
 from ncdc_sim.tools import SimulationError
+from ncdc_sim.waves import Waves, build_options, recorded
 
 __all__ = ["Camera", "FrameResult", "Program", "Run", "simulate_frame"]
 
@@ -165,12 +166,15 @@ class Run:
         Of all random behaviour.
     sink_chance : int
         How often, of 256 clocks, the sink of a stream is ready.
+    waves : Waves, optional
+        Where to write the waveforms.
     """
     memory: object = "ideal"
     simulator: str = "verilator"
     clock_limit: int | None = None
     seed: int = 1
     sink_chance: int = 256
+    waves: Waves | None = None
 
 
 def simulate_frame(verilog, source, program, *, source_base, output_base, output_bytes, camera=None,
@@ -214,7 +218,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     module = _Module(verilog)
     end = max(source_base + len(source), 0 if module.stream else output_base + output_bytes)
     _check(program, source_base, output_base, end)
-    binary = _bench(module, memory, run.simulator, end)
+    binary = _bench(module, memory, run, end)
     settings = {} if isinstance(memory, LiteDram) else memory_settings(
         memory, module.width, module.readers)
     settings |= {
@@ -225,15 +229,17 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     if camera:
         settings |= {f"camera_{name}": value for name, value in vars(camera).items()}
     listener = _Listener(output_bytes, module.width // 8, module.readers, progress)
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name, \
+            recorded(run.waves, run.simulator) as waves:
         folder = Path(name)
         (folder / "source.bin").write_bytes(source + bytes(-len(source) % (module.width // 8)))
         (folder / "program.hex").write_text(program.text())
-        run_program([*command_of(binary), *(f"+{key}={value}" for key, value in settings.items())],
+        run_program([*command_of(binary), *waves,
+                     *(f"+{key}={value}" for key, value in settings.items())],
                     folder, listener.line)
         output = folder / "output.bin"
         listener.result.output = output.read_bytes()[:output_bytes] if output.exists() else b""
-    return listener.finish()
+        return listener.finish()
 
 
 def _check(program, source_base, output_base, end):
@@ -270,7 +276,7 @@ class _Module:
         return macros | ({"NCDC_STREAM": ports["stream_data"] // 24} if self.stream else {})
 
 
-def _bench(module, memory, simulator, end):
+def _bench(module, memory, run, end):
     """The program that simulates ``module`` in the bench, on ``memory`` to byte address ``end``.
 
     Raises
@@ -278,7 +284,8 @@ def _bench(module, memory, simulator, end):
     InputError
         If LiteDRAM cannot be the memory of this run.
     """
-    defines, options = module.defines(end), ()
+    simulator = run.simulator
+    defines, options = module.defines(end), build_options(run.waves, simulator)
     sources = [(name, (HDL / name).read_text()) for name in BENCH] + [("ncdc.v", module.verilog)]
     if isinstance(memory, LiteDram):
         if simulator != "verilator" or module.width % memory.native or end > memory.bytes:
@@ -290,7 +297,7 @@ def _bench(module, memory, simulator, end):
                     "NCDC_LITEDRAM_ADDRESS": memory.address_bits}
         sources += [("litedram_memory.v", (HDL / "litedram_memory.v").read_text()),
                     *litedram_sources(memory, module.readers + 1)]
-        options = ("-Wno-fatal",)
+        options += ("-Wno-fatal",)
     else:
         sources += [(name, (HDL / name).read_text()) for name in MODEL]
     top = "frame_bench"

@@ -3,6 +3,7 @@
 import subprocess
 import tempfile
 from collections import deque
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.sensor.verilog import Fault, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
+from ncdc_sim.waves import Waves, build_options, recorded
 
 __all__ = ["Clocks", "LiveRun", "LiveSystem"]
 
@@ -22,6 +24,7 @@ _END, _WRITE, _READ, _WAIT_IRQ, _WAIT, _SAVE, _RESET, _RESET_ALL, _STALL, _SENSO
     range(11)
 # With -O2 GCC 12 takes some words of 128 bits of the model for aligned ones, which they are not.
 _OPTIONS = ("-CFLAGS", "-fno-tree-slp-vectorize")
+_PATIENCE_S = 60                # for a run to end by itself, and to close its waveforms
 _LEAST_MEMORY = 1 << 24         # bytes; more frame sizes share one build
 
 
@@ -49,6 +52,10 @@ class LiveRun:
         Of the memory's random behaviour.
     sink_chance : int
         How often, of 256 clocks, the sink of a stream is ready.
+    waves : Waves, optional
+        Where to write the waveforms; they are there behind the context.
+    more : sequence of str
+        Plusargs of what the Verilog has besides.
     """
     memory: object = "sdram"
     clocks: Clocks = Clocks()
@@ -56,6 +63,8 @@ class LiveRun:
     simulator: str = "verilator"
     seed: int = 1
     sink_chance: int = 256
+    waves: Waves | None = None
+    more: tuple = ()
 
 
 class LiveSystem:
@@ -78,7 +87,7 @@ class LiveSystem:
     now : int
         Clocks since the start, at the last answer.
     results : dict
-        Counters of the bench, once :meth:`end` was called.
+        Counters of the bench, once :meth:`end` was called, and of flops that were metastable.
 
     Raises
     ------
@@ -96,14 +105,18 @@ class LiveSystem:
         self.stream = "stream_data" in ports
         if not hasattr(memory, "latency") and not hasattr(memory, "banks"):
             raise InputError("LiteDRAM cannot be the memory of a camera's run")
-        binary = self._build(verilog, ports, sensor, run.simulator, memory_bytes)
+        binary = self._build(verilog, ports, sensor, run.simulator, memory_bytes,
+                             build_options(run.waves, run.simulator))
         settings = memory_settings(memory, self.width, self.readers) | {
             "memory_bytes": memory_bytes, "seed": run.seed, "sink_chance": run.sink_chance,
             **vars(run.clocks)}
         plusargs = [*(f"+{key}={value}" for key, value in settings.items()),
-                    *light.plusargs("sensor.bin"), *(run.fault.plusargs() if run.fault else [])]
-        self._folder = tempfile.TemporaryDirectory(prefix="ncdc-")
-        self.folder = Path(self._folder.name)
+                    *light.plusargs("sensor.bin"), *(run.fault.plusargs() if run.fault else []),
+                    *run.more]
+        self._stack = ExitStack()
+        self.folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="ncdc-")))
+        self._records = run.waves is not None
+        plusargs = [*self._stack.enter_context(recorded(run.waves, run.simulator)), *plusargs]
         (self.folder / "sensor.bin").write_bytes(light.data())
         self.now, self.results, self._last = 0, {}, deque(maxlen=20)
         self.sensor_lines = []
@@ -111,8 +124,9 @@ class LiveSystem:
             [*command_of(binary), *plusargs], cwd=self.folder, env=environment(), text=True,
             errors="replace", stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT)
+        self._stack.push(self._stop)
 
-    def _build(self, verilog, ports, sensor, simulator, memory_bytes):
+    def _build(self, verilog, ports, sensor, simulator, memory_bytes, options):
         defines = {"NCDC_DATA_WIDTH": self.width, "NCDC_READ_PORTS": self.readers,
                    "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
                    "NCDC_MEMORY_BYTES": max(_LEAST_MEMORY, 1 << (memory_bytes - 1).bit_length()),
@@ -126,15 +140,21 @@ class LiveSystem:
             top = "system_clock"
             sources.insert(0, ("system_clock.v", (HDL / "system_clock.v").read_text()))
         return build("system", top, sources, defines=defines, simulator=simulator,
-                     main=HDL / "system_main.cpp", options=_OPTIONS)
+                     main=HDL / "system_main.cpp", options=(*_OPTIONS, *options))
 
     def __enter__(self):
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *failure):
+        return self._stack.__exit__(*failure)
+
+    def _stop(self, kind, *_):
+        """End the program; by itself if it has waveforms to close, which its input's end tells."""
+        if self._records and (kind is None or issubclass(kind, SimulationError)):
+            with suppress(subprocess.TimeoutExpired):
+                self._process.communicate(timeout=_PATIENCE_S)
         self._process.kill()
         self._process.communicate()
-        self._folder.cleanup()
 
     def write(self, address, value):
         """Write ``value`` to the register at a word address."""
@@ -192,8 +212,8 @@ class LiveSystem:
             if kind in ("DONE", "READ", "IRQ", "STREAM", "END"):
                 self.now = int(values[-1])
                 return values[:-1]
-            if kind == "RESULT":
-                self.results[values[0]] = int(values[1])
+            if kind in ("RESULT", "METASTABLE"):
+                self.results[" ".join(values[:-1])] = int(values[-1])
             elif kind in ("AVALON-ERROR", "FAILED", "SENSOR-ERROR"):
                 raise SimulationError(f"simulation failed: {line.strip()}")
             elif kind == "SENSOR":
