@@ -90,7 +90,8 @@ def test_capture_with_nearly_equal_clocks():
 def test_capture_at_any_ratio(ratio, seed, simulator):
     found = synchronisers(captured(PERIODS[ratio], seed, simulator))
     # A slow sensor's queue is read some clocks behind its edge, seldom near the next one.
-    assert {"produce_cdc", "active"} | ({"consume_cdc"} if ratio != "1:8" else set()) <= found.keys()
+    assert {"produce_cdc", "active"} <= found.keys()
+    assert ratio == "1:8" or "consume_cdc" in found
 
 
 def test_a_counter_that_is_not_gray_is_found():
