@@ -44,7 +44,7 @@ def project_files(board, corrector):
     """Text of each file of the project beside the Verilog and the component, by name.
 
     ``ncdc_<board>.qpf``, ``.qsf`` (device, sources, pins), ``.sdc``, ``.v`` (the top, where the
-    pins are known), ``ncdc_system.tcl``, ``build.sh``, and ``PORTS.md``: of every port of the top,
+    pins are known), ``ncdc_qsys.tcl``, ``build.sh``, and ``PORTS.md``: of every port of the top,
     its pin, or that it is left to the user.
 
     Raises

@@ -4,12 +4,12 @@ from ncdc_hdl.export.platform_designer import COMPONENT, interfaces
 
 __all__ = ["CSR_BASE", "SYSTEM", "system_tcl"]
 
-SYSTEM = "ncdc_system"
+SYSTEM = "ncdc_qsys"
 CSR_BASE = 0x1000_0000          # of the registers, as the JTAG host sees them; memory is at 0
 
 
 def system_tcl(board, corrector):
-    """Text of ``ncdc_system.tcl``: clock, JTAG host, memory controller, corrector.
+    """Text of ``ncdc_qsys.tcl``: clock, JTAG host, memory controller, corrector.
 
     Exported are ``clk``, ``reset``, ``irq``, ``front_end_idle``, ``camera_rows``, of a
     streaming corrector ``video``, and ``sdram``, the controller's pins; where the board's memory

@@ -91,7 +91,7 @@ def test_component_has_every_port_of_the_verilog_once(projects, name):
 
 @pytest.mark.parametrize("name", [*WITH_PINS, "faka2"])
 def test_system_connects_what_exists(projects, name):
-    calls = run_tcl(projects[name] / "ncdc_system.tcl")
+    calls = run_tcl(projects[name] / "ncdc_qsys.tcl")
     hw = run_tcl(projects[name] / "ncdc_hw.tcl")
     ours = {call[1]: call[2:] for call in hw if call[0] == "add_interface"}
     instances = {call[1]: call[2] for call in calls if call[0] == "add_instance"}
@@ -195,7 +195,7 @@ def test_top_elaborates_with_its_instances(projects, name, tmp_path):
         "sdram_dq": "inout"}
     system = ", ".join(f"{flows.get(port, 'output')} [{widths.get(port, 1) - 1}:0] {port}"
                        for port in sorted(system_ports()))
-    (tmp_path / "system.v").write_text(f"module ncdc_system({system}); endmodule\n")
+    (tmp_path / "system.v").write_text(f"module ncdc_qsys({system}); endmodule\n")
     done = subprocess.run(["iverilog", "-g2001", "-Wall", "-Wno-timescale", "-t", "null",
                            "-s", project, folder / f"{project}.v", tmp_path / "system.v",
                            Path(__file__).parents[1] / "support" / "hdl" / "altera_stubs.v"],
