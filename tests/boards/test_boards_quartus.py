@@ -19,7 +19,7 @@ from ncdc_model.errors import InputError
 
 RECORDER = Path(__file__).parents[1] / "support" / "tcl" / "record.tcl"
 WITH_PINS = ("de2-115", "de1-soc")
-KINDS = {"_hw.tcl": "hw", "_system.tcl": "qsys", ".qsf": "qsf", ".sdc": "sdc"}
+KINDS = {"_hw.tcl": "hw", "_qsys.tcl": "qsys", ".qsf": "qsf", ".sdc": "sdc"}
 # Ports that Platform Designer gives to what the system exports.
 EXPORTED = {"clk": {"clk_clk"}, "reset": {"reset_reset_n"}, "irq": {"irq_irq"},
             "front_end_idle": {"front_end_idle_export"}, "camera_rows": {"camera_rows_export"},
