@@ -13,6 +13,7 @@ from ncdc_hdl.registers.agent import Registers
 from ncdc_model.hardware import Hardware
 from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_sim.system.lens_change import simulate_lens_change
+from ncdc_sim.tools import SimulationError
 
 BETWEEN = 2     # clocks from a frame's last to the next one's first
 
@@ -49,11 +50,9 @@ def test_twenty_frames_of_two_lenses(fetcher, output, memory, intruder):
     assert len(result.idle) == 19 and max(result.idle) <= BETWEEN
 
 
-@pytest.mark.parametrize("fault", ["all of the network", *(
-    pytest.param(name, marks=pytest.mark.regress) for name in (
-        "SCAN_STEP_Y", "SOURCE_BASE", "FILL"))])
-def test_a_tear_is_seen(fault, monkeypatch):
-    """A corrector that takes some of the host's writes at once, without waiting for the commit."""
+def three_frames(fault, monkeypatch):
+    """Of a corrector that takes some of the host's writes at once, without waiting for the commit.
+    """
     def take_over(self, m, when, kept):
         for name, _ in self.active.shape():
             torn = fault == name or fault == "all of the network" and "PUT_" in name
@@ -63,9 +62,23 @@ def test_a_tear_is_seen(fault, monkeypatch):
     monkeypatch.setattr(Registers, "_take_over", take_over)
     pair = cameras((48, 40), (56, 44))
     torn = Corrector(pair[0][0])
-    result = simulate_lens_change(torn, verilog_of(torn), pair, 3, memory="sdram")
+    return simulate_lens_change(torn, verilog_of(torn), pair, 3, memory="sdram")
+
+
+@pytest.mark.parametrize("fault", ["all of the network", *(
+    pytest.param(name, marks=pytest.mark.regress) for name in ("SCAN_STEP_Y", "FILL"))])
+def test_a_tear_is_seen(fault, monkeypatch):
+    result = three_frames(fault, monkeypatch)
     # The last frame has no successor that could disturb it.
     assert result.differing[0] > 0 and result.differing[1] > 0 and result.differing[2] == 0
+
+
+@pytest.mark.regress
+def test_a_torn_place_is_a_fault(monkeypatch):
+    """The frame's rows are then outside its place: bit 7 of STATUS is more than was expected."""
+    with pytest.raises(SimulationError, match="register-compare word 4 reads 000000a1 instead of "
+                                              "00000021"):
+        three_frames("SOURCE_BASE", monkeypatch)
 
 
 @pytest.mark.regress
