@@ -89,9 +89,11 @@ def test_capture_with_nearly_equal_clocks():
 @pytest.mark.parametrize("ratio", PERIODS)
 def test_capture_at_any_ratio(ratio, seed, simulator):
     found = synchronisers(captured(PERIODS[ratio], seed, simulator))
-    # A slow sensor's queue is read some clocks behind its edge, seldom near the next one.
-    assert {"produce_cdc", "active"} <= found.keys()
-    assert ratio == "1:8" or "consume_cdc" in found
+    # The time about an edge is a ninth of the core's clock at 8:1, and `active` changes seldom. A
+    # slow sensor's queue is read some clocks behind its edge, seldom near the next one.
+    assert "produce_cdc" in found
+    assert "active" in found or ratio == "8:1"
+    assert "consume_cdc" in found or ratio == "1:8"
 
 
 def test_a_counter_that_is_not_gray_is_found():
