@@ -27,7 +27,8 @@ __all__ = ["every_bit_is_kept", "frame_boundary", "reset_values", "table_of_vali
 async def prepare(dut):
     """A host, the rows of the register table by name, and the values of the descriptor."""
     d = Descriptor.load(settings()["descriptor"])
-    await start(dut, ended=0, cut=0, counters=0, faults=0, valid_table__read_start=0,
+    await start(dut, ended=0, cut=0, counters=0, faults=0, running=0, start=0,
+                valid_table__read_start=0,
                 valid_table__read_stop=0,
                 bus__read=0, bus__write=0, bus__address=0, bus__writedata=0)
     rows = {r.name: r for r in registers(d.hidden_neurons, d.formats)}
