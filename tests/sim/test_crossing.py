@@ -11,7 +11,7 @@ from amaranth.lib.wiring import In, Out
 from kept import run_cocotb
 from ncdc_hdl.camera.capture import Capture
 from ncdc_hdl.camera.i2c import I2cController
-from ncdc_sim.metastability import metastable_counts, metastable_design
+from ncdc_sim.metastability import Metastability, metastable_counts, metastable_design
 from ncdc_sim.tools import SimulationError
 
 regress = pytest.mark.regress
@@ -19,6 +19,27 @@ regress = pytest.mark.regress
 # Of the sensor, in ps; the core's is 10,000. None is a whole multiple: each edge meets every phase.
 PERIODS = {"8:1": 1_253, "3:1": 3_330, "1:1": 9_990, "1:3": 30_010, "1:8": 79_990}
 CORE = 10_000
+
+
+class BinaryCounters(Metastability):
+    """A planted error: a bus crosses as a binary number, not in Gray code.
+
+    The queue itself forgives that, as each of its sides only asks whether two counters are equal
+    and moves by one entry; what it says of its level is wrong.
+    """
+
+    def get_ff_sync(self, synchroniser):
+        width = len(synchroniser.i)
+        if width == 1:
+            return super().get_ff_sync(synchroniser)
+        m = Module()
+        sent, seen = Signal(width), Signal(width)
+        m.d.comb += [sent[k].eq(synchroniser.i[k:].xor()) for k in range(width)]
+        binary = FFSynchronizer(sent, seen, o_domain=synchroniser._o_domain,
+                                stages=synchroniser._stages)
+        m.submodules.binary = super().get_ff_sync(binary)
+        m.d.comb += synchroniser.o.eq(seen ^ seen >> 1)
+        return m
 
 
 class Bus(wiring.Component):
@@ -38,15 +59,15 @@ def window(period):
     return min(period, CORE) * 45 // 100
 
 
-def captured(period, seed, simulator="icarus"):
+def captured(period, seed, simulator="icarus", platform=None, metastable=True):
     """The log of capture's bench; a fast sensor has a queue and a memory that keep up with it."""
     fast = period < CORE // 2
     component = Capture(128, burst=4, depth=64) if fast else Capture(32, burst=4, depth=16)
-    design = metastable_design(component, f"dut_crossing{'_fast' if fast else ''}")
+    design = metastable_design(component, f"dut_crossing{'_fast' if fast else ''}", platform)
     return run_cocotb(
         design, "capture", simulator, camera_period_ps=period, phase_ps=1234 * seed % period,
         wait=.2 if fast else .1, seed=seed, plusargs=[
-            f"+metastable_ps={window(period)}", f"+metastable_seed={seed}"])
+            f"+metastable_ps={window(period) if metastable else 0}", f"+metastable_seed={seed}"])
 
 
 def synchronisers(log):
@@ -77,6 +98,16 @@ def test_capture_at_any_ratio(ratio, seed, simulator):
     assert "produce_cdc" in found
     assert "active" in found or ratio == "8:1"
     assert "consume_cdc" in found or ratio == "1:8"
+
+
+def test_a_counter_that_is_not_gray_is_found():
+    with pytest.raises(SimulationError, match="failed: half_full"):
+        captured(PERIODS["1:1"], seed=1, platform=BinaryCounters())
+
+
+@regress
+def test_a_counter_that_is_not_gray_is_found_by_metastability_alone():
+    captured(PERIODS["1:1"], seed=1, platform=BinaryCounters(), metastable=False)
 
 
 @pytest.mark.parametrize("period", [9_990, pytest.param(3_330, marks=regress),

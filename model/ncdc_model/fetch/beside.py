@@ -1,6 +1,8 @@
-"""How fast a frame is corrected while a camera writes the next ones to the same memory."""
+"""How fast a frame is corrected while a camera writes to the same memory, the next frames or, if it
+is followed, this one."""
 
 from ncdc_model.fetch.camera_writes import CameraWrites
+from ncdc_model.fetch.follow import follow_bound
 from ncdc_model.fetch.lookups import frame_windows, lookups
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.fetch.timing import predict_clocks
@@ -8,7 +10,7 @@ from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.interface.frames import FramePlaces
 from ncdc_model.interface.system_values import stores_for, system_values
 
-__all__ = ["clocks_beside_camera"]
+__all__ = ["clocks_beside_camera", "follow_bound_beside_camera"]
 
 _READERS = 2            # of the system: they say where its buffers lie
 _QUEUE = 20             # clocks from a sample at the pins to the burst that it completes, about
@@ -33,8 +35,7 @@ def clocks_beside_camera(descriptor, hardware, memory, timing, sensor, ratio):
     """
     geometry, word = descriptor.geometry, hardware.data_width // 8
     values = system_values(descriptor, hardware, stores_for(hardware, _READERS))
-    places = FramePlaces(values["RAW0_BASE"], values.get("CORRECTED0_BASE", 0),
-                         values["RAW_PITCH"])
+    places = _places(values)
     block = getattr(memory, "access_bytes", 1)
     boxes = lookups(frame_windows(descriptor), hardware.strip, hardware.lanes)
     missed = misses(accesses(boxes), hardware.cache, hardware.split)
@@ -44,3 +45,18 @@ def clocks_beside_camera(descriptor, hardware, memory, timing, sensor, ratio):
                              burst=timing.write_burst, latency=_QUEUE - timing.start)
     return predict_clocks(missed, boxes, hardware, memory, timing, places,
                           camera.beside(writes, word, block)).clocks
+
+
+def follow_bound_beside_camera(descriptor, hardware, memory, timing, sensor, ratio):
+    """:class:`ncdc_model.fetch.follow.FollowBound` of a running system that follows its sensor, from
+    the last sample at its pins; parameters as of :func:`clocks_beside_camera`."""
+    values = system_values(descriptor, hardware, stores_for(hardware, _READERS))
+    places = _places(values)
+    camera = CameraWrites.of(sensor, ratio, descriptor.geometry, places.source, places.pitch,
+                             burst=timing.write_burst, latency=_QUEUE)
+    return follow_bound(descriptor, hardware, memory, timing, places=places, camera=camera)
+
+
+def _places(values):
+    """Where a system's first frames lie after a reset."""
+    return FramePlaces(values["RAW0_BASE"], values.get("CORRECTED0_BASE", 0), values["RAW_PITCH"])

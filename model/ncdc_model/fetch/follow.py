@@ -73,7 +73,7 @@ def rows_needed(y0, used, height, interpolation=FAST):
     return np.where(used, np.minimum(last + 1, height), 0)
 
 
-def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None,
+def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None, camera=None,
                  progress=lambda fraction: None):
     """:class:`FollowBound` of a frame that begins with the camera's.
 
@@ -84,7 +84,8 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None
         end <= max over i of  rows in memory(i) + latency + 1.01 (end without camera - e(i))
 
     for what delays a look-up is only what was before it. The hundredth is the error of the
-    predicted clocks.
+    predicted clocks. A ``camera`` that shares the memory port delays each of them too; its row is
+    in memory when its last burst is, before which one of the corrector may go.
 
     Parameters
     ----------
@@ -92,23 +93,28 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None
     hardware : Hardware
         With a tile cache of a known size.
     memory : LatencyMemory or DramMemory
-        The camera's writes are not in it.
     timing : CorrectorTiming
     line : int, optional
-        Clocks of a row of the camera; default one per sample.
+        Clocks of a row of a camera with a memory port of its own and a sample per clock; by default
+        without a pause.
     places : FramePlaces, optional
         Those after reset if absent.
+    camera : CameraWrites, optional
+        A camera on the same port, in place of ``line``.
     progress : callable
         Called with the fraction done.
     """
     geometry = descriptor.geometry
     places = places or FramePlaces.after_reset(geometry, hardware.data_width)
     strip, lanes = hardware.strip, hardware.lanes
-    line = camera_line(line, geometry)
+    line, row = ((camera.line, camera.width * camera.sample) if camera
+                 else (camera_line(line, geometry), geometry.distorted_width))
     windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
     boxes = lookups(windows, strip, lanes)
+    block = getattr(memory, "access_bytes", 1)
     writes = None if hardware.stream else frame_writes(
-        geometry, hardware, getattr(memory, "access_bytes", 1), places.target, timing)
+        geometry, hardware, block, places.target, timing)
+    writes = camera.beside(writes, hardware.data_width // 8, block) if camera else writes
     free = predict_clocks(
         misses(accesses(boxes), hardware.cache, hardware.split_for(geometry)), boxes, hardware,
         memory, timing, places, writes, lambda done, total: progress(.5 + .5 * done / total))
@@ -123,12 +129,13 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None
     behind = number[pending:]
     entered[behind] = np.maximum(behind, free.read.clocks(behind - pending) + 1)
     # `camera_rows` counts a row in the clock after that of its last byte.
-    written = np.where(needed, (needed - 1) * line + geometry.distorted_width + 1, 0)
+    late = 1 + (camera.latency + 2 * camera.burst if camera else 0)
+    written = np.where(needed, (needed - 1) * float(line) + float(row) + late, 0)
     begin = np.maximum(written + timing.row_to_lookup, timing.start)
     end = begin + (1 + _ERROR) * (free.clocks - timing.start - entered)
     worst = int(end.argmax())
     progress(1)
-    camera_clocks = (geometry.distorted_height - 1) * line + geometry.distorted_width
+    camera_clocks = round((geometry.distorted_height - 1) * line + row)
     out = int(np.ceil(end[worst])) + timing.end_to_interrupt
     return FollowBound(out - camera_clocks, camera_clocks, int(boxes.pixel[worst]),
                        int(needed[worst]))

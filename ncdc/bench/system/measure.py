@@ -10,8 +10,7 @@ from ncdc.cli.moving import sensor_setup
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_hdl.system import System
-from ncdc_model.fetch.beside import clocks_beside_camera
-from ncdc_model.fetch.follow import follow_bound
+from ncdc_model.fetch.beside import clocks_beside_camera, follow_bound_beside_camera
 from ncdc_model.fetch.plan import Fixed, plan
 from ncdc_model.hardware import Hardware
 from ncdc_model.memory_timing import memory_at
@@ -144,9 +143,8 @@ def _predicted(run, system, setup, result):
     if not run.follow:
         clocks = clocks_beside_camera(descriptor, hardware, memory, own, timing, ratio)
         return {"predicted_clocks_per_pixel": clocks / (run.size[0] * run.size[1])}
-    line = round(timing.line_clocks * ratio)
-    sent = (run.size[1] - 1) * line + round(run.size[0] * ratio)
-    bound = follow_bound(descriptor, hardware, memory, own, line=line)
+    bound = follow_bound_beside_camera(descriptor, hardware, memory, own, timing, ratio)
+    sent = bound.camera_clocks
     return {"follow_latency_clocks": max(frame.age for frame in result.frames) - sent,
             "follow_bound_clocks": bound.clocks, "camera_clocks": sent}
 

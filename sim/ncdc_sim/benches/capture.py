@@ -12,7 +12,7 @@ from ncdc_model.sensors.level import LINEAR, levelled
 from ncdc_sim.benches.avalon import write_memory
 from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
 
-__all__ = ["faults", "frames", "restarts", "switched_off", "too_small"]
+__all__ = ["faults", "frames", "half_full", "restarts", "switched_off", "too_small"]
 
 SENT, WINDOW, CORNER = (26, 14), (18, 9), (5, 3)        # width and height; left and top
 PITCH, PLACE_BYTES, FIRST = 32, 512, 1024
@@ -172,6 +172,37 @@ async def frames(dut, black, curve):
         assert int(dut.rows.value) == WINDOW[1]
     assert not any(counts(dut).values())
     writer.check_outside()
+
+
+@cocotb.test()
+async def half_full(dut):
+    """The queue says that it is half full when the memory waits, and not when it keeps up with the
+    sensor."""
+    sensor, writer = await begin(dut)
+    writer.wait.chance = 0
+    seen = []
+
+    async def watch():
+        while True:
+            await FallingEdge(dut.clk)
+            seen.append(int(dut.half_full.value))
+
+    cocotb.start_soon(watch())
+    for _ in range(2):
+        await sensor.frame()
+    await sensor.rest(40)
+    slower = settings()["camera_period_ps"] > 900 * PERIOD      # the sensor than the core
+    assert len(seen) > 50 and not (slower and any(seen)), sum(seen)
+
+    async def stall(y):
+        writer.wait.chance = 1
+
+    for _ in range(3):
+        await sensor.frame(at_row=stall)
+    assert seen[-1]
+    writer.wait.chance = 0
+    await sensor.rest(max(400, 4_000_000 // settings()["camera_period_ps"]))
+    assert len(writer.ended) == writer.begun and not seen[-1]
 
 
 def short(y, line):
