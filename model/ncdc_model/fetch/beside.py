@@ -1,6 +1,9 @@
 """How fast a frame is corrected while a camera writes to the same memory, the next frames or, if it
 is followed, this one."""
 
+from dataclasses import replace
+from math import ceil
+
 from ncdc_model.fetch.camera_writes import CameraWrites
 from ncdc_model.fetch.follow import follow_bound
 from ncdc_model.fetch.lookups import frame_windows, lookups
@@ -48,13 +51,19 @@ def clocks_beside_camera(descriptor, hardware, memory, timing, sensor, ratio):
 
 
 def follow_bound_beside_camera(descriptor, hardware, memory, timing, sensor, ratio):
-    """:class:`ncdc_model.fetch.follow.FollowBound` of a running system that follows its sensor, from
-    the last sample at its pins; parameters as of :func:`clocks_beside_camera`."""
+    """:class:`ncdc_model.fetch.follow.FollowBound` of a running system that follows its sensor,
+    from the last sample of the window at its pins; parameters as of :func:`clocks_beside_camera`.
+
+    The corrected frame is handed on when the raw one has ended well, whose last row's blanking may
+    be part of it.
+    """
     values = system_values(descriptor, hardware, stores_for(hardware, _READERS))
     places = _places(values)
     camera = CameraWrites.of(sensor, ratio, descriptor.geometry, places.source, places.pitch,
                              burst=timing.write_burst, latency=_QUEUE)
-    return follow_bound(descriptor, hardware, memory, timing, places=places, camera=camera)
+    bound = follow_bound(descriptor, hardware, memory, timing, places=places, camera=camera)
+    ended = sensor.height * camera.line + camera.latency + 2 * camera.burst - bound.camera_clocks
+    return replace(bound, clocks=max(bound.clocks, ceil(ended)))
 
 
 def _places(values):

@@ -180,7 +180,9 @@ def _join_same(module, members):
 def _rank(name, port, members):
     """How bad a name is."""
     plain = identifier(name)
+    # The converter tells equal names apart by a number; the member has none.
     return (name.startswith("$"), "$signature" in name or name.startswith("\\port$"),
+            bool(port) and name.lstrip("\\") not in members,
             bool(port) and plain not in members, len(plain), name)
 
 
