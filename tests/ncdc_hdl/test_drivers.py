@@ -1,89 +1,20 @@
-"""Files for a host: C and Python drivers, lenses, SystemRDL; run against the Verilog."""
+"""C and Python drivers: run against the Verilog, and on words that stand for registers."""
 
-import json
-import re
-import shutil
 import subprocess
 import sys
-from pathlib import Path
 
-import numpy as np
 import pytest
-from systemrdl import RDLCompileError, RDLCompiler
-from systemrdl.node import FieldNode, MemNode, RegNode
+from systemrdl import RDLCompiler
+from systemrdl.node import RegNode
 
-from cameras import barrel_descriptor
-from kept import kept_folder, run_cocotb
-from ncdc.cli import main
+from drivers import COUNTERS, WIDE, compile_c
+from kept import run_cocotb
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.registers.drivers import driver_files
-from ncdc_hdl.export.registers.lenses import Lens, lens_name
-from ncdc_model.descriptor import Descriptor, FloatNetwork
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.fetch.lookups import frame_windows, lookups
-from ncdc_model.fetch.tags import accesses, misses
-from ncdc_model.geometry import Geometry, ValidRows
 from ncdc_model.hardware import Hardware
-from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import TABLE, VERSION, counters, registers
-from ncdc_model.interpolation import GRADIENT
 from ncdc_model.tone import tone_named
 from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SimulationError
-
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "drivers.md"
-WIDE = barrel_descriptor((20, 16), (24, 18), hidden_neurons=3)
-TELE = barrel_descriptor((18, 14), (22, 20), hidden_neurons=3, seed=5, bayer="GBRG",
-                         strength=0.1, fill=(250, 20, 3))
-ROWS = registers(WIDE.hidden_neurons, WIDE.formats)
-COUNTERS = [r.name for r in counters(ROWS)]
-C = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
-
-
-def samples(language):
-    """The code of that language in the documentation, as one text."""
-    return "\n".join(re.findall(rf"^```{language}\n(.*?)^```$", PAGE.read_text(),
-                                re.MULTILINE | re.DOTALL))
-
-
-def compile_c(folder, *arguments):
-    done = subprocess.run([*C, *arguments], cwd=folder, text=True, capture_output=True)
-    assert not done.returncode, done.stderr
-
-
-@pytest.fixture(scope="module")
-def corrector():
-    return Corrector(WIDE)
-
-
-@pytest.fixture(scope="module")
-def kept(corrector, tmp_path_factory):
-    """Folder with both descriptors, all that a host needs, and the documentation's samples.
-
-    Nobody writes there; its name says what is in it, so that a bench on it is kept.
-    """
-    lenses = tmp_path_factory.mktemp("lenses")
-    named = [(lenses / "wide.toml", WIDE), (lenses / "tele.toml", TELE)]
-    for path, descriptor in named:
-        descriptor.save(path)
-    texts = driver_files(corrector, named) | {path.name: path.read_text() for path, _ in named}
-    texts |= {"samples.c": samples("c"), "samples.py": samples("py")}
-
-    def build(folder):
-        for name, text in texts.items():
-            (folder / name).write_text(text)
-        compile_c(folder, "-shared", "-fPIC", "-o", "samples.so", "samples.c", "ncdc.c",
-                  "ncdc_lenses.c")
-
-    compiler = subprocess.run([C[0], "--version"], check=True, text=True, stdout=subprocess.PIPE)
-    return kept_folder("drivers", build, json.dumps(texts), " ".join(C), compiler.stdout)
-
-
-@pytest.fixture(scope="module")
-def folder(kept, tmp_path_factory):
-    """A copy of it to write in."""
-    return shutil.copytree(kept, tmp_path_factory.mktemp("drivers"), dirs_exist_ok=True)
 
 
 def run_drivers(corrector, folder, simulator, library):
@@ -174,89 +105,6 @@ def test_the_c_driver_refuses_a_lens_of_another_interpolation(folder):
     assert done.stdout == "1 0 0 1"
 
 
-def test_c_files_hold_the_table_and_the_lenses(corrector, folder):
-    """Every offset and mask, and every value of both lenses, as a C program sees them."""
-    flags = [(r, flag) for r in ROWS for flag in r.flags]
-    names = [f"NCDC_{r.name}" for r in ROWS] + ["NCDC_VALID_ROWS", "NCDC_ID_VALUE",
-                                            "NCDC_VERSION", "NCDC_SOURCE_BEYOND"]
-    names += [f"NCDC_{r.name}_{flag.name}" for r, flag in flags]
-    prints = "".join(f'    printf("{name} %u\\n", (unsigned){name});\n' for name in names)
-    (folder / "values.c").write_text(f"""#include <stdio.h>
-#include "ncdc_lenses.h"
-#include "ncdc_lenses.h"
-static void list(const struct ncdc_lens *lens) {{
-    uint32_t k;
-    printf("lens %s %u %x %u %u %u %u\\n", lens->digest, (unsigned)lens->neurons,
-           (unsigned)lens->interpolation, (unsigned)lens->width, (unsigned)lens->height,
-           (unsigned)lens->source_bytes, (unsigned)lens->target_bytes);
-    for (k = 0; k < lens->value_count; ++k)
-        printf("%u %u\\n", (unsigned)lens->values[k].offset, (unsigned)lens->values[k].value);
-    for (k = 0; k < lens->span_count; ++k)
-        printf("%u %u\\n", (unsigned)(NCDC_VALID_ROWS + 4 * k), (unsigned)lens->valid_rows[k]);
-}}
-int main(void) {{
-{prints}    list(&ncdc_lens_wide);
-    list(&ncdc_lens_tele);
-    return 0;
-}}
-""")
-    compile_c(folder, "-o", "values", "values.c", "ncdc.c", "ncdc_lenses.c")
-    done = subprocess.run([folder / "values"], check=True, text=True, stdout=subprocess.PIPE)
-    head, *lenses = done.stdout.split("lens ")
-    assert dict(line.split() for line in head.splitlines()) == {
-        **{f"NCDC_{r.name}": str(4 * r.address) for r in ROWS},
-        "NCDC_VALID_ROWS": str(4 * TABLE), "NCDC_ID_VALUE": str(0x4E434443),
-        "NCDC_VERSION": str(VERSION), "NCDC_SOURCE_BEYOND": "12",
-        **{f"NCDC_{r.name}_{flag.name}": str(flag.mask) for r, flag in flags}}
-    for d, text in zip((WIDE, TELE), lenses, strict=True):
-        first, *pairs = text.splitlines()
-        values = host_values(d, corrector.hardware)
-        width, height = d.geometry.corrected
-        target = values["TARGET_LIMIT"] - values["TARGET_BASE"]
-        assert 0 <= target - 4 * width * height < corrector.hardware.data_width // 8
-        assert first == (f"{d.digest} {d.hidden_neurons} 400 {width} {height} "
-                         f"{values['SOURCE_LIMIT']} {target}")
-        for name in ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK",
-                     "FOLLOW"):
-            del values[name]
-        address = {r.name: 4 * r.address for r in ROWS}
-        expected = [(address[name], value % 2**32) for name, value in values.items()]
-        expected += [(4 * word, value) for word, value in table_words(d.valid)]
-        assert [tuple(map(int, pair.split())) for pair in pairs] == expected
-    assert {r.name for r in ROWS if r.access == "shadow"} == set(host_values(WIDE))
-
-
-def test_several_c_files_may_include_everything(folder):
-    for name in ("wide", "tele"):
-        (folder / f"{name}.c").write_text(
-            '#include "ncdc_lenses.h"\n' f"const struct ncdc_lens *{name}(void);\n"
-            f"const struct ncdc_lens *{name}(void) {{ return &ncdc_lens_{name}; }}\n")
-    compile_c(folder, "-shared", "-fPIC", "-o", "both.so", "wide.c", "tele.c", "ncdc.c",
-              "ncdc_lenses.c")
-    for name in ("ncdc.h", "ncdc_lenses.h"):
-        subprocess.run(["g++", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-x", "c++", name],
-                       cwd=folder, check=True)
-
-
-def test_python_files_hold_the_table_and_the_lenses(folder):
-    done = subprocess.run([sys.executable, "-c", """
-import json, ncdc_registers as r, ncdc_lenses
-flags = {k: v for k, v in vars(r).items() if isinstance(v, int)}
-print(json.dumps([r.OFFSET, flags, r.COUNTERS, ncdc_lenses.LENSES]))
-"""], cwd=folder, check=True, text=True, stdout=subprocess.PIPE)
-    offset, flags, names, lenses = json.loads(done.stdout)
-    assert offset == {r.name: 4 * r.address for r in ROWS} and names == COUNTERS
-    assert flags == {"VALID_ROWS": 4 * TABLE, "ID_VALUE": 0x4E434443, "VERSION": VERSION,
-                     "SOURCE_BEYOND": 12,
-                     **{f"{r.name}_{flag.name}": flag.mask for r in ROWS for flag in r.flags}}
-    for name, d in (("wide", WIDE), ("tele", TELE)):
-        lens = lenses[name]
-        assert (lens["digest"], lens["neurons"]) == (d.digest, 3)
-        assert lens["interpolation"] == "fast"
-        assert lens["values"].items() <= host_values(d).items()
-        assert lens["valid_rows"] == [value for _, value in table_words(d.valid)]
-
-
 PYTHON_ERRORS = """
 import ncdc_registers as r
 from ncdc_driver import Corrector, CorrectorError
@@ -338,58 +186,6 @@ def test_python_driver_names_errors(folder):
         "1 the frame was aborted"]
 
 
-# SystemRDL.
-
-def compiled(path):
-    compiler = RDLCompiler()
-    compiler.compile_file(str(path))
-    return compiler.elaborate().top
-
-
-def test_system_rdl_is_the_table(corrector, folder):
-    top, found = compiled(folder / "ncdc.rdl"), {}
-    for node in top.children():
-        if isinstance(node, RegNode):
-            found[node.inst_name] = node
-    assert list(found) == [r.name for r in ROWS]
-    values = {**corrector.registers.values, **corrector.registers.constants}
-    for r in ROWS:
-        node = found[r.name]
-        assert node.absolute_address == 4 * r.address and node.get_property("regwidth") == 32
-        fields = [child for child in node.children() if isinstance(child, FieldNode)]
-        if r.flags:
-            assert [(f.inst_name, f.lsb, f.msb) for f in fields] == [
-                (flag.name, flag.low, flag.bit) for flag in r.flags]
-            for f, flag in zip(fields, r.flags):
-                assert f.is_sw_readable == (flag.access != "w1"), flag
-                assert f.is_sw_writable == (flag.access != "ro"), flag
-                assert (f.get_property("onwrite") is not None) == (flag.access == "w1c"), flag
-            continue
-        field, = fields
-        assert (field.lsb, field.msb) == (0, r.shape.width - 1), r.name
-        assert field.is_sw_writable == (r.access in ("rw", "shadow")), r.name
-        assert field.get_property("reset") == values.get(r.name, 0) % 2**r.shape.width, r.name
-    memory, = (node for node in top.children() if isinstance(node, MemNode))
-    assert memory.absolute_address == 4 * TABLE and memory.get_property("memwidth") == 32
-    assert top.size == memory.absolute_address + memory.size == 1 << 16
-
-
-def test_peakrdl_accepts_the_file(folder):
-    for command in (["dump", "ncdc.rdl"], ["ip-xact", "ncdc.rdl", "-o", "ncdc.xml"]):
-        done = subprocess.run([Path(sys.executable).parent / "peakrdl", *command], cwd=folder,
-                              text=True, capture_output=True)
-        assert not done.returncode, done.stderr
-    assert all(f"<ipxact:name>{r.name}<" in (folder / "ncdc.xml").read_text() for r in ROWS)
-
-
-def test_registers_in_one_place_are_not_accepted(folder, tmp_path):
-    """The compiler's silence above means something."""
-    text = (folder / "ncdc.rdl").read_text().replace("} STATUS @ 0x0010", "} STATUS @ 0x000C")
-    (tmp_path / "wrong.rdl").write_text(text)
-    with pytest.raises(RDLCompileError):
-        compiled(tmp_path / "wrong.rdl")
-
-
 CONSOLE = """
 import sys
 words = {}
@@ -424,64 +220,6 @@ def test_back_ends_reach_the_registers(folder):
                           capture_output=True)
     assert done.stdout.splitlines() == [f"{0xFFFFFFFE} 7 0"] * 2, done.stderr
     assert (folder / "registers.bin").read_bytes()[0x10:0x14] == b"\xfe\xff\xff\xff"
-
-
-def test_a_rotated_lens_brings_the_split_that_suits_it():
-    """The columns of its picture are rows of the raw frame: the unrotated lens' split would read
-    half as many tiles again."""
-    g = Geometry(192, 192, 192, 192)
-    upright = np.eye(2) * 0.2
-    networks = [FloatNetwork(hidden, np.zeros(2), np.eye(2) * 95 * 2 / 0.2, np.full(2, 95.5))
-                for hidden in (upright, upright[::-1])]
-    valid = ValidRows.everything(192, 192)
-    plain, rotated = (Descriptor.quantise(network, g, valid) for network in networks)
-    corrector = Corrector(plain, Hardware(cache=CacheOptions(64)))
-    own, other = (Lens.of(corrector, d).values["CACHE_SPLIT"] for d in (plain, rotated))
-    accessed = accesses(lookups(frame_windows(rotated)))
-    read = [len(misses(accessed, corrector.hardware.cache, split)) for split in range(5)]
-    assert read[other] == min(read) and read[own] > 1.4 * read[other]
-
-
-# What is no lens of a corrector.
-
-@pytest.mark.parametrize("other,message", [
-    (barrel_descriptor((20, 16), (24, 18), hidden_neurons=4),
-     "hidden neurons 4 does not fit a corrector made for 3"),
-    (barrel_descriptor((20, 16), (24, 18), hidden_neurons=3, interpolation=GRADIENT),
-     "interpolation gradient does not fit a corrector made for fast"),
-    (barrel_descriptor((20, 17), (24, 18), hidden_neurons=3),
-     "the corrected image has 17 rows, the corrector's table of valid rows holds 16"),
-    (barrel_descriptor((32, 16), (40, 18), hidden_neurons=3),
-     "the corrected image has 32 columns, the corrector's table of valid rows counts to 31")])
-def test_a_lens_that_does_not_fit(corrector, other, message):
-    with pytest.raises(InputError, match=f"tele.toml: {message}"):
-        driver_files(corrector, [("wide.toml", WIDE), ("tele.toml", other)])
-
-
-def test_a_lens_of_odd_width():
-    pairs = Corrector(WIDE, Hardware(lanes=2))
-    odd = barrel_descriptor((19, 16), (24, 18), hidden_neurons=3)
-    with pytest.raises(InputError, match="odd.toml: the corrected width is 19, 2 pixels per clock"):
-        driver_files(pairs, [("wide.toml", WIDE), ("odd.toml", odd)])
-
-
-def test_two_lenses_of_one_name(corrector):
-    with pytest.raises(InputError, match="the lenses a/x.toml and b/x.toml would both be called x"):
-        driver_files(corrector, [("a/x.toml", WIDE), ("b/x.toml", TELE)])
-
-
-@pytest.mark.parametrize("path,name", [("net.toml", "net"), ("a b/my-lens 2.toml", "my_lens_2"),
-                                       ("105.toml", "105"), ("é.toml", "_")])
-def test_name_of_a_lens(path, name):
-    assert lens_name(path) == name
-
-
-def test_command_writes_them_all(corrector, folder, tmp_path):
-    assert main(["generate", str(folder / "wide.toml"), "--lens", str(folder / "tele.toml"),
-                 "-o", str(tmp_path), "--fetch", corrector.hardware.fetcher,
-                 "--cache-bytes", str(corrector.hardware.cache.bytes)]) == 0
-    for name in driver_files(corrector, [("wide.toml", WIDE)]):
-        assert (tmp_path / name).read_text() == (folder / name).read_text(), name
 
 
 COLOUR = """
