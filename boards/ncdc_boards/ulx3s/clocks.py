@@ -165,9 +165,10 @@ class Clocks(Elaboratable):
         locked = core_locked & video_locked
         for domain in ("sync", "pixel", "shift"):
             m.submodules[f"{domain}_reset"] = ResetSynchronizer(~locked, domain=domain)
+        named = dict(zip(("sync", "memory", "sensor_reference"), core))
+        named |= dict(zip(("shift", "pixel"), video))
         for domain, mhz in self.plan.targets().items():
-            if platform is not None:
-                platform.add_clock_constraint(ClockSignal(domain), mhz * 1e6)
+            platform.add_clock_constraint(named[domain], mhz * 1e6)
         return m
 
     @staticmethod

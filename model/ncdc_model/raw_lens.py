@@ -1,0 +1,47 @@
+"""A lens that straightens nothing: the raw picture, stretched to the corrected one's size."""
+
+import numpy as np
+
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.float_network import FloatNetwork
+from ncdc_model.geometry import ValidRows
+
+__all__ = ["raw_lens", "raw_map"]
+
+_SLOPE = 1 / 32         # weight of a hidden neuron: its tan-sigmoid is straight to 0.01 % there
+_POINTS = 33            # along each side, at which the output layer is fitted
+
+
+def raw_map(geometry):
+    """Back-map (u, v) -> (x, y) that takes the whole raw frame to the whole corrected one."""
+    (wc, hc), (wd, hd) = geometry.corrected, geometry.distorted
+
+    def back_map(u, v):
+        return ((np.asarray(u) + .5) * (wd / wc) - .5, (np.asarray(v) + .5) * (hd / hc) - .5)
+
+    return back_map
+
+
+def raw_lens(descriptor):
+    """A :class:`Descriptor` of :func:`raw_map` that fits the hardware of ``descriptor``.
+
+    Half of the hidden neurons follow x, the others y, all in the straight part of the tan-sigmoid;
+    a single one follows x and leaves y where it is.
+    """
+    g, neurons = descriptor.geometry, descriptor.hidden_neurons
+    follows_y = np.arange(neurons) % 2
+    hidden = _SLOPE * np.column_stack([1 - follows_y, follows_y])
+    v, u = (a.ravel() for a in np.meshgrid(np.linspace(0, g.corrected_height - 1, _POINTS),
+                                           np.linspace(0, g.corrected_width - 1, _POINTS),
+                                           indexing="ij"))
+    x, y = g.normalise(u, v)
+    columns = np.column_stack([np.tanh(_SLOPE * x / 2), np.tanh(_SLOPE * y / 2), np.ones_like(x)])
+    weights = np.linalg.lstsq(columns, np.column_stack(raw_map(g)(u, v)), rcond=None)[0]
+    counts = np.maximum(1, [neurons - follows_y.sum(), follows_y.sum()])
+    output = (weights[:2] / counts[:, None])[follows_y].T
+    skip = None if descriptor.skip_weights is None else np.zeros((2, 2))
+    network = FloatNetwork(hidden, np.zeros(neurons), output, weights[2], skip_weights=skip)
+    rows, cols = np.indices(g.corrected[::-1])
+    valid = ValidRows.of_mask(g.window_inside(*raw_map(g)(cols, rows)))
+    return Descriptor.quantise(network, g, valid, descriptor.formats, variant=descriptor.variant,
+                               nodes=descriptor.nodes)
