@@ -59,7 +59,8 @@ class Sequencer(wiring.Component):
         if self.period <= self.delay:
             raise ValueError(f"two bursts and a refresh take up to {self.delay} clocks, the limit "
                              f"is half of the {clocks.refresh} clocks between refreshes")
-        self.upkeep = Upkeep(clocks, refreshes=place.chip.refreshes, period=self.period)
+        self.upkeep = Upkeep(clocks, refreshes=place.chip.refreshes, period=self.period,
+                             settle=max(self.banks.times.values()) + self.banks.times["rp"])
         self.job = job_layout(place, tag_bits)
         super().__init__({
             "i": In(stream.Signature(self.job)), "command": Out(command_layout(place)),

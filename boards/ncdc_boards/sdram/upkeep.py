@@ -10,15 +10,18 @@ __all__ = ["Upkeep"]
 class Upkeep(wiring.Component):
     """Initialises the memory after a reset, then asks for a refresh again and again.
 
-    The initialisation: the chip's pause, all banks closed, its refreshes, its mode register.
+    The initialisation: the chip's pause, all banks closed, its refreshes, its mode register. Once
+    it is done, another reset waits for ``settle`` clocks only in place of the pause: rows may be
+    open, which must not stay so, and refreshes are to go on.
 
     Timing: ``due`` rises every ``period`` clocks, and stays until the refresh is given.
 
     Parameters
     ----------
     clocks : Clocks
-    refreshes, period : int
-        Refreshes of the initialisation; clocks between two others.
+    refreshes, period, settle : int
+        Refreshes of the initialisation; clocks between two others; clocks after which any command
+        is allowed, whatever was given before.
 
     Members
     -------
@@ -34,8 +37,9 @@ class Upkeep(wiring.Component):
         The memory is initialised.
     """
 
-    def __init__(self, clocks, *, refreshes, period):
+    def __init__(self, clocks, *, refreshes, period, settle):
         self.clocks, self.refreshes, self.period = clocks, refreshes, period
+        self.settle = settle
         super().__init__({
             "due": Out(1), "quiet": In(1), "precharge_all_allowed": In(1), "idle": In(1),
             "precharge_all": Out(1), "refresh": Out(1), "mode": Out(1), "ready": Out(1),
@@ -47,13 +51,17 @@ class Upkeep(wiring.Component):
         timer = Signal(range(max(pause, self.period)), init=pause - 1)  # clocks left
         over = Signal()                         # the timer has come to its end
         more = Signal(range(self.refreshes + 1), init=self.refreshes)   # refreshes to give
-        m.d.sync += [over.eq(timer == 1), timer.eq(timer - 1)]
+        warm = Signal(reset_less=True)          # the memory has been initialised before
+        settling = Signal(range(self.settle + 1), init=self.settle)     # clocks to wait if so
+        m.d.sync += [over.eq(timer == 1), timer.eq(timer - 1), warm.eq(warm | self.ready)]
+        with m.If(settling != 0):
+            m.d.sync += settling.eq(settling - 1)
         with m.If(over):
             m.d.sync += timer.eq(self.period - 1)
         with m.FSM():
             with m.State("PAUSE"):
                 m.d.comb += self.due.eq(1)
-                with m.If(over):
+                with m.If(over | warm & (settling == 0)):
                     m.next = "PRECHARGE"
             with m.State("PRECHARGE"):
                 m.d.comb += [self.due.eq(1),
