@@ -8,7 +8,7 @@ from ncdc_model.geometry import ValidRows
 
 __all__ = ["raw_lens", "raw_map"]
 
-_SLOPE = 1 / 32         # weight of a hidden neuron: its tan-sigmoid is straight to 0.01 % there
+_SHARE = .9             # of the output weights' range that is used
 _POINTS = 33            # along each side, at which the output layer is fitted
 
 
@@ -25,19 +25,23 @@ def raw_map(geometry):
 def raw_lens(descriptor):
     """A :class:`Descriptor` of :func:`raw_map` that fits the hardware of ``descriptor``.
 
-    Half of the hidden neurons follow x, the others y, all in the straight part of the tan-sigmoid;
-    a single one follows x and leaves y where it is.
+    Half of the hidden neurons follow x, the others y, as near to the straight middle of the
+    tan-sigmoid as the output weights' range allows; a single one follows x and leaves y where it
+    is.
     """
     g, neurons = descriptor.geometry, descriptor.hidden_neurons
     follows_y = np.arange(neurons) % 2
-    hidden = _SLOPE * np.column_stack([1 - follows_y, follows_y])
+    counts = np.maximum(1, [neurons - follows_y.sum(), follows_y.sum()])
+    q = descriptor.formats.output_weight
+    # tanh(s x / 2) = s x / 2 nearly: a weight of size / s for each neuron, if it were alone.
+    slope = max(g.distorted / counts) / (_SHARE * q.real(q.hi))
+    hidden = slope * np.column_stack([1 - follows_y, follows_y])
     v, u = (a.ravel() for a in np.meshgrid(np.linspace(0, g.corrected_height - 1, _POINTS),
                                            np.linspace(0, g.corrected_width - 1, _POINTS),
                                            indexing="ij"))
     x, y = g.normalise(u, v)
-    columns = np.column_stack([np.tanh(_SLOPE * x / 2), np.tanh(_SLOPE * y / 2), np.ones_like(x)])
+    columns = np.column_stack([np.tanh(slope * x / 2), np.tanh(slope * y / 2), np.ones_like(x)])
     weights = np.linalg.lstsq(columns, np.column_stack(raw_map(g)(u, v)), rcond=None)[0]
-    counts = np.maximum(1, [neurons - follows_y.sum(), follows_y.sum()])
     output = (weights[:2] / counts[:, None])[follows_y].T
     skip = None if descriptor.skip_weights is None else np.zeros((2, 2))
     network = FloatNetwork(hidden, np.zeros(neurons), output, weights[2], skip_weights=skip)
