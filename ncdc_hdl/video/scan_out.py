@@ -107,7 +107,7 @@ class ScanOut(wiring.Component):
         first = Signal()            # on its first pixel
         last = Signal()             # on its last one
         going = Signal()            # the frame is shown, up to the last pixel
-        shown = Signal()            # so is this pixel
+        lit = Signal()              # so is this pixel
         m.d.comb += [
             inside.eq((beam.x >= left) & (beam.x < left + self.width)
                       & (beam.y >= above) & (beam.y < above + self.height)),
@@ -117,16 +117,16 @@ class ScanOut(wiring.Component):
             # The first pixel waits for a first word, no other takes one.
             pixels.i.valid.eq(queue.r_rdy & (top.first == first)),
             pixels.o.ready.eq(inside & (first | going)),
-            shown.eq(pixels.o.ready & pixels.o.valid),
+            lit.eq(pixels.o.ready & pixels.o.valid),
             # Out of step, words are dropped up to the next frame's first one.
             queue.r_en.eq(pixels.i.ready & pixels.i.valid
                           | queue.r_rdy & ~top.first & ~going & ~first),
-            late.i.eq(some & last & ~shown),
+            late.i.eq(some & last & ~lit),
         ]
         with m.If(inside):
-            m.d.pixel += going.eq(shown & ~last)
+            m.d.pixel += going.eq(lit & ~last)
         m.d.pixel += [
             Cat(self.picture.b, self.picture.g, self.picture.r).eq(
-                Mux(shown, pixels.o.payload, 0)),
+                Mux(lit, pixels.o.payload, 0)),
             self.picture.visible.eq(beam.visible), self.picture.hsync.eq(beam.hsync),
             self.picture.vsync.eq(beam.vsync)]

@@ -37,7 +37,8 @@ class BoardRun:
     pixel_clock_ps: float = 0.0
 
 
-def simulate_ulx3s(design, sensor, light, *, run_us, presses=None, edit=None, on_line=None):
+def simulate_ulx3s(design, sensor, light, *, run_us, presses=None, edit=None, on_line=None,
+                   optimise=None):
     """Run a :class:`~ncdc_boards.ulx3s.top.Design` for so many microseconds.
 
     Parameters
@@ -55,6 +56,9 @@ def simulate_ulx3s(design, sensor, light, *, run_us, presses=None, edit=None, on
     on_line : callable, optional
         Gets each line that the simulation prints.
 
+    optimise : str, optional
+        As of :func:`ncdc_sim.runner.build`.
+
     Raises
     ------
     SimulationError
@@ -70,7 +74,7 @@ def simulate_ulx3s(design, sensor, light, *, run_us, presses=None, edit=None, on
     sources = [(f"{NAME}.v", verilog),
                *((name, header * (name == _BENCH[0]) + (HDL / name).read_text())
                  for name in _BENCH), *sensor_sources()]
-    program = build("ulx3s", "ulx3s_bench", sources, options=(
+    program = build("ulx3s", "ulx3s_bench", sources, optimise=optimise, options=(
         "--timing", "--main", "-CFLAGS", "-std=c++20 -fcoroutines",
         *(f"-Wno-{rule}" for rule in _RULES)))
     result = BoardRun()

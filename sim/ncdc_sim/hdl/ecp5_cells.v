@@ -35,15 +35,16 @@ endmodule
 
 // Two bits a clock: D0 while the clock is high, D1 while it is low, both of the rising edge before.
 module ODDRX1F (input wire SCLK, input wire RST, input wire D0, input wire D1, output wire Q);
-    reg d0, d1, q0, q1;
-    initial begin d0 = 0; d1 = 0; q0 = 0; q1 = 0; end
+    reg d0, d1, later, rises, falls;    // Q's changes at each edge: no pulse of no length
+    initial begin d0 = 0; d1 = 0; later = 0; rises = 0; falls = 0; end
     always @(posedge SCLK) begin
         d0 <= RST ? 1'b0 : D0;
         d1 <= RST ? 1'b0 : D1;
-        q0 <= d0;
-        q1 <= d1;
+        later <= d1;
+        rises <= d0 ^ falls;
     end
-    assign Q = SCLK ? q0 : q1;
+    always @(negedge SCLK) falls <= later ^ rises;
+    assign Q = rises ^ falls;
 endmodule
 
 // A phase-locked loop: from the period of CLKI and the dividers the period of the oscillator, from
