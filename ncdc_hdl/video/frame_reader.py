@@ -89,7 +89,8 @@ class FrameReader(wiring.Component):
                      owed.eq(owed + Mux(asked, words, 0) - handed),
                      claimed.eq(self.screen.claim)]
         with m.If(asked):
-            m.d.sync += [left.eq(left - words), address.eq(address + words * (self.data_width // 8))]
+            m.d.sync += [left.eq(left - words),
+                         address.eq(address + words * (self.data_width // 8))]
         with m.If(handed):
             m.d.sync += first.eq(0)
         with m.If(claimed):

@@ -1,4 +1,4 @@
-"""The TMDS encoder against a decoder, and against the algorithm, both from the DVI specification."""
+"""The TMDS encoder against a decoder and an algorithm, both written from the DVI specification."""
 
 import numpy as np
 import pytest

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from ncdc_boards.ulx3s.platform import Ulx3sPlatform
 from ncdc_boards.ulx3s.top import Ulx3sTop
 
-__all__ = ["NAME", "Files", "prepared"]
+__all__ = ["NAME", "Files", "clock_nets", "prepared"]
 
 NAME = "ncdc_ulx3s"
 
@@ -25,3 +25,10 @@ def prepared(design):
     texts = {name: text.decode() if isinstance(text, bytes) else text
              for name, text in plan.files.items()}
     return Files(*(texts[f"{NAME}.{kind}"] for kind in ("il", "debug.v", "lpf")))
+
+
+def clock_nets():
+    """Name of each clock by the net that carries it."""
+    return {"clocks.core_output0": "core", "clocks.core_output1": "sdram",
+            "clocks.core_output2": "sensor_reference", "clocks.video_output0": "shift",
+            "clocks.video_output1": "pixel", "system.sensor_clock": "sensor"}

@@ -84,7 +84,7 @@ class Ulx3sTop(Elaboratable):
         m.submodules.clocks = Clocks(self.design.clocks, oscillator.i)
         m.submodules.system = system = self.design.system
         m.submodules.screen = screen = self.screen
-        m.submodules.memory = memory = self.memory
+        m.submodules.memory = self.memory
         m.submodules.dvi = dvi = Dvi()
         m.d.comb += [
             screen.screen.held.eq(system.screen_held), screen.screen.base.eq(system.screen_base),
