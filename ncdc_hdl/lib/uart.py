@@ -45,25 +45,23 @@ class UartReceiver(wiring.Component):
         line = Signal(init=1)
         m.submodules.line = FFSynchronizer(self.line, line, init=1)
         left = Signal(range(self.divisor))      # clocks to the middle of the next bit
-        bits = Signal(range(_BITS))             # bits that are still to come; 0: the line rests
+        bits = Signal(range(_BITS + 1))         # bits that are still to come; 0: the line rests
+        broken = Signal()                       # there was no stop bit: the line is to rest first
         m.d.sync += self.valid.eq(0)
         with m.If(bits == 0):
             with m.If(~line):
-                m.d.sync += [bits.eq(_BITS - 1), left.eq(self.divisor // 2)]
+                m.d.sync += [bits.eq(_BITS), left.eq(self.divisor // 2)]
         with m.Elif(left != 0):
             m.d.sync += left.eq(left - 1)
         with m.Else():
             m.d.sync += [left.eq(self.divisor - 1), bits.eq(bits - 1)]
-            with m.If(bits == _BITS - 1):
-                with m.If(line):                # no start bit
-                    m.d.sync += bits.eq(0)
+            with m.If((bits == _BITS) & line):      # no start bit
+                m.d.sync += bits.eq(0)
             m.d.sync += self.byte.eq(Cat(self.byte[1:], line))
         # The stop bit: eight bits are in, and the line is high in its middle.
-        stops = (bits == 1) & (left == 0)
-        with m.If(stops):
-            m.d.sync += [self.valid.eq(line), bits.eq(Mux(line, 0, 1)), self.byte.eq(self.byte)]
-            with m.If(~line):                   # wait for the line to rest
-                m.d.sync += left.eq(0)
+        with m.If((bits == 1) & (left == 0)):
+            m.d.sync += [self.valid.eq(line & ~broken), broken.eq(~line), left.eq(0),
+                         bits.eq(~line), self.byte.eq(self.byte)]
         return m
 
 

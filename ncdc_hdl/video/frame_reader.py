@@ -3,6 +3,7 @@
 from amaranth import *
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.burst_reader import BurstReader
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
@@ -29,7 +30,7 @@ class FrameReader(wiring.Component):
     handed on, so that its reader has to look for the next first word. The claim keeps the frame's
     buffer until the next claim, so that no frame is torn.
 
-    Timing: the first word of a frame is asked for 3 clocks after ``begin`` at the earliest.
+    Timing: the first word of a frame is asked for 4 clocks after ``begin`` at the earliest.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ class FrameReader(wiring.Component):
     words : int
         Words of a frame.
     depth, max_burst : int
-        As of :class:`BurstReader`.
+        As of :class:`BurstReader`; the latter a power of two.
 
     Members
     -------
@@ -67,29 +68,31 @@ class FrameReader(wiring.Component):
                                                    max_burst=self.max_burst)
         wiring.connect(m, reader.bus, wiring.flipped(self.bus))
         address = Signal(ADDRESS_BITS)          # of the next command
-        left = Signal(range(self.words + 1))    # words of the frame not yet asked for
+        left = Signal(range(self.words + 1))    # words of the frame not yet in a command
         owed = Signal(range(self.depth + 1))    # words asked for and not yet handed on
         first = Signal()                        # the next word that is handed on is the first
         waiting = Signal()                      # a frame is to begin when nothing is owed
         claimed = Signal()                      # the claim's answer is there in this clock
-        pending = Signal()                      # a command was offered and not taken
+        pending = Signal()                      # there is a command
+        words = Signal(range(self.max_burst + 1))       # of the next command
         command, asked = reader.i, reader.i.valid & reader.i.ready
         handed = self.o.valid & self.o.ready
-        words = Signal(range(self.max_burst + 1))
+        burst = exact_log2(self.max_burst)
         m.d.comb += [
-            reader.memory_rst.eq(self.memory_rst),
-            words.eq(Mux(left < self.max_burst, left, self.max_burst)),
-            command.valid.eq((left != 0) & (~waiting | pending)), command.p.address.eq(address),
-            command.p.words.eq(words),
+            reader.memory_rst.eq(self.memory_rst), command.valid.eq(pending),
+            words.eq(Mux(left[burst:].any(), self.max_burst, left[:burst])),
             self.o.valid.eq(reader.o.valid), reader.o.ready.eq(self.o.ready),
             self.o.p.word.eq(reader.o.payload), self.o.p.first.eq(first),
             self.screen.claim.eq(waiting & ~pending & (owed == 0) & ~claimed),
         ]
-        m.d.sync += [pending.eq(command.valid & ~command.ready),
-                     owed.eq(owed + Mux(asked, words, 0) - handed),
+        m.d.sync += [owed.eq(owed + Mux(asked, command.p.words, 0) - handed),
                      claimed.eq(self.screen.claim)]
+        # A command is made in one clock and offered in the next: the sums are short.
         with m.If(asked):
-            m.d.sync += [left.eq(left - words),
+            m.d.sync += pending.eq(0)
+        with m.Elif(~pending & ~waiting & (left != 0)):
+            m.d.sync += [pending.eq(1), command.p.address.eq(address), command.p.words.eq(words),
+                         left.eq(left - words),
                          address.eq(address + words * (self.data_width // 8))]
         with m.If(handed):
             m.d.sync += first.eq(0)

@@ -29,6 +29,6 @@ def prepared(design):
 
 def clock_nets():
     """Name of each clock by the net that carries it."""
-    return {"clocks.core_output0": "core", "clocks.core_output1": "sdram",
-            "clocks.core_output2": "sensor_reference", "clocks.video_output0": "shift",
-            "clocks.video_output1": "pixel", "system.sensor_clock": "sensor"}
+    return {"clocks.sync_gated": "core", "clocks.memory_gated": "sdram",
+            "clocks.sensor_reference_gated": "sensor_reference", "clocks.shift_gated": "shift",
+            "clocks.pixel_gated": "pixel", "system.sensor_clock": "sensor"}

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from amaranth import *
-from amaranth.lib.cdc import ResetSynchronizer
 
 from ncdc_model.errors import InputError
 
@@ -138,7 +137,9 @@ def _loops(input_mhz, pixel_mhz):
 class Clocks(Elaboratable):
     """The domains ``sync``, ``memory``, ``sensor_reference``, ``pixel`` and ``shift``.
 
-    Each is in reset until its loop is locked.
+    There is no reset: registers begin with what the bitstream gives them, and the first clocks come
+    once both loops are locked. A reset would be a net to every register of the device, slower
+    than all others.
 
     Parameters
     ----------
@@ -153,22 +154,19 @@ class Clocks(Elaboratable):
     def elaborate(self, platform):
         m = Module()
         core, core_locked = self._loop(m, "core", self.plan.core, self.reference, Const(0))
-        m.domains.sync = ClockDomain()
-        m.domains.memory = ClockDomain(reset_less=True)
-        m.domains.sensor_reference = ClockDomain(reset_less=True)
-        m.d.comb += [ClockSignal("sync").eq(core[0]), ClockSignal("memory").eq(core[1]),
-                     ClockSignal("sensor_reference").eq(core[2])]
         video, video_locked = self._loop(m, "video", self.plan.video, core[0], ~core_locked)
-        m.domains.shift = ClockDomain()
-        m.domains.pixel = ClockDomain()
-        m.d.comb += [ClockSignal("shift").eq(video[0]), ClockSignal("pixel").eq(video[1])]
-        locked = core_locked & video_locked
-        for domain in ("sync", "pixel", "shift"):
-            m.submodules[f"{domain}_reset"] = ResetSynchronizer(~locked, domain=domain)
-        named = dict(zip(("sync", "memory", "sensor_reference"), core))
-        named |= dict(zip(("shift", "pixel"), video))
-        for domain, mhz in self.plan.targets().items():
-            platform.add_clock_constraint(named[domain], mhz * 1e6)
+        locked = Signal()
+        m.d.comb += locked.eq(core_locked & video_locked)
+        outputs = dict(zip(("sync", "memory", "sensor_reference", "shift", "pixel"),
+                           (*core, *video)))
+        targets = self.plan.targets()
+        for domain, output in outputs.items():
+            clock = Signal(name=f"{domain}_gated")
+            m.submodules[f"{domain}_gate"] = Instance("DCCA", i_CLKI=output, i_CE=locked,
+                                                      o_CLKO=clock)
+            m.domains += ClockDomain(domain)
+            m.d.comb += [ClockSignal(domain).eq(clock), ResetSignal(domain).eq(0)]
+            platform.add_clock_constraint(clock, targets[domain] * 1e6)
         return m
 
     @staticmethod

@@ -1,8 +1,6 @@
-"""Registers over a serial line: the line's other end is of cocotbext-uart, the backend the users'."""
+"""Registers over a serial line: the line's other end is of cocotbext-uart."""
 
-import importlib.util
 import random
-from importlib.resources import files
 
 import cocotb
 from cocotb.triggers import ClockCycles, RisingEdge
@@ -11,7 +9,7 @@ from cocotbext.uart import UartSink, UartSource
 from ncdc_model.interface.serial_link import BAD, crc8, read_request, write_request
 from ncdc_sim.benches.common import PERIOD, settings, start
 
-__all__ = ["by_the_users_backend", "noise_and_wrong_checks", "words_come_and_go"]
+__all__ = ["noise_and_wrong_checks", "words_come_and_go"]
 
 
 async def agent(dut, words, chance):
@@ -41,13 +39,15 @@ async def begin(dut):
     return source, sink, words
 
 
-async def ask(source, sink, request, size):
+async def ask(dut, source, sink, request, size):
     """Send bytes; so many bytes of an answer."""
     await source.write(request)
-    answer = b""
-    while len(answer) < size:
-        answer += bytes(await sink.read(1))
-    return answer
+    byte = 10 * settings()["divisor"]       # clocks
+    for _ in range(len(request) + size + 20):
+        if sink.count() >= size:
+            break
+        await ClockCycles(dut.clk, byte)
+    return bytes(sink.read_nowait(size))
 
 
 @cocotb.test()
@@ -57,10 +57,10 @@ async def words_come_and_go(dut):
     for _ in range(12):
         address, word = chance.randrange(1 << 15), chance.randrange(1 << 32)
         kept[address] = word
-        answer = await ask(source, sink, write_request(address, word), 2)
+        answer = await ask(dut, source, sink, write_request(address, word), 2)
         assert answer == b"w" + bytes([crc8(b"w")])
         address = chance.choice(list(kept))
-        answer = await ask(source, sink, read_request(address), 6)
+        answer = await ask(dut, source, sink, read_request(address), 6)
         assert answer[:5] == b"r" + kept[address].to_bytes(4, "big")
         assert answer[5] == crc8(answer[:5])
     assert words == kept
@@ -73,55 +73,12 @@ async def noise_and_wrong_checks(dut):
     for k in range(1, len(request)):
         wrong = bytearray(request)
         wrong[k] ^= 1 << k % 8
-        answer = await ask(source, sink, bytes(wrong), 2)
+        answer = await ask(dut, source, sink, bytes(wrong), 2)
         assert answer == bytes([BAD, crc8(bytes([BAD]))])
     assert not words
     # Bytes that begin no request are dropped, and a request that stops is forgotten.
     await source.write(b"\0\xff?rw")
     await source.write(bytes(request[:4]))
     await ClockCycles(dut.clk, 110 * 10 * settings()["divisor"])
-    assert await ask(source, sink, bytes(request), 2) == b"w" + bytes([crc8(b"w")])
+    assert await ask(dut, source, sink, bytes(request), 2) == b"w" + bytes([crc8(b"w")])
     assert words == {0x123: 0xDEADBEEF} and sink.empty()
-
-
-class Line:
-    """What :class:`Serial` of ``ncdc_backends.py`` wants of a port, from a thread beside."""
-
-    def __init__(self, dut, source, sink):
-        self.dut, self.source, self.sink = dut, source, sink
-
-    def write(self, data):
-        cocotb.task.resume(self._write)(data)
-
-    async def _write(self, data):
-        await self.source.write(data)
-
-    def read(self, size):
-        return cocotb.task.resume(self._read)(size)
-
-    async def _read(self, size):
-        # As long as a port waits: 40 bytes' time without any.
-        for _ in range(40 * 10):
-            if self.sink.count() >= size:
-                break
-            await ClockCycles(self.dut.clk, settings()["divisor"])
-        return bytes(self.sink.read_nowait(min(size, self.sink.count())))
-
-
-@cocotb.test()
-async def by_the_users_backend(dut):
-    source, sink, words = await begin(dut)
-    place = files("ncdc_hdl.export.registers") / "host" / "ncdc_backends.py"
-    spec = importlib.util.spec_from_file_location("ncdc_backends", place)
-    backends = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(backends)
-    port = backends.Serial(Line(dut, source, sink), pause=0)
-
-    def host():
-        port.write(4 * 0x40, 0x01234567)
-        port.write(4 * 0x7FFF, 0xFFFFFFFF)
-        return port.read(4 * 0x40), port.read(4 * 0x7FFF), port.read(4 * 5)
-
-    assert await cocotb.task.bridge(host)() == (
-        0x01234567, 0xFFFFFFFF, 5 * 0x10001 ^ 0xA5A5A5A5)
-    assert words == {0x40: 0x01234567, 0x7FFF: 0xFFFFFFFF}

@@ -47,6 +47,14 @@ module ODDRX1F (input wire SCLK, input wire RST, input wire D0, input wire D1, o
     assign Q = rises ^ falls;
 endmodule
 
+// A clock's gate: whole pulses only.
+module DCCA (input wire CLKI, input wire CE, output wire CLKO);
+    reg open;
+    initial open = 0;
+    always @(negedge CLKI) open <= CE;
+    assign CLKO = CLKI & open;
+endmodule
+
 // A phase-locked loop: from the period of CLKI and the dividers the period of the oscillator, from
 // that the outputs. All outputs begin together, with the first edge of CLKI behind the lock; with
 // CPHASE = divider - 1 an output is in phase.
