@@ -9,6 +9,7 @@ from ncdc_model.geometry import ValidRows
 __all__ = ["raw_lens", "raw_map"]
 
 _SHARE = .9             # of the output weights' range that is used
+_STEEPER = 1.1
 _POINTS = 33            # along each side, at which the output layer is fitted
 
 
@@ -35,14 +36,20 @@ def raw_lens(descriptor):
     q = descriptor.formats.output_weight
     # tanh(s x / 2) = s x / 2 nearly: a weight of size / s for each neuron, if it were alone.
     slope = max(g.distorted / counts) / (_SHARE * q.real(q.hi))
-    hidden = slope * np.column_stack([1 - follows_y, follows_y])
     v, u = (a.ravel() for a in np.meshgrid(np.linspace(0, g.corrected_height - 1, _POINTS),
                                            np.linspace(0, g.corrected_width - 1, _POINTS),
                                            indexing="ij"))
     x, y = g.normalise(u, v)
-    columns = np.column_stack([np.tanh(slope * x / 2), np.tanh(slope * y / 2), np.ones_like(x)])
-    weights = np.linalg.lstsq(columns, np.column_stack(raw_map(g)(u, v)), rcond=None)[0]
-    output = (weights[:2] / counts[:, None])[follows_y].T
+    target = np.column_stack(raw_map(g)(u, v))
+    while True:
+        columns = np.column_stack([np.tanh(slope * x / 2), np.tanh(slope * y / 2),
+                                   np.ones_like(x)])
+        weights = np.linalg.lstsq(columns, target, rcond=None)[0]
+        output = (weights[:2] / counts[:, None])[follows_y].T
+        if abs(output).max() < q.real(q.hi):
+            break
+        slope *= _STEEPER       # bent as it is there, the tan-sigmoid needed more
+    hidden = slope * np.column_stack([1 - follows_y, follows_y])
     skip = None if descriptor.skip_weights is None else np.zeros((2, 2))
     network = FloatNetwork(hidden, np.zeros(neurons), output, weights[2], skip_weights=skip)
     rows, cols = np.indices(g.corrected[::-1])

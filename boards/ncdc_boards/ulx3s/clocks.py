@@ -6,7 +6,7 @@ from amaranth import *
 
 from ncdc_model.errors import InputError
 
-__all__ = ["CORE_MHZ", "Clocks", "ClockPlan", "Pll", "clock_plan"]
+__all__ = ["CORE_MHZ", "DOMAINS", "Clocks", "ClockPlan", "Pll", "clock_plan"]
 
 REFERENCE_MHZ = 25                  # the board's oscillator
 CORE_MHZ = 75
@@ -17,6 +17,7 @@ _OUTPUT_MHZ = 400
 _LARGEST_DIVIDER, _LARGEST_FEEDBACK, _LARGEST_REFERENCE = 128, 80, 128
 # The same, maximum I/O buffer speed and ODDRX1 of speed grade 6: 250 MHz, two bits a clock.
 _SHIFT_MHZ = 250
+DOMAINS = ("sync", "memory", "sensor_reference", "shift", "pixel")
 _PIXEL_TOLERANCE = .005             # VESA, Display Monitor Timing: 0.5 % of the pixel clock
 
 
@@ -135,7 +136,7 @@ def _loops(input_mhz, pixel_mhz):
 
 
 class Clocks(Elaboratable):
-    """The domains ``sync``, ``memory``, ``sensor_reference``, ``pixel`` and ``shift``.
+    """Drives the clocks of the :data:`DOMAINS`, which its parent defines.
 
     There is no reset: registers begin with what the bitstream gives them, and the first clocks come
     once both loops are locked. A reset would be a net to every register of the device, slower
@@ -157,14 +158,12 @@ class Clocks(Elaboratable):
         video, video_locked = self._loop(m, "video", self.plan.video, core[0], ~core_locked)
         locked = Signal()
         m.d.comb += locked.eq(core_locked & video_locked)
-        outputs = dict(zip(("sync", "memory", "sensor_reference", "shift", "pixel"),
-                           (*core, *video)))
+        outputs = dict(zip(DOMAINS, (*core, *video)))
         targets = self.plan.targets()
         for domain, output in outputs.items():
             clock = Signal(name=f"{domain}_gated")
             m.submodules[f"{domain}_gate"] = Instance("DCCA", i_CLKI=output, i_CE=locked,
                                                       o_CLKO=clock)
-            m.domains += ClockDomain(domain)
             m.d.comb += [ClockSignal(domain).eq(clock), ResetSignal(domain).eq(0)]
             platform.add_clock_constraint(clock, targets[domain] * 1e6)
         return m

@@ -1,6 +1,6 @@
 """Pins of the ULX3S: those of amaranth-boards, and a camera on the header J1."""
 
-from amaranth.build import Attrs, Pins, Resource, Subsignal
+from amaranth.build import Attrs, Clock, Pins, Resource, Subsignal
 from amaranth_boards.ulx3s import ULX3S_85F_Platform
 
 __all__ = ["CAMERA_WIRES", "Ulx3sPlatform"]
@@ -11,6 +11,7 @@ CAMERA_WIRES = {
     "reset_n": ("8-",), "standby": ("9+",), "pixclk": ("12+",)}
 """Wires of the camera: "3+" is GP3 of the header J1, "3-" GN3. GP12 leads to a clock network."""
 
+_PIXEL_CLOCK_HZ = 96e6          # the fastest of the sensors
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o", "standby": "o"}
 
 
@@ -21,7 +22,8 @@ def _camera():
     attrs = {name: Attrs(PULLMODE="UP") if name in ("scl", "sda") else
              Attrs(PULLMODE="DOWN" if _DIRECTIONS.get(name, "i") == "i" else "NONE")
              for name in plain}
-    return Resource("camera", 0, *(Subsignal(name, pins, attrs[name])
+    clocks = {"pixclk": [Clock(_PIXEL_CLOCK_HZ)]}
+    return Resource("camera", 0, *(Subsignal(name, pins, attrs[name], *clocks.get(name, []))
                                    for name, pins in plain.items()),
                     Attrs(IO_TYPE="LVCMOS33", DRIVE="4", SLEWRATE="SLOW"))
 

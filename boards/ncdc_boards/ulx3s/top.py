@@ -9,7 +9,7 @@ from amaranth.lib.cdc import FFSynchronizer
 from ncdc_boards.sdram.chips import ULX3S_32MB
 from ncdc_boards.sdram.controller import SdramController
 from ncdc_boards.ulx3s.buttons import Chooser
-from ncdc_boards.ulx3s.clocks import ClockPlan, Clocks
+from ncdc_boards.ulx3s.clocks import DOMAINS, ClockPlan, Clocks
 from ncdc_hdl.avalon.bus import Agent, WriteHost
 from ncdc_hdl.lib.ports import ports_as
 from ncdc_hdl.registers.access import RegisterAccess
@@ -81,6 +81,7 @@ class Ulx3sTop(Elaboratable):
     def elaborate(self, platform):
         m = Module()
         oscillator = self._buffer(m, platform.request("clk25", dir="-"))
+        m.domains += (ClockDomain(name) for name in DOMAINS)
         m.submodules.clocks = Clocks(self.design.clocks, oscillator.i)
         m.submodules.system = system = self.design.system
         m.submodules.screen = screen = self.screen
@@ -160,7 +161,6 @@ class Ulx3sTop(Elaboratable):
         wires = platform.request("camera", dir=dict.fromkeys((
             "d", "fval", "lval", "scl", "sda", "xclk", "reset_n", "standby", "pixclk"), "-"))
         pixclk = self._buffer(m, wires.pixclk).i
-        platform.add_clock_constraint(system.sensor_clock, 96e6)
         m.d.comb += [
             system.sensor_clock.eq(pixclk),
             system.sensor_frame_valid.eq(self._buffer(m, wires.fval).i),
