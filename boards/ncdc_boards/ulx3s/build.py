@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
+from ncdc_boards.ulx3s.clocks import DOMAINS
 from ncdc_boards.ulx3s.platform import Ulx3sPlatform
 from ncdc_boards.ulx3s.top import Ulx3sTop
 
-__all__ = ["NAME", "Files", "clock_nets", "prepared"]
+__all__ = ["NAME", "Files", "clock_cells", "prepared"]
 
 NAME = "ncdc_ulx3s"
 
@@ -27,8 +28,7 @@ def prepared(design):
     return Files(*(texts[f"{NAME}.{kind}"] for kind in ("il", "debug.v", "lpf")))
 
 
-def clock_nets():
-    """Name of each clock by the net that carries it."""
-    return {"clocks.sync_gated": "core", "clocks.memory_gated": "sdram",
-            "clocks.sensor_reference_gated": "sensor_reference", "clocks.shift_gated": "shift",
-            "clocks.pixel_gated": "pixel", "system.sensor_clock": "sensor"}
+def clock_cells():
+    """Cell and output of the device that drives each clock, by the clock's name."""
+    gates = {domain: (f"clocks.{domain}_gate", "CLKO") for domain in DOMAINS}
+    return gates | {"sensor": ("camera_0__pixclk__io_buffer.buf.buf0", "O")}

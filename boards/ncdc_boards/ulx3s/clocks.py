@@ -159,13 +159,11 @@ class Clocks(Elaboratable):
         locked = Signal()
         m.d.comb += locked.eq(core_locked & video_locked)
         outputs = dict(zip(DOMAINS, (*core, *video)))
-        targets = self.plan.targets()
         for domain, output in outputs.items():
             clock = Signal(name=f"{domain}_gated")
             m.submodules[f"{domain}_gate"] = Instance("DCCA", i_CLKI=output, i_CE=locked,
                                                       o_CLKO=clock)
             m.d.comb += [ClockSignal(domain).eq(clock), ResetSignal(domain).eq(0)]
-            platform.add_clock_constraint(clock, targets[domain] * 1e6)
         return m
 
     @staticmethod
