@@ -189,8 +189,8 @@ def _check(chip, data_width, reads, max_burst, late):
     row = (chip.data_bits << chip.column_bits) // data_width
     if not 1 <= max_burst <= row:
         raise InputError(f"max_burst is {max_burst}, the limits are 1 and the {row} words of a row")
-    if late < 0:
-        raise InputError(f"late is {late}, read data cannot come earlier than by 0 clocks")
+    if late < -1:
+        raise InputError(f"late is {late}, the limit is -1: a clock early")
 
 
 _PRECHARGE_BIT = 10         # of the address; columns are below it

@@ -196,7 +196,7 @@ module sdram_chip #(
         if (any && !cke) breach("unsupported");
 
         // What has been on DQ until this edge.
-        if (dq_oe && (dq_drives || {24'd0, since_drive} < TURNAROUND)) breach("contention");
+        if (dq_oe && (dq_drives || {24'd0, since_drive} + 1 <= TURNAROUND)) breach("contention");
         since_drive = dq_drives ? 0 : since_drive == 255 ? 255 : since_drive + 1;
 
         for (b = 0; b < 4; b = b + 1) begin
