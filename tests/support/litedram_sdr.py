@@ -48,8 +48,8 @@ class Top(Module):
 
     def ports(self):
         port, pads = self.port, self.pads
-        return {self.cd_sys.clk, self.ready, pads.a, pads.ba, pads.cs_n, pads.cke, pads.ras_n, pads.cas_n,
-                pads.we_n, pads.dm, pads.dq, port.cmd.valid, port.cmd.ready, port.cmd.we,
+        pins = (getattr(pads, name) for name, *_ in pads.layout)
+        return {self.cd_sys.clk, self.ready, *pins, port.cmd.valid, port.cmd.ready, port.cmd.we,
                 port.cmd.addr, port.wdata.valid, port.wdata.ready, port.wdata.data, port.wdata.we,
                 port.rdata.valid, port.rdata.ready, port.rdata.data}
 

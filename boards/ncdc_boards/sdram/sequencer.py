@@ -7,6 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_boards.sdram.banks import Banks
 from ncdc_boards.sdram.layouts import command_layout
 from ncdc_boards.sdram.upkeep import Upkeep
+from ncdc_model.errors import InputError
 
 __all__ = ["Sequencer", "job_layout"]
 
@@ -45,7 +46,7 @@ class Sequencer(wiring.Component):
 
     Raises
     ------
-    ValueError
+    InputError
         If bursts are so long that there is no time between refreshes.
     """
 
@@ -57,8 +58,9 @@ class Sequencer(wiring.Component):
         self.banks = Banks(place, clocks)
         self.period = clocks.refresh - self.delay
         if self.period <= self.delay:
-            raise ValueError(f"two bursts and a refresh take up to {self.delay} clocks, the limit "
-                             f"is half of the {clocks.refresh} clocks between refreshes")
+            raise InputError(f"max_burst is {place.max_burst}: two bursts and a refresh take up to "
+                             f"{self.delay} clocks, the limit is half of the {clocks.refresh} "
+                             "clocks between refreshes")
         self.upkeep = Upkeep(clocks, refreshes=place.chip.refreshes, period=self.period,
                              settle=max(self.banks.times.values()) + self.banks.times["rp"])
         self.job = job_layout(place, tag_bits)

@@ -1,5 +1,5 @@
-// Random traffic on all ports of an SDRAM controller, its data compared with a plain memory, and the
-// chip's checker behind it. The module `sdram_dut`, controller and chip, is made by
+// Random traffic on all ports of an SDRAM controller, its data compared with a plain memory, and
+// the chip's checker behind it. The module `sdram_dut`, controller and chip, is made by
 // ncdc_sim/sdram.py. The last host is the writer.
 //
 // What a read may give: each of its words as it was at some time between the read's acceptance and

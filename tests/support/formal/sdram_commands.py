@@ -19,7 +19,7 @@ class Commands(Wrapper):
 
     An observer keeps account of the commands on its own, by the data sheet's rules. Asserts that
     words are read and written in the segments' order, each in the row asked for; that no command
-    breaks a time; that a refresh that is due comes within ``longest`` clocks, which is less than the
+    breaks a time; that a refresh that is due comes within ``longest`` clocks, less than the
     design's own bound, and so that no two are further apart than the chip allows. ``banks`` and
     ``kind`` make the design's parts; ``period`` is what a planted error begins sooner with.
     """

@@ -1,10 +1,10 @@
 // LiteDRAM's controller and PHY in front of our model of the chip: rounds of random writes, each
 // followed by reads of the same places, and a pause now and then.
 //
-// The pads of LiteDRAM are three-state; whether it drives is asked of its PHY. The chip has its clock
-// half a period late, as boards with this PHY do.
+// The pads of LiteDRAM are three-state; whether it drives is asked of its PHY. The chip has its
+// clock half a period late, as boards with this PHY do.
 //
-// Plusargs: rounds. Results: lines "RESULT <name> <value>".
+// CHIP_PARAMETERS is put in by the test. Plusargs: rounds. Results: lines "RESULT <name> <value>".
 
 `timescale 1ns/1ps
 
@@ -38,7 +38,7 @@ module sdram_bench(input wire clk);
     // Its registers are X until the first edges.
     reg [31:0] now = 0;
     wire       awake = now > 4;
-    sdram_chip #(.KEPT(KEPT), `NCDC_CHIP) chip (
+    sdram_chip #(CHIP_PARAMETERS) chip (
         .clk(!clk), .controller_rst(!ready), .cke(awake ? cke : 1'b1), .cs_n(awake ? cs_n : 1'b1),
         .ras_n(ras_n | !awake), .cas_n(cas_n | !awake), .we_n(we_n | !awake), .ba(ba), .a(a),
         .dqm(dm), .dq_i(dq), .dq_oe(awake && dut.inferedsdrtristate0_oe), .dq_o(dq_chip),
