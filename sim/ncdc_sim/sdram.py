@@ -9,10 +9,12 @@ from ncdc_hdl.export.verilog import module_verilog
 from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_sim.tools import SimulationError
 
-__all__ = ["ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SILENT", "chip_parameters", "run_sdram"]
+__all__ = ["ALONE", "ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SILENT", "chip_parameters",
+           "run_sdram"]
 
 # What a host of ``hdl/sdram_bench.v`` does.
 SILENT, ANYWHERE, ONWARDS, CORRECTOR = range(4)
+ALONE = 255     # a gap: the next command is given when the one before it is over
 
 _KEPT = 3       # bits of a row's number that tell stored rows apart
 
@@ -20,7 +22,7 @@ _KEPT = 3       # bits of a row's number that tell stored rows apart
 @dataclass(frozen=True)
 class Host:
     """Traffic of a host: its kind; the chance of 256 that a clock passes without a command or a
-    word; words of a burst, at least and at most."""
+    word, or :data:`ALONE`; words of a burst, at least and at most."""
     kind: int = ANYWHERE
     gap: int = 100
     least: int = 1

@@ -28,6 +28,7 @@ from ncdc_boards.sdram.write_words import WriteWords
 from ncdc_sim.builds import built, key_of
 from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_sim.sdram import (
+    ALONE,
     ANYWHERE,
     CORRECTOR,
     ONWARDS,
@@ -89,10 +90,10 @@ def test_ten_million_clocks(name, resets):
 
 
 @pytest.mark.parametrize("host,hosts", [
-    ("read", [Host(ANYWHERE, 254, 16, 16), *[Host(ANYWHERE, 0, 16, 16)] * 3]),
-    ("video", [*[Host(ANYWHERE, 0, 16, 16)] * 2, Host(ANYWHERE, 254, 16, 16),
+    ("read", [Host(ANYWHERE, ALONE, 16, 16), *[Host(ANYWHERE, 0, 16, 16)] * 3]),
+    ("video", [*[Host(ANYWHERE, 0, 16, 16)] * 2, Host(ANYWHERE, ALONE, 16, 16),
                Host(ANYWHERE, 0, 16, 16)]),
-    ("write", [*[Host(ANYWHERE, 0, 16, 16)] * 3, Host(ANYWHERE, 200, 1, 1)])])
+    ("write", [*[Host(ANYWHERE, 0, 16, 16)] * 3, Host(ANYWHERE, ALONE, 16, 16)])])
 def test_nobody_waits_longer_than_the_bound(host, hosts):
     """With all others asking for whole bursts anywhere, in each clock."""
     made = controller()
@@ -122,7 +123,7 @@ def test_share_of_clocks_with_data(hosts, least):
 def test_latency_is_what_it_says():
     """A word alone, of a row that is open or not: rows of its bank are closed before, at most."""
     made, clock_hz = controller()
-    result = outcome((made, clock_hz), [Host(ONWARDS, 254, 1, 1), OFF, OFF, OFF], 40_000)
+    result = outcome((made, clock_hz), [Host(ANYWHERE, ALONE, 1, 1), OFF, OFF, OFF], 40_000)
     times = made.sequencer.banks.times
     refresh = made.sequencer.delay + made.clocks.rfc
     assert made.latency <= result["longest"][0] <= (

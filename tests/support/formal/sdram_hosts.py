@@ -14,7 +14,7 @@ from ncdc_boards.sdram.turns import Turns
 __all__ = ["CHIP", "BurstsCut", "TurnsCome"]
 
 # The smallest chip that has all there is.
-CHIP = SdramChip("small", data_bits=8, row_bits=2, column_bits=2, rcd=2, rp=2, ras=3, rc=6, rfc=3,
+CHIP = SdramChip("small", data_bits=8, row_bits=2, column_bits=2, rcd=3, rp=2, ras=3, rc=6, rfc=3,
                  wr=2, rrd=2, mrd=2, ras_max=1000, refresh=100, cas=((2, 1),), source="",
                  pause=.002, refreshes=1)
 

@@ -17,11 +17,12 @@ class WordsRead(Wrapper):
     """``SdramController`` with any reads and writes, and a chip whose words hold their own number.
 
     Asserts that each reader gets the words of its bursts in order, as many as asked, and no other.
-    The chip's words cannot be written: what is shown of them is where they are read.
+    The chip's words cannot be written: what is shown of them is where they are read. ``late`` is
+    what the design takes the chip's data to be.
     """
 
-    def __init__(self, kind=SdramController, reads=2, max_burst=2):
-        self.dut = kind(CHIP, 1e9, 8, reads, max_burst)
+    def __init__(self, reads=2, max_burst=2, late=0):
+        self.dut = SdramController(CHIP, 1e9, 8, reads, max_burst, late=late)
         bits = range(max_burst + 1)
         super().__init__({
             "read": In(reads), "write": In(1),
