@@ -192,7 +192,7 @@ def test_planted_error_is_seen(kind, attribute, wrong, seen, monkeypatch):
         made.sequencer.upkeep.period += made.sequencer.delay
     else:
         monkeypatch.setattr(kind, attribute, wrong)
-    hosts = [Host(ANYWHERE, 0, 1, 2)] * 3 + [Host(ANYWHERE, 0, 1, 8)]
+    hosts = [Host(ANYWHERE, 0, 1, 2)] * 3 + [Host(ANYWHERE, 0, 1, 16)]
     result = outcome((made, clock_hz), hosts, 6000, simulator="icarus")
     assert result["wrong"] if seen == "wrong" else seen in result["rules"]
 

@@ -32,7 +32,7 @@ module sdram_bench(input wire clk);
     localparam LANES = DATA / 8;
     localparam BEATS = `NCDC_BEATS;
     localparam QUEUE = 1024;                    // words that a reader waits for
-    localparam LOG = 512;                       // words written last that a reset may lose
+    localparam LOG = 4 * BURST;                 // words written last that a reset may lose
 
     // Settings.
     reg [63:0] clocks, seed, resets;
