@@ -47,6 +47,7 @@ class Commands(Wrapper):
         m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(job)]
         self._segments(m, fragment)
         self._rows_and_times(m, fragment)
+        self._states(m, fragment)
         if self.longest:
             self._refreshes(m, fragment)
         names = ("active", "precharge", "precharge_all", "read", "write", "refresh", "mode")
@@ -171,6 +172,19 @@ class Commands(Wrapper):
             to_open, to_close == is_open[second.bank],
             ~to_close & is_open[second.bank] & (rows[second.bank] == second.row)), "prepared")
 
+    def _states(self, m, fragment):
+        """Nobody reads or writes while the memory is refreshed or initialised."""
+        dut = self.dut
+        state = inner(fragment, "upkeep", "fsm_state")
+        pause, precharge, refresh, run, mode = range(5)     # as the design first names them
+        always(m, Mux(dut.ready, (state == precharge) | (state == refresh) | (state == run),
+                      (state == pause) | (state == precharge) | (state == refresh)
+                      | (state == mode)), "states")
+        alone = (state == refresh) | (state == mode)
+        nobody = ~inner(fragment, "first_valid") & ~inner(fragment, "second_valid")
+        always(m, ~alone | nobody & (inner(fragment, "banks", "opened") == 0), "alone")
+        always(m, dut.ready | nobody, "nobody_before")
+
     def _refreshes(self, m, fragment):
         """A refresh within its time, counted from the one before it or the initialisation."""
         dut, command, period = self.dut, self.dut.command, self.dut.upkeep.period
@@ -190,11 +204,6 @@ class Commands(Wrapper):
             m.d.sync += age.eq(age + 1)
         always(m, since < most, "refresh_in_time")
         always(m, age <= self.longest, "due_no_longer")
-        state = inner(fragment, "upkeep", "fsm_state")
-        pause, precharge, refresh, run, mode = range(5)     # as the design first names them
-        always(m, Mux(dut.ready, (state == precharge) | (state == refresh) | (state == run),
-                      (state == pause) | (state == precharge) | (state == refresh)
-                      | (state == mode)), "states")
         always(m, over == (timer == 0), "timer_over")
         always(m, ~dut.ready | (inner(fragment, "upkeep", "more") == 1), "one_refresh")
         always(m, ~dut.ready | (timer < period), "timer_from")
@@ -210,7 +219,7 @@ def _since(m, event, name, most):
         m.d.sync += since.eq(1)
     with m.Elif(since != most):
         m.d.sync += since.eq(since + 1)
-    always(m, since != 0, f"counted_{name}")
+    always(m, (since != 0) & (since <= most), f"counted_{name}")
     return since
 
 
