@@ -9,10 +9,12 @@ from ncdc_hdl.export.verilog import module_verilog
 from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_sim.tools import SimulationError
 
-__all__ = ["ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SILENT", "chip_parameters", "run_sdram"]
+__all__ = ["ALONE", "ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SILENT", "chip_parameters",
+           "run_sdram"]
 
 # What a host of ``hdl/sdram_bench.v`` does.
 SILENT, ANYWHERE, ONWARDS, CORRECTOR = range(4)
+ALONE = 255     # a gap: the next command is given when the one before it is over
 
 _KEPT = 3       # bits of a row's number that tell stored rows apart
 
@@ -20,7 +22,7 @@ _KEPT = 3       # bits of a row's number that tell stored rows apart
 @dataclass(frozen=True)
 class Host:
     """Traffic of a host: its kind; the chance of 256 that a clock passes without a command or a
-    word; words of a burst, at least and at most."""
+    word, or :data:`ALONE`; words of a burst, at least and at most."""
     kind: int = ANYWHERE
     gap: int = 100
     least: int = 1
@@ -59,8 +61,8 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     simulator : str
         One of ``ncdc_sim.tools.SIMULATORS``.
     settings
-        ``seed``; ``resets``, mean clocks between two; ``chip``, parameters of the chip's model
-        that differ; ``edit``, a function that changes the controller's Verilog.
+        ``seed``; ``resets``, mean clocks between two; ``times``, of the chip's model that differ,
+        in ps by the names of its parameters.
 
     Returns
     -------
@@ -76,13 +78,12 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
         If it does not compile, or ends without a result.
     """
     place = controller.place
-    edit = settings.get("edit") or (lambda verilog: verilog)
-    parameters = chip_parameters(place.chip, clock_hz, KEPT=_KEPT, **settings.get("chip", {}))
+    parameters = chip_parameters(place.chip, clock_hz, KEPT=_KEPT)
     defines = {"NCDC_READS": controller.count, "NCDC_DATA": place.data_width,
                "NCDC_BURST": place.max_burst, "NCDC_COLUMNS": place.column_bits,
                "NCDC_ROWS": place.chip.row_bits, "NCDC_BEATS": place.beats}
     names = ("sdram_chip.v", "avalon_checker.v", "sdram_bench.v")
-    sources = [("controller.v", edit(module_verilog(controller, "sdram_controller"))),
+    sources = [("controller.v", module_verilog(controller, "sdram_controller")),
                ("sdram_dut.v", _dut(controller, parameters)),
                *((name, (HDL / name).read_text()) for name in names)]
     top, main = "sdram_bench", HDL / "sdram_main.cpp"
@@ -92,7 +93,7 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     program = build("sdram", top, sources, defines=defines, simulator=simulator, main=main,
                     optimise="-O2" if clocks > 300_000 else "-O0")
     plusargs = {"clocks": clocks, "seed": settings.get("seed", 1),
-                "resets": settings.get("resets", 0)}
+                "resets": settings.get("resets", 0)} | settings.get("times", {})
     plusargs |= {name: "".join(f"{getattr(host, name):02x}" for host in reversed(hosts))
                  for name in ("kind", "gap", "least", "most")}
     return _results(program, plusargs, len(hosts))

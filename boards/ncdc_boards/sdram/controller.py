@@ -97,14 +97,14 @@ class SdramController(wiring.Component):
         written = 4 * (turns["write"] + 1)      # turns until the bursts of two writes are over
         refresh = sequencer.delay + self.clocks.rfc + 1
 
-        def clocks(others):
-            segments = 3 + 2 * (others + 1)
+        def clocks(others, before=0):
+            segments = 3 + before + 2 * (others + 1)
             plain = segments * sequencer.segment_clocks + self.latency
             share = sequencer.period - refresh      # clocks between two refreshes
             return plain + -(-plain // share) * refresh
 
-        return {"video": clocks(written + turns["video"]), "write": clocks(turns["write"]),
-                "read": clocks(written + turns["read"])}
+        return {"video": clocks(turns["video"], written), "write": clocks(turns["write"]),
+                "read": clocks(turns["read"], written)}
 
     def elaborate(self, platform):
         m = Module()
@@ -142,12 +142,14 @@ class SdramController(wiring.Component):
         m.d.comb += written.eq(writer.o.valid & writer.o.ready & writer.o.p.last)
         wants = []
         for k, port in enumerate(ports[:-1]):
-            owed = Signal(2, name=f"owed{k}")   # bursts to be written before
+            owed = Signal(2, name=f"owed{k}")       # bursts to be written before
+            free = Signal(name=f"free{k}")          # there are none
             with m.If(port.loads):
-                m.d.sync += owed.eq(self._owed(writer.bursts, written))
-            with m.Elif(written & (owed != 0)):
-                m.d.sync += owed.eq(owed - 1)
-            wants.append(port.o.valid & (owed == 0))
+                before = self._owed(writer.bursts, written)
+                m.d.sync += [owed.eq(before), free.eq(before == 0)]
+            with m.Elif(written & ~free):
+                m.d.sync += [owed.eq(owed - 1), free.eq(owed == 1)]
+            wants.append(port.o.valid & free)
         return Cat(*wants, writer.o.valid)
 
     def _owed(self, bursts, written):
@@ -189,8 +191,8 @@ def _check(chip, data_width, reads, max_burst, late):
     row = (chip.data_bits << chip.column_bits) // data_width
     if not 1 <= max_burst <= row:
         raise InputError(f"max_burst is {max_burst}, the limits are 1 and the {row} words of a row")
-    if late < 0:
-        raise InputError(f"late is {late}, read data cannot come earlier than by 0 clocks")
+    if late < -1:
+        raise InputError(f"late is {late}, the limit is -1: a clock early")
 
 
 _PRECHARGE_BIT = 10         # of the address; columns are below it

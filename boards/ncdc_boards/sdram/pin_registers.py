@@ -32,7 +32,7 @@ class PinRegisters(wiring.Component):
         Readers.
     late : int
         Clocks by which read data come later than they would with the chip's clock in phase and
-        no delays: the board's matter.
+        no delays: the board's matter. With a clock that is late itself, and short delays, it is -1.
 
     Members
     -------
@@ -105,7 +105,8 @@ class PinRegisters(wiring.Component):
         goes_on = Signal(beats)                 # a one for each of the beats left
         beat = Signal(self.word.shape())        # the word, from the beat on that comes next
         now = Signal()                          # a beat comes next
-        dq, drives = Signal(width), Signal()
+        dq = Signal(width)
+        drives = Signal()
         mask = Signal(pins.dqm.shape(), init=-1)
         m.d.comb += [
             beat.eq(Mux(begins, self.word.as_value(), rest.as_value())),

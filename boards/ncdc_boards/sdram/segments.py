@@ -56,12 +56,13 @@ class Segments(wiring.Component):
             self.i.ready.eq(free), self.o.valid.eq(valid), self.o.p.eq(segment),
             taken.eq(valid & self.o.ready), left.eq(~valid | taken & segment.last),
             self.loads.eq(waits & left), self.bursts.eq(waits + valid),
-            behind.eq(column + burst.words), crosses.eq(self._crosses(column, burst.words)),
+            crosses.eq(self._crosses(behind)),
         ]
         m.d.sync += [free.eq(~waits & ~(self.i.valid & free) | self.loads),
                      waits.eq(self.i.valid & free | waits & ~self.loads)]
         with m.If(free):
-            m.d.sync += burst.eq(self.i.p)
+            m.d.sync += [burst.eq(self.i.p),
+                         behind.eq(self.i.p.word[:columns] + self.i.p.words)]
         with m.If(self.loads):
             m.d.sync += [
                 valid.eq(1), Cat(segment.column, segment.bank, segment.row).eq(burst.word),
@@ -74,9 +75,10 @@ class Segments(wiring.Component):
                          segment.column.eq(0), place.eq(place + 1)]
         return m
 
-    def _crosses(self, column, words):
-        """Whether a burst's last word is in the next row.
+    @staticmethod
+    def _crosses(behind):
+        """Whether a burst has words in the next row, told from the column behind its last one.
 
         A method of its own only so that proofs and tests can break it.
         """
-        return (column + words - 1)[self.place.column_bits]
+        return behind[-1] & behind[:-1].any()

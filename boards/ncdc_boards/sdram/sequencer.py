@@ -7,6 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_boards.sdram.banks import Banks
 from ncdc_boards.sdram.layouts import command_layout
 from ncdc_boards.sdram.upkeep import Upkeep
+from ncdc_model.errors import InputError
 
 __all__ = ["Sequencer", "job_layout"]
 
@@ -45,7 +46,7 @@ class Sequencer(wiring.Component):
 
     Raises
     ------
-    ValueError
+    InputError
         If bursts are so long that there is no time between refreshes.
     """
 
@@ -57,8 +58,9 @@ class Sequencer(wiring.Component):
         self.banks = Banks(place, clocks)
         self.period = clocks.refresh - self.delay
         if self.period <= self.delay:
-            raise ValueError(f"two bursts and a refresh take up to {self.delay} clocks, the limit "
-                             f"is half of the {clocks.refresh} clocks between refreshes")
+            raise InputError(f"max_burst is {place.max_burst}: two bursts and a refresh take up to "
+                             f"{self.delay} clocks, the limit is half of the {clocks.refresh} "
+                             "clocks between refreshes")
         self.upkeep = Upkeep(clocks, refreshes=place.chip.refreshes, period=self.period,
                              settle=max(self.banks.times.values()) + self.banks.times["rp"])
         self.job = job_layout(place, tag_bits)
@@ -95,9 +97,12 @@ class Sequencer(wiring.Component):
         m = Module()
         m.submodules.banks = banks = self.banks
         m.submodules.upkeep = upkeep = self.upkeep
-        first_valid, second_valid = Signal(), Signal()
-        first, second = Signal(self.job), Signal(self.job)
-        one_word, last_word = Signal(), Signal()    # the second has one word; the first, one left
+        first_valid = Signal()              # there is a segment of which words are read or written
+        second_valid = Signal()             # there is one behind it
+        first = Signal(self.job)            # the first segment, without the words that are over
+        second = Signal(self.job)
+        last_word = Signal()                # the first segment has one word left
+        one_word = Signal()                 # the second segment has one word
         column = Signal()                   # a word of the first segment is read or written
         rows = Signal()                     # a row is closed or opened for the second one
         prepared = Signal()                 # the second segment's row is open, or opening
@@ -108,7 +113,7 @@ class Sequencer(wiring.Component):
             upkeep.quiet.eq(~first_valid & ~second_valid), upkeep.idle.eq(banks.idle),
             upkeep.precharge_all_allowed.eq(banks.precharge_all_allowed),
             self.ready.eq(upkeep.ready), self.tag.eq(first.tag),
-            self.i.ready.eq(~upkeep.due & (~second_valid | moves)),
+            self.i.ready.eq(self._may_begin(upkeep.due) & (~second_valid | moves)),
             moves.eq(prepared & (~first_valid | column & last_word)),
             self.command.precharge_all.eq(upkeep.precharge_all),
             self.command.refresh.eq(upkeep.refresh), self.command.mode.eq(upkeep.mode),
@@ -140,10 +145,11 @@ class Sequencer(wiring.Component):
         """Look the second segment's row up, close the one that is open, and open its own."""
         banks, command = self.banks, self.command
         first_valid, first, second = segments
-        looked_up = Signal()                    # its bank has been looked at
-        to_close, to_open = Signal(), Signal()  # its bank has another row open; its row is not
-        other_bank = Signal()                   # the first segment does not need what is closed
-        rows_may = Signal()                     # the command is not taken by a word
+        looked_up = Signal()        # its bank has been looked at
+        to_close = Signal()         # its bank has another row open
+        to_open = Signal()          # its row is not open
+        other_bank = Signal()       # the first segment does not need what is closed
+        rows_may = Signal()         # no word takes this clock's command
         m.d.comb += [
             prepared.eq(looked_up & ~to_close & ~to_open),
             other_bank.eq(~first_valid | (first.bank != second.bank)),
@@ -161,3 +167,11 @@ class Sequencer(wiring.Component):
                 m.d.sync += to_close.eq(0)
             with m.If(command.active):
                 m.d.sync += to_open.eq(0)
+
+    @staticmethod
+    def _may_begin(due):
+        """Whether another segment may be begun.
+
+        A method of its own only so that proofs and tests can break it.
+        """
+        return ~due

@@ -59,10 +59,12 @@ class Turns(wiring.Component):
         write_run = Signal(range(self.RUN + 1))     # turns of the writer since a reader's
         later = Signal(count)               # readers behind the one that came last
         others = Signal()                   # somebody but the video reader waits
-        behind, first = Signal(count), Signal(count)    # whose turn it is among the readers
+        behind = Signal(count)              # the first of these that waits
+        first = Signal(count)               # the first of all readers that wait
         m.d.comb += [others.eq(readers.any() | write), behind.eq(_lowest(readers & later)),
                      first.eq(_lowest(readers))]
-        video_now, write_now = Signal(), Signal()
+        video_now = Signal()                # it is the video reader's turn
+        write_now = Signal()                # it is the writer's
         m.d.comb += [
             video_now.eq(video & ~(self._enough(video_run) & others)),
             write_now.eq(write & ~video_now & ~(self._enough(write_run) & readers.any())),

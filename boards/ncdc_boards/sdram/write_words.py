@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.bus import WriteHost
-from ncdc_hdl.lib.memory import block_memory
+from ncdc_hdl.lib.memory import Fifo
 
 __all__ = ["WriteWords", "word_layout"]
 
@@ -42,7 +42,8 @@ class WriteWords(wiring.Component):
 
     def __init__(self, place):
         self.place = place
-        self.depth = 1 << (2 * place.max_burst + 1).bit_length()    # above two bursts and two words
+        # Two bursts, and two words that are accepted while waitrequest rises.
+        self.depth = 2 * place.max_burst + 2
         super().__init__({
             "bus": In(WriteHost(place.data_width, place.max_burst)),
             "o": Out(stream.Signature(place.burst)),
@@ -52,12 +53,11 @@ class WriteWords(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         bus, place = self.bus, self.place
-        m.submodules.words = words = block_memory(word_layout(place.data_width), self.depth)
-        write, read = words.write_port(), words.read_port()
+        words = Fifo(width=self.word.shape().size, depth=self.depth, checked=False)
+        m.submodules.words = words
+        word = Signal(self.word.shape())            # the one taken
         waits = Signal(init=1)                      # waitrequest
         accepted = Signal()                         # a word is
-        produce, consume = Signal(range(self.depth)), Signal(range(self.depth))  # places of words
-        kept = Signal(range(self.depth + 1))        # words accepted and not taken
         left = Signal(place.words)                  # words of the burst to come
         begun = Signal(place.burst)                 # the burst
         first = Signal()                            # the word at the bus is its first
@@ -65,29 +65,25 @@ class WriteWords(wiring.Component):
         skipped = exact_log2(place.data_width // 8)     # bits of a byte's place in a word
         m.d.comb += [
             bus.waitrequest.eq(waits), accepted.eq(bus.write & ~waits), first.eq(left == 0),
-            write.en.eq(accepted), write.addr.eq(produce),
-            write.data.data.eq(bus.writedata), write.data.enable.eq(bus.byteenable),
-            read.addr.eq(consume), self.word.eq(read.data),
+            words.w_en.eq(accepted), words.w_data.eq(Cat(bus.writedata, bus.byteenable)),
+            words.r_en.eq(self.take), self.word.eq(word),
             now.eq(begun), self.o.p.eq(now),
             self.o.valid.eq(accepted & (Mux(first, bus.burstcount, left) == 1)),
         ]
         with m.If(first):
             m.d.comb += [now.word.eq(bus.address[skipped:]), now.words.eq(bus.burstcount)]
         with m.If(accepted):
-            m.d.sync += [produce.eq(produce + 1), begun.eq(now),
-                         left.eq(Mux(first, bus.burstcount, left) - 1)]
-        with m.If(self.take):
-            m.d.sync += consume.eq(consume + 1)
+            m.d.sync += [begun.eq(now), left.eq(Mux(first, bus.burstcount, left) - 1)]
         m.d.sync += [
-            kept.eq(kept + accepted - self.take),
+            word.eq(words.r_data),
             # Room for a word of this clock and one of the next.
-            waits.eq(self._full(kept) | self.o.valid | ~self.o.ready),
+            waits.eq(self._full(words.level) | self.o.valid | ~self.o.ready),
         ]
         return m
 
-    def _full(self, kept):
+    def _full(self, level):
         """Whether a word may lack room in the next clock.
 
         A method of its own only so that proofs and tests can break it.
         """
-        return kept > self.depth - 2
+        return level > self.depth - 2

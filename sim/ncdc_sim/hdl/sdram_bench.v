@@ -1,5 +1,5 @@
-// Random traffic on all ports of an SDRAM controller, its data compared with a plain memory, and the
-// chip's checker behind it. The module `sdram_dut`, controller and chip, is made by
+// Random traffic on all ports of an SDRAM controller, its data compared with a plain memory, and
+// the chip's checker behind it. The module `sdram_dut`, controller and chip, is made by
 // ncdc_sim/sdram.py. The last host is the writer.
 //
 // What a read may give: each of its words as it was at some time between the read's acceptance and
@@ -12,7 +12,8 @@
 // Plusargs: clocks, seed, resets; and of each host, eight bits each from the lowest on, in hex:
 //   kind    0 silent, 1 anywhere, 2 one burst behind the other, 3 as a corrector reads: rows of a
 //           picture, a few words of one of eight neighbouring rows
-//   gap     chance of 256 that no command is begun in a clock, or no word of a burst is offered
+//   gap     chance of 256 that no command is begun in a clock, or no word of a burst is offered;
+//           255: a command is begun some clocks after the one before it is over
 //   least, most     words of a burst
 //
 // Results: lines "RESULT <name> <value>", "SDRAM-WRONG ..." for each wrong word.
@@ -31,7 +32,7 @@ module sdram_bench(input wire clk);
     localparam LANES = DATA / 8;
     localparam BEATS = `NCDC_BEATS;
     localparam QUEUE = 1024;                    // words that a reader waits for
-    localparam LOG = 512;                       // words written last that a reset may lose
+    localparam LOG = 4 * BURST;                 // words written last that a reset may lose
 
     // Settings.
     reg [63:0] clocks, seed, resets;
@@ -143,6 +144,10 @@ module sdram_bench(input wire clk);
                     & ((32'd1 << (ROWS + 2 + COLUMNS)) - 1);
     endfunction
 
+    function begins(input [7:0] chance, input over);
+        begins = chance == 255 ? over && next(0) % 8 == 0 : next(0) % 256 >= {24'd0, chance};
+    endfunction
+
     task begin_burst(input integer host);
         begin
             length = {24'd0, least[8*host +: 8]}
@@ -180,7 +185,7 @@ module sdram_bench(input wire clk);
                 due_floor[QUEUE*host + due_in[host] % QUEUE] = happened[place32];
                 due_in[host] = due_in[host] + 1;
             end
-            timed[host] = due_in[host] - due_out[host]
+            timed[host] = ready && due_in[host] - due_out[host]
                           == {{(32-BITS){1'b0}}, read_burstcount[BITS*host +: BITS]};
             begun[host] = now;
         end
@@ -241,7 +246,7 @@ module sdram_bench(input wire clk);
                     happened[place32] = accepted[place32];
                 end
                 if (!timed[READS]) begin
-                    timed[READS] = beats_written + BEATS * write_burstcount >= beats_due;
+                    timed[READS] = ready && beats_written + BEATS * write_burstcount >= beats_due;
                     begun[READS] = now;
                 end else
                     timed[READS] = 0;       // two are under way
@@ -335,7 +340,7 @@ module sdram_bench(input wire clk);
             for (h = 0; h < READS; h = h + 1)
                 if (!(read_read[h] && read_waitrequest[h])) begin
                     read_read[h] <= 0;
-                    if (kind[8*h +: 8] != 0 && next(0) % 256 >= {24'd0, gap[8*h +: 8]}
+                    if (kind[8*h +: 8] != 0 && begins(gap[8*h +: 8], due_in[h] == due_out[h])
                             && due_in[h] - due_out[h] < QUEUE - 2 * BURST) begin
                         begin_burst(h);
                         read_read[h] <= 1;
@@ -345,7 +350,8 @@ module sdram_bench(input wire clk);
                 end
             if (!(write_write && write_waitrequest)) begin
                 write_write <= 0;
-                if (kind[8*READS +: 8] != 0 && next(0) % 256 >= {24'd0, gap[8*READS +: 8]}) begin
+                if (kind[8*READS +: 8] != 0
+                        && begins(gap[8*READS +: 8], left != 0 || !timed[READS])) begin
                     if (left == 0) begin
                         begin_burst(READS);
                         burst_place = place32[PLACE-1:0];

@@ -7,7 +7,8 @@
 // be sampled n edges behind the READ's.
 //
 // Times are in ps, and are compared with clocks times PERIOD, as the data sheet's are: nothing is
-// rounded here. A command at one edge and one at the next are a period apart.
+// rounded here. A command at one edge and one at the next are a period apart. Plusargs of the
+// parameters' names put other times in their place, for tests.
 //
 // Each breach counts in `violations`; the first 20 print "SDRAM-VIOLATION <rule> <clock>":
 //   tPAUSE       no command within the pause behind power-up
@@ -124,6 +125,10 @@ module sdram_chip #(
     reg            precharge_now;
     integer        b, k;
 
+    // The times in use: the parameters, or the plusargs of the same name.
+    reg [63:0] t_rcd, t_rp, t_ras, t_ras_max, t_rc, t_rfc, t_wr;
+    reg [63:0] t_rrd, t_mrd, t_pause, t_refresh_gap, t_cas3, t_retention;
+
     wire [2:0] command = {ras_n, cas_n, we_n};
     wire       any = !cs_n && command != 3'b111;
 
@@ -149,8 +154,8 @@ module sdram_chip #(
     task close(input integer bank, input by_itself);
         begin
             if (opened[bank]) begin
-                if (early(ever_activated[bank], activated[bank], RAS)) breach("tRAS-min");
-                if (early(ever_written[bank], written[bank], WR)
+                if (early(ever_activated[bank], activated[bank], t_ras)) breach("tRAS-min");
+                if (early(ever_written[bank], written[bank], t_wr)
                         || (ever_written[bank] && now - written[bank] < WR_CLOCKS)
                         || (bursting && burst_write && burst_bank == bank[1:0] && burst_left != 0))
                     breach("tWR");
@@ -173,15 +178,29 @@ module sdram_chip #(
         begin
             if (opened != 0) breach("open");
             for (b = 0; b < 4; b = b + 1)
-                if (early(ever_precharged[b], precharged[b], RP)) breach("tRP");
+                if (early(ever_precharged[b], precharged[b], t_rp)) breach("tRP");
         end
     endtask
 
     initial begin
+        if (!$value$plusargs("RCD=%d", t_rcd)) t_rcd = RCD;
+        if (!$value$plusargs("RP=%d", t_rp)) t_rp = RP;
+        if (!$value$plusargs("RAS=%d", t_ras)) t_ras = RAS;
+        if (!$value$plusargs("RAS_MAX=%d", t_ras_max)) t_ras_max = RAS_MAX;
+        if (!$value$plusargs("RC=%d", t_rc)) t_rc = RC;
+        if (!$value$plusargs("RFC=%d", t_rfc)) t_rfc = RFC;
+        if (!$value$plusargs("WR=%d", t_wr)) t_wr = WR;
+        if (!$value$plusargs("RRD=%d", t_rrd)) t_rrd = RRD;
+        if (!$value$plusargs("MRD=%d", t_mrd)) t_mrd = MRD;
+        if (!$value$plusargs("PAUSE=%d", t_pause)) t_pause = PAUSE;
+        if (!$value$plusargs("REFRESH_GAP=%d", t_refresh_gap)) t_refresh_gap = REFRESH_GAP;
+        if (!$value$plusargs("CAS3=%d", t_cas3)) t_cas3 = CAS3;
+        if (!$value$plusargs("RETENTION=%d", t_retention)) t_retention = RETENTION;
         now = 0; violations = 0; refreshes = 0; refresh_most = 0; beats_read = 0; beats_written = 0;
         moded = 0; closed_all = 0; length_code = 0; latency = 3;
         opened = 0; ever_activated = 0; ever_precharged = 0; ever_written = 0; too_long = 0;
-        closing = 0; ever_refreshed = 0; ever_mode = 0; gap_counts = 0; last_refresh = 0; last_mode = 0;
+        closing = 0; ever_refreshed = 0; ever_mode = 0; gap_counts = 0; last_refresh = 0;
+        last_mode = 0;
         bursting = 0; burst_write = 0; burst_left = 0; burst_bank = 0;
         pipe_valid = 0; pipe3_valid = 0; dq_drives = 0; dq_o = 0; mask = 0; since_drive = 255;
         for (k = 0; k < 4; k = k + 1) begin
@@ -196,30 +215,30 @@ module sdram_chip #(
         if (any && !cke) breach("unsupported");
 
         // What has been on DQ until this edge.
-        if (dq_oe && (dq_drives || {24'd0, since_drive} < TURNAROUND)) breach("contention");
+        if (dq_oe && (dq_drives || {24'd0, since_drive} + 1 <= TURNAROUND)) breach("contention");
         since_drive = dq_drives ? 0 : since_drive == 255 ? 255 : since_drive + 1;
 
         for (b = 0; b < 4; b = b + 1) begin
             if (closing[b] && now >= closes[b]) close(b, 1);
-            if (opened[b] && (now - activated[b]) * PERIOD > RAS_MAX && !too_long[b]) begin
+            if (opened[b] && (now - activated[b]) * PERIOD > t_ras_max && !too_long[b]) begin
                 breach("tRAS-max");
                 too_long[b] = 1;
             end
         end
 
         if (any) begin
-            if (now * PERIOD < PAUSE) breach("tPAUSE");
-            if (early(ever_refreshed, last_refresh, RFC)) breach("tRFC");
-            if (early(ever_mode, last_mode, MRD) || (ever_mode && now - last_mode < MRD_CLOCKS))
+            if (now * PERIOD < t_pause) breach("tPAUSE");
+            if (early(ever_refreshed, last_refresh, t_rfc)) breach("tRFC");
+            if (early(ever_mode, last_mode, t_mrd) || (ever_mode && now - last_mode < MRD_CLOCKS))
                 breach("tMRD");
             case (command)
                 3'b011: begin                                                   // ACTIVE
                     if (!moded || !closed_all || refreshes < REFRESHES) breach("init");
                     if (opened[ba]) breach("open");
-                    if (early(ever_precharged[ba], precharged[ba], RP)) breach("tRP");
-                    if (early(ever_activated[ba], activated[ba], RC)) breach("tRC");
+                    if (early(ever_precharged[ba], precharged[ba], t_rp)) breach("tRP");
+                    if (early(ever_activated[ba], activated[ba], t_rc)) breach("tRC");
                     for (b = 0; b < 4; b = b + 1)
-                        if (b[1:0] != ba && early(ever_activated[b], activated[b], RRD))
+                        if (b[1:0] != ba && early(ever_activated[b], activated[b], t_rrd))
                             breach("tRRD");
                     opened[ba] = 1;
                     row[ba] = a[ROW-1:0];
@@ -229,7 +248,7 @@ module sdram_chip #(
                 end
                 3'b101, 3'b100: begin                                           // READ, WRITE
                     if (!opened[ba] || closing[ba]) breach("closed");
-                    if (early(ever_activated[ba], activated[ba], RCD)) breach("tRCD");
+                    if (early(ever_activated[ba], activated[ba], t_rcd)) breach("tRCD");
                     bursting = 1;
                     burst_write = !we_n;
                     burst_bank = ba;
@@ -241,9 +260,9 @@ module sdram_chip #(
                         closes[ba] = now + (64'd1 << length_code);
                         if (!we_n)
                             closes[ba] = now + (64'd1 << length_code) - 1
-                                         + (WR + PERIOD - 1) / PERIOD;
-                        if ((closes[ba] - activated[ba]) * PERIOD < RAS)
-                            closes[ba] = activated[ba] + (RAS + PERIOD - 1) / PERIOD;
+                                         + (t_wr + PERIOD - 1) / PERIOD;
+                        if ((closes[ba] - activated[ba]) * PERIOD < t_ras)
+                            closes[ba] = activated[ba] + (t_ras + PERIOD - 1) / PERIOD;
                     end
                 end
                 3'b010: begin                                                   // PRECHARGE
@@ -255,11 +274,11 @@ module sdram_chip #(
                     closed_for(0);
                     if (gap_counts && now - last_refresh > {32'd0, refresh_most})
                         refresh_most = now[31:0] - last_refresh[31:0];
-                    if (gap_counts && (now - last_refresh) * PERIOD > REFRESH_GAP)
+                    if (gap_counts && (now - last_refresh) * PERIOD > t_refresh_gap)
                         breach("refresh-gap");
                     gap_counts = 1;
                     if (refreshes >= 8192
-                            && (now - times[refreshes % 8192]) * PERIOD > RETENTION)
+                            && (now - times[refreshes % 8192]) * PERIOD > t_retention)
                         breach("retention");
                     times[refreshes % 8192] = now;
                     refreshes = refreshes + 1;
@@ -269,7 +288,7 @@ module sdram_chip #(
                 3'b000: begin                                                   // LOAD MODE
                     closed_for(0);
                     if (a[2:0] > 3 || a[3] || a[9:7] != 0
-                            || !(a[6:4] == 2 && PERIOD >= CAS2 || a[6:4] == 3 && PERIOD >= CAS3))
+                            || !(a[6:4] == 2 && PERIOD >= CAS2 || a[6:4] == 3 && PERIOD >= t_cas3))
                         breach("mode");
                     length_code = a[2:0];
                     latency = a[5:4];
