@@ -16,6 +16,8 @@ from ncdc_hdl.camera.run_control import RunControl
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.lib.ports import flat, join, ports_as
 from ncdc_hdl.registers.page import Page
+from ncdc_hdl.video.frame_reader import SCREEN
+from ncdc_model.errors import InputError
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
 from ncdc_model.interface.system_map import (
@@ -44,6 +46,8 @@ class System(wiring.Component):
     hardware : ncdc_model.hardware.Hardware
     readers : int
         That claim frames by registers.
+    screens : int
+        Readers of corrected frames in gateware, 0 or 1.
 
     Members
     -------
@@ -56,24 +60,37 @@ class System(wiring.Component):
     write_* : Avalon-MM write host, of the camera and the corrector: see :class:`WriteArbiter`
     stream_*, memory_rst, front_end_idle
         As of :class:`Corrector`.
+    screen_claim, screen_held, screen_base : ``SCREEN``, from a screen
+    screen_shown, screen_underruns : ``In(32)``
+        Its counters, for the registers. All five with a screen only.
     irq : ``Out(1)``
         The corrector's, or one of the events that are enabled.
+
+    Raises
+    ------
+    InputError
+        If there is a screen, and corrected pixels leave as a stream.
     """
 
-    def __init__(self, descriptor, hardware=Hardware(), readers=2):
+    def __init__(self, descriptor, hardware=Hardware(), readers=2, screens=0):
+        if screens and hardware.stream:
+            raise InputError("corrected pixels leave as a stream, a screen shows those in memory")
         self.corrector = Corrector(descriptor, hardware, runs=True)
         self.descriptor, self.hardware = descriptor, self.corrector.hardware
-        self.stores = stores_for(self.hardware, readers)
+        self.stores = stores_for(self.hardware, readers, screens)
         self.table = system_registers(self.stores)
         self.capture = Capture(self.hardware.data_width, burst=_BURST)
         self.raw = FrameStore(1 + readers, looks=2)
-        self.corrected = None if self.hardware.stream else FrameStore(readers)
+        self.corrected = None if self.hardware.stream else FrameStore(readers + screens)
         ports = flat("csr", Agent(SYSTEM_WORDS_BITS), In) | {"sensor_clock": In(1)}
         ports |= flat("sensor", PINS, In)
         ports |= {"scl_low": Out(1), "sda_low": Out(1), "scl": In(1), "sda": In(1)}
         ports |= {name: member for name, member in self.corrector.signature.members.items()
                   if name.startswith(("read", "stream_"))}
         ports |= flat("write", WriteHost(self.hardware.data_width, _BURST), Out)
+        if screens:
+            ports |= flat("screen", SCREEN, In)
+            ports |= {"screen_shown": In(32), "screen_underruns": In(32)}
         super().__init__(ports | {"memory_rst": In(1), "irq": Out(1), "front_end_idle": Out(1)})
 
     def elaborate(self, platform):
@@ -106,6 +123,8 @@ class System(wiring.Component):
         if self.corrected is not None:
             m.submodules.corrected = self.corrected
         readers = self._readers(m, page)
+        if self.stores.screens:
+            self._screen(m, values)
         self._run(m, control, values, time)
         self._i2c(m, i2c, page)
         self._read(m, page, control, i2c, readers, time)
@@ -180,6 +199,12 @@ class System(wiring.Component):
                          reader.release.eq(asked & page.word[2])]
             states.append(reader.state)
         return states
+
+    def _screen(self, m, values):
+        """The screen, which is the last reader of corrected frames."""
+        store = self.corrected.readers[-1]
+        m.d.comb += [store.claim.eq(self.screen_claim), self.screen_held.eq(store.held),
+                     self.screen_base.eq(self._base(values, "CORRECTED", store.buffer))]
 
     def _run(self, m, control, values, time):
         """Stores of frames, and the corrector between them."""
@@ -256,6 +281,8 @@ class System(wiring.Component):
                 shown |= {f"{name}{k}_NUMBER": look.frame.number,
                           f"{name}{k}_TIME_LOW": look.frame.time[:32],
                           f"{name}{k}_TIME_HIGH": look.frame.time[32:]}
+        if self.stores.screens:
+            shown |= {"SCREEN_SHOWN": self.screen_shown, "SCREEN_UNDERRUNS": self.screen_underruns}
         m.d.comb += [read[name].eq(value) for name, value in shown.items()]
         m.d.comb += page.lock.eq(capture.active | control.corrector.active)
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ncdc_model.errors import InputError
 
-__all__ = ["MODES", "VideoMode", "mode_for"]
+__all__ = ["MODES", "VideoMode", "mode_for", "mode_named"]
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,11 @@ class VideoMode:
         return self.horizontal[0], self.vertical[0]
 
     @property
+    def name(self):
+        """As on the command line."""
+        return f"{self.size[0]}x{self.size[1]}"
+
+    @property
     def pixel_mhz(self):
         """Pixel clock in MHz."""
         return 50 * self.ratio[0] / self.ratio[1]
@@ -45,6 +50,15 @@ MODES = (
     VideoMode((1280, 48, 112, 248), (1024, 1, 3, 38), True, (54, 25)),
     VideoMode((1920, 88, 44, 148), (1080, 4, 5, 36), True, (89, 30)),
 )
+
+
+def mode_named(name):
+    """The mode of that name, as in 640x480; :class:`InputError` if there is none."""
+    for mode in MODES:
+        if mode.name == name:
+            return mode
+    raise InputError(f"the mode is {name!r}, one of {', '.join(mode.name for mode in MODES)} is "
+                     f"needed")
 
 
 def mode_for(width, height):

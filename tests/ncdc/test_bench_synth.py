@@ -223,7 +223,7 @@ def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
             "fmax": {"clk": {"achieved": 100.0 + int(steps[-1]) - 50 * whole}}, "utilization": {
                 kind: {"used": 1} for kind in ("TRELLIS_COMB", "TRELLIS_FF", "DP16KD")}}))
     monkeypatch.setenv("NCDC_CACHE", str(tmp_path))
-    monkeypatch.setattr(synthesis, "_call", call)
+    monkeypatch.setattr(synthesis, "call_tool", call)
 
     def netlist(verilog, top, *, progress):
         steps.append("Yosys")

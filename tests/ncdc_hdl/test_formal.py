@@ -17,8 +17,15 @@ from formal.fills import FillOrder, FillRoom
 from formal.lookups import Places, Progress, Tokens
 from formal.queues import Credits
 from formal.sby import FAIL, PASS, run
+from formal.sdram_commands import Commands as SdramCommands
+from formal.sdram_hosts import BurstsCut, TurnsCome
+from formal.sdram_words import WordsRead
 from formal.stores import Store
 from kept import kept_lists
+from ncdc_boards.sdram.banks import Banks
+from ncdc_boards.sdram.segments import Segments
+from ncdc_boards.sdram.sequencer import Sequencer
+from ncdc_boards.sdram.turns import Turns
 from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.avalon.write_arbiter import WriteArbiter
@@ -153,6 +160,46 @@ class ReadTooFar(ReadFence):
         return (number >= first) & (number <= end)
 
 
+class Greedy(Turns):
+    """Lets the video reader and the writer have as many turns in a row as they like."""
+
+    def _enough(self, run):
+        return Const(0)
+
+
+class RowOverrun(Segments):
+    """Goes on behind the end of a row."""
+
+    @staticmethod
+    def _crosses(behind):
+        return Const(0)
+
+
+class AnyRow(Banks):
+    """Takes a row that is open for the one that is asked for."""
+
+    def _other(self, opened, row):
+        return Const(0)
+
+
+def sooner(**rules):
+    """``Banks`` that waits for a clock less."""
+    class Sooner(Banks):
+        @property
+        def times(self):
+            times = super().times
+            return times | {name: times[name] - 1 for name in rules}
+    return Sooner
+
+
+class RefreshLast(Sequencer):
+    """Begins segments while a refresh is due."""
+
+    @staticmethod
+    def _may_begin(due):
+        return Const(1)
+
+
 def planted(top, **error):
     """``top`` with attributes that plant an error."""
     for name, value in error.items():
@@ -188,12 +235,21 @@ PROOFS = {
     "progress": (Progress, "prove", 11),
     "fill order": (FillOrder, "bmc", 19),
     "places": (Places, "bmc", 14),
+    "turns of SDRAM hosts": (TurnsCome, "prove", 2),
+    "turns of a reader and a writer": (lambda: TurnsCome(reads=1), "prove", 2),
+    "bursts cut at rows": (BurstsCut, "prove", 2),
+    "SDRAM commands": (lambda: SdramCommands(longest=None), "prove", 2),
     # The tiles and tag banks of the gradient-corrected interpolation.
     "fill room, gradient": (lambda: FillRoom(needs=GRADIENT), "prove", 2),
     "tokens, gradient": (lambda: Tokens(needs=GRADIENT), "prove", 2),
     "fill order, gradient": (lambda: FillOrder(needs=GRADIENT), "bmc", 19),
 }
 LONG = {
+    "turns of four readers": (lambda: TurnsCome(reads=4), "prove", 2),
+    "SDRAM commands and refreshes": (SdramCommands, "prove", 24),
+    "SDRAM commands, bursts of two": (lambda: SdramCommands(max_burst=2), "prove", 24),
+    "SDRAM commands, words of two beats": (lambda: SdramCommands(16), "prove", 24),
+    "words read from SDRAM": (lambda: WordsRead(reads=1), "bmc", 25),
     "progress, gradient": (lambda: Progress(needs=GRADIENT), "prove", 15),
     "places, gradient": (lambda: Places(needs=GRADIENT), "bmc", 14),
     "fill order": (FillOrder, "bmc", 24),
@@ -219,8 +275,20 @@ COVERS = {
     "progress": (Progress, 22, {"full", "tokens_to_come", "waits"}),
 }
 LONG_COVERS = {"places": (Places, 24, {"replaced", "interlock", "next_frame"})}
+# The last turn that a host may have to wait for, of each.
+_TURNS = {f"last_{host}" for host in ("video", "write", "read0", "read1")}
+COVERS |= {
+    "turns of SDRAM hosts": (TurnsCome, 32, _TURNS),
+    "bursts cut at rows": (BurstsCut, 8, {"cut_while_another_waits", "whole_row"}),
+    "SDRAM commands": (lambda: SdramCommands(period=16), 34, {"next_row_of_the_bank", "refresh"}),
+}
+LONG_COVERS["words read from SDRAM"] = (lambda: WordsRead(reads=1), 30, {"read0"})
 # (design, depth, the rule that it breaks)
 PLANTED = {
+    "hosts that never end": (lambda: TurnsCome(Greedy), 12, "turn_of_write"),
+    "a burst beyond its row": (lambda: BurstsCut(RowOverrun), 8, "one_row"),
+    "a word of another row": (lambda: SdramCommands(banks=AnyRow), 30, "own_row0"),
+    "READ too early": (lambda: SdramCommands(banks=sooner(rcd=1)), 24, "rcd0"),
     "command dropped under waitrequest": (lambda: Commands(forget=True), 8, "command_held"),
     "words of before a reset": (lambda: Commands(StaleWords), 10, "asked_for"),
     "reset forgets words owed": (lambda: planted(Commands(), forgotten=[("due",)]), 10,
@@ -254,6 +322,14 @@ PLANTED = {
     "no interlock, claimed twice": (lambda: Places(tags=NoInterlock), 20, "filled_once"),
 }
 
+LONG_PLANTED = {
+    "ACTIVE too early": (lambda: SdramCommands(banks=sooner(rp=1)), 30, "rp0"),
+    "DQ turned too early": (lambda: SdramCommands(banks=sooner(read_write=1)), 24, "turn"),
+    "refresh that waits": (lambda: SdramCommands(kind=RefreshLast, period=16), 52,
+                           "due_no_longer"),
+    "words a clock late": (lambda: WordsRead(reads=1, late=1), 24, "own_word0"),
+}
+
 
 def cases(short, long):
     return [*(pytest.param(*value, id=name) for name, value in short.items()),
@@ -279,7 +355,7 @@ def test_is_reached(design, depth, names, tmp_path):
     assert result(design, tmp_path, mode="cover", depth=depth) == (PASS, names)
 
 
-@pytest.mark.parametrize("design,depth,rule", cases(PLANTED, {}))
+@pytest.mark.parametrize("design,depth,rule", cases(PLANTED, LONG_PLANTED))
 def test_planted_error_is_found(design, depth, rule, tmp_path):
     status, names = result(design, tmp_path, mode="bmc", depth=depth, only=rule)
     assert status == FAIL and {name.rpartition(".")[2] for name in names} == {rule}

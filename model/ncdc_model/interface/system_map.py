@@ -53,15 +53,18 @@ class Stores:
         Buffers of raw frames and of corrected ones; of the latter 0 if they leave as a stream.
     readers : int
         That claim and release by registers.
+    screens : int
+        Readers of corrected frames in gateware, 0 or 1.
     """
     raw: int
     corrected: int
     readers: int
+    screens: int = 0
 
 
 def system_registers(stores):
     """All registers of a system but the corrector's, by ascending address."""
-    camera = (*_control(), *_settings(), *_curve(), *_counts(), *_i2c())
+    camera = (*_control(), *_settings(), *_curve(), *_counts(), *_screen(stores), *_i2c())
     return (*(_moved(r, CAMERA) for r in camera), *_stores(stores))
 
 
@@ -147,6 +150,16 @@ def _counts():
         _ro("TIME_HIGH", 0x39, "Clocks since the reset, upper half: read it, `TIME_LOW`, and it "
             "once more."),
     )
+
+
+def _screen(stores):
+    """Of a system with a screen."""
+    if not stores.screens:
+        return ()
+    return (_ro("SCREEN_SHOWN", 0x3A, "Pictures of the screen that showed a corrected frame, a new "
+                "one or once more the last one."),
+            _ro("SCREEN_UNDERRUNS", 0x3B, "Those of them whose words came too late from memory: "
+                "their rest was black."))
 
 
 def _i2c():

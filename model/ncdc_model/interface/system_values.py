@@ -17,13 +17,13 @@ _I2C_QUARTER = 250          # 100 kHz at 100 MHz
 _I2C_LIMIT = 2_500_000      # 25 ms at 100 MHz, as the SMBus specification has it
 
 
-def stores_for(hardware, readers):
+def stores_for(hardware, readers, screens=0):
     """:class:`Stores` of a system of ``hardware`` with so many ``readers`` by registers.
 
     Each store has a buffer for the writer, one for the newest frame, and one for each reader; the
-    corrector reads raw frames too.
+    corrector reads raw frames too, and ``screens`` corrected ones.
     """
-    return Stores(readers + 3, 0 if hardware.stream else readers + 2, readers)
+    return Stores(readers + 3, 0 if hardware.stream else readers + screens + 2, readers, screens)
 
 
 def _aligned(value):

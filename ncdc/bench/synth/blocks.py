@@ -6,6 +6,8 @@ from functools import cache
 import numpy as np
 
 from ncdc.bench.synth.camera import CameraBlocks
+from ncdc_boards.sdram.chips import IS42S16320D_7, ULX3S_32MB, beside
+from ncdc_boards.sdram.controller import SdramController
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.colour import Colour
 from ncdc_hdl.backend.interpolator import Interpolator
@@ -93,6 +95,11 @@ def _four_lanes(variant, interpolation=FAST):
     return _core(16, variant, _NODES, interpolation=interpolation, lanes=4, data_width=128)
 
 
+def _sdram(chip, data_width):
+    """At 133 MHz, with two readers and the video's, and bursts of 16."""
+    return lambda bits: SdramController(chip, 133e6, data_width, 3, 16)
+
+
 # Of each block its variants, the first one first in the tables. Multipliers shared by four
 # neurons and the tabulated tan-sigmoid make the smallest core.
 BLOCKS = {
@@ -118,6 +125,9 @@ BLOCKS = {
                "frame store": lambda bits: FrameStore(3), "I2C": lambda bits: I2cController(),
                "sensor port": lambda bits: SensorPort()},
     "colour": {"gains and tone": lambda bits: Colour()},
+    "SDRAM controller": {"16 bits": _sdram(ULX3S_32MB, 32),
+                         "32 bits": _sdram(beside(IS42S16320D_7, 2), 32),
+                         "16 bits, words of 64": _sdram(IS42S16320D_7, 64)},
     "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),
              "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),
              "HN 8, nodes, 8 KB": _smallest("mmhbc"),

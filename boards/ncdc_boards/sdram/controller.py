@@ -1,0 +1,198 @@
+"""The SDRAM controller: readers and a writer on one SDR SDRAM."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out, connect, flipped
+from amaranth.utils import exact_log2
+
+from ncdc_boards.sdram.chips import clocks_of
+from ncdc_boards.sdram.layouts import Place, SdramPins
+from ncdc_boards.sdram.pin_registers import PinRegisters
+from ncdc_boards.sdram.segments import Segments
+from ncdc_boards.sdram.sequencer import Sequencer
+from ncdc_boards.sdram.turns import Turns
+from ncdc_boards.sdram.write_words import WriteWords
+from ncdc_hdl.avalon.bus import ReadHost, WriteHost
+from ncdc_model.errors import InputError
+
+__all__ = ["SdramController"]
+
+_BEATS = (1, 2, 4, 8)       # the chip's burst lengths
+
+
+class SdramController(wiring.Component):
+    """Pipelined burst reads of several hosts and burst writes of one, on an SDR SDRAM.
+
+    The last reader is the video's: it comes before the writer, and the writer before the other
+    readers, within the limits of :class:`Turns`. A read gives what its words hold at some time
+    between its acceptance and its data: each write burst is in it whose last word was accepted
+    before; one accepted later may be. Bursts of one port are carried out in their order.
+
+    Addresses beyond the memory begin again at its start; bits below the word are ignored.
+
+    A reset forgets all reads and writes and initialises the memory anew, whose content stays if
+    the reset is short. A reset of a host alone takes nothing back.
+
+    Timing: a word of a row that is open comes ``latency`` clocks after its read was accepted, if
+    nobody is before it, words of the burst each ``beats`` clocks. Each ``waitrequest`` is a
+    register, all outputs to the pins are, and DQ goes to a register at once. ``bounds`` says how
+    long a command waits at most.
+
+    Parameters
+    ----------
+    chip : SdramChip
+    clock_hz : number
+    data_width : int
+        Bits of a word of the hosts: 1, 2, 4 or 8 times the chip's.
+    reads : int
+        Read ports, that of the video included.
+    max_burst : int
+        Words of a burst, at most.
+    cas, late : int or None, int
+        CAS latency, see :func:`clocks_of`; see :class:`PinRegisters`.
+
+    Members
+    -------
+    reads : ``In(ReadHost(data_width, max_burst)).array(reads)``
+    write : ``In(WriteHost(data_width, max_burst))``
+    pins : ``Out(SdramPins(chip))``
+    ready : ``Out(1)``
+        The memory is initialised. Before, a command per port is accepted, and waits.
+
+    Raises
+    ------
+    InputError
+        If a parameter is out of its range.
+    """
+
+    def __init__(self, chip, clock_hz, data_width, reads, max_burst, *, cas=None, late=0):
+        _check(chip, data_width, reads, max_burst, late)
+        self.chip, self.clocks = chip, clocks_of(chip, clock_hz, cas)
+        self.place = Place(chip, data_width, max_burst)
+        self.count = reads
+        self.sequencer = Sequencer(self.place, self.clocks, tag_bits=reads)
+        self.registers = PinRegisters(self.place, self.clocks, hosts=reads, late=late)
+        super().__init__({
+            "reads": In(ReadHost(data_width, max_burst)).array(reads),
+            "write": In(WriteHost(data_width, max_burst)),
+            "pins": Out(SdramPins(chip)), "ready": Out(1),
+        })
+
+    @property
+    def latency(self):
+        """Clocks from a read's acceptance to its first word, at best."""
+        return Segments.latency + 1 + Sequencer.latency + self.registers.latency
+
+    @property
+    def bounds(self):
+        """{host: clocks from acceptance to the last word read or written, at most}, if the port
+        has nothing else under way; hosts are "video", "write" and "read".
+
+        Before its turn a host waits for those of others, each of which may be a segment; a burst
+        may be two, each with its turn. A reader waits for two bursts written as well, see
+        :meth:`_wants`. Two segments and the burst chosen are on their way already, and a refresh
+        comes between once in each of its periods.
+        """
+        turns, sequencer = Turns.others(self.count), self.sequencer
+        written = 4 * (turns["write"] + 1)      # turns until the bursts of two writes are over
+        refresh = sequencer.delay + self.clocks.rfc + 1
+
+        def clocks(others, before=0):
+            segments = 3 + before + 2 * (others + 1)
+            plain = segments * sequencer.segment_clocks + self.latency
+            share = sequencer.period - refresh      # clocks between two refreshes
+            return plain + -(-plain // share) * refresh
+
+        return {"video": clocks(turns["video"], written), "write": clocks(turns["write"]),
+                "read": clocks(turns["read"], written)}
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.sequencer = sequencer = self.sequencer
+        m.submodules.registers = registers = self.registers
+        m.submodules.write_words = words = WriteWords(self.place)
+        m.submodules.turns = turns = Turns(self.count)
+        ports = []
+        for k in range(self.count + 1):
+            m.submodules[f"segments{k}"] = port = Segments(self.place)
+            ports.append(port)
+        connect(m, words.o, ports[-1].i)
+        connect(m, words.bus, flipped(self.write))
+        connect(m, registers.pins, flipped(self.pins))
+        m.d.comb += [
+            turns.wants.eq(self._wants(m, ports, turns)), self.ready.eq(sequencer.ready),
+            registers.command.eq(sequencer.command), registers.tag.eq(sequencer.tag),
+            registers.ready.eq(sequencer.ready), registers.word.eq(words.word),
+            words.take.eq(sequencer.command.write),
+        ]
+        for k, (bus, port) in enumerate(zip(self.reads, ports)):
+            m.d.comb += [
+                port.i.valid.eq(bus.read), bus.waitrequest.eq(~port.i.ready),
+                port.i.p.word.eq(bus.address[exact_log2(self.place.data_width // 8):]),
+                port.i.p.words.eq(bus.burstcount),
+                bus.readdatavalid.eq(registers.valid[k]), bus.readdata.eq(registers.data),
+            ]
+        self._choose(m, ports, turns)
+        return m
+
+    def _wants(self, m, ports, turns):
+        """Which ports may have a turn: a reader waits for the bursts written before it came."""
+        writer = ports[-1]
+        written = Signal()          # the last segment of a burst is taken to be written
+        m.d.comb += written.eq(writer.o.valid & writer.o.ready & writer.o.p.last)
+        wants = []
+        for k, port in enumerate(ports[:-1]):
+            owed = Signal(2, name=f"owed{k}")       # bursts to be written before
+            free = Signal(name=f"free{k}")          # there are none
+            with m.If(port.loads):
+                before = self._owed(writer.bursts, written)
+                m.d.sync += [owed.eq(before), free.eq(before == 0)]
+            with m.Elif(written & ~free):
+                m.d.sync += [owed.eq(owed - 1), free.eq(owed == 1)]
+            wants.append(port.o.valid & free)
+        return Cat(*wants, writer.o.valid)
+
+    def _owed(self, bursts, written):
+        """Bursts to be written that are accepted and are not over when this clock ends.
+
+        A method of its own only so that tests can break it.
+        """
+        return bursts - written
+
+    def _choose(self, m, ports, turns):
+        """Take the segment of the host whose turn it is to the sequencer, by a register."""
+        chosen = Signal()                           # there is one in the register
+        job = Signal(self.sequencer.job)
+        i = self.sequencer.i
+        m.d.comb += [turns.take.eq(~chosen), i.valid.eq(chosen), i.p.eq(job)]
+        with m.If(i.valid & i.ready):
+            m.d.sync += chosen.eq(0)
+        with m.If(~chosen):
+            m.d.sync += [chosen.eq(turns.grant.any()), job.write.eq(turns.grant[-1]),
+                         job.tag.eq(turns.grant[:-1])]
+            for k, port in enumerate(ports):
+                with m.If(turns.grant[k]):
+                    m.d.sync += [job[name].eq(port.o.p[name])
+                                 for name in self.place.segment.members]
+        for k, port in enumerate(ports):
+            m.d.comb += port.o.ready.eq(~chosen & turns.grant[k])
+
+
+def _check(chip, data_width, reads, max_burst, late):
+    """Raise InputError unless a controller can be made of this."""
+    if data_width not in [beats * chip.data_bits for beats in _BEATS]:
+        raise InputError(f"data_width is {data_width}, not 1, 2, 4 or 8 times the "
+                         f"{chip.data_bits} bits of {chip.name}")
+    if reads < 1:
+        raise InputError(f"reads is {reads}, the controller needs 1 read port or more")
+    if chip.column_bits > _PRECHARGE_BIT:
+        raise InputError(f"{chip.name} has {chip.column_bits} column bits, the controller has "
+                         f"{_PRECHARGE_BIT} at most")
+    row = (chip.data_bits << chip.column_bits) // data_width
+    if not 1 <= max_burst <= row:
+        raise InputError(f"max_burst is {max_burst}, the limits are 1 and the {row} words of a row")
+    if late < -1:
+        raise InputError(f"late is {late}, the limit is -1: a clock early")
+
+
+_PRECHARGE_BIT = 10         # of the address; columns are below it

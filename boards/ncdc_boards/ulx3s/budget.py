@@ -1,0 +1,83 @@
+"""What the ULX3S's memory carries: bytes per second, and whether a picture fits."""
+
+from dataclasses import dataclass
+
+from ncdc_boards.sdram.chips import ULX3S_32MB
+from ncdc_model.errors import InputError
+from ncdc_model.interface.frames import output_format
+from ncdc_model.interface.system_values import memory_bytes
+
+__all__ = ["Budget", "budget_of", "check_memory"]
+
+_BYTES = (4 << ULX3S_32MB.row_bits + ULX3S_32MB.column_bits) * ULX3S_32MB.data_bits // 8
+# Of the clocks, those with data: a burst of the screen or the writer is 64 or 32 of them, before it
+# a row is opened, and a refresh takes 6 in each 585.
+_EFFICIENCY = .8
+_FETCHED = 1.3          # bytes that the cache reads, per byte of the raw frame, at most
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Bytes per second.
+
+    Parameters
+    ----------
+    carried : float
+        By the memory.
+    screen, camera : float
+        While a line is shown; while the sensor sends.
+    frame : float
+        Bytes that the corrector moves for a frame.
+    frames_per_second : float
+        Of the sensor.
+    """
+    carried: float
+    screen: float
+    camera: float
+    frame: float
+    frames_per_second: float
+
+    @property
+    def corrected_per_second(self):
+        """Frames that the corrector has the memory for; those of the sensor at most."""
+        return min(self.frames_per_second, (self.carried - self.screen - self.camera) / self.frame)
+
+
+def budget_of(design, setup):
+    """The :class:`Budget` of a :class:`~ncdc_boards.ulx3s.top.Design` and its sensor's set-up."""
+    g, hardware = design.system.descriptor.geometry, design.system.hardware
+    line_s = sum(design.mode.horizontal) / (design.clocks.pixel_mhz * 1e6)
+    pixel = output_format(hardware.format).pixel_bytes
+    raw = g.distorted_width * g.distorted_height
+    return Budget(
+        carried=design.core_hz * ULX3S_32MB.data_bits / 8 * _EFFICIENCY,
+        screen=g.corrected_width * pixel / line_s,
+        camera=raw * setup.timing.frames_per_second,
+        frame=_FETCHED * raw + pixel * g.corrected_width * g.corrected_height,
+        frames_per_second=setup.timing.frames_per_second)
+
+
+def check_memory(design, setup):
+    """The :class:`Budget`, or :class:`InputError` if memory or its bandwidth do not suffice.
+
+    The corrector takes what screen and camera leave; with less than a frame in four of the
+    sensor's, or five a second, a picture is refused.
+    """
+    system, budget = design.system, budget_of(design, setup)
+    needed = memory_bytes(system.descriptor, system.hardware, system.stores)
+    if needed > _BYTES:
+        share = (_BYTES / needed) ** .5
+        g = system.descriptor.geometry
+        raise InputError(
+            f"the frames take {needed / 1e6:.1f} MB, the ULX3S has {_BYTES / 1e6:.1f} MB: raw "
+            f"frames of {int(g.distorted_width * share)}x{int(g.distorted_height * share)} fit")
+    least = min(5, setup.timing.frames_per_second / 4)
+    if budget.corrected_per_second < least:
+        left = budget.carried - budget.screen - least * budget.frame
+        what = (f"a camera of {max(0, left) / budget.camera * budget.frames_per_second:.1f} frames "
+                f"per second fits" if left > 0 else "a smaller picture fits")
+        raise InputError(
+            f"screen and camera move {(budget.screen + budget.camera) / 1e6:.0f} MB/s, the "
+            f"memory carries {budget.carried / 1e6:.0f} MB/s, and {least:.1f} corrected frames a "
+            f"second need {least * budget.frame / 1e6:.0f} MB/s: {what}")
+    return budget

@@ -1,0 +1,84 @@
+"""From descriptors and a sensor to the design of a ULX3S."""
+
+from dataclasses import replace
+
+from ncdc_boards.ulx3s.clocks import CORE_MHZ, clock_plan
+from ncdc_boards.ulx3s.set_up import lens_program, set_up_program
+from ncdc_boards.ulx3s.top import DATA_WIDTH, Design
+from ncdc_hdl.export.registers.lenses import check_lens
+from ncdc_hdl.system import System
+from ncdc_model.errors import InputError
+from ncdc_model.geometry import MONO
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.frames import BGR8, output_format
+from ncdc_model.raw_lens import raw_lens
+from ncdc_model.sensors.catalogue import sensor_named, setup
+from ncdc_model.sensors.sensor import Settings, bayer_at
+
+__all__ = ["HARDWARE", "design_of", "sensor_for"]
+
+HARDWARE = Hardware(data_width=DATA_WIDTH, format=BGR8.name, multiplier_bits=18)
+_SENSOR_CLOCK_HZ = 25_000_000
+_READERS = 1            # by registers: a host at the serial port
+
+
+def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
+    """:class:`Setup` of a sensor that sends a little more than a raw frame of ``geometry``, and the
+    corner (column, row) where that begins, so that its Bayer pattern is the geometry's.
+
+    Parameters
+    ----------
+    name : str
+    geometry : Geometry
+    pixel_clock_hz : int
+        0: that of the board's clock to the sensor.
+    settings :
+        More of :class:`Settings`.
+    """
+    sensor = sensor_named(name)
+    step = max(2, sensor.limits.step)
+    width, height = (-(-(value + 1) // step) * step for value in geometry.distorted)
+    plan = setup(sensor, Settings(
+        width=width, height=height, clock_hz=_SENSOR_CLOCK_HZ,
+        pixel_clock_hz=pixel_clock_hz or _SENSOR_CLOCK_HZ, **settings))
+    for corner in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        if geometry.bayer in (MONO, bayer_at(plan.bayer, *corner)):
+            return plan, corner
+    raise InputError(f"the frames are {geometry.bayer}, the {name} sends {plan.bayer}")
+
+
+def design_of(named, sensor, mode, *, hardware=HARDWARE, core_mhz=CORE_MHZ, **more):
+    """The :class:`Design` that shows the first lens, and the others by push button.
+
+    Parameters
+    ----------
+    named : sequence of (path, Descriptor)
+    sensor : (Setup, (int, int))
+        As of :func:`sensor_for`.
+    mode : VideoMode
+    hardware : Hardware
+    core_mhz : int
+    more :
+        Of :class:`Design`; ``waits`` of :func:`set_up_program`.
+
+    Raises
+    ------
+    InputError
+        If a lens does not fit the first one's corrector, or shows another size.
+    """
+    descriptor = named[0][1]
+    clocks, waits = clock_plan(mode, core_mhz), more.pop("waits", True)
+    system = System(descriptor, hardware, readers=_READERS, screens=1)
+    for path, other in named[1:]:
+        check_lens(system.corrector, path, other)
+        for what in ("corrected", "distorted"):
+            sizes = [getattr(one.geometry, what) for one in (descriptor, other)]
+            if sizes[0] != sizes[1]:
+                raise InputError(f"{path}: the {what} picture has {sizes[1][0]}x{sizes[1][1]} "
+                                 f"pixels, that of {named[0][0]} {sizes[0][0]}x{sizes[0][1]}")
+    lenses = [one for _, one in named] + [raw_lens(descriptor)]
+    programs = [set_up_program(system, *sensor, core_mhz * 10**6, waits),
+                *(lens_program(system, lens) for lens in lenses)]
+    design = Design(system, mode, output_format(hardware.format).pixel_bytes, clocks,
+                    tuple(programs), len(named))
+    return replace(design, **more)

@@ -1,0 +1,34 @@
+"""Pins of the ULX3S: those of amaranth-boards, and a camera on the header J1."""
+
+from amaranth.build import Attrs, Clock, Pins, Resource, Subsignal
+from amaranth_boards.ulx3s import ULX3S_85F_Platform
+
+__all__ = ["CAMERA_WIRES", "Ulx3sPlatform"]
+
+CAMERA_WIRES = {
+    "d": tuple(f"{pair}{side}" for pair in range(6) for side in "+-"),
+    "fval": ("6+",), "lval": ("6-",), "scl": ("7+",), "sda": ("7-",), "xclk": ("8+",),
+    "reset_n": ("8-",), "standby": ("9+",), "pixclk": ("12+",)}
+"""Wires of the camera: "3+" is GP3 of the header J1, "3-" GN3. GP12 leads to a clock network."""
+
+_PIXEL_CLOCK_HZ = 96e6          # the fastest of the sensors
+_DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o", "standby": "o"}
+
+
+def _camera():
+    """The camera's wires; sensors of fewer than 12 bits have the upper ones of ``d``."""
+    plain = {name: Pins(" ".join(wires), dir=_DIRECTIONS.get(name, "i"), conn=("gpio", 0))
+             for name, wires in CAMERA_WIRES.items()}
+    attrs = {name: Attrs(PULLMODE="UP") if name in ("scl", "sda") else
+             Attrs(PULLMODE="DOWN" if _DIRECTIONS.get(name, "i") == "i" else "NONE")
+             for name in plain}
+    clocks = {"pixclk": [Clock(_PIXEL_CLOCK_HZ)]}
+    return Resource("camera", 0, *(Subsignal(name, pins, attrs[name], *clocks.get(name, []))
+                                   for name, pins in plain.items()),
+                    Attrs(IO_TYPE="LVCMOS33", DRIVE="4", SLEWRATE="SLOW"))
+
+
+class Ulx3sPlatform(ULX3S_85F_Platform):
+    """The ULX3S with an LFE5U-85F of speed grade 6, and a camera."""
+    resources = [*ULX3S_85F_Platform.resources, _camera()]
+    required_tools = ()         # `ncdc build` calls the tools, from their Python packages

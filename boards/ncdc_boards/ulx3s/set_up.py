@@ -1,0 +1,87 @@
+"""The programs that set a board up without a host: sensor, registers, lenses."""
+
+from ncdc_hdl.camera.i2c import quarter_clocks
+from ncdc_hdl.export.registers.lenses import Lens
+from ncdc_hdl.registers.program import Op
+from ncdc_model.interface.register_map import (
+    CTRL_COMMIT,
+    STATUS_BANK,
+    STATUS_COMMITTED,
+    TABLE,
+)
+from ncdc_model.interface.system_map import I2C_COMMAND_FLAGS
+
+__all__ = ["lens_program", "register_addresses", "set_up_program"]
+
+_I2C_HZ = 400_000
+_HELD_SECONDS = .025            # SCL, at most, as the SMBus specification has it
+_FLAGS = {name: mask for name, mask, _ in I2C_COMMAND_FLAGS}
+_BUSY, _FAILED = 0x100, 0xE00   # of I2C_RESULT: not over; NACK, LOST, TIMEOUT
+
+
+def register_addresses(system):
+    """Word address of each register of a system, by name."""
+    return {r.name: r.address for r in (*system.corrector.registers.table, *system.table)}
+
+
+def set_up_program(system, setup, corner, clock_hz, waits=True):
+    """Steps that set up the sensor and begin to correct its frames.
+
+    If the sensor does not answer, the program begins anew.
+
+    Parameters
+    ----------
+    system : System
+    setup : Setup
+    corner : (int, int)
+        Column and row of the sensor's frame where the raw frame begins.
+    clock_hz : int
+        Of the registers.
+    waits : bool
+        Whether to wait for the sensor's phase-locked loop, which its model has not.
+    """
+    at, timing = register_addresses(system), setup.timing
+    values = {
+        "I2C_QUARTER": quarter_clocks(clock_hz, _I2C_HZ),
+        "I2C_LIMIT": round(clock_hz * _HELD_SECONDS),
+        "SENT_WIDTH": timing.width, "SENT_HEIGHT": timing.height,
+        "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
+        "CLOCK_LIMIT": 2 * clock_hz * timing.line_clocks // timing.pixel_clock_hz + clock_hz // 100}
+    steps = [(Op.WRITE, at[name], value) for name, value in values.items()]
+    # A target that was left in the midst of a byte ends it; whether one is there does not matter.
+    steps += _command(at, 0, "READ", "NACK", "STOP")
+    *writes, last = setup.writes
+    for write in writes:
+        steps += _sensor_write(at, setup.sensor, write)
+        if waits and write.wait_us:
+            steps.append((Op.PAUSE, 0, -(-write.wait_us * clock_hz // 10**6)))
+    steps += [(Op.WRITE, at["RUN"], 1), (Op.WRITE, at["CAMERA_ENABLE"], 1)]
+    return steps + _sensor_write(at, setup.sensor, last)
+
+
+def _command(at, data, *flags):
+    """A command on the I2C bus, up to its end."""
+    word = data | sum(_FLAGS[name] for name in flags)
+    return [(Op.WRITE, at["I2C_COMMAND"], word), (Op.UNTIL_ZERO, at["I2C_RESULT"], _BUSY)]
+
+
+def _sensor_write(at, sensor, write):
+    """Write a register of the sensor."""
+    data = [*write.register.to_bytes(sensor.pointer_bits // 8, "big"),
+            *write.value.to_bytes(sensor.value_bits // 8, "big")]
+    guard = [(Op.GUARD, at["I2C_RESULT"], _FAILED)]
+    steps = _command(at, sensor.i2c_address << 1, "START", "WRITE") + guard
+    for byte in data[:-1]:
+        steps += _command(at, byte, "WRITE") + guard
+    return steps + _command(at, data[-1], "WRITE", "STOP") + guard
+
+
+def lens_program(system, descriptor):
+    """Steps that load the lens of ``descriptor``; the next frame has it."""
+    at, lens = register_addresses(system), Lens.of(system.corrector, descriptor)
+    return [
+        (Op.UNTIL_ZERO, at["STATUS"], STATUS_COMMITTED),
+        *((Op.WRITE, at[name], value) for name, value in lens.values.items()),
+        (Op.LOOK, at["STATUS"], STATUS_BANK), (Op.WRITE_NOT, at["VALID_WINDOW"], 0),
+        *((Op.WRITE, TABLE + k, word) for k, word in enumerate(lens.valid_rows)),
+        (Op.WRITE_NOT, at["VALID_BANK"], 0), (Op.WRITE, at["CTRL"], CTRL_COMMIT)]

@@ -1,0 +1,1 @@
+"""From a design for an ECP5 to its bitstream, by open tools."""

@@ -1,0 +1,150 @@
+"""``ncdc build``: from descriptors to the bitstream of a board, by open tools."""
+
+import tempfile
+import time
+from pathlib import Path
+
+from ncdc.bench.synth.flows import SynthesisError, check_tools
+from ncdc.bitstream.flow import (
+    clock_nets,
+    clock_preferences,
+    pack,
+    place,
+    resources,
+    synthesise_board,
+)
+from ncdc.cli.common import add_json, write_report
+from ncdc.cli.hardware import planned
+from ncdc.terminal import Steps
+from ncdc_boards.ulx3s.budget import check_memory
+from ncdc_boards.ulx3s.build import NAME, clock_cells, prepared
+from ncdc_boards.ulx3s.design import HARDWARE, design_of, sensor_for
+from ncdc_hdl.export.registers.drivers import driver_files
+from ncdc_hdl.video.modes import mode_for, mode_named
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.plan import Fixed
+from ncdc_model.files import write_bytes, write_text
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "make the bitstream of a board, by open tools"
+EXAMPLE = "ncdc build net.toml --board ulx3s -o board"
+
+_BOARDS = ("ulx3s",)
+_MOST_SEEDS = 20
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("descriptor", metavar="NET", nargs="+",
+                        help="descriptors of ncdc train: the first is shown, push buttons choose "
+                             "the others")
+    parser.add_argument("--board", choices=_BOARDS, default=_BOARDS[0], help="default: ulx3s")
+    parser.add_argument("--sensor", default="mt9p031", metavar="NAME",
+                        help="mt9p031 (default; Terasic D5M), ov5640, mt9d111")
+    parser.add_argument("--mode", metavar="WxH",
+                        help="video mode (default: the smallest that holds the picture)")
+    parser.add_argument("--pixel-clock-mhz", type=float, default=0, metavar="MHZ",
+                        help="of the sensor, made by its own phase-locked loop (default: 25, "
+                             "without)")
+    parser.add_argument("--exposure-us", type=float, default=10_000.0, metavar="X",
+                        help="of the sensor, in microseconds (default: 10000)")
+    parser.add_argument("--seeds", type=int, default=3, metavar="N",
+                        help="placements to try; the best is taken (default: 3)")
+    parser.add_argument("-o", "--output", default="ulx3s", metavar="DIR",
+                        help="folder to write to (default: ulx3s)")
+    add_json(parser)
+
+
+def run(args):
+    """Check, generate, synthesise, place, pack, write."""
+    if not 1 <= args.seeds <= _MOST_SEEDS:
+        raise InputError(f"seeds is {args.seeds}, 1 to {_MOST_SEEDS} are tried")
+    named = [(path, Descriptor.load(path)) for path in args.descriptor]
+    check_tools()
+    design, setup, budget = _design(args, named)
+    began, steps = time.monotonic(), Steps("ncdc build", quiet=args.json == "-")
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        steps("generating the design")
+        files = prepared(design)
+        try:
+            steps("synthesis: Yosys")
+            nets = clock_nets(synthesise_board(files.rtlil, NAME, folder), clock_cells())
+            preferences = files.preferences + clock_preferences(nets, design.clocks.targets())
+            placements = []
+            for seed in range(1, args.seeds + 1):
+                steps(f"place and route: nextpnr, seed {seed} of {args.seeds}")
+                placements.append(place(folder, preferences, nets, seed))
+            best = max(placements, key=lambda placement: placement.slack)
+            _check_clocks(best, args.seeds)
+            steps("packing the bitstream")
+            bits = pack(folder, best.seed)
+        except SynthesisError as error:
+            steps("failed")
+            raise InputError(str(error)) from error
+    steps("done")
+    texts = {f"{NAME}.v": files.verilog, f"{NAME}.lpf": preferences,
+             **driver_files(design.system.corrector, named, design.system.table)}
+    output = Path(args.output)
+    for name, text in texts.items():
+        write_text(output / name, text)
+    write_bytes(output / f"{NAME}.bit", bits)
+    report = _report(args, best, placements, bits, budget, time.monotonic() - began)
+    report["files"] = [str(output / name) for name in (f"{NAME}.bit", *texts)]
+    if not write_report(report, args.json):
+        _print(report, output)
+
+
+def _design(args, named):
+    """Design, the sensor's set-up and the memory's budget; InputError for what does not fit."""
+    geometry = named[0][1].geometry
+    mode = mode_named(args.mode) if args.mode else mode_for(*geometry.corrected)
+    if mode_for(*geometry.corrected).size > mode.size:
+        raise InputError(f"the picture has {geometry.corrected_width}x"
+                         f"{geometry.corrected_height} pixels, the mode {args.mode} does not hold "
+                         f"it: {mode_for(*geometry.corrected).name} does")
+    sensor = sensor_for(args.sensor, geometry, exposure_us=args.exposure_us,
+                        pixel_clock_hz=round(args.pixel_clock_mhz * 1e6))
+    hardware, _ = planned(HARDWARE, Fixed(None, None, None), named[0][1])
+    design = design_of(named, sensor, mode, hardware=hardware)
+    return design, sensor[0], check_memory(design, sensor[0])
+
+
+def _check_clocks(best, seeds):
+    """Raise InputError if a clock is missed by the best of the placements."""
+    for clock in best.clocks:
+        if clock.slack < 0:
+            raise InputError(
+                f"the clock {clock.name} reaches {clock.achieved_mhz:.1f} of "
+                f"{clock.target_mhz:.1f} MHz in the best of {seeds} placements: more --seeds, or a "
+                f"smaller network or interpolation, may fit")
+
+
+def _report(args, best, placements, bits, budget, seconds):
+    return {
+        "board": args.board, "sensor": args.sensor,
+        "clocks": [vars(clock) for clock in best.clocks], **resources(best),
+        "seeds": [{"seed": one.seed, "slack": one.slack,
+                   "clocks": [vars(clock) for clock in one.clocks]} for one in placements],
+        "seed": best.seed, "bitstream_bytes": len(bits), "seconds": round(seconds, 1),
+        "memory_mb_per_second": budget.carried / 1e6,
+        "screen_mb_per_second": budget.screen / 1e6,
+        "sensor_frames_per_second": budget.frames_per_second,
+        "corrected_frames_per_second": budget.corrected_per_second}
+
+
+def _print(report, output):
+    """The report for people."""
+    for clock in report["clocks"]:
+        slack = 1 - clock["target_mhz"] / clock["achieved_mhz"]
+        spare = 1000 / clock["target_mhz"] - 1000 / clock["achieved_mhz"]
+        print(f"{clock['name']:>16}: {clock['achieved_mhz']:7.2f} MHz of "
+              f"{clock['target_mhz']:7.2f}, slack {spare:.2f} ns, {100 * slack:.0f} %")
+    print(f"{report['lut']} LUTs, {report['ff']} flip-flops, {report['dsp']} multipliers, "
+          f"{report['ram_blocks']} block RAMs; seed {report['seed']}")
+    print(f"the sensor sends {report['sensor_frames_per_second']:.1f} frames a second, memory for "
+          f"{report['corrected_frames_per_second']:.1f} corrected ones")
+    print(f"{output / (NAME + '.bit')}: {report['bitstream_bytes']} bytes, in "
+          f"{report['seconds']:.0f} s; openFPGALoader -b ulx3s {output / (NAME + '.bit')}")

@@ -1,0 +1,1 @@
+"""Whole boards in simulation: from the sensor's pins to the monitor's."""

@@ -1,0 +1,105 @@
+"""The design of a ULX3S, whole, between a sensor, an SDRAM chip and a monitor."""
+
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ncdc_boards.sdram.chips import ULX3S_32MB
+from ncdc_boards.ulx3s.build import NAME, prepared
+from ncdc_sim.board.screen import Screen, screen_of
+from ncdc_sim.runner import HDL, build, command_of, run
+from ncdc_sim.sdram import chip_parameters
+from ncdc_sim.sensor.verilog import sensor_sources
+from ncdc_sim.tools import SimulationError
+
+__all__ = ["BoardRun", "simulate_ulx3s"]
+
+_BENCH = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v", "sdram_chip.v")
+# Rules of Verilator that the netlist of a whole top does not keep: signals of no bits, outputs of
+# cells that nobody reads; and delays that plusargs tell.
+_RULES = ("ASCRANGE", "PINMISSING", "ZERODLY")
+
+
+@dataclass
+class BoardRun:
+    """What became of a run.
+
+    Parameters
+    ----------
+    screen : Screen
+    results : dict
+        Numbers of the bench, by name.
+    pixel_clock_ps : float
+        Period that the monitor measured.
+    """
+    screen: Screen = None
+    results: dict = field(default_factory=dict)
+    pixel_clock_ps: float = 0.0
+
+
+def simulate_ulx3s(design, sensor, light, *, run_us, presses=None, edit=None, on_line=None,
+                   optimise=None):
+    """Run a :class:`~ncdc_boards.ulx3s.top.Design` for so many microseconds.
+
+    Parameters
+    ----------
+    design : Design
+    sensor : str
+        Name of the sensor's model.
+    light : Light
+        What falls on it.
+    run_us : int
+    presses : dict, optional
+        Microseconds at which buttons are pressed, by the bench's plusargs.
+    edit : callable, optional
+        Changes the Verilog of the top: to see a test fail.
+    on_line : callable, optional
+        Gets each line that the simulation prints.
+
+    optimise : str, optional
+        As of :func:`ncdc_sim.runner.build`.
+
+    Raises
+    ------
+    SimulationError
+        If it does not compile, or the monitor saw no picture, or the sensor or a cell of the
+        device was used as it cannot be.
+    """
+    verilog = prepared(design).verilog
+    verilog = edit(verilog) if edit else verilog
+    chip = chip_parameters(ULX3S_32MB, design.core_hz)
+    defines = {"NCDC_CHIP": ", ".join(f".{key}({_number(value)})" for key, value in chip.items()),
+               "NCDC_SENSOR": f'"{sensor}"'}
+    header = "".join(f"`define {key} {value}\n" for key, value in defines.items())
+    sources = [(f"{NAME}.v", verilog),
+               *((name, header * (name == _BENCH[0]) + (HDL / name).read_text())
+                 for name in _BENCH), *sensor_sources()]
+    program = build("ulx3s", "ulx3s_bench", sources, optimise=optimise, options=(
+        "--timing", "--main", "-CFLAGS", "-std=c++20 -fcoroutines",
+        *(f"-Wno-{rule}" for rule in _RULES)))
+    result = BoardRun()
+
+    def keep(line):
+        kind, *values = line.split() or [""]
+        if kind == "RESULT":
+            result.results[values[0]] = int(values[1])
+        elif line.startswith("MONITOR clock"):
+            result.pixel_clock_ps = float(values[1])
+        elif kind in ("SENSOR-ERROR", "BOARD-ERROR", "MONITOR-ERROR"):
+            raise SimulationError(f"simulation failed: {line}")
+        if on_line:
+            on_line(line)
+
+    plusargs = {"run_us": run_us} | (presses or {})
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        (folder / "sensor.bin").write_bytes(light.data())
+        run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items()),
+             *light.plusargs("sensor.bin")], folder, keep)
+        result.screen = screen_of((folder / "screen.bin").read_bytes())
+    return result
+
+
+def _number(value):
+    """A parameter of more than 32 bits needs its width."""
+    return f"64'd{value}" if value >= 1 << 31 else str(value)

@@ -1,0 +1,141 @@
+// Models of the ECP5's cells that a design for the ULX3S names itself, written from their descriptions
+// in Lattice, "ECP5 and ECP5-5G sysI/O Usage Guide" (FPGA-TN-02032), "... High-Speed I/O Interface"
+// (FPGA-TN-02035) and "... sysCLOCK PLL/DLL Design and Usage Guide" (FPGA-TN-02200). No delays but
+// those of clocks.
+
+`timescale 1ps/1ps
+
+module IB (input wire I, output wire O);
+    assign O = I;
+endmodule
+
+module OBZ (input wire I, input wire T, output wire O);
+    assign O = T ? 1'bz : I;
+endmodule
+
+module BB (input wire I, input wire T, output wire O, inout wire B);
+    assign B = T ? 1'bz : I;
+    assign O = B;
+endmodule
+
+// Input and output registers of a pin's cell.
+module IFS1P3DX (input wire D, input wire SP, input wire SCLK, input wire CD, output reg Q);
+    initial Q = 0;
+    always @(posedge SCLK or posedge CD)
+        if (CD) Q <= 0;
+        else if (SP) Q <= D;
+endmodule
+
+module OFS1P3DX (input wire D, input wire SP, input wire SCLK, input wire CD, output reg Q);
+    initial Q = 0;
+    always @(posedge SCLK or posedge CD)
+        if (CD) Q <= 0;
+        else if (SP) Q <= D;
+endmodule
+
+// Two bits a clock: D0 while the clock is high, D1 while it is low, both of the rising edge before.
+module ODDRX1F (input wire SCLK, input wire RST, input wire D0, input wire D1, output wire Q);
+    reg d0, d1, later, rises, falls;    // Q's changes at each edge: no pulse of no length
+    initial begin d0 = 0; d1 = 0; later = 0; rises = 0; falls = 0; end
+    always @(posedge SCLK) begin
+        d0 <= RST ? 1'b0 : D0;
+        d1 <= RST ? 1'b0 : D1;
+        later <= d1;
+        rises <= d0 ^ falls;
+    end
+    always @(negedge SCLK) falls <= later ^ rises;
+    assign Q = rises ^ falls;
+endmodule
+
+// A clock's gate: whole pulses only.
+module DCCA (input wire CLKI, input wire CE, output wire CLKO);
+    reg open;
+    initial open = 0;
+    always @(negedge CLKI) open <= CE;
+    assign CLKO = CLKI & open;
+endmodule
+
+// A phase-locked loop: from the period of CLKI and the dividers the period of the oscillator, from
+// that the outputs. All outputs begin together, with the first edge of CLKI behind the lock; with
+// CPHASE = divider - 1 an output is in phase.
+module EHXPLLL #(
+    parameter CLKI_DIV = 1, CLKFB_DIV = 1, CLKOP_DIV = 8, CLKOS_DIV = 8, CLKOS2_DIV = 8,
+    parameter CLKOS3_DIV = 8, CLKOP_CPHASE = 0, CLKOS_CPHASE = 0, CLKOS2_CPHASE = 0,
+    parameter CLKOS3_CPHASE = 0, CLKOP_FPHASE = 0, CLKOS_FPHASE = 0, CLKOS2_FPHASE = 0,
+    parameter CLKOS3_FPHASE = 0, CLKOP_ENABLE = "ENABLED", CLKOS_ENABLE = "DISABLED",
+    parameter CLKOS2_ENABLE = "DISABLED", CLKOS3_ENABLE = "DISABLED", FEEDBK_PATH = "CLKOP",
+    parameter OUTDIVIDER_MUXA = "DIVA", OUTDIVIDER_MUXB = "DIVB", OUTDIVIDER_MUXC = "DIVC",
+    parameter OUTDIVIDER_MUXD = "DIVD", PLLRST_ENA = "DISABLED", INTFB_WAKE = "DISABLED",
+    parameter STDBY_ENABLE = "DISABLED", DPHASE_SOURCE = "DISABLED", PLL_LOCK_MODE = 0
+) (
+    input wire CLKI, CLKFB, RST, STDBY, PHASESEL0, PHASESEL1, PHASEDIR, PHASESTEP, PHASELOADREG,
+    input wire PLLWAKESYNC, ENCLKOP, ENCLKOS, ENCLKOS2, ENCLKOS3,
+    output reg CLKOP, CLKOS, CLKOS2,
+    output wire CLKOS3, CLKINTFB,
+    output reg LOCK
+);
+    localparam EDGES = 4;               // of CLKI that are looked at before the lock
+    localparam FED = FEEDBK_PATH == "INT_OP" ? CLKOP_DIV : FEEDBK_PATH == "INT_OS" ? CLKOS_DIV :
+        FEEDBK_PATH == "INT_OS2" ? CLKOS2_DIV : FEEDBK_PATH == "INT_OS3" ? CLKOS3_DIV : 0;
+    assign CLKOS3 = 0;
+    assign CLKINTFB = 0;
+
+    real last, oscillator;              // ps: the last edge of CLKI; a period of the oscillator
+    integer edges;
+    initial begin
+        CLKOP = 0; CLKOS = 0; CLKOS2 = 0; LOCK = 0; edges = 0;
+        if (FED == 0) begin
+            $display("BOARD-ERROR a loop without feedback");
+            $finish;
+        end
+    end
+
+    always @(posedge CLKI)
+        if (!LOCK && !RST) begin
+            oscillator = ($realtime - last) * CLKI_DIV / (1.0 * CLKFB_DIV * FED);
+            last = $realtime;
+            edges = edges + 1;
+            if (edges == EDGES) begin
+                if (1e6 / oscillator < 400 || 1e6 / oscillator > 800)
+                    $display("BOARD-ERROR the oscillator is at %0f MHz", 1e6 / oscillator);
+                LOCK <= 1;
+            end
+        end
+
+    // Edge k of an output comes at its own multiple: no rounding adds up.
+    real start;
+    always @(posedge LOCK) start = $realtime;
+    integer op, os, os2;
+    initial begin
+        op = 0;
+        @(posedge LOCK);
+        #((CLKOP_CPHASE + 1 - CLKOP_DIV) * oscillator);
+        forever begin
+            CLKOP = !CLKOP;
+            op = op + 1;
+            #(start + ((CLKOP_CPHASE + 1 - CLKOP_DIV) + op * CLKOP_DIV / 2.0) * oscillator - $realtime);
+        end
+    end
+    initial begin
+        os = 0;
+        @(posedge LOCK);
+        #((CLKOS_CPHASE + 1 - CLKOS_DIV) * oscillator);
+        forever begin
+            CLKOS = !CLKOS;
+            os = os + 1;
+            #(start + ((CLKOS_CPHASE + 1 - CLKOS_DIV) + os * CLKOS_DIV / 2.0) * oscillator - $realtime);
+        end
+    end
+    initial begin
+        os2 = 0;
+        @(posedge LOCK);
+        #((CLKOS2_CPHASE + 1 - CLKOS2_DIV) * oscillator);
+        // Of an output that is fed back only nobody looks at the edges.
+        if (FEEDBK_PATH != "INT_OS2")
+            forever begin
+                CLKOS2 = !CLKOS2;
+                os2 = os2 + 1;
+                #(start + ((CLKOS2_CPHASE + 1 - CLKOS2_DIV) + os2 * CLKOS2_DIV / 2.0) * oscillator - $realtime);
+            end
+    end
+endmodule

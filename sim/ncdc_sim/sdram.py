@@ -1,0 +1,175 @@
+"""The SDRAM controller's Verilog on random traffic, with the chip's model behind it."""
+
+import tempfile
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from ncdc_hdl.export.verilog import module_verilog
+from ncdc_sim.runner import HDL, build, command_of, run
+from ncdc_sim.tools import SimulationError
+
+__all__ = ["ALONE", "ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SILENT", "chip_parameters",
+           "run_sdram"]
+
+# What a host of ``hdl/sdram_bench.v`` does.
+SILENT, ANYWHERE, ONWARDS, CORRECTOR = range(4)
+ALONE = 255     # a gap: the next command is given when the one before it is over
+
+_KEPT = 3       # bits of a row's number that tell stored rows apart
+
+
+@dataclass(frozen=True)
+class Host:
+    """Traffic of a host: its kind; the chance of 256 that a clock passes without a command or a
+    word, or :data:`ALONE`; words of a burst, at least and at most."""
+    kind: int = ANYWHERE
+    gap: int = 100
+    least: int = 1
+    most: int = 8
+
+
+def chip_parameters(chip, clock_hz, **other):
+    """Parameters of ``hdl/sdram_chip.v`` for a chip at a clock: its times in ps, unrounded."""
+    def ps(time):
+        return int(1000 * Fraction(str(time)))
+
+    cas = dict(chip.cas)
+    parameters = {
+        "DATA": chip.data_bits, "ROW": chip.row_bits, "COLUMN": chip.column_bits,
+        "PERIOD": int(Fraction(10**12) / Fraction(clock_hz)), "RCD": ps(chip.rcd),
+        "RP": ps(chip.rp), "RAS": ps(chip.ras), "RAS_MAX": ps(chip.ras_max), "RC": ps(chip.rc),
+        "RFC": ps(chip.rfc), "WR": ps(chip.wr), "WR_CLOCKS": chip.wr_clocks, "RRD": ps(chip.rrd),
+        "MRD": ps(chip.mrd), "MRD_CLOCKS": chip.mrd_clocks,
+        "CAS2": ps(cas.get(2, 1000)), "CAS3": ps(cas.get(3, 1000)),
+        "PAUSE": ps(1000 * chip.pause), "REFRESHES": 2, "REFRESH_GAP": ps(chip.refresh)}
+    return parameters | other
+
+
+def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **settings):
+    """Run an :class:`~ncdc_boards.sdram.controller.SdramController` for so many clocks.
+
+    Parameters
+    ----------
+    controller : SdramController
+    hosts : sequence of Host
+        The readers, then the writer.
+    clocks : int
+        After the initialisation.
+    clock_hz : number
+        What the chip's times are compared with.
+    simulator : str
+        One of ``ncdc_sim.tools.SIMULATORS``.
+    settings
+        ``seed``; ``resets``, mean clocks between two; ``times``, of the chip's model that differ,
+        in ps by the names of its parameters.
+
+    Returns
+    -------
+    dict
+        Numbers: ``violations``, ``wrong`` words, ``checked`` and ``unsure`` ones, ``port_errors``,
+        ``refreshes``, ``refresh_most``, ``beats`` of data, ``resets``; ``words`` and ``longest``
+        (clocks from a command accepted alone to its last word) of each host; and ``rules``, the
+        set of rules broken.
+
+    Raises
+    ------
+    SimulationError
+        If it does not compile, or ends without a result.
+    """
+    place = controller.place
+    parameters = chip_parameters(place.chip, clock_hz, KEPT=_KEPT)
+    defines = {"NCDC_READS": controller.count, "NCDC_DATA": place.data_width,
+               "NCDC_BURST": place.max_burst, "NCDC_COLUMNS": place.column_bits,
+               "NCDC_ROWS": place.chip.row_bits, "NCDC_BEATS": place.beats}
+    names = ("sdram_chip.v", "avalon_checker.v", "sdram_bench.v")
+    sources = [("controller.v", module_verilog(controller, "sdram_controller")),
+               ("sdram_dut.v", _dut(controller, parameters)),
+               *((name, (HDL / name).read_text()) for name in names)]
+    top, main = "sdram_bench", HDL / "sdram_main.cpp"
+    if simulator == "icarus":
+        top, main = "sdram_clock", None
+        sources.append(("sdram_clock.v", (HDL / "sdram_clock.v").read_text()))
+    program = build("sdram", top, sources, defines=defines, simulator=simulator, main=main,
+                    optimise="-O2" if clocks > 300_000 else "-O0")
+    plusargs = {"clocks": clocks, "seed": settings.get("seed", 1),
+                "resets": settings.get("resets", 0)} | settings.get("times", {})
+    plusargs |= {name: "".join(f"{getattr(host, name):02x}" for host in reversed(hosts))
+                 for name in ("kind", "gap", "least", "most")}
+    return _results(program, plusargs, len(hosts))
+
+
+def _results(program, plusargs, hosts):
+    """Run the program; see :func:`run_sdram`."""
+    found, rules = {}, set()
+
+    def keep(line):
+        kind, *values = line.split() or [""]
+        if kind == "RESULT":
+            found[values[0]] = int(values[1])
+        elif kind == "SDRAM-VIOLATION":
+            rules.add(values[0])
+        elif kind == "AVALON-ERROR":
+            rules.add(f"avalon {values[1]}")
+
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items())],
+            Path(name), keep)
+    if "port_errors" not in found:
+        raise SimulationError("the simulation ended without a result")
+    for name in ("words", "longest"):
+        found[name] = [found.pop(f"{name}{k}") for k in range(hosts)]
+    return found | {"rules": rules}
+
+
+def _dut(controller, parameters):
+    """Verilog of ``sdram_dut``: the controller, its ports as vectors, and the chip."""
+    place, reads = controller.place, controller.count
+    data, bits = place.data_width, place.max_burst.bit_length()
+    lanes, chip = data // 8, place.chip
+    ports = "".join(f"""
+        .reads__{k}__address(read_address[{32 * k} +: 32]), .reads__{k}__read(read_read[{k}]),
+        .reads__{k}__burstcount(read_burstcount[{bits * k} +: {bits}]),
+        .reads__{k}__waitrequest(read_waitrequest[{k}]),
+        .reads__{k}__readdata(read_readdata[{data * k} +: {data}]),
+        .reads__{k}__readdatavalid(read_readdatavalid[{k}]),""" for k in range(reads))
+    ports += "".join(f"\n        .write__{name}(write_{name})," for name in
+                     ("address", "write", "burstcount", "writedata", "byteenable", "waitrequest"))
+    names = ("cke", "cs_n", "ras_n", "cas_n", "we_n", "ba", "a", "dqm")
+    pins = "".join(f".pins__{name}({name}), " for name in names)
+    values = ", ".join(f".{name}({value})" for name, value in parameters.items())
+    return f"""`timescale 1ns/1ps
+module sdram_dut (
+    input  wire clk, rst,
+    input  wire [{32 * reads - 1}:0] read_address,
+    input  wire [{reads - 1}:0] read_read,
+    input  wire [{bits * reads - 1}:0] read_burstcount,
+    output wire [{reads - 1}:0] read_waitrequest, read_readdatavalid,
+    output wire [{data * reads - 1}:0] read_readdata,
+    input  wire [31:0] write_address,
+    input  wire write_write,
+    input  wire [{bits - 1}:0] write_burstcount,
+    input  wire [{data - 1}:0] write_writedata,
+    input  wire [{lanes - 1}:0] write_byteenable,
+    output wire write_waitrequest, ready,
+    output wire [31:0] violations, refreshes, refresh_most, beats_read, beats_written
+);
+    wire cke, cs_n, ras_n, cas_n, we_n, dq_oe, dq_drives;
+    wire [1:0] ba;
+    wire [{max(chip.row_bits, 11) - 1}:0] a;
+    wire [{chip.data_bits // 8 - 1}:0] dqm;
+    wire [{chip.data_bits - 1}:0] dq_c, dq_m;
+    sdram_controller controller ({ports}
+        {pins}
+        .pins__dq_o(dq_c), .pins__dq_oe(dq_oe),
+        .pins__dq_i(dq_drives ? dq_m : {{{chip.data_bits}{{1'b1}}}}),
+        .clk(clk), .rst(rst), .ready(ready)
+    );
+    sdram_chip #({values}) chip (
+        .clk(clk), .controller_rst(rst), .cke(cke), .cs_n(cs_n), .ras_n(ras_n), .cas_n(cas_n),
+        .we_n(we_n), .ba(ba), .a(a), .dqm(dqm), .dq_i(dq_c), .dq_oe(dq_oe), .dq_o(dq_m),
+        .dq_drives(dq_drives), .violations(violations), .refreshes(refreshes),
+        .refresh_most(refresh_most), .beats_read(beats_read), .beats_written(beats_written)
+    );
+endmodule
+"""

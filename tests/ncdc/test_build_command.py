@@ -1,0 +1,157 @@
+"""``ncdc build``: what it refuses, and its flow on a design that is quick to place."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from amaranth.hdl import ClockDomain, ClockSignal, Const, Elaboratable, Instance, Module, Signal
+from amaranth.lib import io
+
+from cameras import barrel_descriptor
+from ncdc import cli
+from ncdc.bitstream.flow import (
+    Clock,
+    Placement,
+    clock_nets,
+    clock_preferences,
+    pack,
+    place,
+    placement_of,
+    synthesise_board,
+)
+from ncdc.cli.build import _check_clocks
+from ncdc_boards.ulx3s.budget import check_memory
+from ncdc_boards.ulx3s.clocks import clock_plan
+from ncdc_boards.ulx3s.design import HARDWARE, design_of, sensor_for
+from ncdc_boards.ulx3s.platform import Ulx3sPlatform
+from ncdc_hdl.video.modes import MODES, mode_named
+from ncdc_model.errors import InputError
+from ncdc_model.interface.frames import BGRX8
+from ncdc_model.network import frame_coordinates
+from ncdc_model.raw_lens import raw_lens, raw_map
+
+
+def refused(capsys, *arguments):
+    """The sentence with which the command ends."""
+    assert cli.main(["build", *map(str, arguments)]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1 and lines[0].startswith("ncdc build: ")
+    return lines[0]
+
+
+@pytest.fixture
+def net(tmp_path):
+    path = tmp_path / "net.toml"
+    barrel_descriptor((64, 48), (64, 48)).save(path)
+    return path
+
+
+@pytest.mark.parametrize("size,options,said", [
+    ((64, 48), ["--mode", "100x100"], "'100x100', one of 640x480, 800x600"),
+    ((64, 48), ["--seeds", "0"], "seeds is 0, 1 to 20"),
+    ((64, 48), ["--sensor", "none"], "the sensor is 'none', known are mt9p031"),
+    ((648, 480), ["--mode", "640x480"], "648x480 pixels, the mode 640x480 does not hold it: "
+     "800x600 does"),
+    ((1024, 768), [], "1024x768 has a pixel clock of 65.00 MHz, .* 640x480 and 800x600 fit"),
+])
+def test_what_does_not_fit_is_refused_in_a_sentence(size, options, said, tmp_path, capsys):
+    path = tmp_path / "net.toml"
+    barrel_descriptor(size, (64, 48)).save(path)
+    output = tmp_path / "out"
+    assert re.search(said, refused(capsys, path, *options, "-o", output))
+    assert not output.exists()
+
+
+def test_lenses_of_other_sizes_are_refused(net, tmp_path, capsys):
+    other = tmp_path / "other.toml"
+    barrel_descriptor((64, 40), (64, 48)).save(other)
+    assert "corrected picture has 64x40" in refused(capsys, net, other)
+
+
+def test_a_missed_clock_is_named():
+    good, bad = Clock("pixel", 25.0, 80.0), Clock("core", 75.0, 60.0)
+    assert bad.slack == pytest.approx(-.25) and bad.slack_ns == pytest.approx(-10 / 3)
+    _check_clocks(Placement(1, (good,), {}), 3)
+    with pytest.raises(InputError, match="core reaches 60.0 of 75.0 MHz in the best of 3"):
+        _check_clocks(Placement(1, (good, bad), {}), 3)
+
+
+def test_what_memory_cannot_carry_is_refused():
+    """800x600 with four bytes a pixel leaves nothing for a camera; raw frames of a full sensor do
+    not fit into 32 MB."""
+    large = barrel_descriptor((800, 600), (800, 600), hidden_neurons=2)
+    sensor = sensor_for("mt9p031", large.geometry)
+    mode = mode_named("800x600")
+    design = design_of([("a", large)], sensor, mode, hardware=type(HARDWARE)(
+        **{**vars(HARDWARE), "format": BGRX8.name}))
+    with pytest.raises(InputError, match="the memory carries 120 MB/s"):
+        check_memory(design, sensor[0])
+    small = barrel_descriptor((640, 480), (640, 480), hidden_neurons=2)
+    sensor = sensor_for("mt9p031", small.geometry)
+    budget = check_memory(design_of([("a", small)], sensor, MODES[0]), sensor[0])
+    assert budget.corrected_per_second == budget.frames_per_second > 30
+    wide = barrel_descriptor((640, 480), (2400, 1800), hidden_neurons=8)
+    sensor = sensor_for("mt9p031", wide.geometry)
+    budget = check_memory(design_of([("a", wide)], sensor, MODES[0]), sensor[0])
+    assert budget.corrected_per_second <= budget.frames_per_second < 6
+
+
+def test_the_raw_lens_follows_its_inputs():
+    """To a tenth of a pixel with eight neurons; with one for y, over a sensor's whole height, to
+    some."""
+    for size, raw, neurons, limit in (((640, 480), (640, 480), 8, .1),
+                                      ((64, 48), (1280, 960), 3, 6)):
+        descriptor = barrel_descriptor(size, raw, hidden_neurons=neurons)
+        lens = raw_lens(descriptor)
+        scale = 2.0**-lens.formats.coordinate.f_bits
+        v, u = np.indices(size[::-1])
+        for axis, wanted in zip(frame_coordinates(lens), raw_map(descriptor.geometry)(u, v)):
+            assert abs(axis * scale - wanted).max() < limit
+        assert lens.valid.spans.any()
+
+
+@pytest.mark.parametrize("mode", MODES[:2], ids=lambda mode: mode.name)
+def test_clocks_are_within_the_data_sheets_limits(mode):
+    plan = clock_plan(mode)
+    for loop in (plan.core, plan.video):
+        assert 400 <= loop.oscillator_mhz <= 800
+        assert 10 <= loop.input_mhz / loop.reference <= 400
+        assert max(loop.outputs_mhz) <= 400
+    assert plan.pixel_mhz == pytest.approx(mode.pixel_mhz, rel=.005)
+    assert plan.video.outputs_mhz[0] == pytest.approx(5 * plan.pixel_mhz)
+
+
+class Blinker(Elaboratable):
+    """A counter on a light, on a clock behind a gate."""
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.clock = clock = io.Buffer("i", platform.request("clk25", dir="-"))
+        gated = Signal()
+        m.submodules.gate = Instance("DCCA", i_CLKI=clock.i, i_CE=Const(1), o_CLKO=gated)
+        m.domains.sync = ClockDomain(reset_less=True)
+        m.d.comb += ClockSignal().eq(gated)
+        count = Signal(12)
+        m.submodules.led = led = io.Buffer("o", platform.request("led", 0, dir="-"))
+        m.d.sync += count.eq(count + 1)
+        m.d.comb += led.o.eq(count[-1])
+        return m
+
+
+def test_the_flow_on_a_small_design(tmp_path):
+    """Synthesis, placement, bitstream; the clock is known by our name, with its target."""
+    plan = Ulx3sPlatform().prepare(Blinker(), "blinker")
+    files = {name: text if isinstance(text, str) else text.decode()
+             for name, text in plan.files.items()}
+    netlist = synthesise_board(files["blinker.il"], "blinker", tmp_path)
+    nets = clock_nets(netlist, {"core": ("gate", "CLKO")})
+    preferences = files["blinker.lpf"] + clock_preferences(nets, {"core": 25.0})
+    placement = place(tmp_path, preferences, nets, 1)
+    assert [(clock.name, clock.target_mhz) for clock in placement.clocks] == [("core", 25)]
+    assert placement.slack > .5
+    report = json.loads((tmp_path / "1.json").read_text())
+    assert placement_of(1, report, {}).clocks[0].name != "core"
+    bits = pack(tmp_path, 1)
+    # Lattice's bitstreams have this word before the first command.
+    assert b"\xff\xff\xbd\xb3" in bits and b"LFE5U-85F" in bits[:200]

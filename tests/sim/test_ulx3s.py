@@ -1,0 +1,133 @@
+"""A whole ULX3S in simulation: what the monitor at its connector sees, of what the sensor sends."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import ncdc_boards.ulx3s.top as top
+from cameras import barrel_descriptor
+from ncdc_boards.ulx3s.design import HARDWARE, design_of, sensor_for
+from ncdc_hdl.video.modes import VideoMode, mode_named
+from ncdc_model.corrector import correct
+from ncdc_model.raw_lens import raw_lens
+from ncdc_model.sensors.level import levelled
+from ncdc_sim.board.ulx3s import simulate_ulx3s
+from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.sensor.verilog import Light
+
+WIDTH, HEIGHT = 64, 24
+SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
+
+
+class Bench:
+    """A design for two lenses, the light on its sensor, and the golden pictures of that."""
+
+    def __init__(self, mode, size, *, frames=6, **more):
+        self.mode, self.size = mode, size
+        lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
+        self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100)
+        setup, (left, top) = self.sensor
+        self.design = design_of([("a", lenses[0]), ("b", lenses[1])], self.sensor, mode,
+                                power_up_us=20, waits=False, **more)
+        noise = np.random.default_rng(1).integers(0, 4096, (frames, size[1] + 4, size[0] + 4),
+                                                  dtype=np.uint16)
+        self.light = Light(noise)
+        raw = levelled(raw_frames(setup, self.light), setup.sensor.black)
+        self.raw = raw[:, top:top + size[1], left:left + size[0]]
+        self.lenses = [*lenses, raw_lens(lenses[0])]
+
+    def run(self, run_us, **more):
+        return simulate_ulx3s(self.design, "mt9p031", self.light, run_us=run_us, **more)
+
+    def golden(self, lens):
+        """Pictures of all raw frames."""
+        strip = self.design.system.hardware.strip
+        return [correct(self.lenses[lens], raw, strip=strip).picture for raw in self.raw]
+
+    def inside(self, frame):
+        """The picture in a screen's frame, after a check that all around it is black."""
+        (width, height), (wide, high) = self.size, self.mode.size
+        left, top = (wide - width) // 2, (high - height) // 2
+        inner = frame[top:top + height, left:left + width]
+        assert frame.shape == (high, wide, 3)
+        assert int(frame.sum()) == int(inner.sum())
+        return inner
+
+    def shown(self, run, lens=0):
+        """Number of the raw frame that each frame of the screen shows whole, None if black.
+
+        A frame that is neither fails.
+        """
+        golden, numbers = self.golden(lens), []
+        for frame in run.screen.frames:
+            inner = self.inside(frame)
+            same = [k for k, picture in enumerate(golden) if np.array_equal(inner, picture)]
+            assert same or not inner.any(), "a frame of the screen is no frame of the sensor"
+            numbers.append(same[0] if same else None)
+        return numbers
+
+
+def check(bench, run):
+    """What holds for every run: sync times, rules of the SDRAM, and no frame too late."""
+    mode = bench.mode
+    assert run.screen.horizontal == {mode.horizontal} and run.screen.vertical == {mode.vertical}
+    assert run.screen.high == (mode.high, mode.high)
+    assert run.pixel_clock_ps == pytest.approx(1e6 / mode.pixel_mhz, rel=.005)
+    results = run.results
+    assert not any(results[name] for name in (
+        "violations", "monitor_errors", "underruns", "failures"))
+    assert results["refreshes"] > 0 and results["beats_written"] > 0
+
+
+@pytest.fixture(scope="module")
+def small():
+    return Bench(SMALL, (WIDTH, HEIGHT))
+
+
+def test_the_screen_shows_the_golden_models_frames(small):
+    run = small.run(9000, optimise="-O1")
+    check(small, run)
+    numbers = small.shown(run)
+    first = next(k for k, number in enumerate(numbers) if number is not None)
+    assert None not in numbers[first:], "black after the first frame"
+    assert numbers[first:] == sorted(numbers[first:])
+    assert len(set(numbers[first:])) >= 3
+
+
+@pytest.mark.regress
+def test_buttons_choose_lens_and_raw_picture(small):
+    """The next frame behind a press has another lens, whole; frames before are the first lens's."""
+    run = small.run(60_000, presses={"press_following_us": 12_000, "press_raw_us": 36_000,
+                                     "hold_us": 15_000})
+    check(small, run)
+    golden = [small.golden(lens) for lens in range(3)]
+    lenses = []
+    for frame in run.screen.frames:
+        inner = small.inside(frame)
+        if inner.any():
+            same = [k for k in range(3) if any(np.array_equal(inner, g) for g in golden[k])]
+            assert same, "a frame of two lenses"
+            lenses.append(same[0])
+    assert [k for k, before in zip(lenses, [None, *lenses]) if k != before] == [0, 1, 2]
+
+
+@pytest.mark.regress
+def test_data_taken_a_clock_too_early_are_seen(small, monkeypatch):
+    """As if a register in the pins' cells had been forgotten: no golden picture comes."""
+    monkeypatch.setattr(top, "_WIRES_LATE", 1)
+    with pytest.raises(AssertionError):
+        run = small.run(9000, optimise="-O1")
+        check(small, run)
+        small.shown(run)
+
+
+@pytest.mark.regress
+def test_640x480():
+    """The whole picture at 60 Hz, beside a camera and a corrector at work."""
+    bench = Bench(mode_named("640x480"), (640, 480), frames=4,
+                  hardware=replace(HARDWARE, strip=256))
+    run = bench.run(190_000, optimise="-O2")
+    check(bench, run)
+    numbers = [number for number in bench.shown(run) if number is not None]
+    assert len(set(numbers)) >= 3
