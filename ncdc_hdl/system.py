@@ -5,7 +5,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect
 from amaranth.utils import exact_log2
 
-from ncdc_hdl.avalon.bus import Agent, WriteHost
+from ncdc_hdl.avalon.bus import PENDING, Agent, WriteHost
 from ncdc_hdl.avalon.write_arbiter import WriteArbiter
 from ncdc_hdl.camera.capture import Capture
 from ncdc_hdl.camera.frame_store import FrameStore
@@ -65,7 +65,8 @@ class System(wiring.Component):
         self.descriptor, self.hardware = descriptor, self.corrector.hardware
         self.stores = stores_for(self.hardware, readers)
         self.table = system_registers(self.stores)
-        self.capture = Capture(self.hardware.data_width, burst=_BURST)
+        self.pending = PENDING if self.hardware.axi else 0
+        self.capture = Capture(self.hardware.data_width, burst=_BURST, pending=self.pending)
         self.raw = FrameStore(1 + readers, looks=2)
         self.corrected = None if self.hardware.stream else FrameStore(readers)
         ports = flat("csr", Agent(SYSTEM_WORDS_BITS), In) | {"sensor_clock": In(1)}
@@ -73,7 +74,7 @@ class System(wiring.Component):
         ports |= {"scl_low": Out(1), "sda_low": Out(1), "scl": In(1), "sda": In(1)}
         ports |= {name: member for name, member in self.corrector.signature.members.items()
                   if name.startswith(("read", "stream_"))}
-        ports |= flat("write", WriteHost(self.hardware.data_width, _BURST), Out)
+        ports |= flat("write", WriteHost(self.hardware.data_width, _BURST, self.pending), Out)
         super().__init__(ports | {"memory_rst": In(1), "irq": Out(1), "front_end_idle": Out(1)})
 
     def elaborate(self, platform):
@@ -136,7 +137,8 @@ class System(wiring.Component):
         hosts = [capture.bus]
         if not self.hardware.stream:
             hosts.append(ports_as(corrector, "write", capture.bus.signature))
-        m.submodules.writes = writes = WriteArbiter(self.hardware.data_width, _BURST, len(hosts))
+        m.submodules.writes = writes = WriteArbiter(self.hardware.data_width, _BURST, len(hosts),
+                                                  self.pending)
         for k, host in enumerate(hosts):
             connect(m, host, writes.hosts[k])
         m.d.comb += [writes.memory_rst.eq(self.memory_rst), writes.urgent.eq(capture.half_full)]

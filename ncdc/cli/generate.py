@@ -3,11 +3,13 @@
 from pathlib import Path
 
 from ncdc.cli.common import add_json, write_report
-from ncdc.cli.hardware import add_hardware, fixed_of, front_end_line, hardware_of, planned
+from ncdc.cli.hardware import add_bus, add_hardware, fixed_of, front_end_line, hardware_of, planned
 from ncdc_boards.catalogue import board as board_of
 from ncdc_boards.catalogue import board_names
 from ncdc_boards.project import check_board, project_files
+from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.axi import axi_files
 from ncdc_hdl.export.fusesoc import fusesoc_core
 from ncdc_hdl.export.platform_designer import COMPONENT, hw_tcl
 from ncdc_hdl.export.registers.drivers import driver_files
@@ -30,6 +32,7 @@ def add_arguments(parser):
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
     add_hardware(parser)
+    add_bus(parser)
     parser.add_argument("--lens", action="append", default=[], metavar="NET",
                         help="another descriptor that the same hardware may be given at run time, "
                              "for the drivers; may be repeated")
@@ -54,13 +57,14 @@ def run(args):
     if args.system and board:
         raise InputError(f"--system and --board {args.board} are given, the projects of boards "
                          f"have no camera yet")
+    if hardware.axi and board:
+        raise InputError(f"--bus axi and --board {args.board} are given, the projects of boards "
+                         f"are for avalon")
     hardware, choice = planned(hardware, fixed_of(args), descriptor)
     if args.system:
         system = System(descriptor, hardware)
         corrector = system.corrector
-        files = {f"{SYSTEM}.v": system_verilog(system),
-                 **driver_files(corrector, lenses, system.table),
-                 f"{SYSTEM}.vlt": verilator_config(SYSTEM, SYSTEM_WAIVERS)}
+        files = _system_files(system, lenses)
     else:
         corrector = Corrector(descriptor, hardware)
         files = _corrector_files(corrector, lenses)
@@ -84,8 +88,19 @@ def run(args):
             print(f"left to the user: {what}: {why}")
 
 
+def _system_files(system, lenses):
+    """Text of what belongs to a camera system, by file name."""
+    drivers = driver_files(system.corrector, lenses, system.table)
+    if system.hardware.axi:
+        return axi_files(AxiTop(system)) | drivers
+    return {f"{SYSTEM}.v": system_verilog(system), **drivers,
+            f"{SYSTEM}.vlt": verilator_config(SYSTEM, SYSTEM_WAIVERS)}
+
+
 def _corrector_files(corrector, lenses):
     """Text of what belongs to a corrector alone, by file name."""
+    if corrector.hardware.axi:
+        return axi_files(AxiTop(corrector)) | driver_files(corrector, lenses)
     return {f"{TOP}.v": verilog_of(corrector),
             **driver_files(corrector, lenses), f"{TOP}.core": fusesoc_core(corrector, TOP),
             f"{COMPONENT}_hw.tcl": hw_tcl(corrector), f"{TOP}.vlt": verilator_config()}

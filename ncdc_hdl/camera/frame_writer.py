@@ -50,6 +50,8 @@ class FrameWriter(wiring.Component):
         To a burst writer; each row's last word is an ``end`` and a ``last``.
     done : ``In(1)``
         The memory has taken the last word of one more row, in order.
+    failed : ``In(1)``
+        The memory has answered that a write of this frame failed: it is bad.
     rows : ``Out(SIZE_BITS)``
         Rows of the frame that are in memory.
     counts : ``Out(COUNTS)``
@@ -59,7 +61,7 @@ class FrameWriter(wiring.Component):
         super().__init__({
             "i": In(stream.Signature(ENTRY)), "place": In(PLACE), "limit": In(32),
             "begins": Out(1), "ends": Out(1), "good": Out(1),
-            "o": Out(stream.Signature(word_layout(data_width))), "done": In(1),
+            "o": Out(stream.Signature(word_layout(data_width))), "done": In(1), "failed": In(1),
             "rows": Out(SIZE_BITS), "counts": Out(COUNTS),
         })
 
@@ -116,6 +118,8 @@ class FrameWriter(wiring.Component):
                     m.d.comb += [self.ends.eq(1),
                                  self.good.eq(clean & ~wrong & (rows == place.height))]
                     m.next = "BETWEEN"
+        with m.If(self.failed):
+            m.d.sync += wrong.eq(1)
         last = samples & row_end & (rows < place.height) & fits | close
         self._words(m, samples & (rows < place.height) & fits, last, column, row)
         self._place(m, last, column, row, fits, moved)
