@@ -22,7 +22,7 @@ from ncdc_model.interface.frames import check_format, output_format
 from ncdc_model.nodes import row_nodes
 
 __all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes", "choice_line",
-           "fixed_of",           "front_end_line", "hardware_of", "planned"]
+           "fixed_of", "front_end_line", "hardware_of", "planned"]
 
 _LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
 
