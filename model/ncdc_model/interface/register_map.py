@@ -8,14 +8,14 @@ from ncdc_model.interface.white_balance import GAIN_BITS
 from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_model.tone import NODE_BITS, NODE_PLACES
 
-__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "COLOUR_COUNTERS",
-           "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START",
-           "FAULT_ALIGNMENT", "FAULT_FORMAT", "FAULT_MEMORY", "FAULT_SIZE", "FAULT_SOURCE",
-           "FAULT_TARGET", "Flag", "ID", "INTERPOLATION_BITS", "NODES", "OUTSIDE_DIGEST", "Register", "SKIP",
-           "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE",
-           "STATUS_FAULT", "STATUS_PENDING",
-           "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
-           "registers"]
+__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabilities",
+           "COLOUR_COUNTERS", "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "counters",
+           "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "FAULT_ALIGNMENT", "FAULT_FORMAT",
+           "FAULT_MEMORY", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID",
+           "INTERPOLATION_BITS", "network_registers", "NODES", "OUTSIDE_DIGEST",
+           "Register", "registers", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
+           "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT",
+           "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "VERSION"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
