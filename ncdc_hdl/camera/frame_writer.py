@@ -80,9 +80,7 @@ class FrameWriter(wiring.Component):
         row, fits, moved = Signal(ADDRESS_BITS), Signal(), Signal()     # see _place
         new = i.valid & (i.p.kind == Kind.BEGIN)        # a frame begins as soon as it is taken
         m.d.comb += [word_room.eq(~o.valid | o.ready), frame_end.eq(i.p.kind == Kind.END)]
-        m.d.sync += idle.eq(Mux(i.valid, 0, idle + 1))
-        with m.If(self.done):
-            m.d.sync += self.rows.eq(self.rows + 1)
+        m.d.sync += [idle.eq(Mux(i.valid, 0, idle + 1)), self.rows.eq(self.rows + self.done)]
         with m.FSM():
             with m.State("BETWEEN"):
                 m.d.comb += [i.ready.eq(1), self.begins.eq(new)]

@@ -1,6 +1,6 @@
 // Protocol checker of one AXI4 manager's port, all five channels.
 //
-// Each breach counts in `errors`; the first 20 print "AXI-ERROR <port> <rule> <time>":
+// Each breach counts in `errors`; the first 40 print "AXI-ERROR <port> <rule> <time>":
 //   held             once valid is high, valid and its payload stay until ready, of each channel
 //   in-reset         no valid of the manager in reset, but for its first two clocks
 //   burst            INCR, of whole words, aligned, of at most MAX_BURST, not exclusive, ID 0
@@ -20,7 +20,7 @@ module axi_checker #(
     parameter NAME = "port",
     parameter DATA_WIDTH = 32,
     parameter MAX_BURST = 16,
-    parameter PENDING = 16
+    parameter PENDING = 4
 ) (
     input  wire                    clk,
     input  wire                    resetn,
@@ -72,7 +72,7 @@ module axi_checker #(
 
     task breach(input [8*16-1:0] rule);
         begin
-            if (errors < 20)
+            if (errors < 40)
                 $display("AXI-ERROR %0s %0s %0t", NAME, rule, $time);
             errors = errors + 1;
         end
