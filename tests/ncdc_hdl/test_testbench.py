@@ -77,9 +77,9 @@ def flipped(verilog):
     """``verilog`` with a bit of a hidden neuron's weight turned over, of about a tenth of a pixel."""
     def turned(match):
         return f"{match[1]}{int(match[2], 16) ^ 1 << 12:0{len(match[2])}x};"
-    text, count = re.subn(r"(^  reg \[\d+:0\] hidden0_weight_x = \d+'h)(\w+);", turned, verilog,
-                          count=1, flags=re.MULTILINE)
-    assert count == 1
+    # Where it is declared, and where a reset sets it.
+    text, count = re.subn(r"(\bhidden0_weight_x (?:<?=) \d+'h)(\w+);", turned, verilog)
+    assert count == 2
     return text
 
 
