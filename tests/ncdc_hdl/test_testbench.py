@@ -74,7 +74,7 @@ def test_a_flipped_weight_makes_it_fail(name, net, tmp_path):
 
 
 def flipped(verilog):
-    """``verilog`` with a bit of a hidden neuron's weight turned over, of about a tenth of a pixel."""
+    """``verilog`` with a bit of a hidden neuron's weight turned over, a twentieth of a pixel."""
     def turned(match):
         return f"{match[1]}{int(match[2], 16) ^ 1 << 12:0{len(match[2])}x};"
     # Where it is declared, and where a reset sets it.
