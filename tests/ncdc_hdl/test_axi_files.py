@@ -119,7 +119,7 @@ class Registers:
         self.names, self.at, self.written = names, names.OFFSET, []
         self.words = {self.at["ID"]: names.ID_VALUE, self.at["LARGEST"]: 16 | 12 << 16,
                       self.at["NEURONS"]: 2,
-                      self.at["CAPABILITIES"]: names.VERSION | 4 << 16 | 0xE00}
+                      self.at["CAPABILITIES"]: names.VERSION | 4 << 16 | 0x1E00}
 
     def __iter__(self):
         return iter((self.read, self.write))
