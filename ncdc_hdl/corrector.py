@@ -3,9 +3,10 @@
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.burst_writer import BurstWriter
-from ncdc_hdl.avalon.bus import Agent
+from ncdc_hdl.avalon.bus import PENDING, Agent
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
@@ -25,6 +26,7 @@ from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.checks import Checks
 from ncdc_hdl.registers.weight_store import in_memory
 from ncdc_model.fetch.corrector_timing import CorrectorTiming
+from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.host_values import host_values
 from ncdc_model.interface.register_map import (
@@ -64,6 +66,11 @@ class Corrector(wiring.Component):
     stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
         video stream, red in the top byte of 24 bits per pixel, the leftmost pixel in the lowest
         (output "stream")
+    stream_endofline : ``Out(1)``
+        The last group of a row, or of a frame; of hardware for AXI with the output "stream".
+    read_failed : ``In(1)``
+        The memory answers a read with an error; of hardware for AXI. Its write host expects an
+        answer to each burst.
     memory_rst : ``In(1)``
         The memory is in reset, or what is between the two, and forgets what it has accepted. To be
         high together with the corrector's own reset; either may come and go first, as long as
@@ -116,11 +123,15 @@ class Corrector(wiring.Component):
         for r in range(self.fetch.ports):
             ports |= flat(f"read{r}", getattr(self.fetch, f"bus{r}").signature, Out)
         if not hardware.stream:
-            self.writer = BurstWriter(data_width, burst=_WRITE_BURST)
+            self.writer = BurstWriter(data_width, burst=_WRITE_BURST,
+                                      pending=PENDING if hardware.axi else 0)
             ports |= flat("write", self.writer.bus.signature, Out)
         else:
             ports |= {"stream_valid": Out(1), "stream_ready": In(1), "stream_data": Out(24 * lanes),
                       "stream_startofpacket": Out(1), "stream_endofpacket": Out(1)}
+            ports |= {"stream_endofline": Out(1)} if hardware.axi else {}
+        if hardware.axi:
+            ports |= {"read_failed": In(1)}
         if runs:
             ports |= {"run": In(RUN)}
         super().__init__(ports | {"memory_rst": In(1), "irq": Out(1), "camera_rows": In(SIZE),
@@ -209,10 +220,27 @@ class Corrector(wiring.Component):
                 self.stream_endofpacket.eq(pixels.p.last),
                 registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last),
             ]
+        if self.hardware.axi:
+            self._axi(m, active, pixels)
         self._counters(m, begun, pixels)
         if self.hardware.colour:
             self._colour(m, active, begun)
         return m
+
+    def _axi(self, m, active, pixels):
+        """What AXI has beyond Avalon: errors of the memory, ends of lines."""
+        failed = self.read_failed
+        if not self.hardware.stream:
+            failed = failed | self.writer.failed
+        else:
+            # Groups of a row behind the present one: a frame's size rests until its last pixel.
+            left, of_row = Signal(range(MAX_SIZE)), Signal(range(MAX_SIZE))
+            m.d.sync += of_row.eq((active.CORRECTED_WIDTH >> exact_log2(self.hardware.lanes)) - 1)
+            behind = Mux(pixels.p.first, of_row, left)
+            m.d.comb += self.stream_endofline.eq((behind == 0) | pixels.p.last)
+            with m.If(pixels.valid & pixels.ready):
+                m.d.sync += left.eq(Mux(behind == 0, of_row, behind - 1))
+        m.d.comb += self.registers.faults.memory.eq(failed)
 
     def _active(self, m):
         """The set of registers that frames see: in places of their own, if they run by itself."""

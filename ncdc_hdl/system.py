@@ -5,7 +5,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect
 from amaranth.utils import exact_log2
 
-from ncdc_hdl.avalon.bus import Agent, WriteHost
+from ncdc_hdl.avalon.bus import PENDING, Agent, WriteHost
 from ncdc_hdl.avalon.write_arbiter import WriteArbiter
 from ncdc_hdl.camera.capture import Capture
 from ncdc_hdl.camera.frame_store import FrameStore
@@ -79,7 +79,8 @@ class System(wiring.Component):
         self.descriptor, self.hardware = descriptor, self.corrector.hardware
         self.stores = stores_for(self.hardware, readers, screens)
         self.table = system_registers(self.stores)
-        self.capture = Capture(self.hardware.data_width, burst=_BURST)
+        self.pending = PENDING if self.hardware.axi else 0
+        self.capture = Capture(self.hardware.data_width, burst=_BURST, pending=self.pending)
         self.raw = FrameStore(1 + readers, looks=2)
         self.corrected = None if self.hardware.stream else FrameStore(readers + screens)
         ports = flat("csr", Agent(SYSTEM_WORDS_BITS), In) | {"sensor_clock": In(1)}
@@ -87,7 +88,7 @@ class System(wiring.Component):
         ports |= {"scl_low": Out(1), "sda_low": Out(1), "scl": In(1), "sda": In(1)}
         ports |= {name: member for name, member in self.corrector.signature.members.items()
                   if name.startswith(("read", "stream_"))}
-        ports |= flat("write", WriteHost(self.hardware.data_width, _BURST), Out)
+        ports |= flat("write", WriteHost(self.hardware.data_width, _BURST, self.pending), Out)
         if screens:
             ports |= flat("screen", SCREEN, In)
             ports |= {"screen_shown": In(32), "screen_underruns": In(32)}
@@ -155,7 +156,8 @@ class System(wiring.Component):
         hosts = [capture.bus]
         if not self.hardware.stream:
             hosts.append(ports_as(corrector, "write", capture.bus.signature))
-        m.submodules.writes = writes = WriteArbiter(self.hardware.data_width, _BURST, len(hosts))
+        m.submodules.writes = writes = WriteArbiter(self.hardware.data_width, _BURST, len(hosts),
+                                                  self.pending)
         for k, host in enumerate(hosts):
             connect(m, host, writes.hosts[k])
         m.d.comb += [writes.memory_rst.eq(self.memory_rst), writes.urgent.eq(capture.half_full)]

@@ -9,7 +9,7 @@ from ncdc_model.interface.frames import BGRX8, OUTPUT_FORMATS, check_format, out
 from ncdc_model.interpolation import FAST
 from ncdc_model.nodes import row_nodes
 
-__all__ = ["DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
+__all__ = ["BUSES", "DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
            "NODE_CLOCKS", "OUTPUTS", "Hardware", "check_lanes"]
 
 DATA_WIDTHS = (32, 64, 128)
@@ -19,6 +19,7 @@ HIDDEN = ("multiply", "raster")
 MULTIPLIER_BITS = (27, 18)
 LANES = (1, 2, 4)
 FORMATS = tuple(OUTPUT_FORMATS)
+BUSES = ("avalon", "axi")
 NODE_CLOCKS = 2         # that a node takes at least: its scan adds up the next one meanwhile
 
 
@@ -60,6 +61,8 @@ class Hardware:
         no pixel, and sums of the colours.
     format : str
         Name of the ``OutputFormat`` of pixels in memory, after configuration.
+    bus : str
+        "avalon": ports for Avalon-MM and Avalon-ST; "axi": for AXI4, AXI4-Lite and AXI4-Stream.
 
     Raises
     ------
@@ -79,6 +82,7 @@ class Hardware:
     lanes: int = 1
     colour: bool = False
     format: str = BGRX8.name
+    bus: str = BUSES[0]
 
     def __post_init__(self):
         for name, value, choices in (
@@ -86,7 +90,8 @@ class Hardware:
                 ("the output", self.output, OUTPUTS), ("fetch", self.fetcher, FETCHERS),
                 ("hidden", self.hidden, HIDDEN),
                 ("multiplier bits", self.multiplier_bits, MULTIPLIER_BITS),
-                ("pixels per clock", self.lanes, LANES), ("the format", self.format, FORMATS)):
+                ("pixels per clock", self.lanes, LANES), ("the format", self.format, FORMATS),
+                ("the bus", self.bus, BUSES)):
             if value not in choices:
                 raise InputError(f"{name} is {value!r}, one of {', '.join(map(str, choices))} is "
                                  f"needed")
@@ -106,6 +111,11 @@ class Hardware:
     def stream(self):
         """Whether corrected pixels leave as a video stream."""
         return self.output == "stream"
+
+    @property
+    def axi(self):
+        """Whether its ports are those of AXI."""
+        return self.bus == "axi"
 
     @property
     def cached(self):
@@ -218,7 +228,7 @@ class Hardware:
                 "data_width": self.data_width, "output": self.output, "hidden": self.hidden,
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
                 "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
-                "colour": self.colour}
+                "colour": self.colour, "bus": self.bus}
 
     def options(self, geometry):
         """The options of ``ncdc generate`` that choose this, for a camera of ``geometry``."""
@@ -229,7 +239,8 @@ class Hardware:
                 f"--hidden {self.hidden}", f"--share {self.share}",
                 f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}",
                 *([] if self.stream else [f"--format {self.format}"]),
-                *(["--colour"] if self.colour else [])]
+                *(["--colour"] if self.colour else []),
+                *([f"--bus {self.bus}"] if self.axi else [])]
 
 
 def check_lanes(width, lanes):

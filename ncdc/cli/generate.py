@@ -1,25 +1,34 @@
 """``ncdc generate``: writes the corrector's Verilog and what belongs to it."""
 
+from argparse import Namespace
 from pathlib import Path
 
-from ncdc.cli.common import add_json, write_report
-from ncdc.cli.hardware import add_hardware, fixed_of, front_end_line, hardware_of, planned
+from ncdc.cli.common import add_json, raw_frame, write_report
+from ncdc.cli.hardware import add_bus, add_hardware, fixed_of, front_end_line, hardware_of, planned
 from ncdc_boards.catalogue import board as board_of
 from ncdc_boards.catalogue import board_names
 from ncdc_boards.project import check_board, project_files
+from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.axi import axi_files
 from ncdc_hdl.export.fusesoc import fusesoc_core
 from ncdc_hdl.export.platform_designer import COMPONENT, hw_tcl
 from ncdc_hdl.export.registers.drivers import driver_files
+from ncdc_hdl.export.testbench import bench_files, instantiation
+from ncdc_hdl.export.testbench.bench import pattern
 from ncdc_hdl.export.verilog import TOP, verilog_of
+from ncdc_hdl.export.verilog.axi_cover import AXI_SYSTEM, AXI_TOP
 from ncdc_hdl.export.verilog.system_cover import SYSTEM, system_verilog
 from ncdc_hdl.export.waivers import SYSTEM_WAIVERS, verilator_config
 from ncdc_hdl.system import System
+from ncdc_model.corrector import check_raw
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.files import write_text
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+_MODULES = [f"{name}.v" for name in (TOP, AXI_TOP, SYSTEM, AXI_SYSTEM)]
 
 HELP = "write the Verilog of the corrector and its drivers"
 EXAMPLE = "ncdc generate net.toml -o hardware --data-width 32"
@@ -30,6 +39,7 @@ def add_arguments(parser):
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
     add_hardware(parser)
+    add_bus(parser)
     parser.add_argument("--lens", action="append", default=[], metavar="NET",
                         help="another descriptor that the same hardware may be given at run time, "
                              "for the drivers; may be repeated")
@@ -40,6 +50,9 @@ def add_arguments(parser):
     parser.add_argument("--system", action="store_true",
                         help="write ncdc_system.v instead: a camera and stores of frames before "
                              "the corrector, which corrects each frame by itself")
+    parser.add_argument("--testbench", nargs="?", const="", metavar="FRAME",
+                        help="write a self-checking test bench for any simulator too, with the raw "
+                             "frame and the expected picture; of FRAME, or of a pattern")
     add_json(parser)
 
 
@@ -54,16 +67,24 @@ def run(args):
     if args.system and board:
         raise InputError(f"--system and --board {args.board} are given, the projects of boards "
                          f"have no camera yet")
+    if hardware.axi and board:
+        raise InputError(f"--bus axi and --board {args.board} are given, the projects of boards "
+                         f"are for avalon")
     hardware, choice = planned(hardware, fixed_of(args), descriptor)
+    if args.system and args.testbench is not None:
+        raise InputError("--testbench and --system are given, the test bench is of a corrector "
+                         "alone")
     if args.system:
         system = System(descriptor, hardware)
         corrector = system.corrector
-        files = {f"{SYSTEM}.v": system_verilog(system),
-                 **driver_files(corrector, lenses, system.table),
-                 f"{SYSTEM}.vlt": verilator_config(SYSTEM, SYSTEM_WAIVERS)}
+        files = _system_files(system, lenses)
     else:
         corrector = Corrector(descriptor, hardware)
         files = _corrector_files(corrector, lenses)
+        if args.testbench is not None:
+            files |= _bench(corrector, files, args.testbench)
+    [module] = [name.removesuffix(".v") for name in files if name in _MODULES]
+    files[f"{module}_template.vh"] = instantiation(files[f"{module}.v"], module)
     if board:
         files |= project_files(board, corrector)
     folder = Path(args.output)
@@ -84,8 +105,30 @@ def run(args):
             print(f"left to the user: {what}: {why}")
 
 
+def _system_files(system, lenses):
+    """Text of what belongs to a camera system, by file name."""
+    drivers = driver_files(system.corrector, lenses, system.table)
+    if system.hardware.axi:
+        return axi_files(AxiTop(system)) | drivers
+    return {f"{SYSTEM}.v": system_verilog(system), **drivers,
+            f"{SYSTEM}.vlt": verilator_config(SYSTEM, SYSTEM_WAIVERS)}
+
+
+def _bench(corrector, generated, frame):
+    """Text of the test bench, by file name; of the raw frame in the file ``frame``, if it names
+    one."""
+    module, geometry = AXI_TOP if corrector.hardware.axi else TOP, corrector.descriptor.geometry
+    raw = pattern(geometry)
+    if frame:
+        raw, _ = raw_frame(Namespace(image=frame, raw=None, bits=None), geometry)
+        check_raw(raw, geometry)
+    return bench_files(corrector, generated[f"{module}.v"], module, raw)
+
+
 def _corrector_files(corrector, lenses):
     """Text of what belongs to a corrector alone, by file name."""
+    if corrector.hardware.axi:
+        return axi_files(AxiTop(corrector)) | driver_files(corrector, lenses)
     return {f"{TOP}.v": verilog_of(corrector),
             **driver_files(corrector, lenses), f"{TOP}.core": fusesoc_core(corrector, TOP),
             f"{COMPONENT}_hw.tcl": hw_tcl(corrector), f"{TOP}.vlt": verilator_config()}

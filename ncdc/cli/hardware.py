@@ -7,6 +7,7 @@ from ncdc_model.fetch.lookups import frame_windows
 from ncdc_model.fetch.plan import Fixed, choose
 from ncdc_model.fetch.traffic import distinct_bytes
 from ncdc_model.hardware import (
+    BUSES,
     DATA_WIDTHS,
     FETCHERS,
     FORMATS,
@@ -20,8 +21,8 @@ from ncdc_model.hardware import (
 from ncdc_model.interface.frames import check_format, output_format
 from ncdc_model.nodes import row_nodes
 
-__all__ = ["add_fixed", "add_format", "add_hardware", "add_lanes", "choice_line", "fixed_of",
-           "front_end_line", "hardware_of", "planned"]
+__all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes", "choice_line",
+           "fixed_of", "front_end_line", "hardware_of", "planned"]
 
 _LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
 
@@ -80,6 +81,13 @@ def add_hardware(parser):
                              "pixel until they are written, and sums of a frame's colours")
 
 
+def add_bus(parser):
+    """Declare the option --bus."""
+    parser.add_argument("--bus", choices=BUSES, default=BUSES[0],
+                        help="ports for Avalon-MM and Avalon-ST (avalon, default), or for AXI4, "
+                             "AXI4-Lite and AXI4-Stream (axi); same results")
+
+
 def fixed_of(args, strip=None):
     """:class:`Fixed` of a command's options; ``strip`` counts where they leave it open."""
     return Fixed(args.cache_bytes, args.cache_split, strip if args.strip is None else args.strip)
@@ -98,6 +106,7 @@ def hardware_of(args, board=None):
         chosen = {name: offered[name] if value is None else value for name, value in chosen.items()}
     return Hardware(fetcher=args.fetch, hidden=args.hidden, share=args.share,
                     lanes=args.pixels_per_clock, format=args.format, colour=args.colour,
+                    bus=getattr(args, "bus", BUSES[0]),
                     **{name: value for name, value in chosen.items() if value is not None})
 
 

@@ -31,12 +31,18 @@ class BurstWriter(wiring.Component):
     no byte enabled. A memory that is reset itself expects none: ``memory_rst`` ends the burst, and
     keeps others from beginning. It goes with a reset of the writer, some clocks earlier or later.
 
+    Behind a memory that answers writes (``pending``) a frame is done with the answer to its last
+    burst: before it, another port of the memory might still read what was there. Answers to bursts
+    of before a reset are still counted, and end no frame behind it.
+
     Parameters
     ----------
     data_width : int
         Bits of a word.
     burst : int
         Words of a burst, at most; the queue holds twice as many.
+    pending : int
+        Bursts that may wait for their answer; 0: the memory gives none.
 
     Members
     -------
@@ -46,20 +52,22 @@ class BurstWriter(wiring.Component):
     memory_rst : ``In(1)``
         The memory forgets the burst that has begun.
     done : ``Out(1)``
-        High for one clock when the memory has accepted the last word.
-    bus : ``Out(WriteHost(data_width, burst))``
+        High for one clock when the memory has accepted the last word, or answered its burst.
+    failed : ``Out(1)``
+        High for one clock when the memory answers that a burst has failed.
+    bus : ``Out(WriteHost(data_width, burst, pending))``
     """
 
     latency = 2 + 1
     """Clocks from a burst's last word at ``i`` to its first one on the bus: queues, registers."""
 
-    def __init__(self, data_width, *, burst):
-        self.data_width, self.burst = data_width, burst
+    def __init__(self, data_width, *, burst, pending=0):
+        self.data_width, self.burst, self.pending = data_width, burst, pending
         super().__init__({
             "i": In(stream.Signature(word_layout(data_width))),
             "memory_rst": In(1),
-            "done": Out(1),
-            "bus": Out(WriteHost(data_width, burst)),
+            "done": Out(1), "failed": Out(1),
+            "bus": Out(WriteHost(data_width, burst, pending)),
         })
 
     @staticmethod
@@ -117,16 +125,17 @@ class BurstWriter(wiring.Component):
             self.bus.byteenable.eq(beat.enable),
             self.bus.address.eq(command.address), self.bus.burstcount.eq(command.count),
             none.eq(burst.count == 0),
-            self.done.eq((write & ~self.bus.waitrequest & (left == 0) | nothing) & frame_end),
         ]
+        accepted = write & ~self.bus.waitrequest & (left == 0)
+        may_begin = self._answers(m, burst_queue, burst, write, frame_end, accepted, nothing)
         with m.If(self.memory_rst):
             m.d.sync += [write.eq(0), left.eq(0), frame_end.eq(0), nothing.eq(0)]
         with m.Elif(~write | ~self.bus.waitrequest):
             m.d.sync += [write.eq(0), nothing.eq(0), beat.eq(word)]
             with m.If(left == 0):
-                m.d.comb += burst_queue.r_en.eq(1)
+                m.d.comb += burst_queue.r_en.eq(may_begin)
                 m.d.sync += frame_end.eq(0)
-                with m.If(burst_queue.r_rdy):
+                with m.If(burst_queue.r_rdy & may_begin):
                     m.d.comb += word_queue.r_en.eq(~none)
                     m.d.sync += [command.eq(burst), left.eq(Mux(none, 0, burst.count - 1)),
                                  write.eq(~none), nothing.eq(none), known.eq(1),
@@ -136,3 +145,29 @@ class BurstWriter(wiring.Component):
                 m.d.sync += [write.eq(1), left.eq(left - 1)]
                 with m.If(forgotten):
                     m.d.sync += beat.enable.eq(0)
+
+    def _answers(self, m, burst_queue, burst, write, frame_end, accepted, nothing):
+        """When a frame is done, and whether the next burst may begin now.
+
+        ``accepted``: the last word of the burst on the bus is; ``nothing``: there was a burst of no
+        word, which begins only when no answer is due, as nobody answers it.
+        """
+        if not self.pending:
+            m.d.comb += self.done.eq((accepted | nothing) & frame_end)
+            return Const(1)
+        due = Signal(range(self.pending + 1), reset_less=True)  # answers that the memory owes
+        # Which of them end a frame, the oldest lowest; a reset forgets that, but not the answers.
+        ends = Signal(self.pending)
+        answered = self.bus.writeresponsevalid & (due != 0)
+        begun = burst_queue.r_en & burst_queue.r_rdy & (burst.count != 0)
+        after = Signal.like(due)            # answers that are due behind this clock's
+        m.d.comb += [
+            after.eq(due - answered),
+            self.done.eq(answered & ends[0] | nothing & frame_end),
+            self.failed.eq(answered & (self.bus.response != 0)),
+        ]
+        m.d.sync += [due.eq(after + begun),
+                     ends.eq((ends >> answered) | Mux(begun & burst.last, 1 << after, 0))]
+        with m.If(self.memory_rst):
+            m.d.sync += [due.eq(0), ends.eq(0)]
+        return Mux(burst.count == 0, ~write & (due == 0), due != self.pending)

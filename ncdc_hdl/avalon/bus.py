@@ -5,7 +5,10 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_model.interface.frames import ADDRESS_BITS
 
-__all__ = ["Agent", "ADDRESS_BITS", "ReadHost", "WriteHost"]
+__all__ = ["Agent", "ADDRESS_BITS", "PENDING", "ReadHost", "WriteHost"]
+
+PENDING = 16
+"""Write bursts that wait for their answers at a time, at most, where a memory answers."""
 
 
 class ReadHost(wiring.Signature):
@@ -15,6 +18,7 @@ class ReadHost(wiring.Signature):
     """
 
     def __init__(self, data_width, max_burst):
+        self.max_burst = max_burst
         super().__init__({
             "address": Out(ADDRESS_BITS), "read": Out(1), "burstcount": Out(range(max_burst + 1)),
             "waitrequest": In(1), "readdata": In(data_width), "readdatavalid": In(1),
@@ -24,15 +28,18 @@ class ReadHost(wiring.Signature):
 class WriteHost(wiring.Signature):
     """Burst writes: byte address, one word per accepted clock.
 
-    Parameters: ``data_width`` in bits, ``max_burst`` in words.
+    Parameters: ``data_width`` in bits, ``max_burst`` in words. With ``pending``, bursts that may
+    wait for an answer at a time, the agent answers each burst in order once its words are in
+    memory: ``writeresponsevalid`` for a clock, and a ``response`` other than 0 if it has failed.
     """
 
-    def __init__(self, data_width, max_burst):
+    def __init__(self, data_width, max_burst, pending=0):
+        self.max_burst, self.pending = max_burst, pending
         super().__init__({
             "address": Out(ADDRESS_BITS), "write": Out(1), "burstcount": Out(range(max_burst + 1)),
             "writedata": Out(data_width), "byteenable": Out(data_width // 8),
             "waitrequest": In(1),
-        })
+        } | ({"writeresponsevalid": In(1), "response": In(2)} if pending else {}))
 
 
 class Agent(wiring.Signature):

@@ -17,7 +17,8 @@ class WriteArbiter(wiring.Component):
 
     Between two bursts the first of the ``urgent`` hosts that want to write is taken; without one,
     the host behind the one served last, in their order. A command that stands on the bus stays
-    there. Which host has the port outlives a reset, as its burst does.
+    there. Which host has the port outlives a reset, as its burst does. The answers to bursts, if
+    the memory gives them, go to the hosts whose bursts they are of.
 
     Timing: no latency; only multiplexers between hosts and bus.
 
@@ -26,40 +27,46 @@ class WriteArbiter(wiring.Component):
     data_width, burst : int
         Bits of a word; words of a burst, at most.
     hosts : int
+    pending : int
+        Bursts that may wait for an answer; 0: the memory gives none.
 
     Members
     -------
-    hosts : ``In(WriteHost(data_width, burst)).array(hosts)``
+    hosts : ``In(WriteHost(data_width, burst, pending)).array(hosts)``
     urgent : ``In(hosts)``
         A bit for each host.
     memory_rst : ``In(1)``
         The memory, and the hosts with it, forget the burst that has begun.
-    bus : ``Out(WriteHost(data_width, burst))``
+    bus : ``Out(WriteHost(data_width, burst, pending))``
     """
 
     latency = 0
 
-    def __init__(self, data_width, burst, hosts):
-        self.count, self.burst = hosts, burst
-        bus = WriteHost(data_width, burst)
+    def __init__(self, data_width, burst, hosts, pending=0):
+        self.count, self.burst, self.pending = hosts, burst, pending
+        bus = WriteHost(data_width, burst, pending)
         super().__init__({"hosts": In(bus).array(hosts), "urgent": In(hosts), "memory_rst": In(1),
                           "bus": Out(bus)})
 
     def elaborate(self, platform):
         m = Module()
         count, bus = self.count, self.bus
-        owner = Signal(range(count), reset_less=True)       # the host that had the port last
+        # Of one host too it is a bit: Verilog has no numbers without bits.
+        owner = Signal(range(max(2, count)), reset_less=True)   # the host that had the port last
         held = Signal(reset_less=True)                      # it has it still
         left = Signal(range(self.burst), reset_less=True)   # words of its burst to come
-        served = Signal(range(count))                       # the host that has the port now
+        served = Signal(range(max(2, count)))               # the host that has the port now
         following = Signal(range(self.burst))               # words to come behind this clock
         m.d.comb += served.eq(self._chosen(held, owner, self._choice(m, owner)))
         hosts = Array(self.hosts)
+        room = self._answers(m, served, left)
         for name, member in bus.signature.members.items():
             if member.flow is Out:
                 m.d.comb += getattr(bus, name).eq(getattr(hosts[served], name))
+        with m.If(~room):
+            m.d.comb += bus.write.eq(0)
         for k, host in enumerate(self.hosts):
-            m.d.comb += host.waitrequest.eq(bus.waitrequest | (served != k))
+            m.d.comb += host.waitrequest.eq(bus.waitrequest | (served != k) | ~room)
         accepted = bus.write & ~bus.waitrequest
         first = left == 0
         m.d.comb += following.eq(Mux(accepted, Mux(first, bus.burstcount, left) - 1, left))
@@ -75,7 +82,7 @@ class WriteArbiter(wiring.Component):
 
     def _choice(self, m, owner):
         """The host that gets the port if nobody has it."""
-        choice = Signal(range(self.count))
+        choice = Signal(range(max(2, self.count)))
         wants = [host.write for host in self.hosts]
         # The last assignment that holds counts: from the last choice to the first.
         with m.Switch(owner):
@@ -92,3 +99,30 @@ class WriteArbiter(wiring.Component):
                 with m.If(urgent[k]):
                     m.d.comb += choice.eq(k)
         return choice
+
+    def _answers(self, m, served, left):
+        """Hand each answer to its burst's host; whether a word may go to the bus now."""
+        if not self.pending:
+            return Const(1)
+        bus = self.bus
+        due = Signal(range(self.pending + 1), reset_less=True)      # answers that are owed
+        # Hosts whose bursts they are of, the oldest lowest.
+        owners = [Signal(range(max(2, self.count)), name=f"owner{k}", reset_less=True)
+                  for k in range(self.pending)]
+        first = bus.write & ~bus.waitrequest & (left == 0)
+        answered = bus.writeresponsevalid & (due != 0)
+        after = Signal.like(due)            # answers that are due behind this clock's
+        m.d.comb += after.eq(due - answered)
+        m.d.sync += due.eq(after + first)
+        with m.If(answered):
+            m.d.sync += [owners[k].eq(owners[k + 1]) for k in range(self.pending - 1)]
+        with m.If(first):
+            for k in range(self.pending):
+                with m.If(after == k):
+                    m.d.sync += owners[k].eq(served)
+        with m.If(self.memory_rst):
+            m.d.sync += due.eq(0)
+        for k, host in enumerate(self.hosts):
+            m.d.comb += [host.writeresponsevalid.eq(answered & (owners[0] == k)),
+                         host.response.eq(bus.response)]
+        return (left != 0) | (due != self.pending)

@@ -31,6 +31,8 @@ class Capture(wiring.Component):
         Words of a burst, at most.
     depth : int
         A power of two.
+    pending : int
+        As of :class:`BurstWriter`: rows and frames then wait for the memory's answers.
 
     Members
     -------
@@ -49,16 +51,17 @@ class Capture(wiring.Component):
         The queue holds half of what it can: the memory is wanted.
     memory_rst : ``In(1)``
         As of :class:`BurstWriter`.
-    bus : ``Out(WriteHost(data_width, burst))``
+    bus : ``Out(WriteHost(data_width, burst, pending))``
     """
-    def __init__(self, data_width, *, burst, depth=512):
+    def __init__(self, data_width, *, burst, depth=512, pending=0):
         self.data_width, self.burst, self.depth = data_width, burst, depth
+        self.pending = pending
         super().__init__({
             "clock": In(1), "pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
             "active": Out(1),
             "place": In(PLACE), "limit": In(32), "begins": Out(1), "ends": Out(1), "good": Out(1),
             "rows": Out(SIZE_BITS), "counts": Out(COUNTS), "half_full": Out(1),
-            "memory_rst": In(1), "bus": Out(WriteHost(data_width, burst)),
+            "memory_rst": In(1), "bus": Out(WriteHost(data_width, burst, pending)),
         })
 
     def elaborate(self, platform):
@@ -78,7 +81,8 @@ class Capture(wiring.Component):
         m.submodules.relay = relay = Relay(ENTRY)
         m.submodules.writer = writer = FrameWriter(self.data_width)
         m.submodules.words = words = Relay(word_layout(self.data_width))
-        m.submodules.bursts = bursts = BurstWriter(self.data_width, burst=self.burst)
+        m.submodules.bursts = bursts = BurstWriter(self.data_width, burst=self.burst,
+                                                     pending=self.pending)
         m.submodules.enable = FFSynchronizer(self.enable, port.enable, o_domain="camera")
         # One register on the way: a synchroniser wants no glitch.
         active, active_there = Signal(), Signal()
@@ -98,7 +102,8 @@ class Capture(wiring.Component):
             relay.i.payload.eq(queue.r_data), relay.i.valid.eq(queue.r_rdy),
             queue.r_en.eq(relay.i.ready), self.half_full.eq(queue.r_level >= self.depth // 2),
             writer.place.eq(self.place), writer.limit.eq(self.limit),
-            writer.done.eq(bursts.done), bursts.memory_rst.eq(self.memory_rst),
+            writer.done.eq(bursts.done), writer.failed.eq(bursts.failed),
+            bursts.memory_rst.eq(self.memory_rst),
             self.begins.eq(writer.begins), self.ends.eq(writer.ends), self.good.eq(writer.good),
             self.rows.eq(writer.rows), self.counts.eq(writer.counts),
         ]

@@ -50,6 +50,8 @@ class FrameWriter(wiring.Component):
         To a burst writer; each row's last word is an ``end`` and a ``last``.
     done : ``In(1)``
         The memory has taken the last word of one more row, in order.
+    failed : ``In(1)``
+        The memory has answered that a write of this frame failed: it is bad.
     rows : ``Out(SIZE_BITS)``
         Rows of the frame that are in memory.
     counts : ``Out(COUNTS)``
@@ -59,7 +61,7 @@ class FrameWriter(wiring.Component):
         super().__init__({
             "i": In(stream.Signature(ENTRY)), "place": In(PLACE), "limit": In(32),
             "begins": Out(1), "ends": Out(1), "good": Out(1),
-            "o": Out(stream.Signature(word_layout(data_width))), "done": In(1),
+            "o": Out(stream.Signature(word_layout(data_width))), "done": In(1), "failed": In(1),
             "rows": Out(SIZE_BITS), "counts": Out(COUNTS),
         })
 
@@ -78,9 +80,7 @@ class FrameWriter(wiring.Component):
         row, fits, moved = Signal(ADDRESS_BITS), Signal(), Signal()     # see _place
         new = i.valid & (i.p.kind == Kind.BEGIN)        # a frame begins as soon as it is taken
         m.d.comb += [word_room.eq(~o.valid | o.ready), frame_end.eq(i.p.kind == Kind.END)]
-        m.d.sync += idle.eq(Mux(i.valid, 0, idle + 1))
-        with m.If(self.done):
-            m.d.sync += self.rows.eq(self.rows + 1)
+        m.d.sync += [idle.eq(Mux(i.valid, 0, idle + 1)), self.rows.eq(self.rows + self.done)]
         with m.FSM():
             with m.State("BETWEEN"):
                 m.d.comb += [i.ready.eq(1), self.begins.eq(new)]
@@ -116,6 +116,8 @@ class FrameWriter(wiring.Component):
                     m.d.comb += [self.ends.eq(1),
                                  self.good.eq(clean & ~wrong & (rows == place.height))]
                     m.next = "BETWEEN"
+        with m.If(self.failed):
+            m.d.sync += wrong.eq(1)
         last = samples & row_end & (rows < place.height) & fits | close
         self._words(m, samples & (rows < place.height) & fits, last, column, row)
         self._place(m, last, column, row, fits, moved)

@@ -8,14 +8,14 @@ from ncdc_model.interface.white_balance import GAIN_BITS
 from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_model.tone import NODE_BITS, NODE_PLACES
 
-__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "COLOUR_COUNTERS",
-           "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START",
-           "FAULT_ALIGNMENT", "FAULT_FORMAT", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag",
-           "ID", "INTERPOLATION_BITS", "NODES", "OUTSIDE_DIGEST", "Register", "SKIP",
-           "STATUS_ABORTED", "STATUS_BANK", "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE",
-           "STATUS_FAULT", "STATUS_PENDING",
-           "STATUS_REFUSED", "TABLE", "VERSION", "capabilities", "counters", "network_registers",
-           "registers"]
+__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabilities",
+           "COLOUR_COUNTERS", "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "counters",
+           "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "FAULT_ALIGNMENT", "FAULT_FORMAT",
+           "FAULT_MEMORY", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID",
+           "INTERPOLATION_BITS", "network_registers", "NODES", "OUTSIDE_DIGEST",
+           "Register", "registers", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
+           "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT",
+           "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "VERSION"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
@@ -43,6 +43,7 @@ CAPABILITIES = 0x25
 BAYER_MONO = 4            # of BAYER_PHASE
 INTERPOLATION_BITS = {FAST.name: 0x400, GRADIENT.name: 0x800}       # of CAPABILITIES
 FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE, FAULT_FORMAT = 1, 2, 4, 8, 16
+FAULT_MEMORY = 32
 
 # Counted while a frame runs; FRAMES beside them counts frames.
 COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS", "SINK_STALLS", "DATA_STALLS",
@@ -241,7 +242,10 @@ _FIXED = (
                  "limits, or the width no multiple of the pixels per clock"),
             Flag("FORMAT", FAULT_FORMAT, "w1c",
                  "a frame was refused: `OUTPUT_FORMAT` is none of its values, or "
-                 f"{MONO8.name} and `BAYER_PHASE` names no grey sensor")),
+                 f"{MONO8.name} and `BAYER_PHASE` names no grey sensor"),
+            Flag("MEMORY", FAULT_MEMORY, "w1c",
+                 "the memory answered a read or a write with an error: pixels are wrong; only "
+                 "AXI can tell")),
     _action("CAPABILITIES", CAPABILITIES, "What this instance is.",
             Flag("VERSION", 0xFF, "ro", "version of this register map"),
             Flag("STREAM", 0x100, "ro", "1: pixels leave as a video stream, 0: to memory"),

@@ -16,11 +16,11 @@ from ncdc_hdl.export.verilog.port_list import (
 )
 from ncdc_model.hardware import Hardware
 
-__all__ = ["TOP", "corrector_verilog", "verilog_of"]
+__all__ = ["STATUS", "TOP", "corrector_header", "corrector_verilog", "verilog_of"]
 
 TOP = "ncdc"
 
-_OTHER = {
+STATUS = {
     "irq": "high while STATUS.DONE and IRQ_ENABLE",
     "camera_rows": "rows of the raw frame in memory, for FOLLOW",
     "front_end_idle": "the network rests: its clock may stop"}
@@ -32,7 +32,7 @@ _INTERFACES = (
     ("raw frame, third row of a window: Avalon-MM burst read host", "read2_", READ_HOST),
     ("corrected frame: Avalon-MM burst write host", "write_", WRITE_HOST),
     ("corrected frame: Avalon-ST video source", "stream_", STREAM),
-    ("status", ("irq", "camera_rows", "front_end_idle"), _OTHER),
+    ("status", ("irq", "camera_rows", "front_end_idle"), STATUS),
 )
 
 
@@ -46,9 +46,15 @@ def corrector_verilog(descriptor, hardware=Hardware()):
 
 def verilog_of(corrector):
     """Verilog text of the corrector, module ``ncdc``; identical text for identical input."""
+    return convert(corrector, TOP, corrector_header(corrector),
+                   partial(port_lines, interfaces=_INTERFACES))
+
+
+def corrector_header(corrector):
+    """Lines that open the Verilog of a corrector: what made it, from what, its latency."""
     descriptor, g = corrector.descriptor, corrector.descriptor.geometry
     command = " ".join(["ncdc generate NET.toml -o DIR", *corrector.hardware.options(g)])
-    header = [
+    return [
         f"NCDC {version('ncdc')}: camera distortion corrector, made with Amaranth "
         f"{version('amaranth')}. Do not edit; it was made by",
         *textwrap.wrap(command, 90, initial_indent="    ", subsequent_indent="        ",
@@ -65,4 +71,3 @@ def verilog_of(corrector):
         f"{corrector.end_latency} clocks after its window has come. Every distinct module stands "
         f"here once, the top first,",
         "each below a line with its source, what it does and its latency in clocks."]
-    return convert(corrector, TOP, header, partial(port_lines, interfaces=_INTERFACES))

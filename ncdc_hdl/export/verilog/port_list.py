@@ -1,6 +1,7 @@
 """Port lists by interface, with a comment for each port."""
 
-__all__ = ["AGENT", "CLOCK", "READ_HOST", "STREAM", "WRITE_HOST", "port_lines"]
+__all__ = ["AGENT", "AXI_CLOCK", "AXI_LITE", "AXI_READ", "AXI_VIDEO", "AXI_WRITE", "CLOCK",
+           "READ_HOST", "STREAM", "WRITE_HOST", "port_lines"]
 
 # What each port is for, by interface; of one that comes several times, by the interface's kind.
 CLOCK = {"clk": "the only clock; all ports belong to it", "rst": "synchronous, active high",
@@ -28,6 +29,49 @@ STREAM = {
     "valid": "a group of pixels is there, held until ready", "ready": "it is taken in this clock",
     "data": "24 bits a pixel, red on top, leftmost lowest",
     "startofpacket": "first group of a frame", "endofpacket": "last group of a frame"}
+
+AXI_CLOCK = {
+    "aclk": "of all ports but a sensor's",
+    "aresetn": "resets the core and what is between it and the memory",
+    "core_rst": "active high: resets the core alone"}
+
+
+def _burst(channel, what):
+    """Comments on the channel of a burst's address."""
+    texts = {"id": "always 0: answers come in order", "addr": "byte address, on a word",
+             "len": "words less one; no burst crosses 4 KB", "size": "log2 of a word's bytes",
+             "burst": "INCR", "lock": "none", "cache": "normal memory, not cached, not buffered",
+             "prot": "data, secure, unprivileged", "qos": "none",
+             "valid": f"a burst is offered, held until {channel}ready"}
+    return {channel + name: text for name, text in texts.items()} | {
+        f"{channel}ready": f"the memory takes the {what}"}
+
+
+AXI_READ = _burst("ar", "burst") | {
+    "rid": "not looked at", "rdata": "words in the order asked for",
+    "rresp": "bit 1: an error, which FAULT.MEMORY shows", "rlast": "a burst's last word",
+    "rvalid": "a word is there", "rready": "always high: there is room for what was asked"}
+AXI_WRITE = _burst("aw", "burst's address") | {
+    "wdata": "samples, or pixels as OUTPUT_FORMAT has them",
+    "wstrb": "bytes of the word that count", "wlast": "a burst's last word",
+    "wvalid": "a word is offered, held until wready", "wready": "the memory takes the word",
+    "bid": "not looked at", "bresp": "bit 1: an error, which FAULT.MEMORY shows",
+    "bvalid": "a burst is in memory; a frame is done with its last",
+    "bready": "always high"}
+AXI_LITE = {
+    "awaddr": "byte address, see docs/registers.md", "awprot": "not looked at",
+    "awvalid": "an address is there", "awready": "it is taken",
+    "wdata": "word to write", "wstrb": "all bytes or none: others are refused",
+    "wvalid": "a word is there", "wready": "it is taken",
+    "bresp": "OKAY, or SLVERR to a write of some bytes", "bvalid": "the write is over",
+    "bready": "its answer is taken",
+    "araddr": "byte address", "arprot": "not looked at", "arvalid": "an address is there",
+    "arready": "it is taken", "rdata": "word read", "rresp": "OKAY",
+    "rvalid": "the word is there", "rready": "it is taken"}
+AXI_VIDEO = {
+    "tdata": "24 bits a pixel: red on top, blue, green; leftmost lowest",
+    "tuser": "first group of a frame", "tlast": "last group of a row",
+    "tvalid": "a group of pixels is there, held until tready", "tready": "it is taken"}
 
 
 def port_lines(head, ports, interfaces):

@@ -14,7 +14,7 @@ from ncdc_hdl.export.verilog.port_list import (
     port_lines,
 )
 
-__all__ = ["SYSTEM", "system_verilog"]
+__all__ = ["PINS", "SYSTEM", "system_header", "system_verilog"]
 
 SYSTEM = "ncdc_system"
 
@@ -28,19 +28,23 @@ _I2C = {
 _STATUS = {
     "irq": "STATUS.DONE or an event of CAMERA_STATUS",
     "front_end_idle": "the network rests: its clock may stop"}
+PINS = (("parallel sensor", "sensor_", _SENSOR),
+        ("I2C bus of the sensor: open drain", tuple(_I2C), _I2C),
+        ("status", tuple(_STATUS), _STATUS))
+"""Interfaces of a system that are no bus of the memory or the registers."""
+
 _INTERFACES = (
     ("clock and reset", ("clk", "rst", "memory_rst"), CLOCK | {
         "clk": "of all ports but the sensor's and the I2C lines"}),
     ("registers: Avalon-MM agent, 32 bits", "csr_", AGENT),
-    ("parallel sensor", "sensor_", _SENSOR),
-    ("I2C bus of the sensor: open drain", tuple(_I2C), _I2C),
+    *PINS[:2],
     ("raw frames: Avalon-MM burst read host", "read0_", READ_HOST),
     ("raw frames, second row of a window: Avalon-MM burst read host", "read1_", READ_HOST),
     ("raw frames, third row of a window: Avalon-MM burst read host", "read2_", READ_HOST),
     ("raw and corrected frames: Avalon-MM burst write host", "write_", WRITE_HOST | {
         "writedata": "samples, or pixels as OUTPUT_FORMAT has them"}),
     ("corrected frames: Avalon-ST video source", "stream_", STREAM),
-    ("status", tuple(_STATUS), _STATUS),
+    PINS[2],
 )
 
 
@@ -49,10 +53,16 @@ def system_verilog(system, platform=None):
 
     ``platform``: as of :func:`ncdc_hdl.export.verilog.module_verilog`.
     """
+    return convert(system, SYSTEM, system_header(system),
+                   partial(port_lines, interfaces=_INTERFACES), platform)
+
+
+def system_header(system):
+    """Lines that open the Verilog of a system: what made it, from what."""
     descriptor, g = system.descriptor, system.descriptor.geometry
     stores = system.stores
     command = " ".join(["ncdc generate NET.toml -o DIR --system", *system.hardware.options(g)])
-    header = [
+    return [
         f"NCDC {version('ncdc')}: camera, frame stores and corrector, made with Amaranth "
         f"{version('amaranth')}.",
         "Do not edit; it was made by",
@@ -65,5 +75,3 @@ def system_verilog(system, platform=None):
         "",
         "Every distinct module stands here once, the top first, each below a line with its source,",
         "what it does and its latency in clocks."]
-    return convert(system, SYSTEM, header, partial(port_lines, interfaces=_INTERFACES),
-                   platform)

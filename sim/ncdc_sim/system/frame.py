@@ -168,6 +168,8 @@ class Run:
         How often, of 256 clocks, the sink of a stream is ready.
     waves : Waves, optional
         Where to write the waveforms.
+    more : sequence of str
+        Plusargs of what the Verilog has besides.
     """
     memory: object = "ideal"
     simulator: str = "verilator"
@@ -175,6 +177,7 @@ class Run:
     seed: int = 1
     sink_chance: int = 256
     waves: Waves | None = None
+    more: tuple = ()
 
 
 def simulate_frame(verilog, source, program, *, source_base, output_base, output_bytes, camera=None,
@@ -235,7 +238,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         (folder / "source.bin").write_bytes(source + bytes(-len(source) % (module.width // 8)))
         (folder / "program.hex").write_text(program.text())
         run_program([*command_of(binary), *waves,
-                     *(f"+{key}={value}" for key, value in settings.items())],
+                     *(f"+{key}={value}" for key, value in settings.items()), *run.more],
                     folder, listener.line)
         output = folder / "output.bin"
         listener.result.output = output.read_bytes()[:output_bytes] if output.exists() else b""
@@ -334,7 +337,7 @@ class _Listener:
             result.resets += (int(values[0]),)
         elif kind == "RESULT":
             result.counters[values[0]] = int(values[1])
-        elif kind in ("AVALON-ERROR", "FAILED"):
+        elif kind in ("AVALON-ERROR", "AXI-ERROR", "FAILED"):
             result.errors += (line,)
 
     def finish(self):

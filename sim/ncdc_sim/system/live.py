@@ -214,7 +214,7 @@ class LiveSystem:
                 return values[:-1]
             if kind in ("RESULT", "METASTABLE"):
                 self.results[" ".join(values[:-1])] = int(values[-1])
-            elif kind in ("AVALON-ERROR", "FAILED", "SENSOR-ERROR"):
+            elif kind in ("AVALON-ERROR", "AXI-ERROR", "FAILED", "SENSOR-ERROR"):
                 raise SimulationError(f"simulation failed: {line.strip()}")
             elif kind == "SENSOR":
                 self.sensor_lines.append((self.now, line.strip()))

@@ -22,11 +22,13 @@ class Mapped:
     offset : int
         Byte address of the registers in the file, a multiple of the page; 0 for map 0 of a UIO
         device.
+    size : int
+        Bytes of the registers; twice as many of a camera system.
     """
 
-    def __init__(self, path, offset=0):
+    def __init__(self, path, offset=0, size=_BYTES):
         self.file = os.open(path, os.O_RDWR | os.O_SYNC)
-        self.words = memoryview(mmap.mmap(self.file, _BYTES, offset=offset)).cast("I")
+        self.words = memoryview(mmap.mmap(self.file, size, offset=offset)).cast("I")
 
     def __iter__(self):
         return iter((self.read, self.write))

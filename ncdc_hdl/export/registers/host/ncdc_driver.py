@@ -165,7 +165,7 @@ class Corrector:
         """Names of what was refused since the last call, which clears them."""
         bits = self.get("FAULT")
         self.put("FAULT", bits)
-        return [name for name in ("SOURCE", "TARGET", "ALIGNMENT", "SIZE", "FORMAT")
+        return [name for name in ("SOURCE", "TARGET", "ALIGNMENT", "SIZE", "FORMAT", "MEMORY")
                 if bits & getattr(registers, f"FAULT_{name}")]
 
     def wait(self, polls=None, idle=lambda: None):
