@@ -18,6 +18,7 @@ from ncdc_model.errors import InputError
 __all__ = ["SdramController"]
 
 _BEATS = (1, 2, 4, 8)       # the chip's burst lengths
+_CHOICE = 2                 # clocks: whose turn it is, the segment's register
 
 
 class SdramController(wiring.Component):
@@ -81,7 +82,7 @@ class SdramController(wiring.Component):
     @property
     def latency(self):
         """Clocks from a read's acceptance to its first word, at best."""
-        return Segments.latency + 1 + Sequencer.latency + self.registers.latency
+        return Segments.latency + _CHOICE + Sequencer.latency + self.registers.latency
 
     @property
     def bounds(self):
@@ -90,15 +91,15 @@ class SdramController(wiring.Component):
 
         Before its turn a host waits for those of others, each of which may be a segment; a burst
         may be two, each with its turn. A reader waits for two bursts written as well, see
-        :meth:`_wants`. Two segments and the burst chosen are on their way already, and a refresh
-        comes between once in each of its periods.
+        :meth:`_wants`. Four segments are on their way already, two in the sequencer and two before
+        it, and a refresh comes between once in each of its periods.
         """
         turns, sequencer = Turns.others(self.count), self.sequencer
         written = 4 * (turns["write"] + 1)      # turns until the bursts of two writes are over
         refresh = sequencer.delay + self.clocks.rfc + 1
 
         def clocks(others, before=0):
-            segments = 3 + before + 2 * (others + 1)
+            segments = 4 + before + 2 * (others + 1)
             plain = segments * sequencer.segment_clocks + self.latency
             share = sequencer.period - refresh      # clocks between two refreshes
             return plain + -(-plain // share) * refresh
@@ -142,14 +143,12 @@ class SdramController(wiring.Component):
         m.d.comb += written.eq(writer.o.valid & writer.o.ready & writer.o.p.last)
         wants = []
         for k, port in enumerate(ports[:-1]):
-            owed = Signal(2, name=f"owed{k}")       # bursts to be written before
-            free = Signal(name=f"free{k}")          # there are none
+            owed = Signal(2, name=f"owed{k}")   # bursts to be written before
             with m.If(port.loads):
-                before = self._owed(writer.bursts, written)
-                m.d.sync += [owed.eq(before), free.eq(before == 0)]
-            with m.Elif(written & ~free):
-                m.d.sync += [owed.eq(owed - 1), free.eq(owed == 1)]
-            wants.append(port.o.valid & free)
+                m.d.sync += owed.eq(self._owed(writer.bursts, written))
+            with m.Elif(written & (owed != 0)):
+                m.d.sync += owed.eq(owed - 1)
+            wants.append(port.o.valid & (owed == 0))
         return Cat(*wants, writer.o.valid)
 
     def _owed(self, bursts, written):
@@ -160,22 +159,27 @@ class SdramController(wiring.Component):
         return bursts - written
 
     def _choose(self, m, ports, turns):
-        """Take the segment of the host whose turn it is to the sequencer, by a register."""
-        chosen = Signal()                           # there is one in the register
-        job = Signal(self.sequencer.job)
+        """Take segments to the sequencer: first whose it is, then the segment itself."""
+        turn = Signal.like(turns.grant)             # whose segment is taken next
+        decided = Signal()                          # there is such a port
+        chosen = Signal()                           # there is a segment
+        job = Signal(self.sequencer.job)            # that segment
         i = self.sequencer.i
-        m.d.comb += [turns.take.eq(~chosen), i.valid.eq(chosen), i.p.eq(job)]
+        m.d.comb += [turns.take.eq(~decided), i.valid.eq(chosen), i.p.eq(job)]
+        with m.If(~decided):
+            m.d.sync += [turn.eq(turns.grant), decided.eq(turns.grant.any())]
+        with m.Elif(~chosen):
+            m.d.sync += [turn.eq(0), decided.eq(0)]
         with m.If(i.valid & i.ready):
             m.d.sync += chosen.eq(0)
         with m.If(~chosen):
-            m.d.sync += [chosen.eq(turns.grant.any()), job.write.eq(turns.grant[-1]),
-                         job.tag.eq(turns.grant[:-1])]
+            m.d.sync += [chosen.eq(decided), job.write.eq(turn[-1]), job.tag.eq(turn[:-1])]
             for k, port in enumerate(ports):
-                with m.If(turns.grant[k]):
+                with m.If(turn[k]):
                     m.d.sync += [job[name].eq(port.o.p[name])
                                  for name in self.place.segment.members]
         for k, port in enumerate(ports):
-            m.d.comb += port.o.ready.eq(~chosen & turns.grant[k])
+            m.d.comb += port.o.ready.eq(~chosen & turn[k])
 
 
 def _check(chip, data_width, reads, max_burst, late):

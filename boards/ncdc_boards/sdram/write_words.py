@@ -55,7 +55,7 @@ class WriteWords(wiring.Component):
         bus, place = self.bus, self.place
         words = Fifo(width=self.word.shape().size, depth=self.depth, checked=False)
         m.submodules.words = words
-        word = Signal(self.word.shape())            # the one taken
+        taken = Signal()                            # the oldest one was taken in the clock before
         waits = Signal(init=1)                      # waitrequest
         accepted = Signal()                         # a word is
         left = Signal(place.words)                  # words of the burst to come
@@ -66,7 +66,7 @@ class WriteWords(wiring.Component):
         m.d.comb += [
             bus.waitrequest.eq(waits), accepted.eq(bus.write & ~waits), first.eq(left == 0),
             words.w_en.eq(accepted), words.w_data.eq(Cat(bus.writedata, bus.byteenable)),
-            words.r_en.eq(self.take), self.word.eq(word),
+            words.r_en.eq(taken), self.word.eq(words.r_data),
             now.eq(begun), self.o.p.eq(now),
             self.o.valid.eq(accepted & (Mux(first, bus.burstcount, left) == 1)),
         ]
@@ -75,7 +75,7 @@ class WriteWords(wiring.Component):
         with m.If(accepted):
             m.d.sync += [begun.eq(now), left.eq(Mux(first, bus.burstcount, left) - 1)]
         m.d.sync += [
-            word.eq(words.r_data),
+            taken.eq(self.take),
             # Room for a word of this clock and one of the next.
             waits.eq(self._full(words.level) | self.o.valid | ~self.o.ready),
         ]
