@@ -102,12 +102,12 @@ module EHXPLLL #(
         end
 
     // Edge k of an output comes at its own multiple: no rounding adds up.
-    real start;
-    always @(posedge LOCK) start = $realtime;
+    real start;                         // when the outputs began
     integer op, os, os2, os3;
     initial begin
         op = 0;
         @(posedge LOCK);
+        start = $realtime;
         #((CLKOP_CPHASE + 1 - CLKOP_DIV) * oscillator);
         forever begin
             CLKOP = !CLKOP;
@@ -118,6 +118,7 @@ module EHXPLLL #(
     initial begin
         os = 0;
         @(posedge LOCK);
+        start = $realtime;
         #((CLKOS_CPHASE + 1 - CLKOS_DIV) * oscillator);
         forever begin
             CLKOS = !CLKOS;
@@ -128,6 +129,7 @@ module EHXPLLL #(
     initial begin
         os2 = 0;
         @(posedge LOCK);
+        start = $realtime;
         #((CLKOS2_CPHASE + 1 - CLKOS2_DIV) * oscillator);
         // Of an output that is fed back only nobody looks at the edges.
         if (FEEDBK_PATH != "INT_OS2")
@@ -140,12 +142,14 @@ module EHXPLLL #(
     initial begin
         os3 = 0;
         @(posedge LOCK);
-        #((CLKOS3_CPHASE + 1 - CLKOS3_DIV) * oscillator);
-        if (CLKOS3_ENABLE == "ENABLED")
+        start = $realtime;
+        if (CLKOS3_ENABLE == "ENABLED") begin
+            #((CLKOS3_CPHASE + 1 - CLKOS3_DIV) * oscillator);
             forever begin
                 CLKOS3 = !CLKOS3;
                 os3 = os3 + 1;
                 #(start + ((CLKOS3_CPHASE + 1 - CLKOS3_DIV) + os3 * CLKOS3_DIV / 2.0) * oscillator - $realtime);
             end
+        end
     end
 endmodule
