@@ -85,12 +85,12 @@ def test_what_memory_cannot_carry_is_refused():
     mode = mode_named("800x600")
     design = design_of([("a", large)], sensor, mode, hardware=type(HARDWARE)(
         **{**vars(HARDWARE), "format": BGRX8.name}))
-    with pytest.raises(InputError, match="the memory carries 120 MB/s"):
+    with pytest.raises(InputError, match="the memory carries 100 MB/s"):
         check_memory(design, sensor[0])
     small = barrel_descriptor((640, 480), (640, 480), hidden_neurons=2)
     sensor = sensor_for("mt9p031", small.geometry)
     budget = check_memory(design_of([("a", small)], sensor, MODES[0]), sensor[0])
-    assert budget.corrected_per_second == budget.frames_per_second > 30
+    assert 20 < budget.corrected_per_second < budget.frames_per_second < 35
     wide = barrel_descriptor((640, 480), (2400, 1800), hidden_neurons=8)
     sensor = sensor_for("mt9p031", wide.geometry)
     budget = check_memory(design_of([("a", wide)], sensor, MODES[0]), sensor[0])

@@ -1,6 +1,7 @@
 """The clocks of the ULX3S: two phase-locked loops of the ECP5."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 
 from amaranth import *
 
@@ -9,7 +10,7 @@ from ncdc_model.errors import InputError
 __all__ = ["CORE_MHZ", "DOMAINS", "Clocks", "ClockPlan", "Pll", "clock_plan"]
 
 REFERENCE_MHZ = 25                  # the board's oscillator
-CORE_MHZ = 75
+CORE_MHZ = 62.5     # routed on speed grade 6 the whole design reached 73.6 MHz
 # Lattice, ECP5 and ECP5-5G Family Data Sheet (FPGA-DS-02012), sysCLOCK PLL timing.
 _OSCILLATOR = (400, 800)            # MHz
 _COMPARED = 10                      # MHz, at least, at the phase detector
@@ -70,8 +71,9 @@ class Pll:
 
 @dataclass(frozen=True)
 class ClockPlan:
-    """Both loops: ``core`` gives the core's clock, the SDRAM's and the sensor's; ``video`` five
-    times the pixel clock, the pixel clock, and what it compares."""
+    """Both loops: ``core`` gives the core's clock, the SDRAM's, the sensor's, and what
+    ``video`` compares; that gives five
+    times the pixel clock, the pixel clock, and what it feeds back."""
     core: Pll
     video: Pll
 
@@ -102,18 +104,24 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
     InputError
         If no loop makes the mode's pixel clock, or the pins are too slow for it.
     """
-    divider = 4 * (_OSCILLATOR[1] // core_mhz // 4)     # so that a quarter period is a phase
-    core = Pll(REFERENCE_MHZ, 1, core_mhz // REFERENCE_MHZ, 0,
-               (divider, divider, divider * core_mhz // REFERENCE_MHZ), (0, 3 * divider // 4, 0))
+    divider = 4 * int(_OSCILLATOR[1] / core_mhz / 4)    # so that a quarter period is a phase
+    ratio = Fraction(core_mhz) / REFERENCE_MHZ
+    core = Pll(REFERENCE_MHZ, ratio.denominator, ratio.numerator, 0,
+               (divider, divider, int(divider * ratio)), (0, 3 * divider // 4, 0))
+    if core.outputs_mhz[2] != REFERENCE_MHZ or REFERENCE_MHZ / ratio.denominator < _COMPARED:
+        raise InputError(f"the core's clock is {core_mhz} MHz, multiples of 12.5 MHz can be made")
     wanted = mode.pixel_mhz
     if 5 * wanted > _SHIFT_MHZ:
         raise InputError(f"the mode {mode.size[0]}x{mode.size[1]} has a pixel clock of "
                          f"{wanted:.2f} MHz, the ULX3S's output {_SHIFT_MHZ / 5:.0f} MHz at most: "
                          f"640x480 and 800x600 fit")
-    video = min(_loops(core_mhz, wanted), default=None, key=lambda loop: (
-        abs(loop.outputs_mhz[1] - wanted), loop.reference, loop.dividers))
+    # The second loop compares an output of the first one, of a divider that suits.
+    loops = [(abs(loop.outputs_mhz[1] - wanted), loop.reference, fed, loop.dividers, loop)
+             for fed in range(4, 17) for loop in _loops(core.oscillator_mhz / fed, wanted)]
+    *_, fed, _, video = min(loops, default=(None, None, None))
     if video is None or abs(video.outputs_mhz[1] / wanted - 1) > _PIXEL_TOLERANCE:
         raise InputError(f"no phase-locked loop makes {wanted:.3f} MHz of {core_mhz} MHz")
+    core = replace(core, dividers=(*core.dividers, fed), phases=(*core.phases, 0))
     return ClockPlan(core, video)
 
 
@@ -155,10 +163,10 @@ class Clocks(Elaboratable):
     def elaborate(self, platform):
         m = Module()
         core, core_locked = self._loop(m, "core", self.plan.core, self.reference, Const(0))
-        video, video_locked = self._loop(m, "video", self.plan.video, core[0], ~core_locked)
+        video, video_locked = self._loop(m, "video", self.plan.video, core[3], ~core_locked)
         locked = Signal()
         m.d.comb += locked.eq(core_locked & video_locked)
-        outputs = dict(zip(DOMAINS, (*core, *video)))
+        outputs = dict(zip(DOMAINS, (*core[:3], *video)))
         for domain, output in outputs.items():
             clock = Signal(name=f"{domain}_gated")
             m.submodules[f"{domain}_gate"] = Instance("DCCA", i_CLKI=output, i_CE=locked,
@@ -177,5 +185,5 @@ class Clocks(Elaboratable):
             i_PHASESEL0=Const(0), i_PHASESEL1=Const(0), i_PHASEDIR=Const(0), i_PHASESTEP=Const(0),
             i_PHASELOADREG=Const(0), i_PLLWAKESYNC=Const(0), i_ENCLKOP=Const(0),
             i_ENCLKOS=Const(0), i_ENCLKOS2=Const(0), i_ENCLKOS3=Const(0), o_LOCK=locked,
-            **{f"o_CLK{port}": signal for port, signal in zip(("OP", "OS", "OS2"), outputs)})
+            **{f"o_CLK{port}": signal for port, signal in zip(("OP", "OS", "OS2", "OS3"), outputs)})
         return outputs, locked

@@ -57,7 +57,7 @@ def design_of(named, sensor, mode, *, hardware=HARDWARE, core_mhz=CORE_MHZ, **mo
         As of :func:`sensor_for`.
     mode : VideoMode
     hardware : Hardware
-    core_mhz : int
+    core_mhz : number
     more :
         Of :class:`Design`; ``waits`` of :func:`set_up_program`.
 
@@ -77,7 +77,7 @@ def design_of(named, sensor, mode, *, hardware=HARDWARE, core_mhz=CORE_MHZ, **mo
                 raise InputError(f"{path}: the {what} picture has {sizes[1][0]}x{sizes[1][1]} "
                                  f"pixels, that of {named[0][0]} {sizes[0][0]}x{sizes[0][1]}")
     lenses = [one for _, one in named] + [raw_lens(descriptor)]
-    programs = [set_up_program(system, *sensor, core_mhz * 10**6, waits),
+    programs = [set_up_program(system, *sensor, round(core_mhz * 1e6), waits),
                 *(lens_program(system, lens) for lens in lenses)]
     design = Design(system, mode, output_format(hardware.format).pixel_bytes, clocks,
                     tuple(programs), len(named))

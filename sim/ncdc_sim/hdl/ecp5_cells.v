@@ -70,20 +70,19 @@ module EHXPLLL #(
 ) (
     input wire CLKI, CLKFB, RST, STDBY, PHASESEL0, PHASESEL1, PHASEDIR, PHASESTEP, PHASELOADREG,
     input wire PLLWAKESYNC, ENCLKOP, ENCLKOS, ENCLKOS2, ENCLKOS3,
-    output reg CLKOP, CLKOS, CLKOS2,
-    output wire CLKOS3, CLKINTFB,
+    output reg CLKOP, CLKOS, CLKOS2, CLKOS3,
+    output wire CLKINTFB,
     output reg LOCK
 );
     localparam EDGES = 4;               // of CLKI that are looked at before the lock
     localparam FED = FEEDBK_PATH == "INT_OP" ? CLKOP_DIV : FEEDBK_PATH == "INT_OS" ? CLKOS_DIV :
         FEEDBK_PATH == "INT_OS2" ? CLKOS2_DIV : FEEDBK_PATH == "INT_OS3" ? CLKOS3_DIV : 0;
-    assign CLKOS3 = 0;
     assign CLKINTFB = 0;
 
     real last, oscillator;              // ps: the last edge of CLKI; a period of the oscillator
     integer edges;
     initial begin
-        CLKOP = 0; CLKOS = 0; CLKOS2 = 0; LOCK = 0; edges = 0;
+        CLKOP = 0; CLKOS = 0; CLKOS2 = 0; CLKOS3 = 0; LOCK = 0; edges = 0;
         if (FED == 0) begin
             $display("BOARD-ERROR a loop without feedback");
             $finish;
@@ -103,12 +102,12 @@ module EHXPLLL #(
         end
 
     // Edge k of an output comes at its own multiple: no rounding adds up.
-    real start;
-    always @(posedge LOCK) start = $realtime;
-    integer op, os, os2;
+    real start;                         // when the outputs began
+    integer op, os, os2, os3;
     initial begin
         op = 0;
         @(posedge LOCK);
+        start = $realtime;
         #((CLKOP_CPHASE + 1 - CLKOP_DIV) * oscillator);
         forever begin
             CLKOP = !CLKOP;
@@ -119,6 +118,7 @@ module EHXPLLL #(
     initial begin
         os = 0;
         @(posedge LOCK);
+        start = $realtime;
         #((CLKOS_CPHASE + 1 - CLKOS_DIV) * oscillator);
         forever begin
             CLKOS = !CLKOS;
@@ -129,6 +129,7 @@ module EHXPLLL #(
     initial begin
         os2 = 0;
         @(posedge LOCK);
+        start = $realtime;
         #((CLKOS2_CPHASE + 1 - CLKOS2_DIV) * oscillator);
         // Of an output that is fed back only nobody looks at the edges.
         if (FEEDBK_PATH != "INT_OS2")
@@ -137,5 +138,18 @@ module EHXPLLL #(
                 os2 = os2 + 1;
                 #(start + ((CLKOS2_CPHASE + 1 - CLKOS2_DIV) + os2 * CLKOS2_DIV / 2.0) * oscillator - $realtime);
             end
+    end
+    initial begin
+        os3 = 0;
+        @(posedge LOCK);
+        start = $realtime;
+        if (CLKOS3_ENABLE == "ENABLED") begin
+            #((CLKOS3_CPHASE + 1 - CLKOS3_DIV) * oscillator);
+            forever begin
+                CLKOS3 = !CLKOS3;
+                os3 = os3 + 1;
+                #(start + ((CLKOS3_CPHASE + 1 - CLKOS3_DIV) + os3 * CLKOS3_DIV / 2.0) * oscillator - $realtime);
+            end
+        end
     end
 endmodule
