@@ -24,7 +24,7 @@ from ncdc_hdl.video.modes import mode_for, mode_named
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.plan import Fixed
-from ncdc_model.files import write_bytes, write_text
+from ncdc_model.files import check_outputs, write_bytes, write_text
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
@@ -63,6 +63,8 @@ def run(args):
         raise InputError(f"seeds is {args.seeds}, 1 to {_MOST_SEEDS} are tried")
     named = [(path, Descriptor.load(path)) for path in args.descriptor]
     check_tools()
+    # Half an hour later would be late to say so.
+    check_outputs([Path(args.output) / f"{NAME}.bit"], args.descriptor)
     design, setup, budget = _design(args, named)
     began, steps = time.monotonic(), Steps("ncdc build", quiet=args.json == "-")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:

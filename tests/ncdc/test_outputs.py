@@ -28,9 +28,10 @@ INPUTS = {"calibrate": ["frame.png"], "train": ["camera.toml", "--neurons", "2"]
           "evaluate": ["net.toml", "--against", "camera.toml"],
           "correct": ["net.toml", "frame.png"], "simulate": ["net.toml", "frame.png"],
           "export": ["net.toml"], "plan": ["net.toml"], "generate": ["net.toml"],
+          "build": ["net.toml", "--board", "ulx3s"],
           "demo": [], "bench": ["accuracy"]}
 FILES = "calibrate", "train", "correct", "simulate", "export"
-FOLDERS = "demo", "generate", "bench"
+FOLDERS = "demo", "generate", "build", "bench"
 NETWORK = "client", "device"        # they need one: tests/host tries them
 PRINTS = ("sensor",)                # its one file: test_sensor_command
 
