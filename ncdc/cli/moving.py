@@ -8,14 +8,13 @@ from ncdc.cli.waves import waves_of
 from ncdc.terminal import Progress
 from ncdc_hdl.system import System
 from ncdc_model.errors import InputError
-from ncdc_model.geometry import MONO
 from ncdc_model.images import check_animation, is_raw, write_animation
-from ncdc_model.sensors.catalogue import SENSORS, sensor_named, setup
-from ncdc_model.sensors.sensor import Settings, bayer_at
+from ncdc_model.sensors.catalogue import SENSORS
+from ncdc_model.sensors.framing import setup_around
 from ncdc_sim.sensor.photo import moving_photo, still_raw
 from ncdc_sim.system.camera import simulate_camera
 
-__all__ = ["add_moving", "run_moving", "sensor_setup"]
+__all__ = ["add_moving", "run_moving"]
 
 _MOST_FRAMES = 1000
 _SHOWN_MS = 200         # each picture: slow enough to look at
@@ -48,7 +47,8 @@ def run_moving(args, descriptor):
             raise InputError(f"{option} is given with --camera {args.camera}, which does not take "
                              f"it")
     hardware, _ = planned(hardware_of(args), fixed_of(args, 0 if args.follow else None), descriptor)
-    plan, corner = sensor_setup(args.camera, descriptor.geometry, args.exposure_us)
+    plan, corner = setup_around(args.camera, descriptor.geometry,
+                                exposure_us=args.exposure_us)
     raw, note = raw_frame(args, descriptor.geometry)
     photo = read_photo(args.image, args)
     light = (still_raw(plan, corner, raw) if is_raw(photo)
@@ -76,24 +76,6 @@ def run_moving(args, descriptor):
               file=sys.stderr)
         return 1
     return 0
-
-
-def sensor_setup(name, geometry, exposure_us):
-    """Set-up of a sensor that sends a little more than a raw frame of ``geometry``, and the corner
-    (column, row) where the frame begins, so that its Bayer pattern is that of the geometry.
-
-    The pixel clock is the sensor's usual one, at its clock pin: there is no PLL in the model.
-    """
-    sensor = sensor_named(name)
-    width, height = geometry.distorted
-    step = max(2, sensor.limits.step)
-    size = [-(-(value + 1) // step) * step for value in (width, height)]
-    plan = setup(sensor, Settings(width=size[0], height=size[1], exposure_us=exposure_us,
-                                  clock_hz=sensor.pixel_clock_hz))
-    for corner in ((0, 0), (1, 0), (0, 1), (1, 1)):
-        if geometry.bayer in (MONO, bayer_at(plan.bayer, *corner)):
-            return plan, corner
-    raise InputError(f"the frames are {geometry.bayer}, the {name} sends {plan.bayer}")
 
 
 def _velocity(text):

@@ -12,7 +12,6 @@ from ncdc.cli.hardware import (
     fixed_of,
     front_end_line,
 )
-from ncdc.cli.moving import sensor_setup
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.descriptor import Descriptor
@@ -22,6 +21,7 @@ from ncdc_model.fetch.plan import CLOCK_MHZ, plan
 from ncdc_model.hardware import DATA_WIDTHS, OUTPUTS, Hardware
 from ncdc_model.memory_timing import memory_at
 from ncdc_model.sensors.catalogue import SENSORS
+from ncdc_model.sensors.framing import setup_around
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
@@ -96,7 +96,7 @@ def _beside(args, descriptor, planned):
     """What a running camera makes of the plan, under the names in every report."""
     if not args.camera:
         return {}
-    setup, _ = sensor_setup(args.camera, descriptor.geometry, _EXPOSURE_US)
+    setup, _ = setup_around(args.camera, descriptor.geometry, exposure_us=_EXPOSURE_US)
     timing = setup.timing
     clocks = clocks_beside_camera(
         descriptor, planned.hardware, memory_at(args.memory, args.clock),

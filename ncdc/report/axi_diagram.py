@@ -2,12 +2,8 @@
 
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-
-from matplotlib import pyplot  # noqa: E402
-from matplotlib.patches import Rectangle  # noqa: E402
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 __all__ = ["draw"]
 
@@ -29,7 +25,8 @@ _ARROWS = (     # from x, to x, y, text above, text below
 
 def draw(path):
     """Write the drawing of a corrector in the programmable logic beside its processor."""
-    figure, axes = pyplot.subplots(figsize=(11.5, 4.1))
+    figure = Figure(figsize=(11.5, 4.1))
+    axes = figure.subplots()
     for left, bottom, width, height, text in _BOXES.values():
         axes.add_patch(Rectangle((left, bottom), width, height, facecolor="#eef3fa",
                                  edgecolor="#30507a", linewidth=1.4))
@@ -47,7 +44,6 @@ def draw(path):
     axes.set_ylim(-.8, 4.8)
     axes.set_axis_off()
     figure.savefig(path, dpi=90, format="png", metadata={"Software": None}, bbox_inches="tight")
-    pyplot.close(figure)
 
 
 if __name__ == "__main__":

@@ -8,12 +8,10 @@ from ncdc_boards.ulx3s.top import DATA_WIDTH, Design
 from ncdc_hdl.export.registers.lenses import check_lens
 from ncdc_hdl.system import System
 from ncdc_model.errors import InputError
-from ncdc_model.geometry import MONO
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import BGR8, output_format
 from ncdc_model.raw_lens import raw_lens
-from ncdc_model.sensors.catalogue import sensor_named, setup
-from ncdc_model.sensors.sensor import Settings, bayer_at
+from ncdc_model.sensors.framing import setup_around
 
 __all__ = ["HARDWARE", "design_of", "sensor_for"]
 
@@ -23,28 +21,10 @@ _READERS = 1            # by registers: a host at the serial port
 
 
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
-    """:class:`Setup` of a sensor that sends a little more than a raw frame of ``geometry``, and the
-    corner (column, row) where that begins, so that its Bayer pattern is the geometry's.
-
-    Parameters
-    ----------
-    name : str
-    geometry : Geometry
-    pixel_clock_hz : int
-        0: that of the board's clock to the sensor.
-    settings :
-        More of :class:`Settings`.
-    """
-    sensor = sensor_named(name)
-    step = max(2, sensor.limits.step)
-    width, height = (-(-(value + 1) // step) * step for value in geometry.distorted)
-    plan = setup(sensor, Settings(
-        width=width, height=height, clock_hz=_SENSOR_CLOCK_HZ,
-        pixel_clock_hz=pixel_clock_hz or _SENSOR_CLOCK_HZ, **settings))
-    for corner in ((0, 0), (1, 0), (0, 1), (1, 1)):
-        if geometry.bayer in (MONO, bayer_at(plan.bayer, *corner)):
-            return plan, corner
-    raise InputError(f"the frames are {geometry.bayer}, the {name} sends {plan.bayer}")
+    """:func:`~ncdc_model.sensors.framing.setup_around` with the board's clock to the sensor, which
+    is the pixel clock too unless ``pixel_clock_hz`` asks for another."""
+    return setup_around(name, geometry, clock_hz=_SENSOR_CLOCK_HZ,
+                        pixel_clock_hz=pixel_clock_hz or _SENSOR_CLOCK_HZ, **settings)
 
 
 def design_of(named, sensor, mode, *, hardware=HARDWARE, core_mhz=CORE_MHZ, **more):

@@ -73,6 +73,14 @@ def rows_needed(y0, used, height, interpolation=FAST):
     return np.where(used, np.minimum(last + 1, height), 0)
 
 
+def _rows(line, camera, geometry):
+    """Clocks from row to row of a camera, from a row's first sample to its last, and from there
+    until `camera_rows` counts it: a clock behind its last byte in memory."""
+    if camera is None:
+        return camera_line(line, geometry), geometry.distorted_width, 1
+    return camera.line, camera.width * camera.sample, camera.latency + 2 * camera.burst + 1
+
+
 def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None, camera=None,
                  progress=lambda fraction: None):
     """:class:`FollowBound` of a frame that begins with the camera's.
@@ -107,8 +115,7 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None
     geometry = descriptor.geometry
     places = places or FramePlaces.after_reset(geometry, hardware.data_width)
     strip, lanes = hardware.strip, hardware.lanes
-    line, row = ((camera.line, camera.width * camera.sample) if camera
-                 else (camera_line(line, geometry), geometry.distorted_width))
+    line, row, late = _rows(line, camera, geometry)
     windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
     boxes = lookups(windows, strip, lanes)
     block = getattr(memory, "access_bytes", 1)
@@ -128,8 +135,6 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None
     pending = hardware.cache.pending
     behind = number[pending:]
     entered[behind] = np.maximum(behind, free.read.clocks(behind - pending) + 1)
-    # `camera_rows` counts a row in the clock after that of its last byte.
-    late = 1 + (camera.latency + 2 * camera.burst if camera else 0)
     written = np.where(needed, (needed - 1) * float(line) + float(row) + late, 0)
     begin = np.maximum(written + timing.row_to_lookup, timing.start)
     end = begin + (1 + _ERROR) * (free.clocks - timing.start - entered)

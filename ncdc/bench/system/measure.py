@@ -6,7 +6,6 @@ from fractions import Fraction
 import numpy as np
 
 from ncdc.bench.throughput.lenses import Lens, trained
-from ncdc.cli.moving import sensor_setup
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_hdl.system import System
@@ -14,6 +13,7 @@ from ncdc_model.fetch.beside import clocks_beside_camera, follow_bound_beside_ca
 from ncdc_model.fetch.plan import Fixed, plan
 from ncdc_model.hardware import Hardware
 from ncdc_model.memory_timing import memory_at
+from ncdc_model.sensors.framing import setup_around
 from ncdc_model.sensors.mt9p031 import SENSOR
 from ncdc_sim.sensor.verilog import Fault, Light
 from ncdc_sim.system.camera import simulate_camera
@@ -111,7 +111,8 @@ def _row(run, verilogs, show):
     key = descriptor.digest, system.hardware
     if key not in verilogs:
         verilogs[key] = system_verilog(system)
-    setup, corner = sensor_setup(SENSOR.name, descriptor.geometry, _EXPOSURE_US)
+    setup, corner = setup_around(SENSOR.name, descriptor.geometry,
+                                 exposure_us=_EXPOSURE_US)
     width, height = run.size
     noise = np.random.default_rng(1).integers(0, 4096 - SENSOR.black,
                                               (min(run.frames, 5), height, width), np.uint16)

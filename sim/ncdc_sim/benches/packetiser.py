@@ -271,6 +271,7 @@ async def pauses(dut):
     link.take(link.frame(headers, 0))
 
 
+# Without rates there is nothing to measure: most runs have pauses, which this test must not.
 @cocotb.test(skip=not settings()["rate"])
 async def rate(dut):
     """A gigabit port with the clock of the core is never kept waiting."""
