@@ -1,91 +1,54 @@
-"""What a board tells of itself."""
+"""What a board with a camera and a screen tells of itself."""
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 
-__all__ = ["Board", "Pll", "Sdram"]
+from ncdc_boards.sdram.chips import SdramChip
 
-
-@dataclass(frozen=True)
-class Pll:
-    """Clocks made from the board's oscillator by the device's phase-locked loop.
-
-    Parameters
-    ----------
-    reference_mhz, core_mhz : float
-        The oscillator; the clock of corrector and memory controller.
-    sdram_phase_ps : int
-        By how much the clock at the SDRAM's pin leads (negative) or trails the core's.
-    """
-    reference_mhz: float
-    core_mhz: float
-    sdram_phase_ps: int = 0
-
-
-@dataclass(frozen=True)
-class Sdram:
-    """Single data rate SDRAM, as Platform Designer's SDRAM controller wants it described.
-
-    Parameters: data width and number of row, column and bank address bits of all chips
-    together, and the chip's timing in ns (``refresh_us``: between two refreshes, in us) with
-    the clocks of CAS latency.
-    """
-    data_width: int
-    rows: int
-    columns: int
-    banks: int
-    cas_latency: int
-    t_ac: float
-    t_rcd: float
-    t_rfc: float
-    t_rp: float
-    t_wr: float
-    refresh_us: float
-
-    @property
-    def bytes(self):
-        """Size of the memory."""
-        return (self.banks << (self.rows + self.columns)) * self.data_width // 8
+__all__ = ["Board"]
 
 
 @dataclass(frozen=True)
 class Board:
-    """A board that ``ncdc generate --board`` writes a Quartus project for.
+    """A board that ``ncdc build`` makes a design for.
 
     Parameters
     ----------
     name, title : str
         As given on the command line; for people.
-    family, device : str
-        As Quartus names them.
-    platform : type or None
-        Subclass of ``amaranth.vendor.AlteraPlatform`` with the resources clk50, rst, sdram and
-        vga; None where the pin-out is not known.
-    pll : Pll
-    data_width : int
-        Bits of the corrector's memory ports.
-    memory : str
-        The memory model that stands for this board's memory in plan and simulation.
-    sdram : Sdram or None
-        None where the user brings the memory controller.
-    multipliers : int
-        Multiplier blocks of the device.
+    device : str
+        As its tools name it.
+    platform : type
+        Subclass of amaranth-boards' platform, with a resource ``camera``.
+    chip : SdramChip
+    memory_bytes : int
+        Of the SDRAM that the device reaches.
+    core_mhz : float
+        Clock of the core and of the SDRAM.
+    clock_plan : callable
+        From a video mode and ``core_mhz`` to the board's clocks, with ``core_mhz`` and
+        ``pixel_mhz``; raises InputError if it has no such pixel clock.
+    top : callable
+        From a :class:`~ncdc_boards.camera_board.core.Design` to the Elaboratable.
+    baud : int
+        Bits per second of the serial port.
     multiplier_bits : int
-        18 or 27: what one of them multiplies.
+        18 or 27: what a multiplier block of the device multiplies.
+    tools : str
+        "open": ``ncdc build`` makes the bitstream; "quartus": it writes a Quartus project.
     sources : tuple of str
         Where the pins are published.
-    left_to_user : dict
-        What the project does not hold: {what: why}.
     """
     name: str
     title: str
-    family: str
     device: str
-    platform: type | None
-    pll: Pll
-    data_width: int
-    memory: str
-    sdram: Sdram | None
-    multipliers: int
+    platform: type
+    chip: SdramChip
+    memory_bytes: int
+    core_mhz: float
+    clock_plan: Callable
+    top: Callable
+    baud: int
     multiplier_bits: int
+    tools: str
     sources: tuple
-    left_to_user: dict = field(default_factory=dict)

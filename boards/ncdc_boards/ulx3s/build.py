@@ -21,7 +21,7 @@ class Files:
 
 
 def prepared(design):
-    """The :class:`Files` of a :class:`~ncdc_boards.ulx3s.top.Design`."""
+    """The :class:`Files` of a :class:`~ncdc_boards.camera_board.core.Design`."""
     plan = Ulx3sPlatform().prepare(Ulx3sTop(design), NAME, debug_verilog=True)
     texts = {name: text.decode() if isinstance(text, bytes) else text
              for name, text in plan.files.items()}

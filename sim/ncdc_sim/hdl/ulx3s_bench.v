@@ -1,21 +1,13 @@
 // A ULX3S from the sensor's pins to the monitor's: the generated top, the SDRAM's model, a sensor, a
 // monitor, buttons.
 //
-// The SDRAM's data come `ACCESS` ps behind its clock's edge and stay for `HOLD` ps behind the next
-// one; in between DQ holds the wrong bits. `FLIGHT` ps are the FPGA's outputs and the way to the
-// chip, `BACK` ps the way back and the FPGA's input.
-//
-// Plusargs: run_us, how long it runs; press_following_us, press_raw_us, when a button is pressed (0:
-// never), for hold_us; those of the sensor.
+// Plusargs: those of board_run.v and of the sensor.
 //
 // Results: lines "RESULT <name> <value>"; screen.bin, see dvi_monitor.v.
 
 `timescale 1ps/1ps
 
 module ulx3s_bench;
-    localparam FLIGHT = 3000, ACCESS = 6000, HOLD = 2700, BACK = 1500;
-
-    integer run_us, following_us, raw_us, hold_us;
     reg clk25 = 0;
     always #20000 clk25 = !clk25;
 
@@ -24,53 +16,11 @@ module ulx3s_bench;
     wire [1:0]  ba, dqm;
     wire [12:0] a;
     wire [15:0] dq;
-    reg         c_clk = 0, c_cke = 0, c_cs_n = 1, c_ras_n = 1, c_cas_n = 1, c_we_n = 1;
-    reg  [1:0]  c_ba = 0, c_dqm = 3;
-    reg  [12:0] c_a = 0;
-    reg  [15:0] c_dq = 0;
-    reg         oe = 0, c_oe = 0;
-    wire        chip_drives;
-    wire [15:0] chip_dq;
-    wire [31:0] violations, refreshes, refresh_most, beats_read, beats_written;
-
+    reg         oe = 0;
     always @(posedge dut.sdram_dq.clk) oe <= dut.sdram_dq.oe;
-    always @(clk) c_clk <= #(FLIGHT) clk;
-    always @(cke, cs_n, ras_n, cas_n, we_n, ba, dqm, a) begin
-        c_cke <= #(FLIGHT) cke;
-        c_cs_n <= #(FLIGHT) cs_n;
-        c_ras_n <= #(FLIGHT) ras_n;
-        c_cas_n <= #(FLIGHT) cas_n;
-        c_we_n <= #(FLIGHT) we_n;
-        c_ba <= #(FLIGHT) ba;
-        c_dqm <= #(FLIGHT) dqm;
-        c_a <= #(FLIGHT) a;
-    end
-    always @(oe, dq) begin
-        c_oe <= #(FLIGHT) oe;
-        c_dq <= #(FLIGHT) dq;
-    end
-    sdram_chip #(`NCDC_CHIP) chip (
-        .clk(c_clk), .controller_rst(1'b0), .cke(c_cke), .cs_n(c_cs_n), .ras_n(c_ras_n),
-        .cas_n(c_cas_n), .we_n(c_we_n), .ba(c_ba), .a(c_a), .dqm(c_dqm), .dq_i(c_dq),
-        .dq_oe(c_oe), .dq_o(chip_dq), .dq_drives(chip_drives), .violations(violations),
-        .refreshes(refreshes), .refresh_most(refresh_most), .beats_read(beats_read),
-        .beats_written(beats_written));
-
-    reg [15:0] read_dq = 0;             // at the FPGA's pin
-    reg        read_drives = 0;
-    always @(posedge c_clk) begin
-        // The chip's outputs of this edge are there a moment later.
-        read_drives <= #(HOLD + BACK) 1'b0;
-        read_dq <= #(HOLD + BACK) ~read_dq;
-    end
-    always @(posedge c_clk) begin
-        #10;
-        if (chip_drives) begin
-            read_dq <= #(ACCESS + BACK - 10) chip_dq;
-            read_drives <= #(ACCESS + BACK - 10) 1'b1;
-        end
-    end
-    assign dq = read_drives || chip_drives ? read_dq : 16'bz;
+    sdram_board sdram (
+        .clk(clk), .cke(cke), .cs_n(cs_n), .ras_n(ras_n), .cas_n(cas_n), .we_n(we_n), .oe(oe),
+        .ba(ba), .dqm(dqm), .a(a), .dq(dq));
 
     // The sensor, and its bus.
     wire xclk, sensor_reset_n, standby, pixclk, fval, lval, scl, sda, sda_low;
@@ -86,7 +36,8 @@ module ulx3s_bench;
     wire lane_clock;
     dvi_monitor monitor (.clock(lane_clock), .lanes(lanes));
 
-    reg following = 0, raw = 0;
+    wire following, raw, over;
+    board_run script (.following(following), .raw(raw), .over(over));
     wire [7:0] led;
     wire tx, wifi;
     ncdc_ulx3s dut (
@@ -103,35 +54,15 @@ module ulx3s_bench;
         .led_3__io(led[3]), .led_4__io(led[4]), .led_5__io(led[5]), .led_6__io(led[6]),
         .led_7__io(led[7]), .esp32_0__en__io(wifi));
 
-    initial begin
-        if (!$value$plusargs("run_us=%d", run_us)) run_us = 1000;
-        if (!$value$plusargs("press_following_us=%d", following_us)) following_us = 0;
-        if (!$value$plusargs("press_raw_us=%d", raw_us)) raw_us = 0;
-        if (!$value$plusargs("hold_us=%d", hold_us)) hold_us = 25000;
-        fork
-            if (following_us != 0) begin
-                #(following_us * 1000000.0) following = 1;
-                #(hold_us * 1000000.0) following = 0;
-            end
-            if (raw_us != 0) begin
-                #(raw_us * 1000000.0) raw = 1;
-                #(hold_us * 1000000.0) raw = 0;
-            end
-            begin
-                #(run_us * 1000000.0);
-                $display("RESULT violations %0d", violations);
-                $display("RESULT refreshes %0d", refreshes);
-                $display("RESULT beats_read %0d", beats_read);
-                $display("RESULT beats_written %0d", beats_written);
-                $display("RESULT monitor_errors %0d", monitor.errors);
-                $display("RESULT underruns %0d", dut.screen.underruns);
-                $display("RESULT shown %0d", dut.screen.shown);
-                $display("RESULT failures %0d", dut.programs.failures);
-                $display("RESULT led %0d", led);
-                $fflush;
-                monitor.close;
-                $finish;
-            end
-        join
+    always @(posedge over) begin
+        sdram.report;
+        $display("RESULT monitor_errors %0d", monitor.errors);
+        $display("RESULT underruns %0d", dut.core.screen.underruns);
+        $display("RESULT shown %0d", dut.core.screen.shown);
+        $display("RESULT failures %0d", dut.core.programs.failures);
+        $display("RESULT led %0d", led);
+        $fflush;
+        monitor.close;
+        $finish;
     end
 endmodule

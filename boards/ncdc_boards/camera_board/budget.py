@@ -1,15 +1,13 @@
-"""What the ULX3S's memory carries: bytes per second, and whether a picture fits."""
+"""What a board's memory carries: bytes per second, and whether a picture fits."""
 
 from dataclasses import dataclass
 
-from ncdc_boards.sdram.chips import ULX3S_32MB
 from ncdc_model.errors import InputError
 from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.system_values import memory_bytes
 
 __all__ = ["Budget", "budget_of", "check_memory"]
 
-_BYTES = (4 << ULX3S_32MB.row_bits + ULX3S_32MB.column_bits) * ULX3S_32MB.data_bits // 8
 # Of the clocks, those with data: a burst of the screen or the writer is 64 or 32 of them, before it
 # a row is opened, and a refresh takes 6 in each 585.
 _EFFICIENCY = .8
@@ -44,13 +42,13 @@ class Budget:
 
 
 def budget_of(design, setup):
-    """The :class:`Budget` of a :class:`~ncdc_boards.ulx3s.top.Design` and its sensor's set-up."""
+    """The :class:`Budget` of a :class:`~ncdc_boards.camera_board.core.Design` and its sensor's set-up."""
     g, hardware = design.system.descriptor.geometry, design.system.hardware
     line_s = sum(design.mode.horizontal) / (design.clocks.pixel_mhz * 1e6)
     pixel = output_format(hardware.format).pixel_bytes
     raw = g.distorted_width * g.distorted_height
     return Budget(
-        carried=design.core_hz * ULX3S_32MB.data_bits / 8 * _EFFICIENCY,
+        carried=design.core_hz * design.board.chip.data_bits / 8 * _EFFICIENCY,
         screen=g.corrected_width * pixel / line_s,
         camera=raw * setup.timing.frames_per_second,
         frame=_FETCHED * raw + pixel * g.corrected_width * g.corrected_height,
@@ -64,13 +62,14 @@ def check_memory(design, setup):
     sensor's, or five a second, a picture is refused.
     """
     system, budget = design.system, budget_of(design, setup)
+    there = design.board.memory_bytes
     needed = memory_bytes(system.descriptor, system.hardware, system.stores)
-    if needed > _BYTES:
-        share = (_BYTES / needed) ** .5
+    if needed > there:
+        share = (there / needed) ** .5
         g = system.descriptor.geometry
         raise InputError(
-            f"the frames take {needed / 1e6:.1f} MB, the ULX3S has {_BYTES / 1e6:.1f} MB: raw "
-            f"frames of {int(g.distorted_width * share)}x{int(g.distorted_height * share)} fit")
+            f"the frames take {needed / 1e6:.1f} MB, the {design.board.name} has {there / 1e6:.1f} MB: "
+            f"raw frames of {int(g.distorted_width * share)}x{int(g.distorted_height * share)} fit")
     least = min(5, setup.timing.frames_per_second / 4)
     if budget.corrected_per_second < least:
         left = budget.carried - budget.screen - least * budget.frame

@@ -1,10 +1,11 @@
-"""The design of a ULX3S, whole, between a sensor, an SDRAM chip and a monitor."""
+"""The design of a board, whole, between a sensor, an SDRAM chip and a monitor."""
 
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ncdc_boards.sdram.chips import ULX3S_32MB
+from ncdc_boards.quartus.project import project_name, top_verilog
+from ncdc_boards.quartus.user import user_module
 from ncdc_boards.ulx3s.build import NAME, prepared
 from ncdc_sim.board.screen import Screen, screen_of
 from ncdc_sim.runner import HDL, build, command_of, run
@@ -12,9 +13,12 @@ from ncdc_sim.sdram import chip_parameters
 from ncdc_sim.sensor.verilog import sensor_sources
 from ncdc_sim.tools import SimulationError
 
-__all__ = ["BoardRun", "simulate_ulx3s"]
+__all__ = ["BoardRun", "simulate_board"]
 
-_BENCH = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v", "sdram_chip.v")
+# The bench comes first.
+_ULX3S = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v")
+_QUARTUS = ("quartus_bench.v", "altera_cells.v", "vga_monitor.v")
+_SHARED = ("sdram_board.v", "board_run.v", "sdram_chip.v")
 # Rules of Verilator that the netlist of a whole top does not keep: signals of no bits, outputs of
 # cells that nobody reads, comparisons that are constant for some lens; and delays that plusargs
 # tell.
@@ -38,9 +42,9 @@ class BoardRun:
     pixel_clock_ps: float = 0.0
 
 
-def simulate_ulx3s(design, sensor, light, *, run_us, presses=None, edit=None, on_line=None,
+def simulate_board(design, sensor, light, *, run_us, presses=None, edit=None, on_line=None,
                    optimise=None):
-    """Run a :class:`~ncdc_boards.ulx3s.top.Design` for so many microseconds.
+    """Run a :class:`~ncdc_boards.camera_board.core.Design` for so many microseconds.
 
     Parameters
     ----------
@@ -66,16 +70,17 @@ def simulate_ulx3s(design, sensor, light, *, run_us, presses=None, edit=None, on
         If it does not compile, or the monitor saw no picture, or the sensor or a cell of the
         device was used as it cannot be.
     """
-    verilog = prepared(design).verilog
+    name, verilog, files = _top(design)
     verilog = edit(verilog) if edit else verilog
-    chip = chip_parameters(ULX3S_32MB, design.core_hz)
+    chip = chip_parameters(design.board.chip, design.core_hz)
     defines = {"NCDC_CHIP": ", ".join(f".{key}({_number(value)})" for key, value in chip.items()),
-               "NCDC_SENSOR": f'"{sensor}"'}
+               "NCDC_SENSOR": f'"{sensor}"', "NCDC_TOP": name, "NCDC_DQ": design.board.chip.data_bits}
     header = "".join(f"`define {key} {value}\n" for key, value in defines.items())
-    sources = [(f"{NAME}.v", verilog),
-               *((name, header * (name == _BENCH[0]) + (HDL / name).read_text())
-                 for name in _BENCH), *sensor_sources()]
-    program = build("ulx3s", "ulx3s_bench", sources, optimise=optimise, options=(
+    files = (*files, *_SHARED)
+    sources = [(f"{name}.v", header + verilog), *((file, (HDL / file).read_text()) for file in files),
+               *sensor_sources()]
+    bench = files[0].removesuffix(".v")
+    program = build(name, bench, sources, optimise=optimise, options=(
         "--timing", "--main", "-CFLAGS", "-std=c++20 -fcoroutines",
         *(f"-Wno-{rule}" for rule in _RULES)))
     result = BoardRun()
@@ -99,6 +104,13 @@ def simulate_ulx3s(design, sensor, light, *, run_us, presses=None, edit=None, on
              *light.plusargs("sensor.bin")], folder, keep)
         result.screen = screen_of((folder / "screen.bin").read_bytes())
     return result
+
+
+def _top(design):
+    """Name of the top, its Verilog, the bench's own files."""
+    if design.board.tools == "open":
+        return NAME, prepared(design).verilog, _ULX3S
+    return project_name(design.board), top_verilog(design) + user_module(), _QUARTUS
 
 
 def _number(value):

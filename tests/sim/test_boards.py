@@ -1,18 +1,19 @@
-"""A whole ULX3S in simulation: what the monitor at its connector sees, of what the sensor sends."""
+"""Whole boards in simulation: what the monitor at the connector sees, of what the sensor sends."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-import ncdc_boards.ulx3s.top as top
+import ncdc_boards.camera_board.core as core
 from cameras import barrel_descriptor
-from ncdc_boards.ulx3s.design import HARDWARE, design_of, sensor_for
+from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
+from ncdc_boards.catalogue import board
 from ncdc_hdl.video.modes import VideoMode, mode_named
 from ncdc_model.corrector import correct
 from ncdc_model.raw_lens import raw_lens
 from ncdc_model.sensors.level import levelled
-from ncdc_sim.board.ulx3s import simulate_ulx3s
+from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light
 
@@ -23,12 +24,12 @@ SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
 class Bench:
     """A design for two lenses, the light on its sensor, and the golden pictures of that."""
 
-    def __init__(self, mode, size, *, frames=6, **more):
+    def __init__(self, name, mode, size, *, frames=6, **more):
         self.mode, self.size = mode, size
         lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
         self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100)
         setup, (left, top) = self.sensor
-        self.design = design_of([("a", lenses[0]), ("b", lenses[1])], self.sensor, mode,
+        self.design = design_of(board(name), [("a", lenses[0]), ("b", lenses[1])], self.sensor, mode,
                                 power_up_us=20, waits=False, **more)
         noise = np.random.default_rng(1).integers(0, 4096, (frames, size[1] + 4, size[0] + 4),
                                                   dtype=np.uint16)
@@ -38,7 +39,7 @@ class Bench:
         self.lenses = [*lenses, raw_lens(lenses[0])]
 
     def run(self, run_us, **more):
-        return simulate_ulx3s(self.design, "mt9p031", self.light, run_us=run_us, **more)
+        return simulate_board(self.design, "mt9p031", self.light, run_us=run_us, **more)
 
     def golden(self, lens):
         """Pictures of all raw frames."""
@@ -115,7 +116,7 @@ def test_buttons_choose_lens_and_raw_picture(small):
 @pytest.mark.regress
 def test_data_taken_a_clock_too_early_are_seen(small, monkeypatch):
     """As if a register in the pins' cells had been forgotten: no golden picture comes."""
-    monkeypatch.setattr(top, "_WIRES_LATE", 1)
+    monkeypatch.setattr(core, "_WIRES_LATE", 1)
     with pytest.raises(AssertionError):
         run = small.run(9000, optimise="-O1")
         check(small, run)

@@ -1,10 +1,9 @@
-"""From descriptors and a sensor to the design of a ULX3S."""
+"""From descriptors and a sensor to the design of a board."""
 
 from dataclasses import replace
 
-from ncdc_boards.ulx3s.clocks import CORE_MHZ, clock_plan
-from ncdc_boards.ulx3s.set_up import lens_program, set_up_program
-from ncdc_boards.ulx3s.top import DATA_WIDTH, Design
+from ncdc_boards.camera_board.core import Design
+from ncdc_boards.camera_board.set_up import lens_program, set_up_program
 from ncdc_hdl.export.registers.lenses import check_lens
 from ncdc_hdl.system import System
 from ncdc_model.errors import InputError
@@ -13,31 +12,40 @@ from ncdc_model.interface.frames import BGR8, output_format
 from ncdc_model.raw_lens import raw_lens
 from ncdc_model.sensors.framing import setup_around
 
-__all__ = ["HARDWARE", "design_of", "sensor_for"]
+__all__ = ["design_of", "hardware_for", "sensor_for"]
 
-HARDWARE = Hardware(data_width=DATA_WIDTH, format=BGR8.name, multiplier_bits=18)
+_DATA_WIDTH = 32        # of the memory ports
 _SENSOR_CLOCK_HZ = 25_000_000
 _READERS = 1            # by registers: a host at the serial port
 
 
+def hardware_for(board):
+    """The :class:`Hardware` that suits a board, before configuration."""
+    return Hardware(data_width=_DATA_WIDTH, format=BGR8.name,
+                    multiplier_bits=board.multiplier_bits)
+
+
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
-    """:func:`~ncdc_model.sensors.framing.setup_around` with the board's clock to the sensor, which
+    """:func:`~ncdc_model.sensors.framing.setup_around` with the boards' clock to the sensor, which
     is the pixel clock too unless ``pixel_clock_hz`` asks for another."""
     return setup_around(name, geometry, clock_hz=_SENSOR_CLOCK_HZ,
                         pixel_clock_hz=pixel_clock_hz or _SENSOR_CLOCK_HZ, **settings)
 
 
-def design_of(named, sensor, mode, *, hardware=HARDWARE, core_mhz=CORE_MHZ, **more):
+def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, **more):
     """The :class:`Design` that shows the first lens, and the others by push button.
 
     Parameters
     ----------
+    board : Board
     named : sequence of (path, Descriptor)
     sensor : (Setup, (int, int))
         As of :func:`sensor_for`.
     mode : VideoMode
-    hardware : Hardware
-    core_mhz : number
+    hardware : Hardware, optional
+        That of :func:`hardware_for` if absent.
+    core_mhz : number, optional
+        The board's if absent.
     more :
         Of :class:`Design`; ``waits`` of :func:`set_up_program`.
 
@@ -47,7 +55,9 @@ def design_of(named, sensor, mode, *, hardware=HARDWARE, core_mhz=CORE_MHZ, **mo
         If a lens does not fit the first one's corrector, or shows another size.
     """
     descriptor = named[0][1]
-    clocks, waits = clock_plan(mode, core_mhz), more.pop("waits", True)
+    hardware = hardware or hardware_for(board)
+    core_mhz, waits = core_mhz or board.core_mhz, more.pop("waits", True)
+    clocks = board.clock_plan(mode, core_mhz)
     system = System(descriptor, hardware, readers=_READERS, screens=1)
     for path, other in named[1:]:
         check_lens(system.corrector, path, other)
@@ -59,6 +69,6 @@ def design_of(named, sensor, mode, *, hardware=HARDWARE, core_mhz=CORE_MHZ, **mo
     lenses = [one for _, one in named] + [raw_lens(descriptor)]
     programs = [set_up_program(system, *sensor, round(core_mhz * 1e6), waits),
                 *(lens_program(system, lens) for lens in lenses)]
-    design = Design(system, mode, output_format(hardware.format).pixel_bytes, clocks,
+    design = Design(board, system, mode, output_format(hardware.format).pixel_bytes, clocks,
                     tuple(programs), len(named))
     return replace(design, **more)

@@ -1,0 +1,1 @@
+"""What every board with a camera and a screen has in common, whatever its device and its pins."""

@@ -1,0 +1,198 @@
+"""Camera in, straight picture out: all of a board but its clocks and its pins."""
+
+from dataclasses import dataclass
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.cdc import FFSynchronizer
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from ncdc_boards.board import Board
+from ncdc_boards.camera_board.buttons import Chooser
+from ncdc_boards.sdram.controller import SdramController
+from ncdc_boards.sdram.layouts import SdramPins
+from ncdc_hdl.avalon.bus import Agent, WriteHost
+from ncdc_hdl.camera.layouts import PINS
+from ncdc_hdl.lib.ports import ports_as
+from ncdc_hdl.registers.access import RegisterAccess
+from ncdc_hdl.registers.program import ProgramRunner
+from ncdc_hdl.registers.serial_bridge import SerialBridge
+from ncdc_hdl.system import System
+from ncdc_hdl.video.scan_out import PICTURE, ScanOut
+from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
+
+__all__ = ["BUTTONS", "LIGHTS", "SCREEN_BURST", "BoardCore", "Design"]
+
+SCREEN_BURST = 32       # words
+BUTTONS = ("following", "previous", "raw")
+LIGHTS = 8
+_WIRES_LATE = 2         # a register each in the pins' cells, on the way to the SDRAM and back
+
+
+@dataclass(frozen=True)
+class Design:
+    """What a board's core is made of.
+
+    Parameters
+    ----------
+    board : Board
+    system : System
+        With a screen.
+    mode : VideoMode
+    pixel_bytes : int
+        Of a pixel in memory.
+    clocks : object
+        The board's clocks, as its ``clock_plan`` makes them.
+    programs : tuple
+        Of :class:`ProgramRunner`: the set-up first, then one for each lens, the raw picture's last.
+    lenses : int
+        That the buttons choose from, without the raw picture.
+    power_up_us : int
+        Microseconds from the clocks' lock until the sensor's reset ends, and from there until
+        the set-up begins.
+    """
+    board: Board
+    system: System
+    mode: object
+    pixel_bytes: int
+    clocks: object
+    programs: tuple
+    lenses: int
+    power_up_us: int = 2000
+
+    @property
+    def core_hz(self):
+        """Of the core's clock."""
+        return round(self.clocks.core_mhz * 1e6)
+
+
+class BoardCore(wiring.Component):
+    """Joins sensor, memory, corrector, screen, buttons and a serial port.
+
+    It lives in the domain ``sync``, its picture in ``pixel``.
+
+    Parameters
+    ----------
+    design : Design
+
+    Members
+    -------
+    sensor_clock, sensor : ``In(1)``, ``In(PINS)``
+        At the sensor's pins.
+    sensor_reset_n : ``Out(1)``
+    scl, sda, scl_low, sda_low : ``In(1)``, ``Out(1)``
+        The I2C bus to the sensor: its lines; pull them low.
+    sdram : ``Out(SdramPins(chip))``
+        To registers in the pins' cells, and from such.
+    picture : ``Out(PICTURE)``
+    receive, send : ``In(1)``, ``Out(1)``
+        A serial port.
+    following, previous, raw : ``In(1)``
+        Buttons, high while pressed, at any time.
+    lights : ``Out(8)``
+        The memory is ready; the set-up is over; the sensor did not answer; the memory was too slow
+        for the screen; the number of the lens.
+    """
+
+    def __init__(self, design):
+        self.design, board = design, design.board
+        g = design.system.descriptor.geometry
+        self.screen = ScanOut(design.mode, *g.corrected, pixel_bytes=design.pixel_bytes,
+                              max_burst=SCREEN_BURST)
+        self.memory = SdramController(board.chip, design.core_hz, self._width, reads=2,
+                                      max_burst=SCREEN_BURST, late=_WIRES_LATE)
+        super().__init__({
+            "sensor_clock": In(1), "sensor": In(PINS), "sensor_reset_n": Out(1),
+            "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1),
+            "sdram": Out(SdramPins(board.chip)), "picture": Out(PICTURE),
+            "receive": In(1), "send": Out(1), **dict.fromkeys(BUTTONS, In(1)),
+            "lights": Out(LIGHTS)})
+
+    @property
+    def _width(self):
+        """Bits of the memory ports."""
+        return self.design.system.hardware.data_width
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.system = system = self.design.system
+        m.submodules.screen = screen = self.screen
+        m.submodules.memory = self.memory
+        m.d.comb += [
+            screen.screen.held.eq(system.screen_held), screen.screen.base.eq(system.screen_base),
+            system.screen_claim.eq(screen.screen.claim),
+            system.screen_shown.eq(screen.shown), system.screen_underruns.eq(screen.underruns),
+            self.picture.eq(screen.picture),
+        ]
+        connect(m, self.memory.pins, flipped(self.sdram))
+        self._ports(m)
+        ready = self._sensor(m)
+        programs = self._registers(m, ready)
+        self._buttons(m, programs)
+        return m
+
+    def _ports(self, m):
+        """System and screen at the controller's ports."""
+        memory, system = self.memory, self.design.system
+        for bus, port in ((ports_as(system, "read0", system.corrector.fetch.bus0.signature),
+                           memory.reads[0]), (self.screen.bus, memory.reads[1])):
+            m.d.comb += [
+                port.address.eq(bus.address), port.read.eq(bus.read),
+                port.burstcount.eq(bus.burstcount), bus.waitrequest.eq(port.waitrequest),
+                bus.readdata.eq(port.readdata), bus.readdatavalid.eq(port.readdatavalid)]
+        bus, port = ports_as(system, "write", WriteHost(self._width, 1)), memory.write
+        m.d.comb += [
+            port.address.eq(bus.address), port.write.eq(bus.write),
+            port.burstcount.eq(bus.burstcount), port.writedata.eq(bus.writedata),
+            port.byteenable.eq(bus.byteenable), bus.waitrequest.eq(port.waitrequest)]
+
+    def _sensor(self, m):
+        """The sensor; high once its reset and its rest behind it are over."""
+        system = self.design.system
+        m.d.comb += [
+            system.sensor_clock.eq(self.sensor_clock),
+            system.sensor_frame_valid.eq(self.sensor.frame_valid),
+            system.sensor_line_valid.eq(self.sensor.line_valid),
+            system.sensor_data.eq(self.sensor.data),
+            system.scl.eq(self.scl), system.sda.eq(self.sda),
+            self.scl_low.eq(system.scl_low), self.sda_low.eq(system.sda_low),
+        ]
+        wait = self.design.power_up_us * self.design.core_hz // 10**6
+        waited = Signal(range(2 * wait + 1))
+        with m.If(waited != 2 * wait):
+            m.d.sync += waited.eq(waited + 1)
+        # A register: a pin with logic before it could end the sensor's reset too early.
+        m.d.sync += self.sensor_reset_n.eq(waited >= wait)
+        return waited == 2 * wait
+
+    def _registers(self, m, ready):
+        """Who writes registers: the programs, and a host at the serial port."""
+        design, system = self.design, self.design.system
+        m.submodules.access = access = RegisterAccess(SYSTEM_WORDS_BITS, 2)
+        m.submodules.bridge = bridge = SerialBridge(design.core_hz // design.board.baud,
+                                                    SYSTEM_WORDS_BITS)
+        # Until the sensor may be talked to the programs are in reset.
+        hold = Signal(init=1)
+        m.d.sync += hold.eq(~(ready & self.memory.ready))
+        m.submodules.programs = programs = ResetInserter(hold)(ProgramRunner(
+            design.programs, SYSTEM_WORDS_BITS, patience=design.core_hz // 10))
+        connect(m, programs.access, access.hosts[0])
+        connect(m, bridge.access, access.hosts[1])
+        bus = ports_as(system, "csr", Agent(SYSTEM_WORDS_BITS))
+        for name, member in Agent(SYSTEM_WORDS_BITS).members.items():
+            ours, theirs = getattr(access.bus, name), getattr(bus, name)
+            m.d.comb += theirs.eq(ours) if member.flow is Out else ours.eq(theirs)
+        m.d.comb += [bridge.receive.eq(self.receive), self.send.eq(bridge.send)]
+        return programs
+
+    def _buttons(self, m, programs):
+        """Buttons that choose the programs, and lights."""
+        m.submodules.chooser = chooser = Chooser(self.design.lenses, self.design.core_hz)
+        for name in BUTTONS:
+            m.submodules[f"{name}_button"] = FFSynchronizer(getattr(self, name),
+                                                            getattr(chooser, name))
+        m.d.comb += [
+            chooser.busy.eq(programs.busy), programs.start.eq(chooser.start),
+            programs.which.eq(chooser.which),
+            self.lights.eq(Cat(self.memory.ready, ~programs.busy, programs.failures != 0,
+                               self.screen.underruns != 0, chooser.lens))]

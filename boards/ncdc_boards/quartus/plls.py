@@ -1,0 +1,154 @@
+"""The clocks of the Quartus boards: two phase-locked loops of the device."""
+
+from dataclasses import dataclass
+
+from amaranth import *
+from amaranth.lib.cdc import ResetSynchronizer
+
+from ncdc_boards.quartus.names import CYCLONE_IV, LOOPS
+from ncdc_model.errors import InputError
+
+__all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "Clocks", "clock_plan"]
+
+REFERENCE_MHZ = 50                  # the boards' oscillator
+CORE_MHZ = 75
+SENSOR_MHZ = 25
+DOMAINS = ("sync", "memory", "sensor_reference", "pixel")
+# Intel, Cyclone IV Device Handbook, volume 3 (CYIV-53001), and Cyclone V Device Datasheet (CV-51002),
+# PLL specifications: the oscillator of the slowest of our devices' speed grades, in MHz.
+_OSCILLATOR = (600, 1300)
+_STEPS = 8                          # phases of the oscillator's period
+_EARLY_NS = 4                       # of the clock at the SDRAM's pin, before the core's next edge
+
+
+@dataclass(frozen=True)
+class ClockPlan:
+    """Clocks of a board.
+
+    Parameters
+    ----------
+    family : str
+    core_mhz : number
+    phase_ps : int
+        By how much the SDRAM's clock is late behind the core's.
+    ratio : (int, int)
+        Pixel clock over the oscillator's.
+    """
+    family: str
+    core_mhz: float
+    phase_ps: int
+    ratio: tuple
+
+    @property
+    def pixel_mhz(self):
+        """Pixel clock in MHz."""
+        return REFERENCE_MHZ * self.ratio[0] / self.ratio[1]
+
+    def targets(self):
+        """MHz of each domain, by its name."""
+        return {"sync": self.core_mhz, "memory": self.core_mhz, "sensor_reference": SENSOR_MHZ,
+                "pixel": self.pixel_mhz}
+
+
+def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz):
+    """The :class:`ClockPlan` for a video mode.
+
+    The SDRAM's clock comes 4 ns before the core's next edge, to the nearest phase that the loop
+    has: what it samples has been stable for the rest of a period, and stays for those 4 ns.
+
+    Parameters
+    ----------
+    mode : VideoMode
+    core_mhz : number
+    family : str
+    most_mhz : number
+        Pixel clock that the board's converter can take.
+
+    Raises
+    ------
+    InputError
+        If the converter is too slow for the mode, or the core's clock cannot be made.
+    """
+    if mode.pixel_mhz > most_mhz:
+        raise InputError(f"the mode {mode.name} has a pixel clock of {mode.pixel_mhz:.1f} MHz, the "
+                         f"board's converter takes {most_mhz:g} MHz at most: a smaller --mode fits")
+    oscillator = next((SENSOR_MHZ * k for k in range(1, _OSCILLATOR[1] // SENSOR_MHZ + 1)
+                       if SENSOR_MHZ * k >= _OSCILLATOR[0] and not SENSOR_MHZ * k % core_mhz), None)
+    if oscillator is None:
+        raise InputError(f"no phase-locked loop makes {core_mhz} and {SENSOR_MHZ} MHz together")
+    step, period = 1e6 / oscillator / _STEPS, 1e6 / core_mhz
+    steps = round((period - 1000 * _EARLY_NS) / step)
+    return ClockPlan(family, core_mhz, round(steps * step), mode.ratio)
+
+
+class Clocks(Elaboratable):
+    """Drives the clocks of the :data:`DOMAINS`, which its parent defines, and their resets.
+
+    All domains are in reset until both loops are locked.
+
+    Parameters
+    ----------
+    plan : ClockPlan
+    reference, restart : Value
+        The board's oscillator; high: the loops begin anew.
+    """
+
+    def __init__(self, plan, reference, restart):
+        self.plan, self.reference, self.restart = plan, reference, restart
+
+    def elaborate(self, platform):
+        m = Module()
+        plan, targets = self.plan, self.plan.targets()
+        core = [(targets[name], plan.phase_ps * (name == "memory")) for name in DOMAINS[:3]]
+        loop = self._cyclone_iv if plan.family == CYCLONE_IV else self._cyclone_v
+        outputs, core_locked = loop(m, LOOPS[0], core)
+        pixel, pixel_locked = loop(m, LOOPS[1], [(plan.ratio, 0)])
+        for domain, output in zip(DOMAINS, (*outputs, *pixel)):
+            m.d.comb += ClockSignal(domain).eq(output)
+        unlocked = Signal()
+        m.d.comb += unlocked.eq(~(core_locked & pixel_locked))
+        for domain in ("sync", "pixel"):
+            m.submodules[f"{domain}_reset"] = ResetSynchronizer(unlocked, domain=domain)
+        for domain in ("memory", "sensor_reference"):
+            m.d.comb += ResetSignal(domain).eq(0)
+        return m
+
+    def _cyclone_iv(self, m, name, outputs):
+        """An ALTPLL's outputs, and whether it is locked."""
+        clocks, locked = Signal(5, name=f"{name}_outputs"), Signal(name=f"{name}_locked")
+        parameters = {}
+        for k, (mhz, late_ps) in enumerate(outputs):
+            up, down = mhz if isinstance(mhz, tuple) else _ratio(mhz)
+            parameters |= {f"p_CLK{k}_MULTIPLY_BY": up, f"p_CLK{k}_DIVIDE_BY": down,
+                           f"p_CLK{k}_PHASE_SHIFT": str(late_ps), f"p_CLK{k}_DUTY_CYCLE": 50,
+                           f"p_PORT_CLK{k}": "PORT_USED"}
+        m.submodules[name] = Instance(
+            "altpll", p_OPERATION_MODE="NORMAL", p_COMPENSATE_CLOCK="CLK0",
+            p_BANDWIDTH_TYPE="AUTO", p_WIDTH_CLOCK=5, p_PORT_LOCKED="PORT_USED",
+            p_PORT_ARESET="PORT_USED", p_INCLK0_INPUT_FREQUENCY=round(1e6 / REFERENCE_MHZ),
+            i_inclk=Cat(self.reference, Const(0, 1)), i_areset=self.restart, o_clk=clocks,
+            o_locked=locked, **parameters)
+        return list(clocks)[:len(outputs)], locked
+
+    def _cyclone_v(self, m, name, outputs):
+        """An ALTERA_PLL's outputs, and whether it is locked."""
+        clocks, locked = (Signal(len(outputs), name=f"{name}_outputs"),
+                          Signal(name=f"{name}_locked"))
+        parameters = {}
+        for k, (mhz, late_ps) in enumerate(outputs):
+            mhz = REFERENCE_MHZ * mhz[0] / mhz[1] if isinstance(mhz, tuple) else mhz
+            parameters |= {f"p_output_clock_frequency{k}": f"{mhz:.6f} MHz",
+                           f"p_phase_shift{k}": f"{late_ps} ps", f"p_duty_cycle{k}": 50}
+        m.submodules[name] = Instance(
+            "altera_pll", p_fractional_vco_multiplier="false",
+            p_reference_clock_frequency=f"{REFERENCE_MHZ:.1f} MHz", p_operation_mode="normal",
+            p_number_of_clocks=len(outputs), p_pll_type="General", p_pll_subtype="General",
+            i_rst=self.restart, i_refclk=self.reference, i_fbclk=Const(0), o_outclk=clocks,
+            o_locked=locked, **parameters)
+        return list(clocks), locked
+
+
+def _ratio(mhz):
+    """A clock over the reference's, as two numbers."""
+    up, down = (float(mhz) / REFERENCE_MHZ).as_integer_ratio()
+    return up, down

@@ -1,0 +1,40 @@
+"""Resources that amaranth-boards lacks."""
+
+from amaranth.build import Attrs, Pins, Resource, Subsignal
+from amaranth_boards.resources import UARTResource
+
+__all__ = ["LVTTL", "SDRAM_ATTRS", "camera", "serial", "vga_dac"]
+
+LVTTL = Attrs(io_standard="3.3-V LVTTL")
+SDRAM_ATTRS = Attrs(io_standard="3.3-V LVTTL", FAST_OUTPUT_REGISTER="ON",
+                    FAST_OUTPUT_ENABLE_REGISTER="ON", FAST_INPUT_REGISTER="ON",
+                    CURRENT_STRENGTH_NEW="MAXIMUM CURRENT")
+# Terasic, TRDB-D5M Hardware Specification: pin of the 40-pin header; D11 to D0.
+_D5M_DATA = (2, 4, 5, 6, 7, 8, 9, 10, 13, 14, 15, 16)
+_D5M = {"pixclk": 1, "xclk": 19, "reset_n": 20, "standby": 22, "lval": 24, "fval": 25, "sda": 26,
+        "scl": 27}      # "standby" is TRIGGER, which is kept low too
+_DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o", "standby": "o"}
+
+
+def camera(conn):
+    """The camera module TRDB-D5M on the 40-pin header ``conn``, (name, number)."""
+    pins = {name: (pin,) for name, pin in _D5M.items()} | {"d": _D5M_DATA[::-1]}
+    up = {name: [Attrs(WEAK_PULL_UP_RESISTOR="ON")] for name in ("scl", "sda")}
+    return Resource("camera", 0, *(
+        Subsignal(name, Pins(" ".join(map(str, numbers)), dir=_DIRECTIONS.get(name, "i"),
+                             conn=conn), *up.get(name, []))
+        for name, numbers in pins.items()), LVTTL)
+
+
+def serial(conn):
+    """A serial port's adaptor of 3.3 V on pins 1 (its TX) and 2 (its RX) of a header."""
+    return UARTResource(0, rx="1", tx="2", conn=conn, attrs=LVTTL)
+
+
+def vga_dac(*, clk, hs, vs, sync, blank, r, g, b):
+    """VGA through a converter ADV7123 of 8 bits per colour; lowest bit first."""
+    parts = {"clk": clk, "hs": hs, "vs": vs, "sync_n": sync, "blank_n": blank, "r": r, "g": g,
+             "b": b}
+    return Resource("vga", 0, *(Subsignal(name, Pins(pins, dir="o"))
+                                for name, pins in parts.items()),
+                    LVTTL, Attrs(FAST_OUTPUT_REGISTER="ON"))
