@@ -1,0 +1,133 @@
+"""Timing constraints of a Quartus board, for the Timing Analyzer."""
+
+from ncdc_boards.quartus.names import CYCLONE_IV, LOOPS
+
+__all__ = ["FREE", "constraints"]
+
+# Pin of output k of a loop, as Quartus names it; `derive_pll_clocks` gives its clock that name.
+_CYCLONE_IV_PIN = "*{loop}|auto_generated|pll1|clk[{k}]"
+_CYCLONE_V_PIN = "*{loop}|general[{k}].gpll~PLL_OUTPUT_COUNTER|divclk"
+
+_TRACE = .25        # ns: by how much traces of a group differ, at most
+# ISSI, IS42S16320D, AC electrical characteristics, grade 7, in ns; CAS latency 3.
+_SETUP, _HOLD, _ACCESS, _KEPT = 1.5, .8, 5.4, 2.7
+# Analog Devices, ADV7123, timing specifications, rounded up, in ns.
+_DAC_SETUP, _DAC_HOLD = .5, 1.5
+_DAC_LESS_NS = 10   # a resistor network has no clock: its pins shall change within so many ns
+# MT9P031/D, I/O timing: PIXCLK's falling edge to data, frame valid, line valid; rounded outwards.
+_SENSOR_LEAST, _SENSOR_MOST = 0, 6
+
+FREE = {
+    "button_*": (("from",), "pressed by hand, behind synchronisers"),
+    "led_*": (("to",), "seen by eye"),
+    "uart_0__rx__io": (("from",), "a serial line has no clock; behind a synchroniser"),
+    "uart_0__tx__io": (("to",), "a serial line has no clock"),
+    "camera_0__scl__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
+    "camera_0__sda__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
+    "camera_0__reset_n__io": (("to",), "changes once"),
+    "camera_0__standby__io": (("to",), "constant"),
+    "vga_0__sync_n__io": (("to",), "constant"),
+}
+"""Ports without timing: whether paths begin or end there, and why they have none."""
+
+_SYNCHRONISERS = """\
+# Only the first register of each synchroniser may be reached from another clock.
+set_false_path -to [get_registers {*altera_std_synchronizer:*|din_s1}]
+# A reset begins at once; its end goes through synchronisers.
+set_false_path -to [get_pins -nowarn -compatibility_mode {*altera_std_synchronizer*|clrn}]
+# Settings of the camera, which are locked while it is captured.
+set_false_path -from [get_registers {*:page|values*}] -to [get_clocks {sensor}]
+# Bits of a Gray counter cross together: they differ by less than the shortest period.
+"""
+
+
+def constraints(design, sensor_mhz, ports):
+    """Text for the .sdc behind the oscillator's clock, which Amaranth writes.
+
+    Parameters
+    ----------
+    design : ncdc_boards.camera_board.core.Design
+    sensor_mhz : number
+        Pixel clock of the sensor.
+    ports : sequence of str
+        Of the top.
+    """
+    board, core_ns = design.board, 1000 / design.clocks.core_mhz
+    period = min(core_ns, 1000 / sensor_mhz, 1000 / design.clocks.pixel_mhz)
+    pin = _CYCLONE_IV_PIN if board.family == CYCLONE_IV else _CYCLONE_V_PIN
+    pins = {name: pin.format(loop=loop, k=k) for name, loop, k in (
+        ("core", LOOPS[0], 0), ("memory", LOOPS[0], 1), ("reference", LOOPS[0], 2),
+        ("pixel", LOOPS[1], 0))}
+    lines = [
+        f"create_clock -name sensor -period {1000 / sensor_mhz:.3f} "
+        "[get_ports {camera_0__pixclk__io}]",
+        "derive_pll_clocks", "derive_clock_uncertainty",
+        *(f"set {name} {{{text}}}" for name, text in pins.items()),
+        *_sdram(), *_sensor(), *_screen(board, design.clocks.pixel_mhz),
+        _SYNCHRONISERS + "\n".join(
+            f"set_max_skew -from [get_registers {{*|{counter}*}}] "
+            f"-to [get_registers {{*:{crossing}|*din_s1}}] {period:.3f}" for counter, crossing in
+            (("produce_w_gry", "produce_cdc"), ("consume_r_gry", "consume_cdc")))]
+    lines += _free(ports)
+    return "\n".join(lines) + "\n"
+
+
+def _generated(name, source, port, invert=False):
+    """A clock that leaves through a pin."""
+    return (f"create_generated_clock -name {name} -source [get_pins -compatibility_mode ${source}] "
+            f"{'-invert ' * invert}[get_ports {{{port}}}]")
+
+
+def _sdram():
+    """The SDRAM: its clock comes 4 ns before the core's next edge."""
+    outputs = " ".join(f"sdram_0__{name}__io*" for name in (
+        "clk_en", "cs", "we", "ras", "cas", "ba", "a", "dqm", "dq"))
+    return [
+        "# SDRAM",
+        _generated("sdram_pin", "memory", "sdram_0__clk__io"),
+        f"set_output_delay -clock sdram_pin -max {_SETUP + _TRACE} [get_ports {{{outputs}}}]",
+        f"set_output_delay -clock sdram_pin -min {-_HOLD - _TRACE} [get_ports {{{outputs}}}]",
+        f"set_input_delay -clock sdram_pin -max {_ACCESS + _TRACE} [get_ports {{sdram_0__dq__io*}}]",
+        f"set_input_delay -clock sdram_pin -min {_KEPT - _TRACE} [get_ports {{sdram_0__dq__io*}}]",
+        "# What the SDRAM gives with an edge is taken with the core's second one behind it: the",
+        "# first one comes before the access time is over.",
+        "set_multicycle_path -setup -from [get_clocks {sdram_pin}] -to [get_clocks $core] 2"]
+
+
+def _sensor():
+    """The sensor, whose pins change with the falling edge of its clock."""
+    inputs = " ".join(f"camera_0__{name}__io*" for name in ("d", "fval", "lval"))
+    return [
+        "# Sensor",
+        _generated("sensor_reference_pin", "reference", "camera_0__xclk__io"),
+        f"set_input_delay -clock sensor -clock_fall -max {_SENSOR_MOST + _TRACE} "
+        f"[get_ports {{{inputs}}}]",
+        f"set_input_delay -clock sensor -clock_fall -min {_SENSOR_LEAST - _TRACE} "
+        f"[get_ports {{{inputs}}}]"]
+
+
+def _screen(board, pixel_mhz):
+    """The screen."""
+    parts = ["hs", "vs", "r", "g", "b"] + ["blank_n"] * board.dac
+    outputs = " ".join(f"vga_0__{name}__io*" for name in parts)
+    if board.dac:
+        return [
+            "# Screen",
+            _generated("vga_pin", "pixel", "vga_0__clk__io", invert=True),
+            f"set_output_delay -clock vga_pin -max {_DAC_SETUP + _TRACE} [get_ports {{{outputs}}}]",
+            f"set_output_delay -clock vga_pin -min {-_DAC_HOLD - _TRACE} [get_ports {{{outputs}}}]"]
+    return [
+        "# Screen, through resistors: all pins change soon behind the pixel clock.",
+        f"set_output_delay -clock [get_clocks $pixel] -max {1000 / pixel_mhz - _DAC_LESS_NS:.3f} "
+        f"[get_ports {{{outputs}}}]",
+        f"set_output_delay -clock [get_clocks $pixel] -min 0 [get_ports {{{outputs}}}]"]
+
+
+def _free(ports):
+    """The ports of :data:`FREE` that the top has."""
+    lines = ["# Ports without timing"]
+    for pattern, (ways, why) in FREE.items():
+        if any(name.startswith(pattern.rstrip("*")) for name in ports):
+            lines += [f"# {pattern}: {why}",
+                      *(f"set_false_path -{way} [get_ports {{{pattern}}}]" for way in ways)]
+    return lines
