@@ -1,4 +1,4 @@
-"""``ncdc build``: from descriptors to the bitstream of a board, by open tools."""
+"""``ncdc build``: from descriptors to the bitstream of a board, or to its Quartus project."""
 
 import tempfile
 import time
@@ -16,9 +16,12 @@ from ncdc.bitstream.flow import (
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.hardware import planned
 from ncdc.terminal import Steps
-from ncdc_boards.ulx3s.budget import check_memory
+from ncdc_boards.board import Board
+from ncdc_boards.camera_board.budget import check_memory
+from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
+from ncdc_boards.catalogue import board as board_of
+from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
 from ncdc_boards.ulx3s.build import NAME, clock_cells, prepared
-from ncdc_boards.ulx3s.design import HARDWARE, design_of, sensor_for
 from ncdc_hdl.export.registers.drivers import driver_files
 from ncdc_hdl.video.modes import mode_for, mode_named
 from ncdc_model.descriptor import Descriptor
@@ -28,10 +31,9 @@ from ncdc_model.files import check_outputs, write_bytes, write_text
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
-HELP = "make the bitstream of a board, by open tools"
+HELP = "make the bitstream of a board, or its Quartus project"
 EXAMPLE = "ncdc build net.toml --board ulx3s -o board"
 
-_BOARDS = ("ulx3s",)
 _MOST_SEEDS = 20
 
 
@@ -40,7 +42,9 @@ def add_arguments(parser):
     parser.add_argument("descriptor", metavar="NET", nargs="+",
                         help="descriptors of ncdc train: the first is shown, push buttons choose "
                              "the others")
-    parser.add_argument("--board", choices=_BOARDS, default=_BOARDS[0], help="default: ulx3s")
+    parser.add_argument("--board", default="ulx3s", metavar="NAME",
+                        help="ulx3s (default), by open tools; de1-soc, de2-115, de0-cv: a project "
+                             "for Quartus")
     parser.add_argument("--sensor", default="mt9p031", metavar="NAME",
                         help="mt9p031 (default; Terasic D5M), ov5640, mt9d111")
     parser.add_argument("--mode", metavar="WxH",
@@ -51,9 +55,9 @@ def add_arguments(parser):
     parser.add_argument("--exposure-us", type=float, default=10_000.0, metavar="X",
                         help="of the sensor, in microseconds (default: 10000)")
     parser.add_argument("--seeds", type=int, default=3, metavar="N",
-                        help="placements to try; the best is taken (default: 3)")
-    parser.add_argument("-o", "--output", default="ulx3s", metavar="DIR",
-                        help="folder to write to (default: ulx3s)")
+                        help="placements to try; the best is taken (default: 3; not for Quartus)")
+    parser.add_argument("-o", "--output", metavar="DIR",
+                        help="folder to write to (default: the board's name)")
     add_json(parser)
 
 
@@ -61,11 +65,16 @@ def run(args):
     """Check, generate, synthesise, place, pack, write."""
     if not 1 <= args.seeds <= _MOST_SEEDS:
         raise InputError(f"seeds is {args.seeds}, 1 to {_MOST_SEEDS} are tried")
+    board = _board(args.board)
     named = [(path, Descriptor.load(path)) for path in args.descriptor]
+    output = Path(args.output or board.name)
+    if board.tools == "quartus":
+        _quartus(args, board, named, output)
+        return
     check_tools()
     # Half an hour later would be late to say so.
-    check_outputs([Path(args.output) / f"{NAME}.bit"], args.descriptor)
-    design, setup, budget = _design(args, named)
+    check_outputs([output / f"{NAME}.bit"], args.descriptor)
+    design, setup, budget = _design(args, board, named)
     began, steps = time.monotonic(), Steps("ncdc build", quiet=args.json == "-")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
@@ -89,7 +98,6 @@ def run(args):
     steps("done")
     texts = {f"{NAME}.v": files.verilog, f"{NAME}.lpf": preferences,
              **driver_files(design.system.corrector, named, design.system.table)}
-    output = Path(args.output)
     for name, text in texts.items():
         write_text(output / name, text)
     write_bytes(output / f"{NAME}.bit", bits)
@@ -99,7 +107,43 @@ def run(args):
         _print(report, output)
 
 
-def _design(args, named):
+def _board(name):
+    """A board with a camera; InputError if it is none."""
+    board = board_of(name)
+    if not isinstance(board, Board):
+        raise InputError(f"the board {name} has no design of ours, its project for Platform "
+                         f"Designer is made by ncdc generate --board {name}")
+    return board
+
+
+def _quartus(args, board, named, output):
+    """Write the project for Quartus; the user's file only if it is not there."""
+    check_outputs([output / f"{project_name(board)}.v"], args.descriptor)
+    design, setup, budget = _design(args, board, named)
+    files = project_files(design, setup) | driver_files(design.system.corrector, named,
+                                                        design.system.table)
+    kept = (output / USER_FILE).exists()
+    if kept:
+        del files[USER_FILE]
+    for name, text in files.items():
+        write_text(output / name, text)
+    report = {"board": board.name, "sensor": args.sensor,
+              "clocks": [{"name": name, "target_mhz": mhz}
+                         for name, mhz in design.clocks.targets().items()],
+              **_rates(budget), "files": [str(output / name) for name in files],
+              "kept": [str(output / USER_FILE)] if kept else []}
+    if write_report(report, args.json):
+        return
+    for clock in report["clocks"]:
+        print(f"{clock['name']:>16}: {clock['target_mhz']:7.2f} MHz needed")
+    _print_rates(report)
+    for name in report["kept"]:
+        print(f"{name}: yours, left as it is")
+    print(f"{output}: {len(files)} files; sh {output / 'build.sh'} makes the bitstream, with "
+          f"Quartus Prime Lite")
+
+
+def _design(args, board, named):
     """Design, the sensor's set-up and the memory's budget; InputError for what does not fit."""
     geometry = named[0][1].geometry
     mode = mode_named(args.mode) if args.mode else mode_for(*geometry.corrected)
@@ -109,8 +153,8 @@ def _design(args, named):
                          f"it: {mode_for(*geometry.corrected).name} does")
     sensor = sensor_for(args.sensor, geometry, exposure_us=args.exposure_us,
                         pixel_clock_hz=round(args.pixel_clock_mhz * 1e6))
-    hardware, _ = planned(HARDWARE, Fixed(None, None, None), named[0][1])
-    design = design_of(named, sensor, mode, hardware=hardware)
+    hardware, _ = planned(hardware_for(board), Fixed(None, None, None), named[0][1])
+    design = design_of(board, named, sensor, mode, hardware=hardware)
     return design, sensor[0], check_memory(design, sensor[0])
 
 
@@ -131,10 +175,20 @@ def _report(args, best, placements, bits, budget, seconds):
         "seeds": [{"seed": one.seed, "slack": one.slack,
                    "clocks": [vars(clock) for clock in one.clocks]} for one in placements],
         "seed": best.seed, "bitstream_bytes": len(bits), "seconds": round(seconds, 1),
-        "memory_mb_per_second": budget.carried / 1e6,
-        "screen_mb_per_second": budget.screen / 1e6,
-        "sensor_frames_per_second": budget.frames_per_second,
-        "corrected_frames_per_second": budget.corrected_per_second}
+        **_rates(budget)}
+
+
+def _rates(budget):
+    """What memory and sensor carry, by name."""
+    return {"memory_mb_per_second": budget.carried / 1e6,
+            "screen_mb_per_second": budget.screen / 1e6,
+            "sensor_frames_per_second": budget.frames_per_second,
+            "corrected_frames_per_second": budget.corrected_per_second}
+
+
+def _print_rates(report):
+    print(f"the sensor sends {report['sensor_frames_per_second']:.1f} frames a second, memory for "
+          f"{report['corrected_frames_per_second']:.1f} corrected ones")
 
 
 def _print(report, output):
@@ -146,7 +200,6 @@ def _print(report, output):
               f"{clock['target_mhz']:7.2f}, slack {spare:.2f} ns, {100 * slack:.0f} %")
     print(f"{report['lut']} LUTs, {report['ff']} flip-flops, {report['dsp']} multipliers, "
           f"{report['ram_blocks']} block RAMs; seed {report['seed']}")
-    print(f"the sensor sends {report['sensor_frames_per_second']:.1f} frames a second, memory for "
-          f"{report['corrected_frames_per_second']:.1f} corrected ones")
+    _print_rates(report)
     print(f"{output / (NAME + '.bit')}: {report['bitstream_bytes']} bytes, in "
           f"{report['seconds']:.0f} s; openFPGALoader -b ulx3s {output / (NAME + '.bit')}")

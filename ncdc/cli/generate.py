@@ -6,8 +6,8 @@ from pathlib import Path
 from ncdc.cli.common import add_json, raw_frame, write_report
 from ncdc.cli.hardware import add_bus, add_hardware, fixed_of, front_end_line, hardware_of, planned
 from ncdc_boards.catalogue import board as board_of
-from ncdc_boards.catalogue import board_names
-from ncdc_boards.project import check_board, project_files
+from ncdc_boards.platform_designer.board import DesignerBoard
+from ncdc_boards.platform_designer.project import project_files
 from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.axi import axi_files
@@ -44,9 +44,8 @@ def add_arguments(parser):
                         help="another descriptor that the same hardware may be given at run time, "
                              "for the drivers; may be repeated")
     parser.add_argument("--board", metavar="NAME",
-                        help=f"write a Quartus project too: {', '.join(board_names())}; the board "
-                             "chooses --data-width, --to and --multiplier-bits unless they are "
-                             "given")
+                        help="write a project for Platform Designer too: faka2; the board chooses "
+                             "--data-width, --to and --multiplier-bits unless they are given")
     parser.add_argument("--system", action="store_true",
                         help="write ncdc_system.v instead: a camera and stores of frames before "
                              "the corrector, which corrects each frame by itself")
@@ -60,16 +59,14 @@ def run(args):
     """Generate and write; files that would not change are left alone."""
     descriptor = Descriptor.load(args.descriptor)
     lenses = [(args.descriptor, descriptor), *((path, Descriptor.load(path)) for path in args.lens)]
-    board = board_of(args.board) if args.board else None
+    board = _board(args.board) if args.board else None
     hardware = hardware_of(args, board)
-    if board:
-        check_board(board, descriptor, hardware.output)
     if args.system and board:
-        raise InputError(f"--system and --board {args.board} are given, the projects of boards "
-                         f"have no camera yet")
+        raise InputError(f"--system and --board {args.board} are given, its project is "
+                         f"of a corrector alone")
     if hardware.axi and board:
-        raise InputError(f"--bus axi and --board {args.board} are given, the projects of boards "
-                         f"are for avalon")
+        raise InputError(f"--bus axi and --board {args.board} are given, its project is "
+                         f"for avalon")
     hardware, choice = planned(hardware, fixed_of(args), descriptor)
     if args.system and args.testbench is not None:
         raise InputError("--testbench and --system are given, the test bench is of a corrector "
@@ -103,6 +100,15 @@ def run(args):
             print(f"{folder / name}: {len(text.splitlines())} lines")
         for what, why in report["left_to_user"].items():
             print(f"left to the user: {what}: {why}")
+
+
+def _board(name):
+    """A board with a project for Platform Designer; InputError if it has a design of ours."""
+    board = board_of(name)
+    if not isinstance(board, DesignerBoard):
+        raise InputError(f"the board {name} has a whole design, with camera and screen: ncdc build "
+                         f"--board {name} makes it")
+    return board
 
 
 def _system_files(system, lenses):

@@ -5,8 +5,6 @@ from math import ceil
 
 import pytest
 
-from ncdc_boards.de1_soc import BOARD as DE1_SOC
-from ncdc_boards.de2_115 import BOARD as DE2_115
 from ncdc_boards.sdram.chips import (
     AS4C16M16SA_6,
     AS4C16M16SA_7,
@@ -16,7 +14,6 @@ from ncdc_boards.sdram.chips import (
     MT48LC16M16A2_7E,
     ULX3S_32MB,
     W9825G6KH_6,
-    beside,
     clocks_of,
     slowest,
 )
@@ -44,16 +41,6 @@ def test_a_clock_that_divides_a_time_is_not_rounded_up():
     """16 ns are two periods of 8 ns, and 16.01 ns are three."""
     assert clocks_of(replace(AS4C16M16SA_6, rcd=16), 125e6).rcd == 2
     assert clocks_of(replace(AS4C16M16SA_6, rcd=16.01), 125e6).rcd == 3
-
-
-@pytest.mark.parametrize("board,chip,count", [(DE2_115, IS42S16320D_7, 2),
-                                              (DE1_SOC, IS42S16320D_7, 1)])
-def test_boards_have_the_chips_they_tell_of(board, chip, count):
-    chips, told = beside(chip, count), board.sdram
-    assert (chips.data_bits, chips.row_bits, chips.column_bits, chips.bytes) == (
-        told.data_width, told.rows, told.columns, told.bytes)
-    assert (chip.rcd, chip.rfc, chip.rp, chip.wr, chip.refresh) == (
-        told.t_rcd, told.t_rfc, told.t_rp, told.t_wr, 1000 * told.refresh_us)
 
 
 def test_the_slowest_is_none_of_them_and_slower_than_each():

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,9 +22,10 @@ from ncdc.bitstream.flow import (
     synthesise_board,
 )
 from ncdc.cli.build import _check_clocks
-from ncdc_boards.ulx3s.budget import check_memory
+from ncdc_boards.camera_board.budget import check_memory
+from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
+from ncdc_boards.ulx3s.board import BOARD
 from ncdc_boards.ulx3s.clocks import clock_plan
-from ncdc_boards.ulx3s.design import HARDWARE, design_of, sensor_for
 from ncdc_boards.ulx3s.platform import Ulx3sPlatform
 from ncdc_hdl.video.modes import MODES, mode_named
 from ncdc_model.errors import InputError
@@ -83,17 +85,17 @@ def test_what_memory_cannot_carry_is_refused():
     large = barrel_descriptor((800, 600), (800, 600), hidden_neurons=2)
     sensor = sensor_for("mt9p031", large.geometry)
     mode = mode_named("800x600")
-    design = design_of([("a", large)], sensor, mode, hardware=type(HARDWARE)(
-        **{**vars(HARDWARE), "format": BGRX8.name}))
+    design = design_of(BOARD, [("a", large)], sensor, mode, hardware=replace(
+        hardware_for(BOARD), format=BGRX8.name))
     with pytest.raises(InputError, match="the memory carries 100 MB/s"):
         check_memory(design, sensor[0])
     small = barrel_descriptor((640, 480), (640, 480), hidden_neurons=2)
     sensor = sensor_for("mt9p031", small.geometry)
-    budget = check_memory(design_of([("a", small)], sensor, MODES[0]), sensor[0])
+    budget = check_memory(design_of(BOARD, [("a", small)], sensor, MODES[0]), sensor[0])
     assert 20 < budget.corrected_per_second < budget.frames_per_second < 35
     wide = barrel_descriptor((640, 480), (2400, 1800), hidden_neurons=8)
     sensor = sensor_for("mt9p031", wide.geometry)
-    budget = check_memory(design_of([("a", wide)], sensor, MODES[0]), sensor[0])
+    budget = check_memory(design_of(BOARD, [("a", wide)], sensor, MODES[0]), sensor[0])
     assert budget.corrected_per_second <= budget.frames_per_second < 6
 
 

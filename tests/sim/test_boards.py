@@ -17,6 +17,7 @@ from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light
 
+QUARTUS = ("de1-soc", "de2-115")
 WIDTH, HEIGHT = 64, 24
 SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
 
@@ -29,7 +30,8 @@ class Bench:
         lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
         self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100)
         setup, (left, top) = self.sensor
-        self.design = design_of(board(name), [("a", lenses[0]), ("b", lenses[1])], self.sensor, mode,
+        self.design = design_of(
+            board(name), [("a", lenses[0]), ("b", lenses[1])], self.sensor, mode,
                                 power_up_us=20, waits=False, **more)
         noise = np.random.default_rng(1).integers(0, 4096, (frames, size[1] + 4, size[0] + 4),
                                                   dtype=np.uint16)
@@ -83,13 +85,17 @@ def check(bench, run):
 
 @pytest.fixture(scope="module")
 def small():
-    return Bench(SMALL, (WIDTH, HEIGHT))
+    return Bench("ulx3s", SMALL, (WIDTH, HEIGHT))
 
 
-def test_the_screen_shows_the_golden_models_frames(small):
-    run = small.run(9000, optimise="-O1")
-    check(small, run)
-    numbers = small.shown(run)
+@pytest.mark.parametrize("name", [
+    "ulx3s", *(pytest.param(name, marks=pytest.mark.regress) for name in QUARTUS)])
+def test_the_screen_shows_the_golden_models_frames(name, request):
+    bench = request.getfixturevalue("small") if name == "ulx3s" else \
+        Bench(name, SMALL, (WIDTH, HEIGHT))
+    run = bench.run(9000, optimise="-O1")
+    check(bench, run)
+    numbers = bench.shown(run)
     first = next(k for k, number in enumerate(numbers) if number is not None)
     assert None not in numbers[first:], "black after the first frame"
     assert numbers[first:] == sorted(numbers[first:])
@@ -124,11 +130,14 @@ def test_data_taken_a_clock_too_early_are_seen(small, monkeypatch):
 
 
 @pytest.mark.regress
-def test_640x480():
+@pytest.mark.parametrize("name", ["ulx3s", *QUARTUS])
+def test_640x480(name):
     """The whole picture at 60 Hz, beside a camera and a corrector at work."""
-    bench = Bench(mode_named("640x480"), (640, 480), frames=4,
-                  hardware=replace(HARDWARE, strip=256))
+    bench = Bench(name, mode_named("640x480"), (640, 480), frames=4,
+                  hardware=replace(hardware_for(board(name)), strip=256))
     run = bench.run(190_000, optimise="-O2")
     check(bench, run)
-    numbers = [number for number in bench.shown(run) if number is not None]
-    assert len(set(numbers)) >= 3
+    numbers = bench.shown(run)
+    first = next(k for k, number in enumerate(numbers) if number is not None)
+    assert None not in numbers[first:], "black after the first frame"
+    assert len(set(numbers[first:])) >= 3

@@ -42,7 +42,8 @@ class Budget:
 
 
 def budget_of(design, setup):
-    """The :class:`Budget` of a :class:`~ncdc_boards.camera_board.core.Design` and its sensor's set-up."""
+    """The :class:`Budget` of a :class:`~ncdc_boards.camera_board.core.Design` and of its sensor's
+    set-up."""
     g, hardware = design.system.descriptor.geometry, design.system.hardware
     line_s = sum(design.mode.horizontal) / (design.clocks.pixel_mhz * 1e6)
     pixel = output_format(hardware.format).pixel_bytes
@@ -68,8 +69,9 @@ def check_memory(design, setup):
         share = (there / needed) ** .5
         g = system.descriptor.geometry
         raise InputError(
-            f"the frames take {needed / 1e6:.1f} MB, the {design.board.name} has {there / 1e6:.1f} MB: "
-            f"raw frames of {int(g.distorted_width * share)}x{int(g.distorted_height * share)} fit")
+            f"the frames take {needed / 1e6:.1f} MB, the {design.board.name} has "
+            f"{there / 1e6:.1f} MB: raw frames of {int(g.distorted_width * share)}x"
+            f"{int(g.distorted_height * share)} fit")
     least = min(5, setup.timing.frames_per_second / 4)
     if budget.corrected_per_second < least:
         left = budget.carried - budget.screen - least * budget.frame

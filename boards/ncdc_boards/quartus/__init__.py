@@ -1,1 +1,1 @@
-"""Boards with Intel's Cyclone IV E and Cyclone V, for Quartus: clocks, pins, constraints, project."""
+"""Boards with Intel's Cyclone IV E and Cyclone V, for Quartus: pins, constraints, project."""

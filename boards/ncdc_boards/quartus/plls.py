@@ -14,8 +14,8 @@ REFERENCE_MHZ = 50                  # the boards' oscillator
 CORE_MHZ = 75
 SENSOR_MHZ = 25
 DOMAINS = ("sync", "memory", "sensor_reference", "pixel")
-# Intel, Cyclone IV Device Handbook, volume 3 (CYIV-53001), and Cyclone V Device Datasheet (CV-51002),
-# PLL specifications: the oscillator of the slowest of our devices' speed grades, in MHz.
+# Intel, Cyclone IV Device Handbook, volume 3 (CYIV-53001), and Cyclone V Device Datasheet
+# (CV-51002), PLL specifications: MHz of the oscillator that the slowest of our devices has.
 _OSCILLATOR = (600, 1300)
 _STEPS = 8                          # phases of the oscillator's period
 _EARLY_NS = 4                       # of the clock at the SDRAM's pin, before the core's next edge

@@ -17,7 +17,7 @@ set_global_assignment -name VERILOG_FILE {USER_FILE}
 set_global_assignment -name SDC_FILE {{name}}.sdc
 set_global_assignment -name OPTIMIZATION_MODE "HIGH PERFORMANCE EFFORT"
 set_global_assignment -name TIMING_ANALYZER_MULTICORNER_ANALYSIS ON
-set_global_assignment -name RESERVE_ALL_UNUSED_PINS_WEAK_PULLUP "AS INPUT TRI-STATED WITH WEAK PULL-UP"
+set_global_assignment -name RESERVE_ALL_UNUSED_PINS "AS INPUT TRI-STATED WITH WEAK PULL-UP"
 set_global_assignment -name CYCLONEII_RESERVE_NCEO_AFTER_CONFIGURATION "USE AS REGULAR IO"
 """
 _BUILD = """\
@@ -28,38 +28,44 @@ cd "$(dirname "$0")"
 for tool in map fit asm; do
     quartus_$tool --rev={name} {name}
 done
-# Ends with an error if a clock is missed, in any corner, or a port has no constraint.
+# Ends with an error if a clock is missed, in any corner, or a constraint has found nothing.
 quartus_sta -t check_timing.tcl
 echo "{name}.sof: quartus_pgm -m jtag -o 'p;{name}.sof{second}'"
 """
 _CHECK = """\
-# Run by build.sh: fails if a clock is missed in any corner, or something is not constrained.
+# Run by build.sh: fails if a clock is missed in any corner, or a constraint has found nothing.
 project_open {name} -revision {name}
 create_timing_netlist
 read_sdc
+proc fail {{text}} {{
+    puts stderr $text
+    qexit -error
+}}
+foreach clock {{{clocks}}} {{
+    if {{[get_collection_size [get_clocks -nowarn $clock]] != 1}} {{
+        fail "there is no clock $clock"
+    }}
+}}
+foreach pattern {{{registers}}} {{
+    if {{[get_collection_size [get_registers -nowarn $pattern]] == 0}} {{
+        fail "no register is called $pattern"
+    }}
+}}
 set worst 1e9
 foreach_in_collection corner [get_available_operating_conditions] {{
     set_operating_conditions $corner
     update_timing_netlist
     foreach kind {{setup hold recovery removal mpw}} {{
-        # Domain by domain: {{name slack total}}.
-        foreach domain [get_clock_domain_info -$kind] {{
-            set slack [lindex $domain 1]
-            puts "$kind [lindex $domain 0] slack $slack ns"
+        # Of each clock: its name, its slack, and more.
+        foreach clock [get_clock_domain_info -$kind] {{
+            set slack [lindex $clock 1]
+            puts "$kind [lindex $clock 0]: slack $slack ns"
             if {{$slack < $worst}} {{ set worst $slack }}
         }}
     }}
 }}
-report_ucp -panel_name "Unconstrained Paths"
-write_sdc -expand {name}.constrained.txt
-if {{$worst == 1e9}} {{
-    puts stderr "no slack was found: the design has no clocks"
-    qexit -error
-}}
-if {{$worst < 0}} {{
-    puts stderr "the design misses its timing by [expr {{-$worst}}] ns"
-    qexit -error
-}}
+if {{$worst == 1e9}} {{ fail "no slack was found" }}
+if {{$worst < 0}} {{ fail "the design misses its timing by [expr {{-$worst}}] ns" }}
 puts "the least slack is $worst ns"
 project_close
 """
@@ -72,7 +78,7 @@ def project_name(board):
 
 def top_verilog(design):
     """Verilog of the top and of all below it but the user's module."""
-    return _prepared(design)[f"{project_name(design.board)}.v"]
+    return _prepared(design)["v"]
 
 
 def project_files(design, setup):
@@ -89,26 +95,36 @@ def project_files(design, setup):
         Of the sensor.
     """
     board, name = design.board, project_name(design.board)
-    pins = _pins(_prepared(design)[f"{name}.qsf"])
+    files = _prepared(design)
+    pins = _pins(files["qsf"])
     ports = sorted({port.partition("[")[0] for port, _ in pins})
-    files = _prepared(
-        design, add_settings=_SETTINGS.format(family=board.family, name=name),
-        add_constraints=constraints(design, setup.timing.pixel_clock_hz / 1e6, ports))
-    wanted = [f"{name}.{kind}" for kind in ("v", "qsf", "sdc", "srf")]
+    files["qsf"] += _SETTINGS.format(family=board.family, name=name)
+    files["sdc"] += constraints(design, setup.timing.pixel_clock_hz / 1e6, ports)
     second = "@2" if board.device.startswith("5CSE") else ""    # behind the processor
-    return {file: files[file] for file in wanted} | {
+    return {f"{name}.{kind}": text for kind, text in files.items()} | {
         f"{name}.qpf": f'PROJECT_REVISION = "{name}"\n',
         "build.sh": _BUILD.format(name=name, second=second),
-        "check_timing.tcl": _CHECK.format(name=name), "PORTS.md": _ports(board, pins),
+        "check_timing.tcl": _check(board, name, files["sdc"]), "PORTS.md": _ports(board, pins),
         USER_FILE: user_module()}
 
 
-def _prepared(design, **overrides):
-    """Text of each file that Amaranth writes, by name."""
-    board = design.board
-    plan = board.platform().prepare(board.top(design), project_name(board), **overrides)
-    return {name: text.decode() if isinstance(text, bytes) else text
-            for name, text in plan.files.items()}
+def _check(board, name, sdc):
+    """The script that looks at the slack of all clocks."""
+    clocks = re.findall(r"-name \"?(\w+)\"?", sdc)
+    registers = sorted(set(re.findall(r"get_registers ({[^}]*})", sdc)))
+    return _CHECK.format(name=name, clocks=" ".join(clocks), registers=" ".join(registers))
+
+
+def _prepared(design):
+    """Text of what Amaranth writes, by the ends of the files' names."""
+    board, name = design.board, project_name(design.board)
+    files = board.platform().prepare(board.top(design), name).files
+    texts = {kind: files[f"{name}.{kind}"] for kind in ("v", "qsf", "sdc", "srf")}
+    texts = {kind: text.decode() if isinstance(text, bytes) else text
+             for kind, text in texts.items()}
+    # Amaranth's places for more, which come behind instead.
+    return {kind: re.sub(r"^# \(add_\w+ placeholder\)\n*", "", text, flags=re.M).rstrip() + "\n"
+            for kind, text in texts.items()}
 
 
 def _pins(qsf):

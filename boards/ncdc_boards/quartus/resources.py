@@ -3,27 +3,27 @@
 from amaranth.build import Attrs, Pins, Resource, Subsignal
 from amaranth_boards.resources import UARTResource
 
-__all__ = ["LVTTL", "SDRAM_ATTRS", "camera", "serial", "vga_dac"]
+__all__ = ["CAMERA_PINS", "LVTTL", "SDRAM_ATTRS", "camera", "serial", "vga_dac"]
 
 LVTTL = Attrs(io_standard="3.3-V LVTTL")
 SDRAM_ATTRS = Attrs(io_standard="3.3-V LVTTL", FAST_OUTPUT_REGISTER="ON",
                     FAST_OUTPUT_ENABLE_REGISTER="ON", FAST_INPUT_REGISTER="ON",
                     CURRENT_STRENGTH_NEW="MAXIMUM CURRENT")
-# Terasic, TRDB-D5M Hardware Specification: pin of the 40-pin header; D11 to D0.
-_D5M_DATA = (2, 4, 5, 6, 7, 8, 9, 10, 13, 14, 15, 16)
-_D5M = {"pixclk": 1, "xclk": 19, "reset_n": 20, "standby": 22, "lval": 24, "fval": 25, "sda": 26,
-        "scl": 27}      # "standby" is TRIGGER, which is kept low too
+CAMERA_PINS = {
+    "d": (16, 15, 14, 13, 10, 9, 8, 7, 6, 5, 4, 2), "pixclk": (1,), "xclk": (19,),
+    "reset_n": (20,), "standby": (22,), "lval": (24,), "fval": (25,), "sda": (26,), "scl": (27,)}
+"""Pins of the 40-pin header, D0 first; Terasic, TRDB-D5M Hardware Specification. "standby" is the
+D5M's TRIGGER, which is kept low too."""
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o", "standby": "o"}
 
 
 def camera(conn):
     """The camera module TRDB-D5M on the 40-pin header ``conn``, (name, number)."""
-    pins = {name: (pin,) for name, pin in _D5M.items()} | {"d": _D5M_DATA[::-1]}
     up = {name: [Attrs(WEAK_PULL_UP_RESISTOR="ON")] for name in ("scl", "sda")}
     return Resource("camera", 0, *(
         Subsignal(name, Pins(" ".join(map(str, numbers)), dir=_DIRECTIONS.get(name, "i"),
                              conn=conn), *up.get(name, []))
-        for name, numbers in pins.items()), LVTTL)
+        for name, numbers in CAMERA_PINS.items()), LVTTL)
 
 
 def serial(conn):

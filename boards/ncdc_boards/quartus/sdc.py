@@ -78,17 +78,22 @@ def _generated(name, source, port, invert=False):
             f"{'-invert ' * invert}[get_ports {{{port}}}]")
 
 
+def _ports(patterns):
+    return "[get_ports {" + " ".join(patterns) + "}]"
+
+
 def _sdram():
     """The SDRAM: its clock comes 4 ns before the core's next edge."""
-    outputs = " ".join(f"sdram_0__{name}__io*" for name in (
+    outputs = _ports(f"sdram_0__{name}__io*" for name in (
         "clk_en", "cs", "we", "ras", "cas", "ba", "a", "dqm", "dq"))
+    inputs = _ports(["sdram_0__dq__io*"])
     return [
         "# SDRAM",
         _generated("sdram_pin", "memory", "sdram_0__clk__io"),
-        f"set_output_delay -clock sdram_pin -max {_SETUP + _TRACE} [get_ports {{{outputs}}}]",
-        f"set_output_delay -clock sdram_pin -min {-_HOLD - _TRACE} [get_ports {{{outputs}}}]",
-        f"set_input_delay -clock sdram_pin -max {_ACCESS + _TRACE} [get_ports {{sdram_0__dq__io*}}]",
-        f"set_input_delay -clock sdram_pin -min {_KEPT - _TRACE} [get_ports {{sdram_0__dq__io*}}]",
+        f"set_output_delay -clock sdram_pin -max {_SETUP + _TRACE} {outputs}",
+        f"set_output_delay -clock sdram_pin -min {-_HOLD - _TRACE} {outputs}",
+        f"set_input_delay -clock sdram_pin -max {_ACCESS + _TRACE} {inputs}",
+        f"set_input_delay -clock sdram_pin -min {_KEPT - _TRACE} {inputs}",
         "# What the SDRAM gives with an edge is taken with the core's second one behind it: the",
         "# first one comes before the access time is over.",
         "set_multicycle_path -setup -from [get_clocks {sdram_pin}] -to [get_clocks $core] 2"]
@@ -96,31 +101,31 @@ def _sdram():
 
 def _sensor():
     """The sensor, whose pins change with the falling edge of its clock."""
-    inputs = " ".join(f"camera_0__{name}__io*" for name in ("d", "fval", "lval"))
+    inputs = _ports(f"camera_0__{name}__io*" for name in ("d", "fval", "lval"))
     return [
         "# Sensor",
         _generated("sensor_reference_pin", "reference", "camera_0__xclk__io"),
         f"set_input_delay -clock sensor -clock_fall -max {_SENSOR_MOST + _TRACE} "
-        f"[get_ports {{{inputs}}}]",
+        f"{inputs}",
         f"set_input_delay -clock sensor -clock_fall -min {_SENSOR_LEAST - _TRACE} "
-        f"[get_ports {{{inputs}}}]"]
+        f"{inputs}"]
 
 
 def _screen(board, pixel_mhz):
     """The screen."""
     parts = ["hs", "vs", "r", "g", "b"] + ["blank_n"] * board.dac
-    outputs = " ".join(f"vga_0__{name}__io*" for name in parts)
+    outputs = _ports(f"vga_0__{name}__io*" for name in parts)
     if board.dac:
         return [
             "# Screen",
             _generated("vga_pin", "pixel", "vga_0__clk__io", invert=True),
-            f"set_output_delay -clock vga_pin -max {_DAC_SETUP + _TRACE} [get_ports {{{outputs}}}]",
-            f"set_output_delay -clock vga_pin -min {-_DAC_HOLD - _TRACE} [get_ports {{{outputs}}}]"]
+            f"set_output_delay -clock vga_pin -max {_DAC_SETUP + _TRACE} {outputs}",
+            f"set_output_delay -clock vga_pin -min {-_DAC_HOLD - _TRACE} {outputs}"]
     return [
         "# Screen, through resistors: all pins change soon behind the pixel clock.",
         f"set_output_delay -clock [get_clocks $pixel] -max {1000 / pixel_mhz - _DAC_LESS_NS:.3f} "
-        f"[get_ports {{{outputs}}}]",
-        f"set_output_delay -clock [get_clocks $pixel] -min 0 [get_ports {{{outputs}}}]"]
+        f"{outputs}",
+        f"set_output_delay -clock [get_clocks $pixel] -min 0 {outputs}"]
 
 
 def _free(ports):

@@ -11,8 +11,8 @@ def user_module():
 // This file is yours. `ncdc build` writes it once, and never again when it is there; all else in
 // this folder is made anew each time.
 //
-// The picture goes through this module on its way to the screen, and the lights on theirs. What is
-// there now changes nothing. A register in one of the `_out` of the picture needs one in all of them.
+// The picture goes through this module on its way to the screen, and the lights on theirs. As it is
+// it changes nothing. A register in one of the `_out` of the picture needs one in all of them.
 
 module {USER} (
     input wire        clk,              // of the core; `lights_in` belong to it

@@ -74,11 +74,12 @@ def simulate_board(design, sensor, light, *, run_us, presses=None, edit=None, on
     verilog = edit(verilog) if edit else verilog
     chip = chip_parameters(design.board.chip, design.core_hz)
     defines = {"NCDC_CHIP": ", ".join(f".{key}({_number(value)})" for key, value in chip.items()),
-               "NCDC_SENSOR": f'"{sensor}"', "NCDC_TOP": name, "NCDC_DQ": design.board.chip.data_bits}
+               "NCDC_SENSOR": f'"{sensor}"', "NCDC_TOP": name,
+               "NCDC_DQ": design.board.chip.data_bits}
     header = "".join(f"`define {key} {value}\n" for key, value in defines.items())
     files = (*files, *_SHARED)
-    sources = [(f"{name}.v", header + verilog), *((file, (HDL / file).read_text()) for file in files),
-               *sensor_sources()]
+    sources = [(f"{name}.v", header + verilog),
+               *((file, (HDL / file).read_text()) for file in files), *sensor_sources()]
     bench = files[0].removesuffix(".v")
     program = build(name, bench, sources, optimise=optimise, options=(
         "--timing", "--main", "-CFLAGS", "-std=c++20 -fcoroutines",

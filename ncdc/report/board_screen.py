@@ -1,6 +1,6 @@
-"""What a ULX3S shows on its monitor, in simulation: the picture of ``docs/ulx3s.md``.
+"""What a board shows on its monitor, in simulation: the pictures of ``docs/ulx3s.md``, ``boards.md``.
 
-    python -m ncdc.report.ulx3s_screen net.toml photo.png docs/figures/ulx3s-screen.jpg
+    python -m ncdc.report.board_screen ulx3s net.toml photo.png docs/figures/ulx3s-screen.jpg
 
 ``photo.png``: a colour picture as the camera sees it. Takes some ten minutes.
 """
@@ -11,13 +11,14 @@ import cv2
 import numpy as np
 
 from ncdc.cli.hardware import planned
-from ncdc_boards.ulx3s.design import HARDWARE, design_of, sensor_for
+from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
+from ncdc_boards.catalogue import board
 from ncdc_hdl.video.modes import mode_for
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.fetch.plan import Fixed
 from ncdc_model.sensors.level import levelled
-from ncdc_sim.board.ulx3s import simulate_ulx3s
+from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.photo import moving_photo
 from ncdc_sim.sensor.twin import raw_frames
 
@@ -27,21 +28,21 @@ _EXPOSURE_US = 100
 _FRAMES = 6
 
 
-def last_screen(path, photo, run_us):
-    """The last frame that a monitor shows, (height, width, 3), red first.
+def last_screen(name, path, photo, run_us):
+    """The last frame that the monitor of a board shows, (height, width, 3), red first.
 
     Prints, of each frame of the screen, which frame of the sensor it shows whole: "black" before
     the first, "none" if it is no frame of the golden model's. ``photo``: (height, width, 3).
     """
-    descriptor = Descriptor.load(path)
+    on, descriptor = board(name), Descriptor.load(path)
     g = descriptor.geometry
     sensor = sensor_for("mt9p031", g, exposure_us=_EXPOSURE_US)
     setup, (left, top) = sensor
     light = moving_photo(descriptor, setup, (left, top), photo, _FRAMES, (12, 0))
-    hardware, _ = planned(HARDWARE, Fixed(None, None, None), descriptor)
-    design = design_of([(path, descriptor)], sensor, mode_for(*g.corrected), hardware=hardware,
+    hardware, _ = planned(hardware_for(on), Fixed(None, None, None), descriptor)
+    design = design_of(on, [(path, descriptor)], sensor, mode_for(*g.corrected), hardware=hardware,
                        power_up_us=20, waits=False)
-    run = simulate_ulx3s(design, "mt9p031", light, run_us=run_us, optimise="-O2")
+    run = simulate_board(design, "mt9p031", light, run_us=run_us, optimise="-O2")
     raw = levelled(raw_frames(setup, light), setup.sensor.black)
     raw = raw[:, top:top + g.distorted_height, left:left + g.distorted_width]
     golden = [correct(descriptor, np.ascontiguousarray(one),
@@ -54,5 +55,5 @@ def last_screen(path, photo, run_us):
 
 
 if __name__ == "__main__":
-    seen = last_screen(sys.argv[1], cv2.imread(sys.argv[2])[:, :, ::-1].copy(), 150_000)
-    cv2.imwrite(sys.argv[3], seen[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, 90])
+    seen = last_screen(*sys.argv[1:3], cv2.imread(sys.argv[3])[:, :, ::-1].copy(), 150_000)
+    cv2.imwrite(sys.argv[4], seen[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, 90])
