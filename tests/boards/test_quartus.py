@@ -1,0 +1,195 @@
+"""Projects of the Quartus boards: pins, constraints, script, and the file that is the user's."""
+
+import os
+import re
+import subprocess
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import pytest
+from amaranth.back import verilog
+
+from cameras import barrel_descriptor
+from constraints import complaints
+from ncdc.cli import main
+from ncdc_boards.camera_board.design import design_of, sensor_for
+from ncdc_boards.catalogue import board
+from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
+from ncdc_boards.quartus.sdc import FREE
+from ncdc_hdl.video.modes import mode_named
+
+TCL = Path(__file__).parents[1] / "support" / "tcl"
+BOARDS = ("de0-cv", "de1-soc", "de2-115")
+
+
+def small():
+    return barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, strength=.4)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Folder of a DE1-SoC's project, as the command writes it."""
+    folder = tmp_path_factory.mktemp("boards")
+    small().save(folder / "net.toml")
+    assert main(["build", str(folder / "net.toml"), "--board", "de1-soc", "-o",
+                 str(folder / "project")]) == 0
+    return folder / "project"
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory, whole):
+    """Folder of each board's project; those of two boards without their Verilog."""
+    found = {"de1-soc": whole}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(verilog, "_convert_rtlil_text", lambda text, **other: "// none\n")
+        for name in set(BOARDS) - {"de1-soc"}:
+            found[name] = tmp_path_factory.mktemp(name)
+            sensor = sensor_for("mt9p031", small().geometry)
+            design = design_of(board(name), [("a", small())], sensor, mode_named("640x480"))
+            for file, text in project_files(design, sensor[0]).items():
+                (found[name] / file).write_text(text)
+    return found
+
+
+def recorded(kind, path):
+    """Calls that a Tcl file makes: lists of words."""
+    done = subprocess.run(["tclsh", TCL / "record.tcl", kind, path], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 0, done.stderr
+    return [line.split("\x1f") for line in done.stdout.splitlines()]
+
+
+def pins_of(folder, name):
+    """{bit of a port: pin} of a project."""
+    calls = recorded("qsf", folder / f"{project_name(board(name))}.qsf")
+    return {to: pin for command, _, to, pin in (
+        call for call in calls if call[0] == "set_location_assignment")}, calls
+
+
+def directions(folder, name):
+    """Direction of each port, as the board's resources have them."""
+    ports = {bit.partition("[")[0] for bit in pins_of(folder, name)[0]}
+    bidirectional = {"sdram_0__dq__io", "camera_0__scl__io", "camera_0__sda__io"}
+    inputs = ("clk50*", "button*", "uart_0__rx*", "camera_0__[dflp]*")
+    return {port: "inout" if port in bidirectional else
+            "input" if any(fnmatchcase(port, pattern) for pattern in inputs) else "output"
+            for port in ports}
+
+
+LOOPS = {"core_loop": 3, "pixel_loop": 1}
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_every_port_is_constrained_or_free(folders, name):
+    folder = folders[name]
+    calls = recorded("sdc", folder / f"{project_name(board(name))}.sdc")
+    assert complaints(calls, directions(folder, name), FREE, LOOPS) == []
+    clocks = {call[call.index("-name") + 1] for call in calls if "clock" in call[0] and
+              "-name" in call}
+    assert clocks == {"clk50_0__io", "sensor", "sdram_pin", "sensor_reference_pin"} | (
+        {"vga_pin"} if board(name).dac else set())
+
+
+@pytest.mark.parametrize("old,new,said", [
+    ("set_false_path -to [get_ports {led_*}]", "", "led_3__io has no delays and is not named"),
+    ("sdram_0__dqm__io* ", "", "sdram_0__dqm__io has no delays"),
+    ("sdram_0__dqm__io* ", "sdram_0__dqm__io* sdram_0__clk__io ", "is a clock in a data group"),
+    ("-clock sdram_pin -max", "-clock sdram -max", "names the clock sdram, which there is not"),
+    ("general[1]", "general[3]", "comes of output 3 of core_loop, which has 3"),
+    ("-source [get_pins -compatibility_mode $memory]", "", "sdram_pin has no source"),
+    ("camera_0__lval", "camera_0__lvl", "no port is called camera_0__lvl__io*"),
+    ("derive_pll_clocks\n", "set_clock_groups -asynchronous\n", "groups of clocks are cut"),
+    ("{*altera_std_synchronizer:*|din_s1}]\n", "{*|queue|*}]\n", "paths to *|queue|* are cut"),
+    ("set_output_delay -clock vga_pin -min", "#", "vga_0__r__io has no delays"),
+])
+def test_the_checker_finds_what_is_planted(whole, tmp_path, old, new, said):
+    text = (whole / "ncdc_de1_soc.sdc").read_text()
+    assert old in text
+    (tmp_path / "planted.sdc").write_text(text.replace(old, new))
+    calls = recorded("sdc", tmp_path / "planted.sdc")
+    found = complaints(calls, directions(whole, "de1-soc"), FREE, LOOPS)
+    assert any(said in sentence for sentence in found), found
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_every_port_bit_has_its_own_pin(folders, name):
+    pins, calls = pins_of(folders[name], name)
+    assert len(set(pins.values())) == len(pins), "a pin is used twice"
+    settings = [call[2:4] for call in calls if call[0] == "set_global_assignment"]
+    for wanted in (["DEVICE", board(name).device], ["VERILOG_FILE", USER_FILE],
+                   ["TOP_LEVEL_ENTITY", project_name(board(name))]):
+        assert wanted in settings
+    table = dict(re.findall(r"^\| `([^`]+)` \| (\w+) \|", (folders[name] / "PORTS.md").read_text(),
+                            re.M))
+    assert {to: f"PIN_{pin}" for to, pin in table.items()} == pins
+
+
+def test_the_constraints_name_what_the_verilog_has(whole):
+    """Loops with so many outputs, registers and synchronisers by their names; and every port of the
+    top has a pin."""
+    text = (whole / "ncdc_de1_soc.v").read_text()
+    for loop, outputs in LOOPS.items():
+        cell = re.search(rf"altera_pll #\(([^;]*?)\) {loop} ", text, re.S).group(1)
+        assert f".number_of_clocks(32'd{outputs})" in cell
+    page = re.search(r"^module \\ncdc_de1_soc\.core\.system\.page .*?^endmodule", text,
+                     re.M | re.S).group()
+    assert re.search(r"reg \[\d+:0\] values = ", page)
+    for name in ("produce_w_gry", "consume_r_gry"):
+        assert len(re.findall(rf"^  reg \[\d+:0\] {name} = ", text, re.M)) == 2
+    for name in ("produce_cdc", "consume_cdc"):
+        assert len(re.findall(rf"\) {name} \(", text)) == 2
+    top = re.search(r"^module ncdc_de1_soc\(([^)]*)\)", text, re.M).group(1)
+    pins, _ = pins_of(whole, "de1-soc")
+    assert {port.strip() for port in top.split(",")} == {bit.partition("[")[0] for bit in pins}
+
+
+def quartus(folder, tmp_path, slack, clocks):
+    """What build.sh ends with, with scripts in place of Quartus's programs."""
+    tools = tmp_path / "bin"
+    tools.mkdir(exist_ok=True)
+    for tool in ("map", "fit", "asm", "sta"):
+        script = tools / f"quartus_{tool}"
+        run = f'exec tclsh "{TCL / "sta.tcl"}" "$2"' if tool == "sta" else "true"
+        script.write_text(f"#!/bin/sh\n{run}\n")
+        script.chmod(0o755)
+    return subprocess.run(["sh", folder / "build.sh"], text=True, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, env=os.environ | {
+        "PATH": f"{tools}:{os.environ['PATH']}", "SLACK": slack, "CLOCKS": clocks})
+
+
+def test_the_script_fails_on_negative_slack(whole, tmp_path):
+    clocks = "clk50_0__io sensor sdram_pin sensor_reference_pin vga_pin"
+    good = quartus(whole, tmp_path, "0.1", clocks)
+    assert good.returncode == 0 and "the least slack is 0.1 ns" in good.stdout, good.stdout
+    bad = quartus(whole, tmp_path, "-0.25", clocks)
+    assert bad.returncode and "the design misses its timing by 0.25 ns" in bad.stdout
+    lost = quartus(whole, tmp_path, "0.1", clocks.replace(" vga_pin", ""))
+    assert lost.returncode and "there is no clock vga_pin" in lost.stdout
+
+
+def test_the_users_file_is_never_written_again(whole, capsys):
+    before = {path.name: path.read_bytes() for path in whole.iterdir()}
+    (whole / USER_FILE).write_text("mine")
+    (whole / "build.sh").write_text("changed")
+    assert main(["build", str(whole.parent / "net.toml"), "--board", "de1-soc", "-o",
+                 str(whole)]) == 0
+    assert f"{USER_FILE}: yours, left as it is" in capsys.readouterr().out
+    assert (whole / USER_FILE).read_text() == "mine"
+    (whole / USER_FILE).write_bytes(before[USER_FILE])
+    assert {path.name: path.read_bytes() for path in whole.iterdir()} == before
+
+
+@pytest.mark.parametrize("size,options,said", [
+    ((1024, 768), ["--board", "de1-soc"], "the memory carries 120 MB/s"),
+    ((1920, 1080), ["--board", "de2-115"], "pixel clock of 148.3 MHz, the board's converter takes "
+     "140 MHz at most"),
+    ((64, 24), ["--board", "faka2"], "faka2 has no design of ours"),
+    ((64, 24), ["--board", "none"], "board is 'none', one of de0-cv, de1-soc, de2-115, faka2, "
+     "ulx3s is needed"),
+])
+def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path, capsys, size, options, said):
+    barrel_descriptor(size, (64, 24), hidden_neurons=2).save(tmp_path / "net.toml")
+    output = tmp_path / "out"
+    assert main(["build", str(tmp_path / "net.toml"), "-o", str(output), *options]) == 2
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1 and not output.exists()
