@@ -79,7 +79,7 @@ def test_no_circles():
 @pytest.mark.parametrize("module,planted", [
     ("ncdc_model.fixed", "from ncdc_hdl.lib import memory"),
     ("ncdc_hdl.corrector", "def late():\n    import ncdc_sim.runner"),
-    ("ncdc_boards.system", "from ncdc.cli import main")])
+    ("ncdc_boards.board", "from ncdc.cli import main")])
 def test_a_planted_import_upwards_is_found(module, planted):
     texts = modules()
     texts[module] += f"\n{planted}\n"

@@ -13,20 +13,14 @@ from ncdc.bitstream.flow import (
     resources,
     synthesise_board,
 )
+from ncdc.cli.board_design import add_mode, board_named, designed, print_rates, rates
 from ncdc.cli.common import add_json, write_report
-from ncdc.cli.hardware import planned
 from ncdc.terminal import Steps
-from ncdc_boards.board import Board
-from ncdc_boards.camera_board.budget import check_memory
-from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
-from ncdc_boards.catalogue import board as board_of
 from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
 from ncdc_boards.ulx3s.build import NAME, clock_cells, prepared
 from ncdc_hdl.export.registers.drivers import driver_files
-from ncdc_hdl.video.modes import mode_for, mode_named
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
-from ncdc_model.fetch.plan import Fixed
 from ncdc_model.files import check_outputs, write_bytes, write_text
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
@@ -47,8 +41,7 @@ def add_arguments(parser):
                              "for Quartus")
     parser.add_argument("--sensor", default="mt9p031", metavar="NAME",
                         help="mt9p031 (default; Terasic D5M), ov5640, mt9d111")
-    parser.add_argument("--mode", metavar="WxH",
-                        help="video mode (default: the smallest that holds the picture)")
+    add_mode(parser)
     parser.add_argument("--pixel-clock-mhz", type=float, default=0, metavar="MHZ",
                         help="of the sensor, made by its own phase-locked loop (default: 25, "
                              "without)")
@@ -65,7 +58,7 @@ def run(args):
     """Check, generate, synthesise, place, pack, write."""
     if not 1 <= args.seeds <= _MOST_SEEDS:
         raise InputError(f"seeds is {args.seeds}, 1 to {_MOST_SEEDS} are tried")
-    board = _board(args.board)
+    board = board_named(args.board)
     named = [(path, Descriptor.load(path)) for path in args.descriptor]
     output = Path(args.output or board.name)
     if board.tools == "quartus":
@@ -107,15 +100,6 @@ def run(args):
         _print(report, output)
 
 
-def _board(name):
-    """A board with a camera; InputError if it is none."""
-    board = board_of(name)
-    if not isinstance(board, Board):
-        raise InputError(f"the board {name} has no design of ours, its project for Platform "
-                         f"Designer is made by ncdc generate --board {name}")
-    return board
-
-
 def _quartus(args, board, named, output):
     """Write the project for Quartus; the user's file only if it is not there."""
     check_outputs([output / f"{project_name(board)}.v"], args.descriptor)
@@ -130,13 +114,13 @@ def _quartus(args, board, named, output):
     report = {"board": board.name, "sensor": args.sensor,
               "clocks": [{"name": name, "target_mhz": mhz}
                          for name, mhz in design.clocks.targets().items()],
-              **_rates(budget), "files": [str(output / name) for name in files],
+              **rates(budget), "files": [str(output / name) for name in files],
               "kept": [str(output / USER_FILE)] if kept else []}
     if write_report(report, args.json):
         return
     for clock in report["clocks"]:
         print(f"{clock['name']:>16}: {clock['target_mhz']:7.2f} MHz needed")
-    _print_rates(report)
+    print_rates(report)
     for name in report["kept"]:
         print(f"{name}: yours, left as it is")
     print(f"{output}: {len(files)} files; sh {output / 'build.sh'} makes the bitstream, with "
@@ -145,17 +129,10 @@ def _quartus(args, board, named, output):
 
 def _design(args, board, named):
     """Design, the sensor's set-up and the memory's budget; InputError for what does not fit."""
-    geometry = named[0][1].geometry
-    mode = mode_named(args.mode) if args.mode else mode_for(*geometry.corrected)
-    if mode_for(*geometry.corrected).size > mode.size:
-        raise InputError(f"the picture has {geometry.corrected_width}x"
-                         f"{geometry.corrected_height} pixels, the mode {args.mode} does not hold "
-                         f"it: {mode_for(*geometry.corrected).name} does")
-    sensor = sensor_for(args.sensor, geometry, exposure_us=args.exposure_us,
-                        pixel_clock_hz=round(args.pixel_clock_mhz * 1e6))
-    hardware, _ = planned(hardware_for(board), Fixed(None, None, None), named[0][1])
-    design = design_of(board, named, sensor, mode, hardware=hardware)
-    return design, sensor[0], check_memory(design, sensor[0])
+    design, setup, budget, _ = designed(
+        board, named, sensor=args.sensor, mode=args.mode, exposure_us=args.exposure_us,
+        pixel_clock_hz=round(args.pixel_clock_mhz * 1e6))
+    return design, setup, budget
 
 
 def _check_clocks(best, seeds):
@@ -175,20 +152,7 @@ def _report(args, best, placements, bits, budget, seconds):
         "seeds": [{"seed": one.seed, "slack": one.slack,
                    "clocks": [vars(clock) for clock in one.clocks]} for one in placements],
         "seed": best.seed, "bitstream_bytes": len(bits), "seconds": round(seconds, 1),
-        **_rates(budget)}
-
-
-def _rates(budget):
-    """What memory and sensor carry, by name."""
-    return {"memory_mb_per_second": budget.carried / 1e6,
-            "screen_mb_per_second": budget.screen / 1e6,
-            "sensor_frames_per_second": budget.frames_per_second,
-            "corrected_frames_per_second": budget.corrected_per_second}
-
-
-def _print_rates(report):
-    print(f"the sensor sends {report['sensor_frames_per_second']:.1f} frames a second, memory for "
-          f"{report['corrected_frames_per_second']:.1f} corrected ones")
+        **rates(budget)}
 
 
 def _print(report, output):
@@ -200,6 +164,6 @@ def _print(report, output):
               f"{clock['target_mhz']:7.2f}, slack {spare:.2f} ns, {100 * slack:.0f} %")
     print(f"{report['lut']} LUTs, {report['ff']} flip-flops, {report['dsp']} multipliers, "
           f"{report['ram_blocks']} block RAMs; seed {report['seed']}")
-    _print_rates(report)
+    print_rates(report)
     print(f"{output / (NAME + '.bit')}: {report['bitstream_bytes']} bytes, in "
           f"{report['seconds']:.0f} s; openFPGALoader -b ulx3s {output / (NAME + '.bit')}")

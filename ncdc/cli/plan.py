@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+from ncdc.cli.board_design import add_mode
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import (
@@ -12,6 +13,7 @@ from ncdc.cli.hardware import (
     fixed_of,
     front_end_line,
 )
+from ncdc.cli.plan_board import plan_board
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.descriptor import Descriptor
@@ -34,10 +36,14 @@ EXAMPLE = "ncdc plan net.toml --memory ddr3 --clock 150 --to stream"
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
+    parser.add_argument("--board", metavar="NAME",
+                        help="whether a board of ncdc build carries the picture on its memory and "
+                             "its screen, beside --camera (default: mt9p031)")
+    add_mode(parser)
     parser.add_argument("--memory", default="ddr3", metavar="NAME",
                         help="ideal, sdram, ddr3 (default) or fixed:LATENCY:BYTES, a latency in "
                              "clocks and bytes per clock")
-    parser.add_argument("--clock", type=float, default=CLOCK_MHZ, metavar="MHZ",
+    parser.add_argument("--clock", type=float, metavar="MHZ",
                         help=f"clock of the corrector (default: {CLOCK_MHZ:g})")
     parser.add_argument("--data-width", type=int, choices=DATA_WIDTHS, metavar="BITS",
                         help="width of the memory port: 32, 64 or 128 (default: 128 on ddr3, "
@@ -59,6 +65,12 @@ def add_arguments(parser):
 
 def run(args):
     """Plan and report."""
+    if args.board:
+        plan_board(args, Descriptor.load(args.descriptor))
+        return
+    if args.mode:
+        raise InputError(f"--mode {args.mode} is of a board: --board NAME is needed")
+    args.clock = CLOCK_MHZ if args.clock is None else args.clock
     if not 1 <= args.clock <= 1000:
         raise InputError(f"the clock is {args.clock:g} MHz, the limits are 1 and 1000")
     descriptor = Descriptor.load(args.descriptor)

@@ -1,4 +1,4 @@
-"""What a board shows on its monitor, in simulation: the pictures of ``docs/ulx3s.md``, ``boards.md``.
+"""What a board shows on its monitor, in simulation: pictures of ``docs/ulx3s.md``, ``boards.md``.
 
     python -m ncdc.report.board_screen ulx3s net.toml photo.png docs/figures/ulx3s-screen.jpg
 

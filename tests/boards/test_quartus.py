@@ -1,5 +1,6 @@
 """Projects of the Quartus boards: pins, constraints, script, and the file that is the user's."""
 
+import json
 import os
 import re
 import subprocess
@@ -191,5 +192,35 @@ def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path, capsys, size, opti
     barrel_descriptor(size, (64, 24), hidden_neurons=2).save(tmp_path / "net.toml")
     output = tmp_path / "out"
     assert main(["build", str(tmp_path / "net.toml"), "-o", str(output), *options]) == 2
-    error = capsys.readouterr().err
-    assert said in error and error.count("\n") == 1 and not output.exists()
+    assert said in the_sentence(capsys) and not output.exists()
+
+
+def the_sentence(capsys):
+    """What a command said last, behind its progress."""
+    *before, last = capsys.readouterr().err.splitlines()
+    assert all(line.startswith("planning:") for line in before), before
+    return last
+
+
+@pytest.mark.parametrize("size,options,said", [
+    ((1024, 768), ["--board", "de1-soc"], "the memory carries 120 MB/s"),
+    ((1280, 1024), ["--board", "de2-115"], "the memory carries 240 MB/s"),
+    ((64, 24), ["--board", "de0-cv", "--mode", "1280x720"], "takes 65 MHz at most: a smaller"),
+    ((64, 24), ["--board", "de1-soc", "--pixels-per-clock", "2"], "120 MB/s: 1 fits"),
+    ((64, 24), ["--board", "de2-115", "--rate", "2000"], "2000 are asked for: the sensor sends"),
+    ((64, 24), ["--board", "de1-soc", "--to", "stream"], "the board has its own"),
+    ((64, 24), ["--mode", "640x480"], "--board NAME is needed"),
+])
+def test_plan_refuses_in_a_sentence(tmp_path, capsys, size, options, said):
+    barrel_descriptor(size, (64, 24), hidden_neurons=2).save(tmp_path / "net.toml")
+    assert main(["plan", str(tmp_path / "net.toml"), *options]) == 2
+    assert said in the_sentence(capsys)
+
+
+def test_plan_tells_what_a_board_carries(tmp_path, capsys):
+    small().save(tmp_path / "net.toml")
+    assert main(["plan", str(tmp_path / "net.toml"), "--board", "de2-115", "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["mode"] == "640x480" and report["memory_mb_per_second"] == 240
+    assert report["memory_bytes"] < report["memory_bytes_there"] == 128 << 20
+    assert report["corrected_frames_per_second"] == report["sensor_frames_per_second"] > 90

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+import ncdc_boards.camera_board.pins as pins
 import ncdc_boards.ulx3s.top as top
 from ncdc_boards.ulx3s.platform import CAMERA_WIRES, Ulx3sPlatform
 
@@ -76,8 +77,8 @@ def test_the_cameras_wires_are_those_of_the_header(placed):
 
 
 def test_every_resource_that_the_top_asks_for_is_compared():
-    text = Path(top.__file__).read_text()
-    asked = set(re.findall(r'platform\.request\("(\w+)"', text))
+    text = "".join(Path(module.__file__).read_text() for module in (top, pins))
+    asked = set(re.findall(r'request\((?:platform, )?"(\w+)"', text))
     asked |= set(re.findall(r'"(button_\w+)"', text))
     compared = {"led" if name.startswith("led") else name.partition(".")[0] for name in LITEX}
     assert asked == compared | {"camera"} and len(asked) == 10

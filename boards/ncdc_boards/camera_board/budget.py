@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 from ncdc_model.errors import InputError
+from ncdc_model.hardware import LANES
 from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.system_values import memory_bytes
 
-__all__ = ["Budget", "budget_of", "check_memory"]
+__all__ = ["Budget", "budget_of", "check_lanes", "check_memory"]
 
 # Of the clocks, those with data: a burst of the screen or the writer is 64 or 32 of them, before it
 # a row is opened, and a refresh takes 6 in each 585.
@@ -49,11 +50,32 @@ def budget_of(design, setup):
     pixel = output_format(hardware.format).pixel_bytes
     raw = g.distorted_width * g.distorted_height
     return Budget(
-        carried=design.core_hz * design.board.chip.data_bits / 8 * _EFFICIENCY,
+        carried=_carried(design.board, design.core_hz),
         screen=g.corrected_width * pixel / line_s,
         camera=raw * setup.timing.frames_per_second,
         frame=_FETCHED * raw + pixel * g.corrected_width * g.corrected_height,
         frames_per_second=setup.timing.frames_per_second)
+
+
+def _carried(board, core_hz):
+    """Bytes per second that the memory carries."""
+    return core_hz * board.chip.data_bits / 8 * _EFFICIENCY
+
+
+def check_lanes(board, hardware, lanes):
+    """:class:`InputError` if fewer pixels per clock already are all that the memory carries.
+
+    Parameters: a board; hardware with a pixel per clock; the pixels per clock that are asked for.
+    """
+    moved = board.core_mhz * 1e6 * (_FETCHED + output_format(hardware.format).pixel_bytes)
+    carried = _carried(board, board.core_mhz * 1e6)
+    # Twice as many help only if those move less than the memory carries.
+    most = max((n for n in LANES if n == 1 or n / 2 * moved <= carried), default=1)
+    if lanes > most:
+        raise InputError(
+            f"{lanes} pixels per clock are asked for, {most} at {board.core_mhz:g} MHz already "
+            f"{'moves' if most == 1 else 'move'} {most * moved / 1e6:.0f} MB/s and the memory of "
+            f"{board.name} carries {carried / 1e6:.0f} MB/s: {most} fits")
 
 
 def check_memory(design, setup):

@@ -19,9 +19,9 @@ _SENSOR_CLOCK_HZ = 25_000_000
 _READERS = 1            # by registers: a host at the serial port
 
 
-def hardware_for(board):
-    """The :class:`Hardware` that suits a board, before configuration."""
-    return Hardware(data_width=_DATA_WIDTH, format=BGR8.name,
+def hardware_for(board, lanes=1):
+    """The :class:`Hardware` that suits a board, before configuration; ``lanes`` pixels a clock."""
+    return Hardware(data_width=_DATA_WIDTH, format=BGR8.name, lanes=lanes,
                     multiplier_bits=board.multiplier_bits)
 
 

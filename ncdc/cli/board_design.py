@@ -1,0 +1,82 @@
+"""Options of the commands that make or plan a board's design, and the design that they ask for."""
+
+from ncdc.cli.hardware import planned
+from ncdc_boards.board import Board
+from ncdc_boards.camera_board.budget import check_lanes, check_memory
+from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
+from ncdc_boards.catalogue import board as board_of
+from ncdc_hdl.video.modes import mode_for, mode_named
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.plan import Fixed
+
+__all__ = ["add_mode", "board_named", "designed", "print_rates", "rates"]
+
+_BAYER_SENSOR = "mt9p031"
+
+
+def add_mode(parser):
+    """Declare the option --mode."""
+    parser.add_argument("--mode", metavar="WxH",
+                        help="video mode (default: the smallest that holds the picture)")
+
+
+def board_named(name):
+    """A board with a camera; InputError if it is none."""
+    board = board_of(name)
+    if not isinstance(board, Board):
+        raise InputError(f"the board {name} has no design of ours, its project for Platform "
+                         f"Designer is made by ncdc generate --board {name}")
+    return board
+
+
+def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, None), lanes=1,
+             pixel_clock_hz=0, exposure_us=10_000.0):
+    """A board's design, the sensor's set-up, the memory's budget, a line on the tile cache.
+
+    Parameters
+    ----------
+    board : Board
+    named : sequence of (path, Descriptor)
+    sensor, mode : str, optional
+        Names; the D5M's sensor, and the smallest mode that holds the picture.
+    fixed : Fixed
+        What is fixed of the tile cache.
+    lanes : int
+        Pixels per clock.
+    pixel_clock_hz, exposure_us : number
+        Of the sensor.
+
+    Raises
+    ------
+    InputError
+        If the picture does not fit the mode, the mode the board, or the frames the memory.
+    """
+    geometry = named[0][1].geometry
+    least = mode_for(*geometry.corrected)
+    wanted = mode_named(mode) if mode else least
+    if least.size > wanted.size:
+        raise InputError(f"the picture has {geometry.corrected_width}x"
+                         f"{geometry.corrected_height} pixels, the mode {mode} does not hold "
+                         f"it: {least.name} does")
+    # The clocks first: they are checked at once, and what follows takes seconds.
+    board.clock_plan(wanted, board.core_mhz)
+    setup = sensor_for(sensor or _BAYER_SENSOR, geometry, exposure_us=exposure_us,
+                       pixel_clock_hz=pixel_clock_hz)
+    check_lanes(board, hardware_for(board), lanes)
+    hardware, line = planned(hardware_for(board, lanes), fixed, named[0][1])
+    design = design_of(board, named, setup, wanted, hardware=hardware)
+    return design, setup[0], check_memory(design, setup[0]), line
+
+
+def rates(budget):
+    """What memory and sensor carry, by name."""
+    return {"memory_mb_per_second": budget.carried / 1e6,
+            "screen_mb_per_second": budget.screen / 1e6,
+            "sensor_frames_per_second": budget.frames_per_second,
+            "corrected_frames_per_second": budget.corrected_per_second}
+
+
+def print_rates(report):
+    """:func:`rates` for people."""
+    print(f"the sensor sends {report['sensor_frames_per_second']:.1f} frames a second, memory for "
+          f"{report['corrected_frames_per_second']:.1f} corrected ones")

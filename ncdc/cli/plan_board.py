@@ -1,0 +1,50 @@
+"""``ncdc plan --board``: whether a board carries a picture, and how often."""
+
+from ncdc.cli.board_design import board_named, designed, print_rates, rates
+from ncdc.cli.common import write_report
+from ncdc.cli.hardware import fixed_of
+from ncdc_model.errors import InputError
+from ncdc_model.interface.system_values import memory_bytes
+
+__all__ = ["plan_board"]
+
+# What a board brings itself, and what plan has for it otherwise.
+_OURS = {"memory": "ddr3", "clock": None, "data_width": None, "to": "memory"}
+
+
+def plan_board(args, descriptor):
+    """Plan and report; InputError, in one sentence, for what does not fit."""
+    for name, default in _OURS.items():
+        if getattr(args, name) != default:
+            raise InputError(f"--{name.replace('_', '-')} and --board {args.board} are given, the "
+                             f"board has its own")
+    board = board_named(args.board)
+    design, setup, budget, line = designed(
+        board, [(args.descriptor, descriptor)], sensor=args.camera, mode=args.mode,
+        fixed=fixed_of(args), lanes=args.pixels_per_clock)
+    if args.rate and budget.corrected_per_second < args.rate:
+        raise InputError(
+            f"{budget.corrected_per_second:.1f} frames per second are corrected on {board.name} "
+            f"beside screen and camera, {args.rate:g} are asked for: {_what_fits(budget, args)}")
+    needed = memory_bytes(design.system.descriptor, design.system.hardware, design.system.stores)
+    report = {"digest": descriptor.digest, "board": board.name, "mode": design.mode.name,
+              "clocks": [{"name": name, "target_mhz": mhz}
+                         for name, mhz in design.clocks.targets().items()],
+              "memory_bytes": needed, "memory_bytes_there": board.memory_bytes, **rates(budget)}
+    if write_report(report, args.json):
+        return
+    print(f"{board.title}, {design.mode.name}: pixel clock {design.clocks.pixel_mhz:.2f} MHz, "
+          f"core {design.clocks.core_mhz:g} MHz")
+    print(f"frames of {needed / 1e6:.1f} MB in all, in {board.memory_bytes / 1e6:.1f} MB; the "
+          f"screen takes {budget.screen / 1e6:.0f} MB/s, the {setup.sensor.name} "
+          f"{budget.camera / 1e6:.0f} MB/s, of {budget.carried / 1e6:.0f} MB/s")
+    print_rates(report)
+    if line:
+        print(line)
+
+
+def _what_fits(budget, args):
+    """What would fit instead of a rate."""
+    if budget.frames_per_second < args.rate:
+        return f"the sensor sends {budget.frames_per_second:.1f}"
+    return f"--rate {int(budget.corrected_per_second)} or a smaller picture fits"

@@ -1,0 +1,163 @@
+"""The component and the project for Platform Designer: each Tcl file run with recording stubs,
+checked against ports."""
+
+import re
+import subprocess
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc.cli import main
+from ncdc_boards import catalogue
+from ncdc_boards.catalogue import board, board_names
+from ncdc_boards.platform_designer.faka2 import BOARD as FAKA2
+from ncdc_boards.platform_designer.system import CSR_BASE
+from ncdc_model.errors import InputError
+
+RECORDER = Path(__file__).parents[1] / "support" / "tcl" / "record.tcl"
+KINDS = {"_hw.tcl": "hw", "_qsys.tcl": "qsys", ".qsf": "qsf", ".sdc": "sdc"}
+
+
+@pytest.fixture(scope="module")
+def projects(tmp_path_factory):
+    """Folder of the generated project by board, and None for a generation without one."""
+    folder = tmp_path_factory.mktemp("boards")
+    barrel_descriptor((640, 480), (640, 480)).save(folder / "net.toml")
+    assert main(["generate", str(folder / "net.toml"), "-o", str(folder / "faka2"),
+                 "--board", "faka2"]) == 0
+    assert main(["generate", str(folder / "net.toml"), "-o", str(folder / "None")]) == 0
+    return {name: folder / str(name) for name in (None, "faka2")}
+
+
+def run_tcl(path):
+    """Calls that a Tcl file makes: lists of words."""
+    kind = next(kind for ending, kind in KINDS.items() if path.name.endswith(ending))
+    done = subprocess.run(["tclsh", RECORDER, kind, path], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True, cwd=path.parent)
+    assert done.returncode == 0, done.stderr
+    return [line.split("\x1f") for line in done.stdout.splitlines()]
+
+
+# In the list of ports, or behind it as Amaranth's converter declares those of the board's top.
+_PORT = r"^  (input|output|inout) +(?:wire +|reg +)?(?:\[(\d+):0\] )?(\w+)"
+
+
+def ports_of(path, module):
+    """(direction, width) of each port of a module of a Verilog file, by name."""
+    body = re.search(rf"^module {module} ?\(.*?^endmodule", path.read_text(), re.M | re.S).group()
+    return {name: (flow, int(high or 0) + 1) for flow, high, name in
+            re.findall(_PORT, body, re.M)}
+
+
+@pytest.mark.parametrize("name", [None, "faka2"])
+def test_component_has_every_port_of_the_verilog_once(projects, name):
+    calls = run_tcl(projects[name] / "ncdc_hw.tcl")
+    declared = [call[2:] for call in calls if call[0] == "add_interface_port"]
+    assert len({port for port, *_ in declared}) == len(declared)
+    flow = {"Input": "input", "Output": "output"}
+    assert {port: (flow[direction], int(width)) for port, _, direction, width in declared} == \
+        ports_of(projects[name] / "ncdc.v", "ncdc")
+    interfaces = {call[1]: call[2:] for call in calls if call[0] == "add_interface"}
+    assert {call[1] for call in calls if call[0] in ("add_interface_port",
+                                                     "set_interface_property")} <= set(interfaces)
+    hosts = {i for i, kind in interfaces.items() if kind == ["avalon", "start"]}
+    assert hosts == {i for i in interfaces if i.startswith(("read", "write"))} != set()
+    for call in calls:
+        if call[0] == "set_interface_property" and call[2].startswith("associated"):
+            assert call[3] in interfaces
+    roles = {call[1]: set() for call in calls if call[0] == "add_interface"}
+    for call in calls:
+        if call[0] == "add_interface_port":
+            roles[call[1]].add(call[3])
+    assert roles["read0"] == {"address", "read", "burstcount", "waitrequest", "readdata",
+                              "readdatavalid"}
+    assert roles["csr"] == {"address", "read", "write", "writedata", "readdata", "readdatavalid",
+                            "waitrequest"}
+    files = {call[1] for call in calls if call[0] == "add_fileset_file"}
+    assert files == {"ncdc.v"}
+
+
+def test_system_connects_what_exists(projects):
+    name = "faka2"
+    calls = run_tcl(projects[name] / "ncdc_qsys.tcl")
+    hw = run_tcl(projects[name] / "ncdc_hw.tcl")
+    ours = {call[1]: call[2:] for call in hw if call[0] == "add_interface"}
+    instances = {call[1]: call[2] for call in calls if call[0] == "add_instance"}
+    assert set(instances) == {"clk_0", "master_0", "ncdc_0", "memory_0"}
+    # The memory forgets in the reset of the corrector, and the corrector is told.
+    assert {call[2] for call in calls if call[:2] == ["add_connection", "clk_0.clk_reset"]} \
+        >= {"ncdc_0.reset", "ncdc_0.memory_reset", "memory_0.reset"}
+    assert ours["memory_reset"] == ["reset", "end"]
+    changed = {call[1] for call in calls if call[0] == "set_instance_parameter_value"}
+    assert changed <= set(instances)
+    used = set()
+    for call in calls:
+        ends = call[1:3] if call[0] == "add_connection" else \
+            [call[3]] if call[0] == "set_interface_property" else []
+        for instance, interface in (end.split(".") for end in ends):
+            assert instance in instances
+            if instance == "ncdc_0":
+                assert interface in ours
+                used.add(interface)
+    assert used == set(ours), "an interface of the corrector is neither connected nor exported"
+    bases = {call[1]: int(call[3], 16) for call in calls
+             if call[0] == "set_connection_parameter_value"}
+    assert bases.pop("master_0.master/ncdc_0.csr") == CSR_BASE
+    assert set(bases.values()) == {0}
+    exports = {call[1] for call in calls if call[0] == "add_interface"}
+    named = re.findall(r"^- `(\w+)`", (projects[name] / "PORTS.md").read_text(), re.M)
+    assert set(named) == exports
+
+
+def test_a_board_without_published_pins_says_so(projects):
+    calls = run_tcl(projects["faka2"] / "ncdc_faka2.qsf")
+    assert not [call for call in calls if call[0] == "set_location_assignment"]
+    run_tcl(projects["faka2"] / "ncdc_faka2.sdc")
+    assert "every pin: the board's pin-out was never published" in \
+        (projects["faka2"] / "PORTS.md").read_text()
+
+
+def test_build_script_is_a_shell_script_of_quartus_tools(projects):
+    script = projects["faka2"] / "build.sh"
+    subprocess.run(["sh", "-n", script], check=True)
+    commands = [line.split()[0] for line in script.read_text().splitlines()
+                if line and not line.startswith(("#", "set"))]
+    assert commands == ["qsys-script", "qsys-generate", "quartus_map", "quartus_fit", "quartus_asm",
+                        "quartus_sta"]
+
+
+def test_a_misspelt_command_is_noticed(projects, tmp_path):
+    text = (projects["faka2"] / "ncdc_hw.tcl").read_text()
+    (tmp_path / "bad_hw.tcl").write_text(text.replace("add_interface_port csr csr_read ",
+                                                      "add_interface_prot csr csr_read ", 1))
+    with pytest.raises(AssertionError, match='invalid command name "add_interface_prot"'):
+        run_tcl(tmp_path / "bad_hw.tcl")
+
+
+def test_two_generations_are_identical(projects, tmp_path):
+    folder = projects["faka2"]
+    assert main(["generate", str(folder.parent / "net.toml"), "-o", str(tmp_path),
+                 "--board", "faka2"]) == 0
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == \
+        {p.name: p.read_bytes() for p in folder.iterdir()}
+
+
+def test_other_packages_may_offer_boards(monkeypatch):
+    points = [EntryPoint("mine", "ncdc_boards.platform_designer.faka2:BOARD", catalogue.GROUP)]
+    monkeypatch.setattr(catalogue, "entry_points", lambda group: points)
+    assert board_names() == ["mine"] and board("mine") is FAKA2
+    with pytest.raises(InputError, match="board is 'faka2', one of mine is needed"):
+        board("faka2")
+
+
+@pytest.mark.parametrize("options,message", [
+    (["--board", "de0"], "board is 'de0', one of de0-cv, de1-soc, de2-115, faka2, ulx3s is needed"),
+    (["--board", "de2-115"], "de2-115 has a whole design, with camera and screen: ncdc build"),
+])
+def test_bad_boards_are_refused(projects, tmp_path, capsys, options, message):
+    net = projects["faka2"].parent / "net.toml"
+    assert main(["generate", str(net), "-o", str(tmp_path / "out"), *options]) == 2
+    error = capsys.readouterr().err
+    assert message in error and error.count("\n") == 1 and not (tmp_path / "out").exists()
