@@ -9,6 +9,7 @@ import ncdc_boards.camera_board.core as core
 from cameras import barrel_descriptor
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_boards.catalogue import board
+from ncdc_boards.quartus.top import QuartusTop
 from ncdc_hdl.video.modes import VideoMode, mode_named
 from ncdc_model.corrector import correct
 from ncdc_model.raw_lens import raw_lens
@@ -16,8 +17,9 @@ from ncdc_model.sensors.level import levelled
 from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light
+from ncdc_sim.tools import SimulationError
 
-QUARTUS = ("de1-soc", "de2-115")
+QUARTUS = ("de1-soc", "de2-115", "de0-cv")
 WIDTH, HEIGHT = 64, 24
 SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
 
@@ -27,12 +29,12 @@ class Bench:
 
     def __init__(self, name, mode, size, *, frames=6, **more):
         self.mode, self.size = mode, size
+        self.kept = 0xF0 if name == "de0-cv" else 0xFF      # bits of a colour that the board shows
         lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
         self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100)
         setup, (left, top) = self.sensor
-        self.design = design_of(
-            board(name), [("a", lenses[0]), ("b", lenses[1])], self.sensor, mode,
-                                power_up_us=20, waits=False, **more)
+        self.design = design_of(board(name), [("a", lenses[0]), ("b", lenses[1])], self.sensor,
+                                mode, power_up_us=20, waits=False, **more)
         noise = np.random.default_rng(1).integers(0, 4096, (frames, size[1] + 4, size[0] + 4),
                                                   dtype=np.uint16)
         self.light = Light(noise)
@@ -46,7 +48,8 @@ class Bench:
     def golden(self, lens):
         """Pictures of all raw frames."""
         strip = self.design.system.hardware.strip
-        return [correct(self.lenses[lens], raw, strip=strip).picture for raw in self.raw]
+        return [correct(self.lenses[lens], raw, strip=strip).picture & self.kept
+                for raw in self.raw]
 
     def inside(self, frame):
         """The picture in a screen's frame, after a check that all around it is black."""
@@ -130,7 +133,30 @@ def test_data_taken_a_clock_too_early_are_seen(small, monkeypatch):
 
 
 @pytest.mark.regress
-@pytest.mark.parametrize("name", ["ulx3s", *QUARTUS])
+@pytest.mark.parametrize("fault,said", [
+    ("memory", "a frame of the screen is no frame of the sensor"),
+    ("screen", "inputs change")])
+def test_a_clock_at_the_wrong_time_is_seen(fault, said, monkeypatch):
+    """The SDRAM's clock in phase with the core's; the converter's with the colours."""
+    rising = QuartusTop._clock_out
+    if fault == "screen":
+        monkeypatch.setattr(QuartusTop, "_clock_out", staticmethod(
+            lambda m, domain, port, falling=False: rising(m, domain, port)))
+    bench = Bench("de1-soc", SMALL, (WIDTH, HEIGHT))
+    with pytest.raises((AssertionError, SimulationError), match=said):
+        run = bench.run(9000, optimise="-O1", edit=in_phase if fault == "memory" else None)
+        check(bench, run)
+        bench.shown(run)
+
+
+def in_phase(verilog):
+    """The top with an SDRAM's clock that is not late."""
+    assert verilog.count('.phase_shift1("9375 ps")') == 1
+    return verilog.replace('.phase_shift1("9375 ps")', '.phase_shift1("0 ps")')
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("name", ["ulx3s", *QUARTUS[:2]])
 def test_640x480(name):
     """The whole picture at 60 Hz, beside a camera and a corrector at work."""
     bench = Bench(name, mode_named("640x480"), (640, 480), frames=4,

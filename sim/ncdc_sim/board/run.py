@@ -17,7 +17,7 @@ __all__ = ["BoardRun", "simulate_board"]
 
 # The bench comes first.
 _ULX3S = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v")
-_QUARTUS = ("quartus_bench.v", "altera_cells.v", "vga_monitor.v")
+_QUARTUS = ("quartus_bench.v", "altera_cells.v")
 _SHARED = ("sdram_board.v", "board_run.v", "sdram_chip.v")
 # Rules of Verilator that the netlist of a whole top does not keep: signals of no bits, outputs of
 # cells that nobody reads, comparisons that are constant for some lens; and delays that plusargs
@@ -75,7 +75,7 @@ def simulate_board(design, sensor, light, *, run_us, presses=None, edit=None, on
     chip = chip_parameters(design.board.chip, design.core_hz)
     defines = {"NCDC_CHIP": ", ".join(f".{key}({_number(value)})" for key, value in chip.items()),
                "NCDC_SENSOR": f'"{sensor}"', "NCDC_TOP": name,
-               "NCDC_DQ": design.board.chip.data_bits}
+               "NCDC_DQ": design.board.chip.data_bits, **_screen(design)}
     header = "".join(f"`define {key} {value}\n" for key, value in defines.items())
     files = (*files, *_SHARED)
     sources = [(f"{name}.v", header + verilog),
@@ -111,7 +111,22 @@ def _top(design):
     """Name of the top, its Verilog, the bench's own files."""
     if design.board.tools == "open":
         return NAME, prepared(design).verilog, _ULX3S
-    return project_name(design.board), top_verilog(design) + user_module(), _QUARTUS
+    monitor = "vga_monitor.v" if design.board.dac else "vga_wire_monitor.v"
+    return (project_name(design.board), top_verilog(design) + user_module(),
+            (*_QUARTUS, monitor))
+
+
+def _screen(design):
+    """Macros that tell the bench of the board's screen."""
+    if design.board.tools == "open":
+        return {}
+    if design.board.dac:
+        return {"NCDC_DAC": 1}
+    mode, parts = design.mode, ("", "_FRONT", "_SYNC", "_BACK")
+    values = {f"{axis}{part}": length for axis, lengths in (("H", mode.horizontal),
+                                                            ("V", mode.vertical))
+              for part, length in zip(parts, lengths)} | {"HIGH": int(mode.high)}
+    return {"NCDC_MODE": ", ".join(f".{name}({value})" for name, value in values.items())}
 
 
 def _number(value):

@@ -1,9 +1,9 @@
 // A Quartus board from the sensor's pins to the monitor's: the generated top `NCDC_TOP, its SDRAM of
-// `NCDC_DQ bits, a sensor, a video converter with a monitor, buttons.
+// `NCDC_DQ bits, a sensor, a monitor, behind a video converter if there is `NCDC_DAC, buttons.
 //
 // Plusargs: those of board_run.v and of the sensor.
 //
-// Results: lines "RESULT <name> <value>"; screen.bin, see vga_monitor.v.
+// Results: lines "RESULT <name> <value>"; screen.bin, see vga_monitor.v and vga_wire_monitor.v.
 
 `timescale 1ps/1ps
 
@@ -31,10 +31,17 @@ module quartus_bench;
         .extclk(xclk), .reset_n(sensor_reset_n && !standby), .pixclk(pixclk), .frame_valid(fval),
         .line_valid(lval), .data(d), .scl(scl), .sda(sda), .sda_low(sda_low));
 
-    wire vga_clk, hsync, vsync, blank_n, sync_n;
+    wire hsync, vsync;
+`ifdef NCDC_DAC
+    wire vga_clk, blank_n, sync_n;
     wire [7:0] r, g, b;
     vga_monitor monitor (
         .clock(vga_clk), .hsync(hsync), .vsync(vsync), .blank_n(blank_n), .r(r), .g(g), .b(b));
+`else
+    wire [3:0] r, g, b;
+    vga_wire_monitor #(`NCDC_MODE) monitor (
+        .hsync(hsync), .vsync(vsync), .r(r), .g(g), .b(b));
+`endif
 
     wire following, raw, over;
     board_run script (.following(following), .raw(raw), .over(over));
@@ -44,9 +51,11 @@ module quartus_bench;
         .clk50_0__io(clk50), .sdram_0__clk__io(clk), .sdram_0__clk_en__io(cke),
         .sdram_0__cs__io(cs_n), .sdram_0__we__io(we_n), .sdram_0__ras__io(ras_n),
         .sdram_0__cas__io(cas_n), .sdram_0__ba__io(ba), .sdram_0__a__io(a),
-        .sdram_0__dqm__io(dqm), .sdram_0__dq__io(dq), .vga_0__clk__io(vga_clk),
-        .vga_0__hs__io(hsync), .vga_0__vs__io(vsync), .vga_0__blank_n__io(blank_n),
-        .vga_0__sync_n__io(sync_n), .vga_0__r__io(r), .vga_0__g__io(g), .vga_0__b__io(b),
+        .sdram_0__dqm__io(dqm), .sdram_0__dq__io(dq),
+`ifdef NCDC_DAC
+        .vga_0__clk__io(vga_clk), .vga_0__blank_n__io(blank_n), .vga_0__sync_n__io(sync_n),
+`endif
+        .vga_0__hs__io(hsync), .vga_0__vs__io(vsync), .vga_0__r__io(r), .vga_0__g__io(g), .vga_0__b__io(b),
         .camera_0__pixclk__io(pixclk), .camera_0__fval__io(fval), .camera_0__lval__io(lval),
         .camera_0__d__io(d), .camera_0__scl__io(scl), .camera_0__sda__io(sda),
         .camera_0__reset_n__io(sensor_reset_n), .camera_0__standby__io(standby),
