@@ -10,15 +10,17 @@ from cameras import barrel_descriptor
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus.top import QuartusTop
+from ncdc_hdl.export.registers.host.ncdc_backends import Serial
 from ncdc_hdl.video.modes import VideoMode, mode_named
 from ncdc_model.corrector import correct
 from ncdc_model.raw_lens import raw_lens
 from ncdc_model.sensors.level import levelled
-from ncdc_sim.board.run import simulate_board
+from ncdc_sim.board.run import request_at, simulate_board
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light
 from ncdc_sim.tools import SimulationError
 
+ID_OFFSET = 0           # of the register ID
 QUARTUS = ("de1-soc", "de2-115", "de0-cv")
 WIDTH, HEIGHT = 64, 24
 SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
@@ -86,6 +88,30 @@ def check(bench, run):
     assert results["refreshes"] > 0 and results["beats_written"] > 0
 
 
+class Host:
+    """The driver's serial port: what it sends, and what it makes of an answer."""
+
+    def __init__(self):
+        self.sent, self.come = b"", b""
+
+    def write(self, data):
+        self.sent += data
+
+    def read(self, size):
+        data, self.come = self.come[:size], self.come[size:]
+        return data
+
+    def request(self, offset):
+        self.offset = offset
+        with pytest.raises(OSError):
+            Serial(self, tries=1, pause=0).read(offset)
+        return self.sent
+
+    def answer(self, data):
+        self.come = data
+        return Serial(self, tries=1, pause=0).read(self.offset)
+
+
 @pytest.fixture(scope="module")
 def small():
     return Bench("ulx3s", SMALL, (WIDTH, HEIGHT))
@@ -96,8 +122,10 @@ def small():
 def test_the_screen_shows_the_golden_models_frames(name, request):
     bench = request.getfixturevalue("small") if name == "ulx3s" else \
         Bench(name, SMALL, (WIDTH, HEIGHT))
-    run = bench.run(9000, optimise="-O1")
+    host = Host()
+    run = bench.run(9000, optimise="-O1", events=request_at(7500, host.request(ID_OFFSET)))
     check(bench, run)
+    assert host.answer(run.serial) == int.from_bytes(b"NCDC", "big")
     numbers = bench.shown(run)
     first = next(k for k, number in enumerate(numbers) if number is not None)
     assert None not in numbers[first:], "black after the first frame"
@@ -108,8 +136,8 @@ def test_the_screen_shows_the_golden_models_frames(name, request):
 @pytest.mark.regress
 def test_buttons_choose_lens_and_raw_picture(small):
     """The next frame behind a press has another lens, whole; frames before are the first lens's."""
-    run = small.run(60_000, presses={"press_following_us": 12_000, "press_raw_us": 36_000,
-                                     "hold_us": 15_000})
+    run = small.run(60_000, events={"press_following_us": 12_000, "press_raw_us": 36_000,
+                                    "hold_us": 15_000})
     check(small, run)
     golden = [small.golden(lens) for lens in range(3)]
     lenses = []

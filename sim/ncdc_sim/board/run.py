@@ -13,12 +13,12 @@ from ncdc_sim.sdram import chip_parameters
 from ncdc_sim.sensor.verilog import sensor_sources
 from ncdc_sim.tools import SimulationError
 
-__all__ = ["BoardRun", "simulate_board"]
+__all__ = ["BoardRun", "request_at", "simulate_board"]
 
 # The bench comes first.
 _ULX3S = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v")
 _QUARTUS = ("quartus_bench.v", "altera_cells.v")
-_SHARED = ("sdram_board.v", "board_run.v", "sdram_chip.v")
+_SHARED = ("sdram_board.v", "board_run.v", "uart_host.v", "sdram_chip.v")
 # Rules of Verilator that the netlist of a whole top does not keep: signals of no bits, outputs of
 # cells that nobody reads, comparisons that are constant for some lens; and delays that plusargs
 # tell.
@@ -36,13 +36,16 @@ class BoardRun:
         Numbers of the bench, by name.
     pixel_clock_ps : float
         Period that the monitor measured.
+    serial : bytes
+        What came out of the serial port.
     """
     screen: Screen = None
     results: dict = field(default_factory=dict)
     pixel_clock_ps: float = 0.0
+    serial: bytes = b""
 
 
-def simulate_board(design, sensor, light, *, run_us, presses=None, edit=None, on_line=None,
+def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, on_line=None,
                    optimise=None):
     """Run a :class:`~ncdc_boards.camera_board.core.Design` for so many microseconds.
 
@@ -54,8 +57,8 @@ def simulate_board(design, sensor, light, *, run_us, presses=None, edit=None, on
     light : Light
         What falls on it.
     run_us : int
-    presses : dict, optional
-        Microseconds at which buttons are pressed, by the bench's plusargs.
+    events : dict, optional
+        Plusargs of ``hdl/board_run.v``, buttons that are pressed, and of :func:`request_at`.
     edit : callable, optional
         Changes the Verilog of the top: to see a test fail.
     on_line : callable, optional
@@ -72,10 +75,10 @@ def simulate_board(design, sensor, light, *, run_us, presses=None, edit=None, on
     """
     name, verilog, files = _top(design)
     verilog = edit(verilog) if edit else verilog
-    chip = chip_parameters(design.board.chip, design.core_hz)
+    board, chip = design.board, chip_parameters(design.board.chip, design.core_hz)
     defines = {"NCDC_CHIP": ", ".join(f".{key}({_number(value)})" for key, value in chip.items()),
-               "NCDC_SENSOR": f'"{sensor}"', "NCDC_TOP": name,
-               "NCDC_DQ": design.board.chip.data_bits, **_screen(design)}
+               "NCDC_SENSOR": f'"{sensor}"', "NCDC_TOP": name, "NCDC_DQ": board.chip.data_bits,
+               "NCDC_BAUD": board.baud, **_screen(design)}
     header = "".join(f"`define {key} {value}\n" for key, value in defines.items())
     files = (*files, *_SHARED)
     sources = [(f"{name}.v", header + verilog),
@@ -92,12 +95,14 @@ def simulate_board(design, sensor, light, *, run_us, presses=None, edit=None, on
             result.results[values[0]] = int(values[1])
         elif line.startswith("MONITOR clock"):
             result.pixel_clock_ps = float(values[1])
+        elif kind == "UART":
+            result.serial += bytes.fromhex(values[0])
         elif kind in ("SENSOR-ERROR", "BOARD-ERROR", "MONITOR-ERROR"):
             raise SimulationError(f"simulation failed: {line}")
         if on_line:
             on_line(line)
 
-    plusargs = {"run_us": run_us} | (presses or {})
+    plusargs = {"run_us": run_us} | (events or {})
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         (folder / "sensor.bin").write_bytes(light.data())
@@ -105,6 +110,11 @@ def simulate_board(design, sensor, light, *, run_us, presses=None, edit=None, on
              *light.plusargs("sensor.bin")], folder, keep)
         result.screen = screen_of((folder / "screen.bin").read_bytes())
     return result
+
+
+def request_at(microsecond, data):
+    """Events: bytes are sent to the board's serial port."""
+    return {"uart_at_us": microsecond, "uart_bytes": data.hex(), "uart_count": len(data)}
 
 
 def _top(design):

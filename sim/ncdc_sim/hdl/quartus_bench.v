@@ -1,7 +1,7 @@
 // A Quartus board from the sensor's pins to the monitor's: the generated top `NCDC_TOP, its SDRAM of
 // `NCDC_DQ bits, a sensor, a monitor, behind a video converter if there is `NCDC_DAC, buttons.
 //
-// Plusargs: those of board_run.v and of the sensor.
+// Plusargs: those of board_run.v, uart_host.v and of the sensor.
 //
 // Results: lines "RESULT <name> <value>"; screen.bin, see vga_monitor.v and vga_wire_monitor.v.
 
@@ -46,7 +46,8 @@ module quartus_bench;
     wire following, raw, over;
     board_run script (.following(following), .raw(raw), .over(over));
     wire [7:0] led;
-    wire tx;
+    wire rx, tx;
+    uart_host #(.BAUD(`NCDC_BAUD)) host (.receive(tx), .send(rx));
     `NCDC_TOP dut (
         .clk50_0__io(clk50), .sdram_0__clk__io(clk), .sdram_0__clk_en__io(cke),
         .sdram_0__cs__io(cs_n), .sdram_0__we__io(we_n), .sdram_0__ras__io(ras_n),
@@ -59,7 +60,7 @@ module quartus_bench;
         .camera_0__pixclk__io(pixclk), .camera_0__fval__io(fval), .camera_0__lval__io(lval),
         .camera_0__d__io(d), .camera_0__scl__io(scl), .camera_0__sda__io(sda),
         .camera_0__reset_n__io(sensor_reset_n), .camera_0__standby__io(standby),
-        .camera_0__xclk__io(xclk), .uart_0__rx__io(1'b1), .uart_0__tx__io(tx),
+        .camera_0__xclk__io(xclk), .uart_0__rx__io(rx), .uart_0__tx__io(tx),
         .button_0__io(!following), .button_1__io(1'b1), .button_2__io(!raw), .button_3__io(1'b1),
         .led_0__io(led[0]), .led_1__io(led[1]), .led_2__io(led[2]), .led_3__io(led[3]),
         .led_4__io(led[4]), .led_5__io(led[5]), .led_6__io(led[6]), .led_7__io(led[7]));

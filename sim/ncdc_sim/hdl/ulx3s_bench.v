@@ -1,7 +1,7 @@
 // A ULX3S from the sensor's pins to the monitor's: the generated top, the SDRAM's model, a sensor, a
 // monitor, buttons.
 //
-// Plusargs: those of board_run.v and of the sensor.
+// Plusargs: those of board_run.v, uart_host.v and of the sensor.
 //
 // Results: lines "RESULT <name> <value>"; screen.bin, see dvi_monitor.v.
 
@@ -39,7 +39,8 @@ module ulx3s_bench;
     wire following, raw, over;
     board_run script (.following(following), .raw(raw), .over(over));
     wire [7:0] led;
-    wire tx, wifi;
+    wire rx, tx, wifi;
+    uart_host #(.BAUD(`NCDC_BAUD)) host (.receive(tx), .send(rx));
     ncdc_ulx3s dut (
         .clk25_0__io(clk25), .sdram_0__clk__io(clk), .sdram_0__clk_en__io(cke),
         .sdram_0__cs__io(cs_n), .sdram_0__we__io(we_n), .sdram_0__ras__io(ras_n),
@@ -48,7 +49,7 @@ module ulx3s_bench;
         .hdmi_0__clk__p(lane_clock), .camera_0__pixclk__io(pixclk), .camera_0__fval__io(fval),
         .camera_0__lval__io(lval), .camera_0__d__io(d), .camera_0__scl__io(scl),
         .camera_0__sda__io(sda), .camera_0__reset_n__io(sensor_reset_n),
-        .camera_0__standby__io(standby), .camera_0__xclk__io(xclk), .uart_0__rx__io(1'b1),
+        .camera_0__standby__io(standby), .camera_0__xclk__io(xclk), .uart_0__rx__io(rx),
         .uart_0__tx__io(tx), .button_right_0__io(following), .button_left_0__io(1'b0),
         .button_fire_0__io(raw), .led_0__io(led[0]), .led_1__io(led[1]), .led_2__io(led[2]),
         .led_3__io(led[3]), .led_4__io(led[4]), .led_5__io(led[5]), .led_6__io(led[6]),
