@@ -17,6 +17,7 @@ from ncdc.cli.board_design import add_mode, board_named, designed, print_rates, 
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Steps
 from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
+from ncdc_boards.quartus.sdc import check_sensor
 from ncdc_boards.ulx3s.build import NAME, clock_cells, prepared
 from ncdc_hdl.export.registers.drivers import driver_files
 from ncdc_model.descriptor import Descriptor
@@ -103,6 +104,7 @@ def run(args):
 def _quartus(args, board, named, output):
     """Write the project for Quartus; the user's file only if it is not there."""
     check_outputs([output / f"{project_name(board)}.v"], args.descriptor)
+    check_sensor(args.pixel_clock_mhz)
     design, setup, budget = _design(args, board, named)
     files = project_files(design, setup) | driver_files(design.system.corrector, named,
                                                         design.system.table)

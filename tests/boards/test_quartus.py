@@ -184,6 +184,7 @@ def test_the_users_file_is_never_written_again(whole, capsys):
     ((1024, 768), ["--board", "de1-soc"], "the memory carries 120 MB/s"),
     ((1920, 1080), ["--board", "de2-115"], "pixel clock of 148.3 MHz, the board's converter takes "
      "140 MHz at most"),
+    ((64, 24), ["--board", "de1-soc", "--pixel-clock-mhz", "96"], "behind it: 64 MHz fit"),
     ((64, 24), ["--board", "faka2"], "faka2 has no design of ours"),
     ((64, 24), ["--board", "none"], "board is 'none', one of de0-cv, de1-soc, de2-115, faka2, "
      "ulx3s is needed"),

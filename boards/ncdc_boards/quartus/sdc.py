@@ -1,8 +1,9 @@
 """Timing constraints of a Quartus board, for the Timing Analyzer."""
 
 from ncdc_boards.quartus.names import CYCLONE_IV, LOOPS
+from ncdc_model.errors import InputError
 
-__all__ = ["FREE", "constraints"]
+__all__ = ["FREE", "check_sensor", "constraints"]
 
 # Pin of output k of a loop, as Quartus names it; `derive_pll_clocks` gives its clock that name.
 _CYCLONE_IV_PIN = "*{loop}|auto_generated|pll1|clk[{k}]"
@@ -14,8 +15,10 @@ _SETUP, _HOLD, _ACCESS, _KEPT = 1.5, .8, 5.4, 2.7
 # Analog Devices, ADV7123, timing specifications, rounded up, in ns.
 _DAC_SETUP, _DAC_HOLD = .5, 1.5
 _DAC_LESS_NS = 10   # a resistor network has no clock: its pins shall change within so many ns
-# MT9P031/D, I/O timing: PIXCLK's falling edge to data, frame valid, line valid; rounded outwards.
+# MT9P031/D, I/O timing: PIXCLK's falling edge to data, frame valid, line valid; rounded outwards,
+# and not checked again with the data sheet.
 _SENSOR_LEAST, _SENSOR_MOST = 0, 6
+_INPUT = 1.5        # ns: set-up of an input of the device behind its clock, about
 
 FREE = {
     "button_*": (("from",), "pressed by hand, behind synchronisers"),
@@ -39,6 +42,17 @@ set_false_path -to [get_pins -nowarn -compatibility_mode {*altera_std_synchroniz
 set_false_path -from [get_registers {*:page|values*}] -to [get_clocks {sensor}]
 # Bits of a Gray counter cross together: they differ by less than the shortest period.
 """
+
+
+def check_sensor(mhz):
+    """:class:`InputError` if the sensor's pins come too late for a pixel clock.
+
+    They change with its falling edge and are taken with its rising one, half a period later.
+    """
+    most = 500 / (_SENSOR_MOST + _TRACE + _INPUT)
+    if mhz > most:
+        raise InputError(f"the sensor's pixel clock is {mhz:g} MHz, its pins come {_SENSOR_MOST} "
+                         f"ns behind it: {int(most)} MHz fit")
 
 
 def constraints(design, sensor_mhz, ports):
