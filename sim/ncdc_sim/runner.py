@@ -56,7 +56,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         program = top
         command = [compiler, "--cc", "--exe", "--build", "-j", "2", "-O3", "--top-module", top,
                    "--timescale", "1ns/1ps", "--Mdir", "model", "-o", f"../{program}",
-                   *_make_flags(optimise or os.environ.get("NCDC_OPTIMISE", "-O2")),
+                   *_make_flags(optimise or os.environ.get("NCDC_OPTIMISE", "-O2"), main, options),
                    *WAIVERS, *options, *_coverage(), *defines]
     texts = [(file, without_header(text)) for file, text in sources]
     if main is not None and simulator == "verilator":
@@ -82,13 +82,18 @@ def _coverage():
     return ["--coverage-line", "--coverage-toggle"] if os.environ.get("NCDC_COVERAGE") else []
 
 
-def _make_flags(optimise):
+def _make_flags(optimise, main, options):
     """Verilator's options for compiling its C++.
 
-    Without optimisation most of the time goes into the model's headers, once per file and twice
-    for the precompiled header: one file of all is faster.
+    Without optimisation most of the time goes into headers, once per file and twice for the
+    precompiled header: one file of all is faster, the main program within it where Verilator
+    writes no supporting files of its own, as it does for waveforms.
     """
-    flags = [f"OPT_FAST={optimise}"] + ["VM_PARALLEL_BUILDS=0"] * (optimise == "-O0")
+    flags = [f"OPT_FAST={optimise}"]
+    if optimise == "-O0":
+        flags.append("VM_PARALLEL_BUILDS=0")
+        if main is not None and not any(option.startswith("--trace") for option in options):
+            flags += ["VM_USER_CLASSES=", f"VM_SUPPORT_FAST={main.stem}"]
     return [text for flag in flags for text in ("-MAKEFLAGS", flag)]
 
 

@@ -80,6 +80,7 @@ _MACHINES = {"one thread": {"OPENBLAS_NUM_THREADS": "1"},
                          "NPY_DISABLE_CPU_FEATURES": "AVX512_ICL X86_V4"}}
 
 
+@pytest.mark.regress
 def test_a_real_photo_gives_the_same_bytes_on_every_kernel(tmp_path):
     photo = os.path.join(os.path.dirname(__file__), "../data/dots/dot_pattern_06.jpg")
     detect_points([(photo, read_image(photo))], "dots").save(tmp_path / "points.json")

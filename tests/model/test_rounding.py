@@ -85,7 +85,8 @@ def test_weights_at_the_limit_stay_within_it():
     assert Q(4, 20).holds(raw) and Q(4, 20).hi in raw
 
 
-@pytest.mark.parametrize("hidden", ["multiply", "raster"])
+@pytest.mark.parametrize("hidden", [
+    pytest.param("multiply", marks=pytest.mark.regress), "raster"])
 def test_verilog_takes_formats_of_few_bits(hidden):
     """No factor above 18 bits, 8 fraction bits of the coordinates, multiplier blocks of 18 bits."""
     d = barrel_descriptor((40, 32), (44, 36))

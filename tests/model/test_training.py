@@ -81,6 +81,7 @@ def test_bounds_hold_and_every_number_fits_the_descriptor():
     Descriptor.quantise(network, GEOMETRY, ValidRows.everything(320, 240))
 
 
+@pytest.mark.regress
 def test_same_seed_same_bytes_whatever_the_threads(tmp_path):
     script = tmp_path / "digest.py"
     script.write_text(

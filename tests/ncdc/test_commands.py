@@ -248,6 +248,7 @@ def test_front_end_options_reach_the_verilog(folder, capsys):
     assert (report["hidden"], report["share"], report["multiplier_bits"]) == ("raster", 2, 18)
 
 
+@pytest.mark.regress
 def test_cache_options_reach_the_verilog(folder, capsys):
     options = "--cache-bytes 2048 --cache-split 1 --strip 0"
     assert run(f"generate net.toml -o hw {options}") == 0

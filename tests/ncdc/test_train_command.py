@@ -191,6 +191,7 @@ def test_back_propagation_by_name(folder, tmp_path, monkeypatch):
     assert descriptor.errors["map_error_float_px"]["mse"] < 100
 
 
+@pytest.mark.regress
 def test_beyond_its_points_the_network_follows_the_smooth_lens(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(TRAINERS, "lm", kept_trainer())
     whole = page(.02, (.05, -.03), "a.png")

@@ -220,7 +220,6 @@ PROOFS = {
     "words in their place, four pixels": (lambda: FencedWords(lanes=4), "prove", 3),
     "words in their place, 128 bits": (lambda: FencedWords(data_width=128), "prove", 3),
     "bursts in their place": (WordsInBursts, "prove", 2),
-    "bursts of four words in their place": (lambda: WordsInBursts(4), "prove", 2),
     "credits": (Credits, "prove", 2),
     "credits, five": (lambda: Credits(5, 0), "prove", 2),
     "frames of two readers": (Store, "prove", 2),
@@ -245,6 +244,7 @@ PROOFS = {
     "fill order, gradient": (lambda: FillOrder(needs=GRADIENT), "bmc", 19),
 }
 LONG = {
+    "bursts of four words in their place": (lambda: WordsInBursts(4), "prove", 2),
     "turns of four readers": (lambda: TurnsCome(reads=4), "prove", 2),
     "SDRAM commands and refreshes": (SdramCommands, "prove", 24),
     "SDRAM commands, bursts of two": (lambda: SdramCommands(max_burst=2), "prove", 24),
@@ -314,10 +314,7 @@ PLANTED = {
     "fills' queues too small": (lambda: planted(FillRoom(128, 3), places_missing=1), 20,
                                 "no_overflow"),
     "place too early": (lambda: FillOrder(kind=SlotEarly), 24, "place"),
-    "token early, counted": (lambda: Tokens(retire=TokenEarly), 20, "most_awaited"),
     "token kept": (lambda: Progress(retire=TokenKept), 26, "something_happens"),
-    "token early, seen": (lambda: Places(retire=TokenEarly), 20, "own_tile"),
-    "no interlock, seen": (lambda: Places(tags=NoInterlock), 20, "own_tile"),
     "frames mixed": (lambda: Places(tags=FramesMixed), 20, "own_tile"),
     "no interlock, claimed twice": (lambda: Places(tags=NoInterlock), 20, "filled_once"),
 }
@@ -328,6 +325,9 @@ LONG_PLANTED = {
     "refresh that waits": (lambda: SdramCommands(kind=RefreshLast, period=16), 52,
                            "due_no_longer"),
     "words a clock late": (lambda: WordsRead(reads=1, late=1), 24, "own_word0"),
+    "token early, counted": (lambda: Tokens(retire=TokenEarly), 20, "most_awaited"),
+    "token early, seen": (lambda: Places(retire=TokenEarly), 20, "own_tile"),
+    "no interlock, seen": (lambda: Places(tags=NoInterlock), 20, "own_tile"),
 }
 
 

@@ -172,7 +172,8 @@ def file(tmp_path_factory):
 
 
 @pytest.mark.parametrize("name,pause,simulator", [
-    ("memory, raster", .4, "icarus"), ("stream, four pixels", .4, "icarus"),
+    ("memory, raster", .4, "icarus"),
+    pytest.param("stream, four pixels", .4, "icarus", marks=regress),
     *(pytest.param(name, pause, simulator, marks=regress)
       for name in BUILDS if not BUILDS[name].strip for pause in (0, .7)
       for simulator in SIMULATORS)])

@@ -40,7 +40,7 @@ def noise(d):
 
 
 @pytest.mark.parametrize("settings,memory,options", [
-    (dict(), "sdram", {}),
+    pytest.param(dict(), "sdram", {}, marks=regress),
     pytest.param(dict(output="stream"), "hostile", {"sink_chance": 150}, marks=regress),
     pytest.param(dict(lanes=4, data_width=128, strip=32), "ddr3", {}, marks=regress),
     (dict(lanes=4, data_width=128, output="stream"), "hostile", {"sink_chance": 60})])
@@ -55,7 +55,8 @@ def test_verilog_equals_golden(settings, memory, options):
     assert (result.picture != plain.picture).mean() > .5
 
 
-@pytest.mark.parametrize("interpolation,fetcher", [(GRADIENT, "cache"), (FAST, "multiport")])
+@pytest.mark.parametrize("interpolation,fetcher", [
+    pytest.param(GRADIENT, "cache", marks=regress), (FAST, "multiport")])
 def test_without_a_host_the_picture_is_as_without_colour(interpolation, fetcher):
     """At reset values; and each pixel comes later by the part's latency, no more."""
     d = camera(interpolation=interpolation)

@@ -65,7 +65,8 @@ def test_nothing_happens_outside(name):
     assert (faults == 0).sum() > 3
 
 
-@pytest.mark.parametrize("owner", [ReadFence, Packer])
+@pytest.mark.parametrize("owner", [
+    ReadFence, pytest.param(Packer, marks=pytest.mark.regress)])
 def test_each_fence_is_needed(owner, monkeypatch):
     monkeypatch.setattr(owner, "_inside", staticmethod(lambda number, first, end: number >= first))
     corrector = Corrector(descriptor(), BUILDS["1 pixel, memory"])

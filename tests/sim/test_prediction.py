@@ -40,7 +40,8 @@ def predicted(corrector, hardware, memory):
                                        writes)
 
 
-@pytest.fixture(scope="module", params=[("stream", 1, 0), ("memory", 1, 64), ("stream", 2, 0)],
+@pytest.fixture(scope="module", params=[("stream", 1, 0), ("memory", 1, 64),
+                                        pytest.param(("stream", 2, 0), marks=pytest.mark.regress)],
                 ids=["stream", "memory", "two pixels"])
 def prepared(request):
     """A hardware, its corrector and that one's Verilog."""
@@ -108,7 +109,8 @@ def check_small(prepared, memory):
 
 @pytest.mark.parametrize("variant,neurons,choices", [
     ("table", 2, {}), ("mmhbc", 8, {}), ("mmhbc", 4, {"hidden": "raster"}),
-    ("mmhbc", 4, {"lanes": 2}), ("mmhbc", 3, {"output": "memory"})],
+    pytest.param("mmhbc", 4, {"lanes": 2}, marks=pytest.mark.regress),
+    ("mmhbc", 3, {"output": "memory"})],
     ids=["table", "mmhbc", "raster", "two pixels", "memory"])
 def test_the_latency_is_that_of_the_network(variant, neurons, choices):
     """A small frame is mostly latency: networks of other depth, each within a few clocks."""
@@ -116,8 +118,10 @@ def test_the_latency_is_that_of_the_network(variant, neurons, choices):
 
 
 @pytest.mark.parametrize("nodes,neurons,choices", [
-    (16, 12, {}), (8, 4, {"lanes": 2}), (16, 8, {"lanes": 4}), (32, 5, {"share": 5}),
-    (8, 6, {"output": "memory"})], ids=["one unit", "two pixels", "four", "far", "memory"])
+    (16, 12, {}), (8, 4, {"lanes": 2}),
+    *(pytest.param(*case, marks=pytest.mark.regress) for case in (
+        (16, 8, {"lanes": 4}), (32, 5, {"share": 5}), (8, 6, {"output": "memory"})))],
+    ids=["one unit", "two pixels", "four", "far", "memory"])
 def test_the_latency_is_that_of_the_network_at_nodes(nodes, neurons, choices):
     """The first coordinate waits for four nodes; then one follows per clock and lane."""
     descriptor = replace(barrel_descriptor((160, 40), (160, 40), hidden_neurons=neurons),

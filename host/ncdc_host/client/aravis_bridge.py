@@ -10,8 +10,10 @@ import sys
 
 __all__ = ["main"]
 
-_RETENTION_US = 1_000_000
-_BUFFERS = 12           # pictures that may wait for whoever takes them
+_RETENTION_US = 3_000_000   # a busy machine may take longer over a frame than Aravis' 0.1 s
+_REQUEST_RATIO = 1.0        # of a frame's packets may be asked for again, not a quarter of them
+_SOCKET_BYTES = 4 << 20     # what comes while this machine is busy; the kernel may allow less
+_BUFFERS = 12               # pictures that may wait for whoever takes them
 
 
 def main():
@@ -125,8 +127,10 @@ class _Bridge:
         if packet_size:
             self._camera.gv_set_packet_size(packet_size)
         self._stream = self._camera.create_stream(None, None)
-        # A busy machine may take longer over a frame than the tenth of a second of the default.
-        self._stream.set_property("frame-retention", _RETENTION_US)
+        for name, value in (("frame-retention", _RETENTION_US),
+                            ("packet-request-ratio", _REQUEST_RATIO),
+                            ("socket-buffer-size", _SOCKET_BYTES)):
+            self._stream.set_property(name, value)
         for _ in range(_BUFFERS):
             self._stream.push_buffer(self._aravis.Buffer.new_allocate(self._camera.get_payload()))
         self._camera.start_acquisition()

@@ -12,7 +12,7 @@ from ncdc_model.interface.gvcp import PACKET_UNAVAILABLE
 
 __all__ = ["Receiver", "Stream"]
 
-_KEPT = 3                       # blocks that can be sent again
+_KEPT = 16                      # blocks that can be sent again: 0.8 s at 20 frames a second
 _LINE_NS_PER_BYTE = 8           # of Gigabit Ethernet, whose pace the packets keep
 _LINE_OVERHEAD = 38             # bytes of a packet on the line besides IP: header, FCS, gap
 _BATCH = 16                     # packets between two looks at the clock
