@@ -36,16 +36,19 @@ class Connection:
     DeviceGone
         If nobody answers there.
     """
-    def __init__(self, address, port, timeout=_SECONDS):
+    def __init__(self, address, port, timeout=_SECONDS, transport=None):
         self.name = f"tcp://{address}:{port}"
         self._lock = threading.Lock()
+        self._timeout = timeout
+        if transport is not None:       # of a subclass, which sends and receives itself
+            self._socket = transport
+            return
         try:
             self._socket = socket.create_connection((address, port), timeout)
         except OSError as error:
             raise DeviceGone(f"no device answers at {self.name}: "
                              f"{error.strerror or error}") from error
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._timeout = timeout
 
     def close(self):
         """End the connection."""
