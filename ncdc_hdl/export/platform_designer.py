@@ -104,7 +104,8 @@ def _properties(name, kind, direction, corrector):
         symbols = Shape.cast(width).width // 8
         # Red first; of several pixels, the leftmost first, which is in the lowest bits.
         return own | {"dataBitsPerSymbol": 8, "symbolsPerBeat": symbols,
-                      "firstSymbolInHighOrderBits": str(symbols == 3).lower(), "readyLatency": 0}
+                      "firstSymbolInHighOrderBits": str(symbols == 3).lower(),
+                      "readyLatency": int(corrector.hardware.video == "vip")}
     if kind == "interrupt":
         return own | {"associatedAddressablePoint": "csr"}
     return own

@@ -35,6 +35,8 @@ class ByteCommands(wiring.Component):
         Of the memory port.
     address_bits : int
         Of a word address.
+    gap_us : int
+        Microseconds between two bytes of a request after which it is forgotten.
 
     Members
     -------
@@ -46,8 +48,8 @@ class ByteCommands(wiring.Component):
         As of :class:`MrawSender`.
     """
 
-    def __init__(self, view, sensor, data_width, burst, address_bits):
-        self.gap = _GAP_US * view.clock_mhz
+    def __init__(self, view, sensor, data_width, burst, address_bits, gap_us=_GAP_US):
+        self.gap = gap_us * view.clock_mhz
         self.mraw = MrawSender(view, data_width, burst, address_bits)
         self.table = TableOne(view, sensor, address_bits)
         self.bridge = ByteBridge(self.gap, address_bits)
