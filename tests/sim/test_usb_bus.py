@@ -19,7 +19,7 @@ ROUGH = {"rx_stall": 60, "tx_stall": 60, "gap": 60, "stall": 60, "up_stall": 30,
 MEGABYTE = 1_000_000
 
 
-def run(chip, words=(2500, 2500), **options):
+def run(chip, words=(1500, 1500), **options):
     return simulate_bus(UsbFifo(chip), up=words[0], down=words[1], clk_period=CORE[chip.name],
                         **options)
 
@@ -31,7 +31,7 @@ def test_random_pauses_with_the_pins_as_late_as_they_may_be(chip):
 
 @pytest.mark.parametrize("direction", ["up", "down"])
 def test_a_word_per_clock_but_for_the_chips_own_pauses(direction):
-    words = (4000, 0) if direction == "up" else (0, 4000)
+    words = (2500, 0) if direction == "up" else (0, 2500)
     assert run(FT232H, words, simulator="icarus", timed=True).rate(direction) >= .999
     paused = run(FT232H, words, simulator="icarus", timed=True, rx_stall=80, tx_stall=80)
     assert paused.rate(direction) < .8 and paused.rate_unpaused(direction) >= .999

@@ -76,7 +76,8 @@ def system_header(system):
     """Lines that open the Verilog of a system: what made it, from what."""
     descriptor, g = system.descriptor, system.descriptor.geometry
     stores = system.stores
-    command = " ".join(["ncdc generate NET.toml -o DIR --system", *system.hardware.options(g)])
+    command = " ".join(["ncdc generate NET.toml -o DIR --system", *getattr(system, "options", []),
+                        *system.hardware.options(g)])
     return [
         f"NCDC {version('ncdc')}: camera, frame stores and corrector, made with Amaranth "
         f"{version('amaranth')}.",
