@@ -1,13 +1,14 @@
 """MRAW packages: the newest frame of a store, with the header of Table II in front."""
 
 from amaranth import *
-from amaranth.lib import stream, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from ncdc_hdl.avalon.bus import ReadHost
 from ncdc_hdl.link.layouts import PIECE
 from ncdc_hdl.registers.access import Access
 from ncdc_hdl.usb.area_reader import AreaReader
+from ncdc_model.geometry import BAYER_PHASE
 from ncdc_model.interface.table_two import HEADER_BYTES
 
 __all__ = ["MrawSender"]
@@ -15,6 +16,15 @@ __all__ = ["MrawSender"]
 _CLAIM, _RELEASE, _HELD = (1, 2), 4, 0x100      # of READERk
 _PART = 1024            # bytes of a corrected picture that are asked for at a time
 _DEPTH = 256            # words that are read ahead
+_FRAME = data.StructLayout({
+    "corrected": 1, "buffer": 4,        # which frame
+    "address": 32,                      # of its first byte
+    "width": 16, "height": 16,          # pixels
+    "left": 1, "top": 1,                # lowest bits of the window's corner, of a raw frame
+    "bytes": 32,
+    "time": 64,                         # of its beginning, clocks and then microseconds
+    "rest": 16,                         # of the division
+})
 
 
 class MrawSender(wiring.Component):
@@ -59,79 +69,26 @@ class MrawSender(wiring.Component):
         m = Module()
         m.submodules.reader = reader = AreaReader(self.data_width, depth=_DEPTH, burst=self.burst)
         connect(m, reader.bus, flipped(self.bus))
-        m.d.comb += reader.memory_rst.eq(self.memory_rst)
-        view, at, access, area = self.view, self.view.addresses, self.access, reader.i.p
-        corrected, buffer = Signal(), Signal(4)
-        width, height, left, top = Signal(16), Signal(16), Signal(1), Signal(1)
-        time, size = Signal(64), Signal(32)
-        buffers = Mux(corrected, at.get("CORRECTED0_BASE", 0), at["RAW0_BASE"])
-        asked = [   # what is read of a frame: word address, where to, only of a raw one
-            (buffers + (buffer << 2), area.address, False),
-            (buffers + (buffer << 2) + 1, self.number, False),
-            (buffers + (buffer << 2) + 2, time[:32], False),
-            (buffers + (buffer << 2) + 3, time[32:], False),
-            (at["WINDOW_WIDTH"], width, True), (at["WINDOW_HEIGHT"], height, True),
-            (at["WINDOW_LEFT"], left, True), (at["WINDOW_TOP"], top, True),
-            (at["RAW_PITCH"], area.pitch, True)]
-        reader_address = at[f"READER{view.reader}"]
-        step = Signal(range(len(asked) + 1))
-        pause = Signal(10)
-        rest, bits = Signal(range(2 * view.clock_mhz)), Signal(range(65))    # of the division
-        word = Signal(range(HEADER_BYTES // 4 + 1))
-        m.d.comb += self.busy.eq(1)
+        m.d.comb += [reader.memory_rst.eq(self.memory_rst), self.busy.eq(1)]
+        frame = Signal(_FRAME)
+        m.d.comb += reader.i.p.address.eq(frame.address)
+        step, word = Signal(range(16)), Signal(range(HEADER_BYTES // 4 + 1))
+        bits = Signal(range(65))            # of the quotient, that are left
         with m.FSM():
             with m.State("REST"):
                 m.d.comb += self.busy.eq(0)
-                m.d.sync += corrected.eq(self.corrected & view.has_corrected)
+                m.d.sync += frame.corrected.eq(self.corrected & self.view.has_corrected)
                 with m.If(self.start):
                     m.next = "CLAIM"
-            with m.State("CLAIM"):
-                self._write(m, reader_address, Mux(corrected, _CLAIM[1], _CLAIM[0]), "LOOK")
-            with m.State("LOOK"):
-                m.d.comb += [access.valid.eq(1), access.address.eq(reader_address)]
-                m.d.sync += [buffer.eq(access.answer[11:15]), step.eq(0), pause.eq(0)]
-                with m.If(access.done):
-                    m.next = "NONE"
-                    with m.If((access.answer & _HELD).any()):
-                        m.next = "ASK"
-            with m.State("NONE"):
-                m.d.sync += pause.eq(pause + 1)
-                with m.If(self.give_up):
-                    m.next = "REST"
-                with m.Elif(pause.all()):
-                    m.next = "CLAIM"
+            self._claim(m, frame, step)
             with m.State("ASK"):
-                self._corrected_size(m, corrected, width, height, area)
-                m.d.comb += access.valid.eq(1)
-                m.d.sync += [rest.eq(0), bits.eq(64), word.eq(0)]
-                with m.Switch(step):
-                    for k, (address, target, raw) in enumerate(asked):
-                        with m.Case(k):
-                            m.d.comb += access.address.eq(address)
-                            with m.If(access.done & ~(raw & corrected)):
-                                m.d.sync += target.eq(access.answer)
-                with m.If(access.done):
-                    m.d.sync += step.eq(step + 1)
-                    with m.If(step == len(asked) - 1):
-                        m.next = "DIVIDE"
+                m.d.sync += [bits.eq(64), word.eq(0)]
+                self._ask(m, frame, reader.i.p, step)
             with m.State("DIVIDE"):
-                # Clocks to microseconds, a bit of the quotient per clock.
-                more = Cat(time[-1], rest)
-                fits = more >= view.clock_mhz
-                m.d.sync += [rest.eq(Mux(fits, more - view.clock_mhz, more)),
-                             time.eq(Cat(fits, time)), bits.eq(bits - 1)]
-                m.d.sync += size.eq(Mux(corrected,
-                                        view.corrected_pixel * view.corrected[0]
-                                        * view.corrected[1], width * height))
-                with m.If(~corrected):
-                    m.d.sync += [area.row.eq(width), area.last.eq(width), area.rows.eq(height)]
-                with m.If(bits == 1):
-                    m.next = "HEADER"
+                self._divide(m, frame, bits)
+                self._sizes(m, frame, reader.i.p)
             with m.State("HEADER"):
-                formation = Mux(corrected, view.corrected_formation,
-                                view.raw_formation ^ Cat(left, top) if view.raw_formation < 4
-                                else view.raw_formation)
-                self._header(m, word, width, height, formation, size, time[:32])
+                self._header(m, frame, word)
                 with m.If(self.o.ready):
                     m.d.sync += word.eq(word + 1)
                     with m.If(word == HEADER_BYTES // 4 - 1):
@@ -142,8 +99,78 @@ class MrawSender(wiring.Component):
                 with m.If(reader.i.ready):
                     m.next = "RELEASE"
             with m.State("RELEASE"):
-                self._write(m, reader_address, _RELEASE, "REST")
+                self._write(m, self._reader, _RELEASE, "REST")
         return m
+
+    @property
+    def _reader(self):
+        """Word address of the reader's register."""
+        return self.view.addresses[f"READER{self.view.reader}"]
+
+    def _claim(self, m, frame, step):
+        """Claim the newest frame, until there is one."""
+        access, pause = self.access, Signal(10)
+        with m.State("CLAIM"):
+            self._write(m, self._reader, Mux(frame.corrected, _CLAIM[1], _CLAIM[0]), "LOOK")
+        with m.State("LOOK"):
+            m.d.comb += [access.valid.eq(1), access.address.eq(self._reader)]
+            m.d.sync += [frame.buffer.eq(access.answer[11:15]), step.eq(0), pause.eq(0)]
+            with m.If(access.done):
+                m.next = "NONE"
+                with m.If((access.answer & _HELD).any()):
+                    m.next = "ASK"
+        with m.State("NONE"):
+            m.d.sync += pause.eq(pause + 1)
+            with m.If(self.give_up):
+                m.next = "REST"
+            with m.Elif(pause.all()):
+                m.next = "CLAIM"
+
+    def _ask(self, m, frame, area, step):
+        """Read what there is to know of the frame."""
+        at, access = self.view.addresses, self.access
+        buffers = Mux(frame.corrected, at.get("CORRECTED0_BASE", 0), at["RAW0_BASE"])
+        place = buffers + (frame.buffer << 2)
+        asked = [   # word address, and where the word goes
+            (place, frame.address), (place + 1, self.number), (place + 2, frame.time[:32]),
+            (place + 3, frame.time[32:]), (at["WINDOW_WIDTH"], frame.width),
+            (at["WINDOW_HEIGHT"], frame.height), (at["WINDOW_LEFT"], frame.left),
+            (at["WINDOW_TOP"], frame.top), (at["RAW_PITCH"], area.pitch)]
+        m.d.comb += access.valid.eq(1)
+        m.d.sync += frame.rest.eq(0)
+        with m.Switch(step):
+            for k, (address, target) in enumerate(asked):
+                with m.Case(k):
+                    m.d.comb += access.address.eq(address)
+                    with m.If(access.done):
+                        m.d.sync += target.eq(access.answer)
+        with m.If(access.done):
+            m.d.sync += step.eq(step + 1)
+            with m.If(step == len(asked) - 1):
+                m.next = "DIVIDE"
+
+    def _divide(self, m, frame, bits):
+        """Clocks to microseconds, a bit of the quotient per clock."""
+        more = Cat(frame.time[-1], frame.rest)
+        fits = more >= self.view.clock_mhz
+        m.d.sync += [frame.rest.eq(Mux(fits, more - self.view.clock_mhz, more)),
+                     frame.time.eq(Cat(fits, frame.time)), bits.eq(bits - 1)]
+        with m.If(bits == 1):
+            m.next = "HEADER"
+
+    def _sizes(self, m, frame, area):
+        """How the frame lies in memory: a corrected one has no gaps between its rows."""
+        view = self.view
+        size = view.corrected_pixel * view.corrected[0] * view.corrected[1]
+        parts = -(-size // _PART)
+        with m.If(frame.corrected):
+            m.d.sync += [
+                frame.width.eq(view.corrected[0]), frame.height.eq(view.corrected[1]),
+                frame.bytes.eq(size), area.pitch.eq(_PART), area.row.eq(_PART),
+                area.rows.eq(parts), area.last.eq(size - _PART * (parts - 1))]
+        with m.Else():
+            m.d.sync += [frame.bytes.eq(frame.width * frame.height), area.row.eq(frame.width),
+                         area.last.eq(frame.width), area.rows.eq(frame.height)]
 
     def _write(self, m, address, word, following):
         """Write a register, and go on."""
@@ -152,23 +179,17 @@ class MrawSender(wiring.Component):
         with m.If(self.access.done):
             m.next = following
 
-    def _corrected_size(self, m, corrected, width, height, area):
-        """A corrected picture has no gaps between its rows."""
-        view = self.view
-        size = view.corrected_pixel * view.corrected[0] * view.corrected[1]
-        parts = -(-size // _PART)
-        with m.If(corrected):
-            m.d.sync += [width.eq(view.corrected[0]), height.eq(view.corrected[1]),
-                         area.pitch.eq(_PART), area.row.eq(_PART), area.rows.eq(parts),
-                         area.last.eq(size - _PART * (parts - 1))]
-
-    def _header(self, m, word, width, height, formation, size, time):
+    def _header(self, m, frame, word):
         """A word of the header, whose numbers are big endian."""
+        view = self.view
+        raw = view.raw_formation
+        formation = Signal(8)
+        m.d.comb += formation.eq(Mux(
+            frame.corrected, view.corrected_formation,
+            raw ^ Cat(frame.left, frame.top) if raw < len(BAYER_PHASE) else raw))
         # Width 4, height 4, formation 1, size 7, address 4, port 4, time 4 bytes.
-        one = Signal(8)
-        m.d.comb += one.eq(formation)
-        header = Cat(time, Const(0, 64), size, Const(0, 24), one, height, Const(0, 16),
-                     width, Const(0, 16))
+        header = Cat(frame.time[:32], Const(0, 64), frame.bytes, Const(0, 24), formation,
+                     frame.height, Const(0, 16), frame.width, Const(0, 16))
         words = [header.word_select(HEADER_BYTES // 4 - 1 - k, 32)
                  for k in range(HEADER_BYTES // 4)]
         m.d.comb += [self.o.valid.eq(1), self.o.p.bytes.eq(4)]

@@ -90,7 +90,7 @@ class TableOne(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        at, access = self.view.addresses, self.access
+        access = self.access
         address, value = Signal(16), Signal(16)
         writes = Signal()                           # the request is a write
         m.d.comb += [address.eq(self.request[16:32]), writes.eq(self.request[32:] == WRITE),
@@ -119,28 +119,7 @@ class TableOne(wiring.Component):
                 with m.If(access.done):
                     m.next = "RESULT"
             with m.State("RESULT"):
-                m.d.comb += [access.valid.eq(1), access.address.eq(at["I2C_RESULT"])]
-                answer = access.answer
-                sends = Signal()                    # the step sends a byte
-                keeps = Signal()
-                with m.Switch(place):
-                    for k, step in enumerate(steps):
-                        with m.Case(k):
-                            m.d.comb += [sends.eq(bool(step.flags & _FLAGS["WRITE"])),
-                                         keeps.eq(step.keeps)]
-                failed = (answer & _FAILED).any() | sends & (answer & _NACK).any()
-                with m.If(access.done & ~(answer & _BUSY).any()):
-                    m.d.sync += place.eq(place + 1)
-                    m.next = "SEND"
-                    with m.If(keeps):
-                        m.d.sync += value.eq(Cat(answer[:8], value))
-                    with m.If(place == len(steps) - 1):
-                        m.d.sync += value.eq(NO_SENSOR)
-                        m.next = "ANSWER"
-                    with m.Elif(failed):
-                        m.d.sync += place.eq(frees)
-                    with m.Elif(place == frees - 1):
-                        m.next = "ANSWER"
+                self._result(m, steps, place, value, (frees, len(steps)))
             with m.State("ANSWER"):
                 o, request = self.o, self.request
                 m.d.comb += [
@@ -152,6 +131,32 @@ class TableOne(wiring.Component):
                     with m.If(rest):
                         m.next = "REST"
         return m
+
+    def _result(self, m, steps, place, value, ends):
+        """Wait for the end of a step's command, and go on: behind the ends of a read and of what
+        frees the bus there is the answer."""
+        access = self.access
+        m.d.comb += [access.valid.eq(1), access.address.eq(self.view.addresses["I2C_RESULT"])]
+        answer, frees = access.answer, ends[0]
+        sends, keeps = Signal(), Signal()           # the step sends a byte; it keeps one
+        with m.Switch(place):
+            for k, step in enumerate(steps):
+                with m.Case(k):
+                    m.d.comb += [sends.eq(bool(step.flags & _FLAGS["WRITE"])),
+                                 keeps.eq(step.keeps)]
+        failed = (answer & _FAILED).any() | sends & (answer & _NACK).any()
+        with m.If(access.done & ~(answer & _BUSY).any()):
+            m.d.sync += place.eq(place + 1)
+            m.next = "SEND"
+            with m.If(keeps):
+                m.d.sync += value.eq(Cat(answer[:8], value))
+            with m.If(place == ends[1] - 1):
+                m.d.sync += value.eq(NO_SENSOR)
+                m.next = "ANSWER"
+            with m.Elif(failed):
+                m.d.sync += place.eq(frees)
+            with m.Elif(place == frees - 1):
+                m.next = "ANSWER"
 
     def _command(self, m, steps, place):
         """Write the command of a step."""

@@ -30,13 +30,13 @@ def test_a_pixel_per_clock(output):
 
 @pytest.mark.regress
 @pytest.mark.parametrize("clocks,pending", [(60, 8), (24, 4)])
-def test_what_is_not_published_matters_little(clocks, pending, monkeypatch):
-    """More than twice the latency that is taken, or half the commands."""
+def test_what_is_not_published(clocks, pending, monkeypatch):
+    """More than twice the latency that is taken, or half the commands: slower, and right."""
     worse = replace(MEMORIES["hps"], controller_clocks=clocks, max_pending=pending)
     monkeypatch.setattr(bench, "simulate_correction", _with(bench.simulate_correction, worse))
     [row] = measure([Run("cache", FHD, "hps", "stream")])
     print(f"hps, {clocks} clocks, {pending} commands: {row['clocks_per_pixel']:.5f}")
-    assert row["pixels_different"] == 0 and row["clocks_per_pixel"] <= 1.02
+    assert row["pixels_different"] == 0 and row["frames_per_second"] > 5 * PAPER
 
 
 def _with(simulate, memory):
