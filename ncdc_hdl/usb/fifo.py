@@ -3,7 +3,7 @@
 from amaranth import *
 from amaranth.lib import stream, wiring
 from amaranth.lib.cdc import ResetSynchronizer
-from amaranth.lib.fifo import AsyncFIFOBuffered
+from amaranth.lib.fifo import AsyncFIFO, AsyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.usb.fifo_bus import FifoBus
@@ -58,7 +58,8 @@ class UsbFifo(wiring.Component):
         m.submodules.bus = bus = DomainRenamer("usb")(FifoBus(self.chip.lanes, self.turn))
         m.submodules.to_host = to_host = AsyncFIFOBuffered(
             width=width, depth=self.depth, w_domain="sync", r_domain="usb")
-        m.submodules.from_host = from_host = AsyncFIFOBuffered(
+        # The buffered queue has logic before a synchroniser of its writer's level.
+        m.submodules.from_host = from_host = AsyncFIFO(
             width=width, depth=self.depth, w_domain="usb", r_domain="sync")
         for name, member in ChipPins(self.chip.lanes).members.items():
             ours, theirs = getattr(self.pins, name), getattr(bus.pins, name)
