@@ -1,5 +1,8 @@
 """pyftdi at the simulated FT232H of a whole camera system: Table I, pictures, registers."""
 
+import textwrap
+from pathlib import Path
+
 import numpy as np
 import pytest
 import usb.core
@@ -11,7 +14,7 @@ from ncdc_hdl.system import System
 from ncdc_hdl.usb.layouts import FT232H
 from ncdc_hdl.usb.system import UsbSystem
 from ncdc_host.client.errors import DeviceGone
-from ncdc_host.client.usb import UsbConnection, UsbPort
+from ncdc_host.client.usb import UsbConnection, UsbDevice, UsbPort
 from ncdc_model.corrector import correct
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.features import system_word
@@ -81,6 +84,27 @@ def test_table_one_pictures_and_registers():
         assert read(4 * limit) == camera.host.get("READER_LIMIT") == 123_456_789
         bench = camera.host.live.end()
     assert not any(value for name, value in bench.items() if name.endswith("_errors"))
+
+
+def test_the_client_s_device_and_the_page_s_example():
+    _, context = simulated((64, 24))
+    with context as camera:
+        port = connected(camera.host.live)
+        device = UsbDevice(port)
+        assert (device.get("WidthMax"), device.get("HeightMax")) == (64, 24)
+        with device.stream() as stream:
+            frames = [stream.next(SECONDS) for _ in range(3)]
+        numbers = [frame.number for frame in frames]
+        assert numbers == sorted(set(numbers))
+        for frame in frames:
+            np.testing.assert_array_equal(frame.pixels, camera.sent(frame.number))
+        # Of the documentation.
+        page = (Path(__file__).resolve().parents[2] / "docs" / "usb.md").read_text()
+        block = page.partition("## On the PC")[2].split("\n\n`pip")[0]
+        names = {}
+        exec(textwrap.dedent(block), names)
+        header, data = names["fetch"](device=port._ftdi._usb_dev)
+        assert (header.width, header.height, len(data)) == (64, 24, 64 * 24)
 
 
 def test_a_chip_in_its_other_mode_moves_nothing():

@@ -18,6 +18,7 @@ __all__ = ["Connection", "Package", "TableDevice"]
 
 _SECONDS = 5.0          # that an answer may take
 _FEATURES = {one.name: one for one in FEATURES if one.table}
+_UNKNOWN_TENTHS = 1000  # of frames per second, when asked of a device that does not say
 _NUMBER = (system_word("NUMBER_UPPER"), system_word("NUMBER_LOWER"))
 
 
@@ -132,9 +133,12 @@ class TableDevice(Device):
     """See :class:`Device`; settings and pictures have a connection each, so that neither waits."""
 
     def __init__(self, address, port, monitor=False):
-        self.url = f"tcp://{address}:{port}"
-        self._place, self._monitor = (address, port), monitor
-        self._connection = Connection(address, port)
+        self._place = address, port
+        self._open(f"tcp://{address}:{port}", Connection(address, port), monitor)
+
+    def _open(self, url, connection, monitor):
+        """Ask whether there is a device at all."""
+        self.url, self._connection, self._monitor = url, connection, monitor
         self._gone = False
         self._lock = threading.RLock()      # of what takes several words
         try:
@@ -283,7 +287,8 @@ class TableStream(FrameStream):
             package = self._connection.picture(left)
             upper, lower = map(self._connection.read, _NUMBER)
             number = upper << 16 | lower
-            tenths = max(1, self._connection.read(system_word("FRAME_RATE")))
+            # Over USB a device does not say how many frames a second it has.
+            tenths = self._connection.read(system_word("FRAME_RATE")) or _UNKNOWN_TENTHS
             if number == self._number:
                 self._due = time.monotonic() + 1 / tenths       # seen already: a bit too early
                 continue

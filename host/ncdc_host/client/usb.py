@@ -2,10 +2,10 @@
 
 import time
 
-from ncdc_host.client.errors import DeviceGone, NoFrame
-from ncdc_host.client.table import Connection
+from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame
+from ncdc_host.client.table import Connection, TableDevice, TableStream
 
-__all__ = ["UsbConnection", "UsbPort"]
+__all__ = ["UsbConnection", "UsbDevice", "UsbPort", "ftdi_url"]
 
 _SECONDS = 5.0              # that an answer may take
 _CHUNK = 64 * 1024          # bytes of a transfer
@@ -28,11 +28,17 @@ class UsbPort:
     ------
     DeviceGone
         If there is no such chip.
+    DeviceError
+        If pyftdi is missing.
     """
 
     def __init__(self, url=None, device=None, timeout=_SECONDS):
-        from pyftdi.ftdi import Ftdi, FtdiError
-        from pyftdi.usbtools import UsbToolsError
+        try:
+            from pyftdi.ftdi import Ftdi, FtdiError
+            from pyftdi.usbtools import UsbToolsError
+        except ImportError as error:
+            raise DeviceError("USB needs the package pyftdi, which "
+                              "pip install 'ncdc[usb]' brings") from error
         self.name, self.timeout = url or "ftdi://ftdi:232h/1", timeout
         self._error = FtdiError
         self._ftdi = Ftdi()
@@ -95,3 +101,37 @@ class UsbConnection(Connection):
         if len(data) < count:
             raise NoFrame(f"{self.name} sent {len(data)} of {count} bytes in time")
         return bytearray(data)
+
+
+class UsbDevice(TableDevice):
+    """See :class:`TableDevice`: settings and pictures share the one connection there is, so that a
+    setting waits for the end of a picture. Of the settings only the source of the pictures can be
+    written.
+
+    Parameters
+    ----------
+    port : UsbPort
+    monitor : bool
+    """
+
+    def __init__(self, port, monitor=False):
+        self._open(port.name.replace("ftdi://ftdi:", "usb://").removesuffix("/1"),
+                   UsbConnection(port), monitor)
+
+    def stream(self, packet_size=None, multicast=None):
+        if multicast is not None:
+            raise DeviceError("USB has no multicast")
+        return _UsbStream(self, self._connection)
+
+
+class _UsbStream(TableStream):
+    """Pictures over a connection that stays open behind them."""
+
+    def close(self):
+        pass
+
+
+def ftdi_url(address):
+    """pyftdi's URL of the chip of an address: "232h", the first FT232H, or a serial number."""
+    chip = "232h" if address == "232h" else f"232h:{address}"
+    return f"ftdi://ftdi:{chip}/1"
