@@ -38,7 +38,7 @@ class FifoBus(wiring.Component):
     from_host, push : ``Out(word_layout(lanes))``, ``Out(1)``
         A word has come, for one clock.
     room : ``In(1)``
-        There is room for the words of four clocks.
+        There is room for two words more than those that have come.
     """
 
     def __init__(self, lanes, turn=512):
@@ -82,7 +82,7 @@ class FifoBus(wiring.Component):
                     m.d.sync += [pins.data_oe.eq(1), pins.wr_n.eq(0), wrote.eq(1)]
                     m.next = "WRITE"
             with m.State("TURN"):
-                with m.If(~pins.rxf_n):
+                with m.If(wants_read):
                     m.d.sync += pins.rd_n.eq(0)
                     m.next = "READ"
                 with m.Elif(wants_write):

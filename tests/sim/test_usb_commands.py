@@ -29,6 +29,7 @@ def test_a_host_that_sends_bytes(simulator):
     run(simulator)
 
 
+@pytest.mark.regress
 def test_a_frame_that_is_never_released_is_found(monkeypatch):
     monkeypatch.setattr(mraw, "_RELEASE", 0)
     with pytest.raises(SimulationError, match="pictures"):
