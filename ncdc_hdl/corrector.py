@@ -25,6 +25,7 @@ from ncdc_hdl.lib.ports import flat, join
 from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.checks import Checks
 from ncdc_hdl.registers.weight_store import in_memory
+from ncdc_hdl.video.vip_packets import VipPackets
 from ncdc_model.fetch.corrector_timing import CorrectorTiming
 from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.hardware import Hardware
@@ -65,7 +66,7 @@ class Corrector(wiring.Component):
     write_* : Avalon-MM write host (output "memory")
     stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
         video stream, red in the top byte of 24 bits per pixel, the leftmost pixel in the lowest
-        (output "stream")
+        (output "stream"); of the video "vip" see :class:`VipPackets`
     stream_endofline : ``Out(1)``
         The last group of a row, or of a frame; of hardware for AXI with the output "stream".
     read_failed : ``In(1)``
@@ -213,19 +214,32 @@ class Corrector(wiring.Component):
                 packer.order.strip.eq(active.STRIP_WIDTH), registers.ended.eq(writer.done),
             ]
         else:
-            m.d.comb += [
-                self.stream_valid.eq(pixels.valid), pixels.ready.eq(self.stream_ready),
-                self.stream_data.eq(Cat(Cat(p.b, p.g, p.r) for p in lanes_of(pixels.p))),
-                self.stream_startofpacket.eq(pixels.p.first),
-                self.stream_endofpacket.eq(pixels.p.last),
-                registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last),
-            ]
+            self._stream(m, active, pixels)
+            m.d.comb += registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last)
         if self.hardware.axi:
             self._axi(m, active, pixels)
         self._counters(m, begun, pixels)
         if self.hardware.colour:
             self._colour(m, active, begun)
         return m
+
+    def _stream(self, m, active, pixels):
+        """Pixels as video, in packets of Intel's suite if the hardware has them."""
+        colours = Cat(Cat(p.b, p.g, p.r) for p in lanes_of(pixels.p))
+        if self.hardware.video == "vip":
+            m.submodules.packets = packets = VipPackets()
+            join(m, self, "stream", packets.o)
+            m.d.comb += [
+                packets.width.eq(active.CORRECTED_WIDTH),
+                packets.height.eq(active.CORRECTED_HEIGHT),
+                packets.i.valid.eq(pixels.valid), pixels.ready.eq(packets.i.ready),
+                packets.i.p.data.eq(colours), packets.i.p.first.eq(pixels.p.first),
+                packets.i.p.last.eq(pixels.p.last)]
+        else:
+            m.d.comb += [
+                self.stream_valid.eq(pixels.valid), pixels.ready.eq(self.stream_ready),
+                self.stream_data.eq(colours), self.stream_startofpacket.eq(pixels.p.first),
+                self.stream_endofpacket.eq(pixels.p.last)]
 
     def _axi(self, m, active, pixels):
         """What AXI has beyond Avalon: errors of the memory, ends of lines."""

@@ -10,7 +10,7 @@ from ncdc_model.interpolation import FAST
 from ncdc_model.nodes import row_nodes
 
 __all__ = ["BUSES", "DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
-           "NODE_CLOCKS", "OUTPUTS", "Hardware", "check_lanes"]
+           "NODE_CLOCKS", "OUTPUTS", "VIDEOS", "Hardware", "check_lanes"]
 
 DATA_WIDTHS = (32, 64, 128)
 OUTPUTS = ("memory", "stream")
@@ -20,6 +20,7 @@ MULTIPLIER_BITS = (27, 18)
 LANES = (1, 2, 4)
 FORMATS = tuple(OUTPUT_FORMATS)
 BUSES = ("avalon", "axi")
+VIDEOS = ("plain", "vip")
 NODE_CLOCKS = 2         # that a node takes at least: its scan adds up the next one meanwhile
 
 
@@ -63,12 +64,16 @@ class Hardware:
         Name of the ``OutputFormat`` of pixels in memory, after configuration.
     bus : str
         "avalon": ports for Avalon-MM and Avalon-ST; "axi": for AXI4, AXI4-Lite and AXI4-Stream.
+    video : str
+        Of a stream: "plain", one packet of pixels per frame, or "vip", the packets of Intel's Video
+        and Image Processing Suite.
 
     Raises
     ------
     InputError
-        If a value is none of the above, strips or a format are asked of a stream, or the multiport
-        fetcher is to give more than one pixel per clock.
+        If a value is none of the above, strips or a format are asked of a stream, the multiport
+        fetcher is to give more than one pixel per clock, or packets of Intel's suite are asked of
+        anything but a stream of Avalon's with one pixel per clock.
     """
     data_width: int = 32
     output: str = "memory"
@@ -83,6 +88,7 @@ class Hardware:
     colour: bool = False
     format: str = BGRX8.name
     bus: str = BUSES[0]
+    video: str = VIDEOS[0]
 
     def __post_init__(self):
         for name, value, choices in (
@@ -91,7 +97,7 @@ class Hardware:
                 ("hidden", self.hidden, HIDDEN),
                 ("multiplier bits", self.multiplier_bits, MULTIPLIER_BITS),
                 ("pixels per clock", self.lanes, LANES), ("the format", self.format, FORMATS),
-                ("the bus", self.bus, BUSES)):
+                ("the bus", self.bus, BUSES), ("the video", self.video, VIDEOS)):
             if value not in choices:
                 raise InputError(f"{name} is {value!r}, one of {', '.join(map(str, choices))} is "
                                  f"needed")
@@ -106,6 +112,17 @@ class Hardware:
         if self.lanes > 1 and not self.cached:
             raise InputError(f"pixels per clock is {self.lanes}, the multiport fetcher can have 1 "
                              f"only")
+
+        if self.video != VIDEOS[0]:
+            self._check_video()
+
+    def _check_video(self):
+        """Refuse packets of Intel's suite where there can be none."""
+        for name, value, needed in (("the output", self.output, "stream"),
+                                    ("the bus", self.bus, "avalon"),
+                                    ("pixels per clock", self.lanes, 1)):
+            if value != needed:
+                raise InputError(f"{name} is {value}, the video {self.video} needs {needed}")
 
     @property
     def stream(self):
@@ -228,7 +245,8 @@ class Hardware:
                 "data_width": self.data_width, "output": self.output, "hidden": self.hidden,
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
                 "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
-                "colour": self.colour, "bus": self.bus}
+                "colour": self.colour, "bus": self.bus,
+                "video": self.video if self.stream else None}
 
     def options(self, geometry):
         """The options of ``ncdc generate`` that choose this, for a camera of ``geometry``."""
@@ -240,7 +258,8 @@ class Hardware:
                 f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}",
                 *([] if self.stream else [f"--format {self.format}"]),
                 *(["--colour"] if self.colour else []),
-                *([f"--bus {self.bus}"] if self.axi else [])]
+                *([f"--bus {self.bus}"] if self.axi else []),
+                *([f"--video {self.video}"] if self.video != VIDEOS[0] else [])]
 
 
 def check_lanes(width, lanes):

@@ -6,12 +6,12 @@ with code of its own.
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from ncdc_model.errors import InputError
 
-__all__ = ["DramMemory", "LatencyMemory", "MEMORIES", "ddr3", "memory_at", "memory_timing",
+__all__ = ["DramMemory", "LatencyMemory", "MEMORIES", "ddr3", "hps", "memory_at", "memory_timing",
            "sdram"]
 
 MAX_PENDING = 64        # read commands that the model of a port can hold
@@ -213,6 +213,29 @@ def ddr3(clock=100):
         max_pending=32)
 
 
+def hps(clock=100):
+    """The DDR3 of a Cyclone V SoC at the ports from the FPGA to its hard memory controller, as on
+    the DE10-Nano: two DDR3-800 of 4 Gbit, x16, side by side, ports at ``clock`` MHz.
+
+    Chips as :func:`ddr3`'s, but for the refresh of 4 Gbit, 260 ns (JESD79-3); a burst of 8 moves 32
+    bytes. Of the ports ("Cyclone V Hard Processor System Technical Reference Manual", 683126,
+    version 21.2) it is published that bursts count 1 to 1024 words, their most a power of two
+    (12.12.1.1), that a full queue of commands holds the next one off (12.5.1), and that ports of
+    one priority take turns, SDRAM burst by SDRAM burst (12.6.2), reads before writes, the oldest
+    first (12.6.3). Latency and depth of the queue are not: taken are 24 clocks to the controller
+    and back at 100 MHz, twice those of :func:`ddr3`, and 8 commands.
+
+    Raises
+    ------
+    InputError
+        If the clock is out of its range.
+    """
+    one = ddr3(clock)
+    return replace(one, row_bytes=2 * one.row_bytes, access_bytes=2 * one.access_bytes,
+                   word_bytes=2 * one.word_bytes, refresh=math.ceil(260 / one.period),
+                   controller_clocks=2 * one.controller_clocks, max_pending=8)
+
+
 def _clock(clock, limit, name):
     clock = Fraction(clock).limit_denominator(1000)
     if not 20 <= clock <= limit:
@@ -226,12 +249,13 @@ MEMORIES = {
     "ideal": LatencyMemory(),
     "sdram": sdram(),
     "ddr3": ddr3(),
+    "hps": hps(),
     "hostile": LatencyMemory(latency=(1, 60), bytes_per_clock=6, granule=4, wait_chance=128,
                              max_pending=4),
 }
 _FIXED = re.compile(r"fixed:(\d+):(\d+(?:\.\d+)?)")
 # Those whose timing in clocks depends on the corrector's clock.
-_BY_CLOCK = {"sdram": sdram, "ddr3": ddr3}
+_BY_CLOCK = {"sdram": sdram, "ddr3": ddr3, "hps": hps}
 _CLOCKED = re.compile(rf"({'|'.join(_BY_CLOCK)})@(\d+(?:\.\d+)?)")
 
 
@@ -257,7 +281,7 @@ def memory_timing(memory, others=()):
     if match := _CLOCKED.fullmatch(memory):
         return _BY_CLOCK[match[1]](Fraction(match[2]))
     raise InputError(f"memory is {memory!r}, one of {', '.join([*MEMORIES, *others])}, sdram@MHZ, "
-                     "ddr3@MHZ or fixed:LATENCY:BYTES is needed")
+                     "ddr3@MHZ, hps@MHZ or fixed:LATENCY:BYTES is needed")
 
 
 def memory_at(memory, clock_mhz):

@@ -12,23 +12,35 @@ from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.axi import axi_files
 from ncdc_hdl.export.fusesoc import fusesoc_core
-from ncdc_hdl.export.platform_designer import COMPONENT, hw_tcl
+from ncdc_hdl.export.platform_designer import (
+    COMPONENT,
+    hw_tcl,
+    packetiser_hw_tcl,
+    system_hw_tcl,
+)
 from ncdc_hdl.export.registers.drivers import driver_files
 from ncdc_hdl.export.testbench import bench_files, instantiation
 from ncdc_hdl.export.testbench.bench import pattern
-from ncdc_hdl.export.verilog import TOP, verilog_of
+from ncdc_hdl.export.verilog import TOP, module_verilog, verilog_of
 from ncdc_hdl.export.verilog.axi_cover import AXI_SYSTEM, AXI_TOP
 from ncdc_hdl.export.verilog.system_cover import SYSTEM, system_verilog
 from ncdc_hdl.export.waivers import SYSTEM_WAIVERS, verilator_config
+from ncdc_hdl.link.top import PACKETISER, PacketiserTop
 from ncdc_hdl.system import System
+from ncdc_hdl.usb.layouts import CHIPS
+from ncdc_hdl.usb.system import UsbSystem
 from ncdc_model.corrector import check_raw
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.files import write_text
+from ncdc_model.hardware import VIDEOS
+from ncdc_model.sensors.catalogue import SENSORS, sensor_named
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
 _MODULES = [f"{name}.v" for name in (TOP, AXI_TOP, SYSTEM, AXI_SYSTEM)]
+
+_SENSORS = [sensor.name for sensor in SENSORS]
 
 HELP = "write the Verilog of the corrector and its drivers"
 EXAMPLE = "ncdc generate net.toml -o hardware --data-width 32"
@@ -49,6 +61,14 @@ def add_arguments(parser):
     parser.add_argument("--system", action="store_true",
                         help="write ncdc_system.v instead: a camera and stores of frames before "
                              "the corrector, which corrects each frame by itself")
+    parser.add_argument("--usb", choices=[name.lower() for name in CHIPS], metavar="CHIP",
+                        help="with --system: registers, pictures and Table I over an FTDI chip, "
+                             "ft232h or ft601; needs --sensor")
+    parser.add_argument("--sensor", choices=_SENSORS, metavar="NAME",
+                        help=f"the sensor on the I2C bus: {', '.join(_SENSORS)}")
+    parser.add_argument("--packetiser", action="store_true",
+                        help="write ncdc_packetiser.v too, which sends frames in memory as "
+                             "Ethernet packets, and its component of Platform Designer")
     parser.add_argument("--testbench", nargs="?", const="", metavar="FRAME",
                         help="write a self-checking test bench for any simulator too, with the raw "
                              "frame and the expected picture; of FRAME, or of a pattern")
@@ -67,19 +87,26 @@ def run(args):
     if hardware.axi and board:
         raise InputError(f"--bus axi and --board {args.board} are given, its project is "
                          f"for avalon")
+    _check_parts(args, hardware)
     hardware, choice = planned(hardware, fixed_of(args), descriptor)
     if args.system and args.testbench is not None:
         raise InputError("--testbench and --system are given, the test bench is of a corrector "
                          "alone")
+    if hardware.video != VIDEOS[0]:
+        _check_video(args, hardware.video)
     if args.system:
         system = System(descriptor, hardware)
         corrector = system.corrector
+        if args.usb:
+            system = UsbSystem(system, CHIPS[args.usb.upper()], sensor_named(args.sensor))
         files = _system_files(system, lenses)
     else:
         corrector = Corrector(descriptor, hardware)
         files = _corrector_files(corrector, lenses)
         if args.testbench is not None:
             files |= _bench(corrector, files, args.testbench)
+    if args.packetiser:
+        files |= _packetiser_files(hardware.data_width)
     [module] = [name.removesuffix(".v") for name in files if name in _MODULES]
     files[f"{module}_template.vh"] = instantiation(files[f"{module}.v"], module)
     if board:
@@ -111,12 +138,41 @@ def _board(name):
     return board
 
 
+def _check_parts(args, hardware):
+    """Refuse USB where there is nothing behind it."""
+    if args.usb and not args.system:
+        raise InputError(f"--usb {args.usb} is given, it needs --system: its pictures are those of "
+                         f"a frame store")
+    if args.usb and hardware.axi:
+        raise InputError(f"--usb {args.usb} and --bus axi are given, USB is there for avalon only")
+    if bool(args.usb) != bool(args.sensor):
+        raise InputError("--usb and --sensor are given together: Table I reads and writes the "
+                         "sensor's registers")
+
+
+def _packetiser_files(data_width):
+    """Text of the packetiser's files, by file name."""
+    packetiser = PacketiserTop(data_width)
+    return {f"{PACKETISER}.v": module_verilog(packetiser, PACKETISER),
+            f"{PACKETISER}_hw.tcl": packetiser_hw_tcl(packetiser)}
+
+
+def _check_video(args, video):
+    """Refuse packets where what takes the stream knows none."""
+    for option, given, text in (("--board", args.board, "the projects of boards take"),
+                                ("--testbench", args.testbench is not None,
+                                 "the test bench takes")):
+        if given:
+            raise InputError(f"--video {video} and {option} are given, {text} plain video only")
+
+
 def _system_files(system, lenses):
     """Text of what belongs to a camera system, by file name."""
     drivers = driver_files(system.corrector, lenses, system.table)
     if system.hardware.axi:
         return axi_files(AxiTop(system)) | drivers
     return {f"{SYSTEM}.v": system_verilog(system), **drivers,
+            f"{SYSTEM}_hw.tcl": system_hw_tcl(system),
             f"{SYSTEM}.vlt": verilator_config(SYSTEM, SYSTEM_WAIVERS)}
 
 

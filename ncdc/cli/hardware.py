@@ -16,6 +16,7 @@ from ncdc_model.hardware import (
     MULTIPLIER_BITS,
     NODE_CLOCKS,
     OUTPUTS,
+    VIDEOS,
     Hardware,
 )
 from ncdc_model.interface.frames import check_format, output_format
@@ -86,6 +87,10 @@ def add_bus(parser):
     parser.add_argument("--bus", choices=BUSES, default=BUSES[0],
                         help="ports for Avalon-MM and Avalon-ST (avalon, default), or for AXI4, "
                              "AXI4-Lite and AXI4-Stream (axi); same results")
+    parser.add_argument("--video", choices=VIDEOS, default=VIDEOS[0],
+                        help="packets of a stream on Avalon: one of pixels per frame (plain, "
+                             "default), or those of Intel's Video and Image Processing Suite, with "
+                             "a control packet before each frame (vip)")
 
 
 def fixed_of(args, strip=None):
@@ -106,7 +111,7 @@ def hardware_of(args, board=None):
         chosen = {name: offered[name] if value is None else value for name, value in chosen.items()}
     return Hardware(fetcher=args.fetch, hidden=args.hidden, share=args.share,
                     lanes=args.pixels_per_clock, format=args.format, colour=args.colour,
-                    bus=getattr(args, "bus", BUSES[0]),
+                    bus=getattr(args, "bus", BUSES[0]), video=getattr(args, "video", VIDEOS[0]),
                     **{name: value for name, value in chosen.items() if value is not None})
 
 

@@ -36,9 +36,9 @@ def add_arguments(parser):
                         help="picture as the Verilog corrected it")
     add_hardware(parser)
     parser.add_argument("--memory", default="sdram", metavar="MEMORY",
-                        help="simulated memory: ideal, sdram (default), ddr3, hostile, sdram@MHZ, "
-                             "ddr3@MHZ, fixed:LATENCY:BYTES (clocks, bytes per clock), or the "
-                             "controller LiteDRAM: litedram, litedram-ddr3")
+                        help="simulated memory: ideal, sdram (default), ddr3, hps, hostile, "
+                             "sdram@MHZ, ddr3@MHZ, hps@MHZ, fixed:LATENCY:BYTES (clocks, bytes per "
+                             "clock), or the controller LiteDRAM: litedram, litedram-ddr3")
     parser.add_argument("--simulator", choices=SIMULATORS, default="verilator",
                         help="verilator (default) or icarus, which takes some 100 times as long")
     parser.add_argument("--seed", type=int, default=1, metavar="S",

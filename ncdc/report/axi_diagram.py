@@ -2,8 +2,7 @@
 
 import sys
 
-from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
+from ncdc.report.box_drawing import draw_boxes
 
 __all__ = ["draw"]
 
@@ -25,25 +24,8 @@ _ARROWS = (     # from x, to x, y, text above, text below
 
 def draw(path):
     """Write the drawing of a corrector in the programmable logic beside its processor."""
-    figure = Figure(figsize=(11.5, 4.1))
-    axes = figure.subplots()
-    for left, bottom, width, height, text in _BOXES.values():
-        axes.add_patch(Rectangle((left, bottom), width, height, facecolor="#eef3fa",
-                                 edgecolor="#30507a", linewidth=1.4))
-        axes.text(left + width / 2, bottom + height / 2, text, ha="center", va="center",
-                  fontsize=10)
-    for start, end, y, above, below in _ARROWS:
-        axes.annotate("", (end, y), (start, y), arrowprops={
-            "arrowstyle": "-|>", "color": "#30507a", "linewidth": 1.4})
-        axes.text((start + end) / 2, y + .08, above, ha="center", va="bottom", fontsize=9.5,
-                  family="monospace")
-        axes.text((start + end) / 2, y - .1, below, ha="center", va="top", fontsize=8.5)
-    axes.text(6.7, -.35, "aclk, aresetn: from the same clock and reset block as the interconnect",
-              ha="center", va="top", fontsize=8.5)
-    axes.set_xlim(-.7, 13.4)
-    axes.set_ylim(-.8, 4.8)
-    axes.set_axis_off()
-    figure.savefig(path, dpi=90, format="png", metadata={"Software": None}, bbox_inches="tight")
+    draw_boxes(path, tuple(_BOXES.values()), _ARROWS,
+               "aclk, aresetn: from the same clock and reset block as the interconnect")
 
 
 if __name__ == "__main__":

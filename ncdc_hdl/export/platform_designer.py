@@ -1,29 +1,52 @@
-"""The corrector as a component of Platform Designer (Qsys): its ``_hw.tcl``."""
+"""Modules as components of Platform Designer (Qsys): their ``_hw.tcl``."""
 
+from dataclasses import dataclass
 from importlib.metadata import version
 
 from amaranth.hdl import Shape
 from amaranth.lib.wiring import Out
 
 from ncdc_hdl.export.verilog import TOP
+from ncdc_hdl.export.verilog.system_cover import SYSTEM
+from ncdc_hdl.link.top import PACKETISER
 
-__all__ = ["COMPONENT", "hw_tcl", "interfaces"]
+__all__ = ["COMPONENT", "hw_tcl", "interfaces", "packetiser_hw_tcl", "system_hw_tcl"]
 
 COMPONENT = "ncdc"
 _HOST = {"addressUnits": "SYMBOLS", "burstcountUnits": "WORDS", "linewrapBursts": "false",
          "burstOnBurstBoundariesOnly": "false", "doStreamReads": "false",
          "doStreamWrites": "false"}
+# Ports that are no bus of the memory or the registers: conduit of several, by their prefix.
+_CONDUITS = {"sensor": "sensor", "scl": "i2c", "sda": "i2c", "usb": "usb"}
 
 
-def interfaces(corrector):
-    """Interfaces of the corrector's ports: {name: (kind, direction, {port: (role, width)})}.
+@dataclass(frozen=True)
+class _Component:
+    """What the component of a module says of itself.
+
+    Parameters
+    ----------
+    top : str
+        Of its Verilog, and its name.
+    title, text : str
+    macros : dict
+        What the Nios tools put into ``system.h``.
+    """
+    top: str
+    title: str
+    text: str
+    macros: dict
+
+
+def interfaces(core):
+    """Interfaces of a module's ports: {name: (kind, direction, {port: (role, width)})}.
 
     Names as in Platform Designer; kinds clock, reset, avalon, avalon_streaming, interrupt,
     conduit; direction end or start. Every port of the Verilog is in exactly one of them.
     """
     found = {"clock": ("clock", "end", {"clk": ("clk", 1)}),
              "reset": ("reset", "end", {"rst": ("reset", 1)})}
-    for port, member in corrector.signature.members.items():
+    for port, member in core.signature.members.items():
         prefix, _, role = port.partition("_")
         name, kind, direction, role = _place(prefix, role, port)
         _, _, ports = found.setdefault(name, (kind, direction, {}))
@@ -42,6 +65,8 @@ def _place(prefix, role, port):
         return "memory_reset", "reset", "end", "reset"
     if port == "irq":
         return "irq", "interrupt", "end", "irq"
+    if prefix in _CONDUITS:
+        return _CONDUITS[prefix], "conduit", "end", port
     return port, "conduit", "end", "export"
 
 
@@ -51,43 +76,68 @@ def hw_tcl(corrector):
     Beside the Verilog it names what the Nios tools put into ``system.h``: the number of neurons,
     the sizes of the pictures and the digest of the descriptor.
     """
-    descriptor = corrector.descriptor
-    g = descriptor.geometry
+    g = corrector.descriptor.geometry
+    return _tcl(corrector, _Component(
+        TOP, "NCDC camera distortion corrector",
+        f"{g.distorted_width}x{g.distorted_height} raw Bayer frame to "
+        f"{g.corrected_width}x{g.corrected_height} corrected pixels", _macros(corrector)))
+
+
+def system_hw_tcl(system):
+    """The same of ``ncdc_system_hw.tcl``, for a :class:`~ncdc_hdl.system.System`, or one with
+    USB."""
+    g = system.descriptor.geometry
+    return _tcl(system, _Component(
+        SYSTEM, "NCDC camera system",
+        f"camera of {g.distorted_width}x{g.distorted_height}, stores of frames, correction to "
+        f"{g.corrected_width}x{g.corrected_height}", _macros(system.corrector)))
+
+
+def packetiser_hw_tcl(packetiser):
+    """The same of ``ncdc_packetiser_hw.tcl``, for a
+    :class:`~ncdc_hdl.link.top.PacketiserTop`."""
+    return _tcl(packetiser, _Component(
+        PACKETISER, "NCDC packetiser", "frames in memory as Ethernet packets", {}))
+
+
+def _macros(corrector):
+    descriptor, g = corrector.descriptor, corrector.descriptor.geometry
+    return {"HIDDEN_NEURONS": descriptor.hidden_neurons,
+            "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
+            "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
+            "DIGEST": f"0x{int(descriptor.digest[:8], 16):08X}u",
+            "REGISTERS": len(corrector.registers.table)}
+
+
+def _tcl(core, about):
     lines = [
-        "# Component of Platform Designer: NCDC, camera distortion corrector.",
+        f"# Component of Platform Designer: {about.title[:4]}, {about.title[5:]}.",
         "package require -exact qsys 16.1", "",
         *(f"set_module_property {key} {_quote(value)}" for key, value in (
-            ("NAME", COMPONENT), ("VERSION", version("ncdc")), ("GROUP", "Video"),
-            ("DISPLAY_NAME", "NCDC camera distortion corrector"), ("AUTHOR", "NCDC"),
-            ("DESCRIPTION", f"{g.distorted_width}x{g.distorted_height} raw Bayer frame to "
-             f"{g.corrected_width}x{g.corrected_height} corrected pixels"),
+            ("NAME", about.top), ("VERSION", version("ncdc")), ("GROUP", "Video"),
+            ("DISPLAY_NAME", about.title), ("AUTHOR", "NCDC"), ("DESCRIPTION", about.text),
             ("EDITABLE", "false"), ("INSTANTIATE_IN_SYSTEM_MODULE", "true"))), "",
     ]
     for fileset in ("QUARTUS_SYNTH", "SIM_VERILOG"):
         lines += [f'add_fileset {fileset} {fileset} "" ""',
-                  f"set_fileset_property {fileset} TOP_LEVEL {TOP}",
-                  f"add_fileset_file {TOP}.v VERILOG PATH {TOP}.v TOP_LEVEL_FILE"]
+                  f"set_fileset_property {fileset} TOP_LEVEL {about.top}",
+                  f"add_fileset_file {about.top}.v VERILOG PATH {about.top}.v TOP_LEVEL_FILE"]
     lines.append("")
-    for name, (kind, direction, ports) in interfaces(corrector).items():
+    for name, (kind, direction, ports) in interfaces(core).items():
         lines.append(f"add_interface {name} {kind} {direction}")
         lines += [f"set_interface_property {name} {key} {value}"
-                  for key, value in _properties(name, kind, direction, corrector).items()]
+                  for key, value in _properties(name, kind, direction, core).items()]
         for port, (role, width) in ports.items():
             flow = "Input" if port in ("clk", "rst") else \
-                "Output" if corrector.signature.members[port].flow is Out else "Input"
+                "Output" if core.signature.members[port].flow is Out else "Input"
             lines.append(f"add_interface_port {name} {port} {role} {flow} {width}")
         lines.append("")
-    macros = {"HIDDEN_NEURONS": descriptor.hidden_neurons,
-              "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
-              "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
-              "DIGEST": f"0x{int(descriptor.digest[:8], 16):08X}u",
-              "REGISTERS": len(corrector.registers.table)}
     lines += [f"set_module_assignment embeddedsw.CMacro.{name} {value}"
-              for name, value in macros.items()]
-    return "\n".join(lines) + "\n"
+              for name, value in about.macros.items()]
+    return "\n".join(lines).rstrip("\n") + "\n"
 
 
-def _properties(name, kind, direction, corrector):
+def _properties(name, kind, direction, core):
     if kind == "clock":
         return {}
     if kind == "reset":
@@ -100,11 +150,15 @@ def _properties(name, kind, direction, corrector):
     if kind == "avalon":
         return own | _HOST
     if kind == "avalon_streaming":
-        width = corrector.signature.members["stream_data"].shape
-        symbols = Shape.cast(width).width // 8
+        symbols = Shape.cast(core.signature.members["stream_data"].shape).width // 8
+        if "stream_empty" in core.signature.members:
+            # Bytes of a packet: the first one is lowest.
+            return own | {"dataBitsPerSymbol": 8, "symbolsPerBeat": symbols,
+                          "firstSymbolInHighOrderBits": "false", "readyLatency": 0}
         # Red first; of several pixels, the leftmost first, which is in the lowest bits.
         return own | {"dataBitsPerSymbol": 8, "symbolsPerBeat": symbols,
-                      "firstSymbolInHighOrderBits": str(symbols == 3).lower(), "readyLatency": 0}
+                      "firstSymbolInHighOrderBits": str(symbols == 3).lower(),
+                      "readyLatency": int(core.hardware.video == "vip")}
     if kind == "interrupt":
         return own | {"associatedAddressablePoint": "csr"}
     return own

@@ -23,6 +23,15 @@ def test_ddr3_in_clocks_of_2500_ps():
     assert m.row_bytes * m.banks * 16384 * 8 == 2 << 30
 
 
+def test_the_hard_processors_memory():
+    """Two chips of 4 Gbit side by side: twice the bytes of a burst and of a row, 1 GB."""
+    one, m = MEMORIES["ddr3"], MEMORIES["hps"]
+    assert (m.access_bytes, m.row_bytes) == (2 * one.access_bytes, 2 * one.row_bytes)
+    assert m.row_bytes * m.banks * 32768 == 1 << 30
+    assert (m.refresh, m.max_pending, m.controller_clocks) == (104, 8, 24)
+    assert memory_timing("hps@150").ratio == Fraction(8, 3)
+
+
 def test_other_clocks():
     assert [memory_timing(f"ddr3@{f}").controller_clocks for f in (100, 150, 200)] == [12, 16, 20]
     assert memory_timing("ddr3@150").ratio == Fraction(8, 3)
@@ -35,7 +44,8 @@ def test_names():
 
 
 @pytest.mark.parametrize("memory,message", [
-    ("sram", "memory is 'sram', one of ideal, sdram, ddr3, hostile, sdram@MHZ, ddr3@MHZ or fixed"),
+    ("sram", "memory is 'sram', one of ideal, sdram, ddr3, hps, hostile, sdram@MHZ, ddr3@MHZ, "
+     "hps@MHZ or fixed"),
     ("fixed:100", "memory is 'fixed:100'"),
     ("fixed:0:4", r"latency is 0\.\.0 clocks, the limits are 1 and 10000"),
     ("fixed:10:65", "rate is 65 bytes per clock, the limits are 0.01 and 64"),

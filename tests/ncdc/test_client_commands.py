@@ -82,7 +82,8 @@ def test_grabbed_pictures_are_the_golden_models(one, capsys):
     ("grab 0 -o frames", 2, "0 pictures are asked for, 1 is the limit"),
     ("grab 1 -o net.toml", 2, "cannot write net.toml/frames.csv"),
     ("grab 1 -o frames --device tcp://127.0.0.1:1", 1, "no device answers at tcp://127.0.0.1:1"),
-    ("show --device usb://1", 2, "'usb://1' is no URL of a device: gige, aravis, tcp with"),
+    ("show --device http://1", 2, "'http://1' is no URL of a device: gige, aravis, tcp, usb with"),
+    ("show --device usb://232h", 1, "no FT232H answers at ftdi://ftdi:232h/1"),
     ("show --device tcp://127.0.0.1:x", 2, "no URL of a device"),
     ("show --device gige://127.0.0.1:5", 2, "has a port, which gige:// has not"),
 ])

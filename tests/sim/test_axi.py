@@ -34,6 +34,8 @@ BUILDS = {
     "stream, four pixels": Hardware(cache=CACHE, data_width=128, output="stream", lanes=4),
     "memory, raster": Hardware(cache=CACHE),
     "memory, two pixels": Hardware(cache=CACHE, strip=32, data_width=64, lanes=2),
+    "memory, raster, two pixels": Hardware(cache=CACHE, data_width=64, lanes=2),
+    "stream, two pixels": Hardware(cache=CACHE, data_width=64, output="stream", lanes=2),
     "multiport": Hardware(fetcher="multiport", data_width=64),
 }
 PEERS = (16, 12), (20, 16)       # of the frames in Python, which are slow
@@ -83,6 +85,7 @@ def test_every_pixel(name, more, simulator):
 
 @pytest.mark.parametrize("data_width,output,lanes", [
     pytest.param(32, "memory", 1, marks=regress), pytest.param(64, "stream", 1, marks=regress),
+    pytest.param(64, "memory", 2, marks=regress), pytest.param(128, "stream", 4, marks=regress),
     pytest.param(64, "stream", 2, marks=regress), pytest.param(128, "memory", 4, marks=regress)])
 def test_as_fast_as_avalon(data_width, output, lanes):
     """Clocks of a frame of 320x240 within a hundredth of those with Avalon's ports, on SDRAM."""

@@ -11,6 +11,7 @@ SCHEMES = {
     "gige": "GVCP and GVSP over UDP, by viva-genicam",
     "aravis": "the same by Aravis, of the system's own Python",
     "tcp": "Table I and II of the paper over TCP",
+    "usb": "the same over USB, behind an FT232H, by pyftdi: usb://232h, or usb://SERIAL",
 }
 
 
@@ -56,6 +57,9 @@ def open_device(url, monitor=False):
     if scheme == "tcp":
         from ncdc_host.client.table import TableDevice
         return TableDevice(address, port or TCP_PORT, monitor)
+    if scheme == "usb":
+        from ncdc_host.client.usb import UsbDevice, UsbPort, ftdi_url
+        return UsbDevice(UsbPort(ftdi_url(address)), monitor)
     if port is not None:
         raise BadUrl(f"the URL {url!r} has a port, which {scheme}:// has not")
     if scheme == "aravis":

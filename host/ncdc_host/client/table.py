@@ -18,6 +18,7 @@ __all__ = ["Connection", "Package", "TableDevice"]
 
 _SECONDS = 5.0          # that an answer may take
 _FEATURES = {one.name: one for one in FEATURES if one.table}
+_UNKNOWN_TENTHS = 1000  # of frames per second, when asked of a device that does not say
 _NUMBER = (system_word("NUMBER_UPPER"), system_word("NUMBER_LOWER"))
 
 
@@ -36,16 +37,19 @@ class Connection:
     DeviceGone
         If nobody answers there.
     """
-    def __init__(self, address, port, timeout=_SECONDS):
+    def __init__(self, address, port, timeout=_SECONDS, transport=None):
         self.name = f"tcp://{address}:{port}"
         self._lock = threading.Lock()
+        self._timeout = timeout
+        if transport is not None:       # of a subclass, which sends and receives itself
+            self._socket = transport
+            return
         try:
             self._socket = socket.create_connection((address, port), timeout)
         except OSError as error:
             raise DeviceGone(f"no device answers at {self.name}: "
                              f"{error.strerror or error}") from error
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._timeout = timeout
 
     def close(self):
         """End the connection."""
@@ -129,9 +133,12 @@ class TableDevice(Device):
     """See :class:`Device`; settings and pictures have a connection each, so that neither waits."""
 
     def __init__(self, address, port, monitor=False):
-        self.url = f"tcp://{address}:{port}"
-        self._place, self._monitor = (address, port), monitor
-        self._connection = Connection(address, port)
+        self._place = address, port
+        self._open(f"tcp://{address}:{port}", Connection(address, port), monitor)
+
+    def _open(self, url, connection, monitor):
+        """Ask whether there is a device at all."""
+        self.url, self._connection, self._monitor = url, connection, monitor
         self._gone = False
         self._lock = threading.RLock()      # of what takes several words
         try:
@@ -280,7 +287,8 @@ class TableStream(FrameStream):
             package = self._connection.picture(left)
             upper, lower = map(self._connection.read, _NUMBER)
             number = upper << 16 | lower
-            tenths = max(1, self._connection.read(system_word("FRAME_RATE")))
+            # Over USB a device does not say how many frames a second it has.
+            tenths = self._connection.read(system_word("FRAME_RATE")) or _UNKNOWN_TENTHS
             if number == self._number:
                 self._due = time.monotonic() + 1 / tenths       # seen already: a bit too early
                 continue

@@ -51,8 +51,9 @@ class Run:
 
     @property
     def data_width(self):
-        """Of the memory port: 128 bits before DDR3, as wide as the memory elsewhere."""
-        return 128 if self.memory == "ddr3" else 32
+        """Of the memory port: 128 bits before DDR3, 64 before the hard processor's, as wide as the
+        memory elsewhere."""
+        return {"ddr3": 128, "hps": 64}.get(self.memory, 32)
 
     @property
     def hardware(self):

@@ -28,6 +28,13 @@ _I2C = {
 _STATUS = {
     "irq": "STATUS.DONE or an event of CAMERA_STATUS",
     "front_end_idle": "the network rests: its clock may stop"}
+_USB = {
+    "clock": "from the chip; the pins belong to it", "rxf_n": "low: the chip has a word",
+    "txe_n": "low: the chip takes a word", "data_i": "of the bus, from the chip",
+    "be_i": "bytes of it that count; 1 where the chip has no BE",
+    "data_o": "to the bus", "be_o": "bytes of it that count",
+    "data_oe": "drive the bus, and BE with it", "oe_n": "the chip drives the bus",
+    "rd_n": "a word is taken", "wr_n": "a word is offered"}
 PINS = (("parallel sensor", "sensor_", _SENSOR),
         ("I2C bus of the sensor: open drain", tuple(_I2C), _I2C),
         ("status", tuple(_STATUS), _STATUS))
@@ -41,6 +48,7 @@ _INTERFACES = (
     ("raw frames: Avalon-MM burst read host", "read0_", READ_HOST),
     ("raw frames, second row of a window: Avalon-MM burst read host", "read1_", READ_HOST),
     ("raw frames, third row of a window: Avalon-MM burst read host", "read2_", READ_HOST),
+    ("USB: FTDI chip in 245 synchronous FIFO mode", "usb_", _USB),
     ("raw and corrected frames: Avalon-MM burst write host", "write_", WRITE_HOST | {
         "writedata": "samples, or pixels as OUTPUT_FORMAT has them"}),
     ("corrected frames: Avalon-ST video source", "stream_", STREAM),
@@ -49,19 +57,27 @@ _INTERFACES = (
 
 
 def system_verilog(system, platform=None):
-    """Verilog text of a :class:`ncdc_hdl.system.System`, module ``ncdc_system``.
+    """Verilog text of a :class:`ncdc_hdl.system.System`, or one with USB, module ``ncdc_system``.
 
     ``platform``: as of :func:`ncdc_hdl.export.verilog.module_verilog`.
     """
     return convert(system, SYSTEM, system_header(system),
-                   partial(port_lines, interfaces=_INTERFACES), platform)
+                   partial(port_lines, interfaces=_interfaces(system)), platform)
+
+
+def _interfaces(system):
+    """Interfaces of a system; one with USB has the link's read port behind the corrector's."""
+    usb = f"{getattr(system, 'port', '')}_"
+    return tuple(("frames for USB: Avalon-MM burst read host", which, texts)
+                 if which == usb else (title, which, texts) for title, which, texts in _INTERFACES)
 
 
 def system_header(system):
     """Lines that open the Verilog of a system: what made it, from what."""
     descriptor, g = system.descriptor, system.descriptor.geometry
     stores = system.stores
-    command = " ".join(["ncdc generate NET.toml -o DIR --system", *system.hardware.options(g)])
+    command = " ".join(["ncdc generate NET.toml -o DIR --system", *getattr(system, "options", []),
+                        *system.hardware.options(g)])
     return [
         f"NCDC {version('ncdc')}: camera, frame stores and corrector, made with Amaranth "
         f"{version('amaranth')}.",

@@ -15,13 +15,17 @@
 //   8 a      the memory takes nothing for a clocks        DONE, at once
 //   9 a      the sensor's reset is released if a is 1     DONE
 //   a        flush stream.bin                             STREAM bytes
+//   b a      send the first a bytes of usb_send.bin by USB     DONE, at once
+//   c        flush usb_got.bin, what has come by USB      STREAM bytes
 // The clocks of the system and of the sensor come from the program around this module, each with
 // its own period. Memory that nobody wrote holds 0xA5. SDA and SCL are pulled up.
 //
 // Lines that come unasked: AVALON-ERROR port rule time; SENSOR lines; FAILED reason.
 //
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH, NCDC_MEMORY_BYTES,
-// NCDC_THREE_READ_PORTS, NCDC_STREAM (pixels per beat), NCDC_SENSOR (its name).
+// NCDC_THREE_READ_PORTS, NCDC_STREAM (pixels per beat), NCDC_SENSOR (its name), NCDC_USB (the number
+// of the USB side's read port), NCDC_USB_LANES (bytes of a word of the FTDI chip). The chip's clock is
+// three fifths of the system's; plusargs usb_rx_stall and usb_tx_stall are chances of its pauses.
 
 `timescale 1ns/1ps
 
@@ -35,7 +39,8 @@ module system_bench (
     localparam WBW = 5;
     localparam STDIN = 32'h80000000;
     localparam END = 0, WRITE = 1, READ = 2, WAIT_IRQ = 3, WAIT = 4, SAVE = 5, RESET = 6,
-        RESET_ALL = 7, STALL = 8, SENSOR = 9, STREAM = 10;
+        RESET_ALL = 7, STALL = 8, SENSOR = 9, STREAM = 10,
+        USB_SEND = 11, USB_GOT = 12;
 
     reg rst = 1, module_rst = 1, memory_rst = 1;
     reg sensor_reset_n = 0;
@@ -93,6 +98,13 @@ module system_bench (
 `ifdef NCDC_THREE_READ_PORTS
         `NCDC_READ_PORT(1),
         `NCDC_READ_PORT(2),
+`endif
+`ifdef NCDC_USB
+        `NCDC_READ_PORT(`NCDC_USB),
+        .usb_clock(usb_clk), .usb_rxf_n(usb_rxf_n), .usb_txe_n(usb_txe_n),
+        .usb_data_i(usb_data_i), .usb_be_i(usb_be_i), .usb_data_o(usb_data_o),
+        .usb_be_o(usb_be_o), .usb_data_oe(usb_data_oe), .usb_oe_n(usb_oe_n),
+        .usb_rd_n(usb_rd_n), .usb_wr_n(usb_wr_n),
 `endif
 `ifdef NCDC_STREAM
         .stream_valid(stream_valid), .stream_ready(stream_ready), .stream_data(stream_data),
@@ -194,6 +206,70 @@ module system_bench (
     wire [31:0] stream_errors = 0;
 `endif
 
+`ifdef NCDC_USB
+    // The FTDI chip; a host's bytes wait in a queue, and what it gets goes into a file.
+    localparam UL = `NCDC_USB_LANES;
+    reg              usb_clk = 0;
+    reg  [7:0]       usb_phase = 0;             // of 10, at both edges of the system's clock
+    wire             usb_rxf_n, usb_txe_n, usb_data_oe, usb_oe_n, usb_rd_n, usb_wr_n;
+    wire [8*UL-1:0]  usb_data_i, usb_data_o, usb_got_data;
+    wire [UL-1:0]    usb_be_i, usb_be_o, usb_got_be;
+    wire             usb_take, usb_got;
+    reg  [7:0]       usb_queue [0:65535];
+    reg  [31:0]      usb_put = 0, usb_sent = 0, usb_bytes = 0;  // bytes
+    reg  [31:0]      usb_rx_stall, usb_tx_stall;
+    wire [31:0]      usb_errors, usb_left = usb_put - usb_sent;
+    reg  [8*UL-1:0]  usb_word;
+    reg  [UL-1:0]    usb_word_be;
+    integer          usb_file, usb_source, usb_lane, usb_byte;
+    initial begin
+        if (!$value$plusargs("usb_rx_stall=%d", usb_rx_stall)) usb_rx_stall = 0;
+        if (!$value$plusargs("usb_tx_stall=%d", usb_tx_stall)) usb_tx_stall = 0;
+        usb_file = $fopen("usb_got.bin", "wb");
+    end
+    always @(posedge clk or negedge clk)
+        if (usb_phase >= 4) begin               // 6 of 10 edges
+            usb_phase <= usb_phase - 4;
+            usb_clk <= !usb_clk;
+        end else
+            usb_phase <= usb_phase + 6;
+    always @* begin
+        usb_word_be = 0;
+        for (usb_lane = 0; usb_lane < UL; usb_lane = usb_lane + 1) begin
+            usb_word[8*usb_lane +: 8] = usb_queue[(usb_sent + usb_lane) & 65535];
+            usb_word_be[usb_lane] = usb_left > usb_lane;
+        end
+    end
+    ft245_chip #(.LANES(UL)) usb_chip (
+        .clk(usb_clk), .rxf_n(usb_rxf_n), .txe_n(usb_txe_n), .oe_n(usb_oe_n), .rd_n(usb_rd_n),
+        .wr_n(usb_wr_n), .data_o(usb_data_i), .be_o(usb_be_i), .data_i(usb_data_o),
+        .be_i(usb_be_o), .data_driven(usb_data_oe), .rx_stall(usb_rx_stall[7:0]),
+        .tx_stall(usb_tx_stall[7:0]), .host_valid(usb_left != 0), .host_data(usb_word),
+        .host_be(usb_word_be), .host_ready(usb_take), .device_valid(usb_got),
+        .device_ready(1'b1), .device_data(usb_got_data), .device_be(usb_got_be),
+        .errors(usb_errors)
+    );
+    always @(posedge usb_clk) begin
+        if (usb_left != 0 && usb_take)
+            usb_sent <= usb_sent + (usb_left < UL ? usb_left : UL);
+        if (usb_got)
+            for (usb_byte = 0; usb_byte < UL; usb_byte = usb_byte + 1)
+                if (usb_got_be[usb_byte]) begin
+                    $fwrite(usb_file, "%c", usb_got_data[8*usb_byte +: 8]);
+                    usb_bytes = usb_bytes + 1;
+                end
+    end
+    task usb_send(input [31:0] count);
+        begin
+            usb_source = $fopen("usb_send.bin", "rb");
+            for (k = 0; k < count; k = k + 1)
+                usb_queue[(usb_put + k) & 65535] = $fgetc(usb_source);
+            $fclose(usb_source);
+            usb_put = usb_put + count;
+        end
+    endtask
+`endif
+
     // The host.
     reg [31:0] clocks = 0, waited = 0, operation = 0, a = 0, b = 0;
     reg        asked = 0;               // an operation is under way
@@ -223,6 +299,9 @@ module system_bench (
             $display("RESULT csr_errors %0d", csr_errors);
             $display("RESULT stream_errors %0d", stream_errors);
             $display("RESULT memory_errors %0d", memory_errors);
+`ifdef NCDC_USB
+            $display("RESULT usb_errors %0d", usb_errors);
+`endif
             $display("END %0d", clocks);
             $fflush;
             $finish;
@@ -303,6 +382,18 @@ module system_bench (
                 STREAM: begin
                     $fflush(pixels);
                     $display("STREAM %0d %0d", stream_bytes, clocks);
+                    $fflush;
+                    asked = 0;
+                end
+`endif
+`ifdef NCDC_USB
+                USB_SEND: begin
+                    usb_send(a);
+                    done;
+                end
+                USB_GOT: begin
+                    $fflush(usb_file);
+                    $display("STREAM %0d %0d", usb_bytes, clocks);
                     $fflush;
                     asked = 0;
                 end

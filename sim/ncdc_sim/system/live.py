@@ -19,9 +19,9 @@ from ncdc_sim.waves import Waves, build_options, recorded
 __all__ = ["Clocks", "LiveRun", "LiveSystem"]
 
 _BENCH = ("system_bench.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.v",
-          "stream_checker.v")
-_END, _WRITE, _READ, _WAIT_IRQ, _WAIT, _SAVE, _RESET, _RESET_ALL, _STALL, _SENSOR, _STREAM = \
-    range(11)
+          "stream_checker.v", "ft245_chip.v")
+_END, _WRITE, _READ, _WAIT_IRQ, _WAIT, _SAVE, _RESET, _RESET_ALL, _STALL, _SENSOR, _STREAM, \
+    _USB_SEND, _USB_GOT = range(13)
 # With -O2 GCC 12 takes some words of 128 bits of the model for aligned ones, which they are not.
 _OPTIONS = ("-CFLAGS", "-fno-tree-slp-vectorize")
 _PATIENCE_S = 60                # for a run to end by itself, and to close its waveforms
@@ -131,7 +131,10 @@ class LiveSystem:
                    "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
                    "NCDC_MEMORY_BYTES": max(_LEAST_MEMORY, 1 << (memory_bytes - 1).bit_length()),
                    "NCDC_SENSOR": f'"{sensor}"'}
-        defines |= {"NCDC_THREE_READ_PORTS": None} if self.readers == 3 else {}
+        if "usb_clock" in ports:
+            defines |= {"NCDC_USB": self.readers - 1, "NCDC_USB_LANES": ports["usb_be_o"]}
+        readers = self.readers - ("usb_clock" in ports)
+        defines |= {"NCDC_THREE_READ_PORTS": None} if readers == 3 else {}
         defines |= {"NCDC_STREAM": ports["stream_data"] // 24} if self.stream else {}
         sources = [*((name, (HDL / name).read_text()) for name in _BENCH), *sensor_sources(),
                    ("ncdc_system.v", verilog)]
@@ -194,6 +197,15 @@ class LiveSystem:
         size = int(self._ask(_STREAM)[0])
         return (self.folder / "stream.bin").read_bytes()[:size]
 
+    def usb_send(self, data):
+        """Let a host send bytes by USB, 65,536 at most that it has not sent as yet."""
+        (self.folder / "usb_send.bin").write_bytes(data)
+        self._ask(_USB_SEND, len(data))
+
+    def usb_got(self):
+        """File with all bytes that a host has got by USB, and how many."""
+        return self.folder / "usb_got.bin", int(self._ask(_USB_GOT)[0])
+
     def end(self):
         """End the run; the bench's counters."""
         self._ask(_END)
@@ -214,7 +226,8 @@ class LiveSystem:
                 return values[:-1]
             if kind in ("RESULT", "METASTABLE"):
                 self.results[" ".join(values[:-1])] = int(values[-1])
-            elif kind in ("AVALON-ERROR", "AXI-ERROR", "FAILED", "SENSOR-ERROR"):
+            elif kind in ("AVALON-ERROR", "AXI-ERROR", "FAILED", "SENSOR-ERROR",
+                          "USB-ERROR"):
                 raise SimulationError(f"simulation failed: {line.strip()}")
             elif kind == "SENSOR":
                 self.sensor_lines.append((self.now, line.strip()))

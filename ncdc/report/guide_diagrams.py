@@ -1,0 +1,70 @@
+"""The drawings of the guides and of the USB page: ``python -m ncdc.report.guide_diagrams
+docs/figures``."""
+
+import sys
+from pathlib import Path
+
+from ncdc.report.box_drawing import draw_boxes
+
+__all__ = ["DRAWINGS", "draw_all"]
+
+DRAWINGS = {    # file: boxes, arrows, note
+    "guide-platform-designer.png": (
+        ((0, 0, 2.9, 4.6, "your system in\nPlatform Designer\n\nprocessor or\nJTAG host\n\n"
+          "memory controller"),
+         (6.4, 0, 2.7, 4.6, "ncdc_system\n\ncamera, frame stores,\ncorrector\n\nUSB"),
+         (12.2, 2.6, 2.5, 2.0, "sensor\n\nMT9P031, ..."),
+         (12.2, 0, 2.5, 2.0, "FT232H\n\nto a PC")),
+        ((2.9, 6.4, 4.1, "csr", "registers; irq back"),
+         (6.4, 2.9, 3.0, "read0, read1", "raw frames; frames for USB"),
+         (6.4, 2.9, 1.9, "write", "raw and corrected frames"),
+         (12.2, 9.1, 3.9, "sensor", "clock, frame, line, data"),
+         (9.1, 12.2, 3.0, "i2c", "two lines, open drain"),
+         (9.1, 12.2, 1.0, "usb", "8 data lines, 60 MHz")),
+        "one clock and one reset for module and interconnect; sensor and FT232H bring their own "
+        "clocks"),
+    "guide-zynq.png": (
+        ((0, 0, 2.9, 4.6, "processing system\nof a Zynq or Kria\n\nLinux, /dev/uio0\n\n"
+          "DDR memory"),
+         (6.4, 0, 2.7, 4.6, "ncdc_system_axi\n\ncamera, frame stores,\ncorrector"),
+         (12.2, 1.3, 2.5, 2.0, "sensor\n\nMT9P031, ...")),
+        ((2.9, 6.4, 4.1, "s_axi", "M_AXI_GP0 / HPM0: registers"),
+         (6.4, 2.9, 3.1, "irq", "IRQ_F2P"),
+         (6.4, 2.9, 2.1, "m_axi_read0", "S_AXI_HP0: raw frames"),
+         (6.4, 2.9, 1.1, "m_axi_write", "S_AXI_HP1: raw and corrected frames"),
+         (12.2, 9.1, 2.9, "sensor", "clock, frame, line, data"),
+         (9.1, 12.2, 2.0, "i2c", "two lines, open drain")),
+        "aclk, aresetn: from the same clock and reset block as the interconnect"),
+    "guide-verilog.png": (
+        ((0, 0, 2.9, 4.6, "your design\n\nregisters: one master,\none access at a time\n\n"
+          "your memory\ncontroller"),
+         (6.4, 0, 2.7, 4.6, "ncdc\n\nregisters\n\ncache of tiles,\nnetwork,\ninterpolation"),
+         (12.2, 1.3, 2.5, 2.0, "your screen\nor encoder")),
+        ((2.9, 6.4, 4.1, "csr", "address, read, write, waitrequest"),
+         (6.4, 2.9, 3.1, "irq", "a frame is done"),
+         (6.4, 2.9, 2.1, "read0", "bursts of 16 bytes, answers in order"),
+         (6.4, 2.9, 1.1, "write", "bursts of 1 to 16 words"),
+         (9.1, 12.2, 2.3, "stream", "instead, with --to stream")),
+        "one clock clk, synchronous reset rst"),
+    "usb.png": (
+        ((0, .9, 2.2, 2.8, "PC\n\npyftdi\n\nTable I and II,\nregisters"),
+         (4.6, .9, 2.2, 2.8, "FT232H\n\n245 synchronous\nFIFO"),
+         (9.2, 0, 2.5, 4.6, "UsbFifo\n\ntwo queues\nbetween\nthe clocks\n\nSplitter"),
+         (13.6, 0, 2.8, 4.6, "ByteCommands\n\nByteBridge\n\nTableOne\n\nMrawSender")),
+        ((2.2, 4.6, 2.9, "USB 2.0", "requests"), (4.6, 2.2, 1.7, "USB 2.0", "answers, pictures"),
+         (6.8, 9.2, 3.2, "RXF# RD# OE#", "60 MHz, 8 bits"),
+         (9.2, 6.8, 1.9, "TXE# WR#", "60 MHz, 8 bits"),
+         (11.7, 13.6, 3.2, "bytes", ""), (13.6, 11.7, 1.9, "beats", "")),
+        "ByteCommands reads and writes registers of the system, and reads frames from memory by "
+        "a port of its own"),
+}
+
+
+def draw_all(folder):
+    """Write all drawings into a folder."""
+    for name, (boxes, arrows, note) in DRAWINGS.items():
+        draw_boxes(str(Path(folder) / name), boxes, arrows, note, size=(12.5, 4.1))
+
+
+if __name__ == "__main__":
+    draw_all(sys.argv[1])

@@ -1,0 +1,1 @@
+"""USB by an FTDI chip in simulation: its model, its bus, a host."""

@@ -1,0 +1,67 @@
+"""The guides into other people's designs: their commands run, and write what the pages say."""
+
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc.cli import main
+from ncdc.report.guide_diagrams import DRAWINGS, draw_all
+from ncdc_sim.tools import environment, tool
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+GUIDES = {"guide_platform_designer": (48, 40), "guide_zynq": (48, 40), "guide_verilog": (48, 40)}
+
+
+def commands(page, name):
+    """Command lines of a page that begin with ``name``, in its indented blocks."""
+    return re.findall(rf"^    (?:\$ )?{name} (.*)$", page, re.MULTILINE)
+
+
+def named(page):
+    """Files of the page's tables that end like what ``ncdc generate`` writes."""
+    cells = re.findall(r"^\| (.*?)\|.*$", page, re.MULTILINE)
+    rows = [row for row in re.findall(r"^\|.*$", page, re.MULTILINE)]
+    assert cells
+    return {file for row in rows for file in re.findall(r"`(\w+\.(?:v|vh|tcl|xml|dtsi|py|c|h))`",
+                                                       row)}
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("guide", GUIDES)
+def test_the_commands_of_a_guide_write_what_it_names(guide, tmp_path, monkeypatch):
+    page = (DOCS / f"{guide}.md").read_text()
+    barrel_descriptor(GUIDES[guide], GUIDES[guide], hidden_neurons=2).save(tmp_path / "net.toml")
+    monkeypatch.chdir(tmp_path)
+    lines = commands(page, "ncdc")
+    assert lines
+    for line in lines:
+        assert main(shlex.split(line)) == 0, line
+    written = {path.name for path in tmp_path.glob("*/*")}
+    assert named(page) and named(page) - written == set()
+
+
+@pytest.mark.regress
+def test_the_verilog_guide_s_bench_passes(tmp_path, monkeypatch):
+    page = (DOCS / "guide_verilog.md").read_text()
+    barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
+    monkeypatch.chdir(tmp_path)
+    assert main(shlex.split(commands(page, "ncdc")[0])) == 0
+    [compile_line], [run_line] = commands(page, "iverilog"), commands(page, "vvp")
+    folder = {"cwd": tmp_path / "hardware", "env": environment(), "text": True,
+              "capture_output": True}
+    done = subprocess.run([tool("icarus"), *shlex.split(compile_line)], **folder)
+    assert not done.returncode, done.stderr
+    done = subprocess.run(["vvp", *shlex.split(run_line)], **folder)
+    assert "PASS" in done.stdout and "FAIL" not in done.stdout
+
+
+def test_every_guide_has_its_drawing(tmp_path):
+    draw_all(tmp_path)
+    for name in DRAWINGS:
+        assert (tmp_path / name).stat().st_size > 10_000
+        pages = [path.name for path in DOCS.glob("*.md") if f"figures/{name}" in path.read_text()]
+        assert len(pages) == 1 and (DOCS / "figures" / name).is_file()

@@ -1,0 +1,79 @@
+"""Words both ways between the core and an FTDI chip: none lost, none late, no rule broken."""
+
+from dataclasses import replace
+
+import pytest
+
+from ncdc_hdl.export.verilog import module_verilog
+from ncdc_hdl.usb.fifo import UsbFifo
+from ncdc_hdl.usb.fifo_bus import FifoBus
+from ncdc_hdl.usb.layouts import FT232H, FT601
+from ncdc_sim.metastability import Metastability, metastable_verilog
+from ncdc_sim.tools import SimulationError
+from ncdc_sim.usb import bus
+from ncdc_sim.usb.bus import simulate_bus
+
+regress = pytest.mark.regress
+CORE = {"FT232H": 10_000, "FT601": 9_000}       # ps; the core's clock is the faster one
+ROUGH = {"rx_stall": 60, "tx_stall": 60, "gap": 60, "stall": 60, "up_stall": 30, "down_gap": 60}
+MEGABYTE = 1_000_000
+
+
+def run(chip, words=(1500, 1500), **options):
+    return simulate_bus(UsbFifo(chip), up=words[0], down=words[1], clk_period=CORE[chip.name],
+                        **options)
+
+
+@pytest.mark.parametrize("chip", [FT232H, FT601], ids=lambda chip: chip.name)
+def test_random_pauses_with_the_pins_as_late_as_they_may_be(chip):
+    run(chip, simulator="icarus", timed=True, **ROUGH)
+
+
+@pytest.mark.parametrize("direction", ["up", "down"])
+def test_a_word_per_clock_but_for_the_chips_own_pauses(direction):
+    words = (2500, 0) if direction == "up" else (0, 2500)
+    assert run(FT232H, words, simulator="icarus", timed=True).rate(direction) >= .999
+    paused = run(FT232H, words, simulator="icarus", timed=True, rx_stall=80, tx_stall=80)
+    assert paused.rate(direction) < .8 and paused.rate_unpaused(direction) >= .999
+
+
+@regress
+@pytest.mark.parametrize("chip,least", [(FT232H, .98), (FT601, .9)],
+                         ids=lambda value: getattr(value, "name", ""))
+@pytest.mark.parametrize("pauses", [{}, {"rx_stall": 60, "tx_stall": 60}, ROUGH],
+                         ids=["smooth", "pauses", "rough"])
+def test_ten_megabytes(chip, least, pauses):
+    words = 10 * MEGABYTE // chip.lanes
+    for direction, counts in (("up", (words, 0)), ("down", (0, words))):
+        result = run(chip, counts, **pauses)
+        assert pauses is ROUGH or result.rate_unpaused(direction) >= least
+    result = run(chip, (words, words), **pauses)
+    assert pauses or result.rate("up") + result.rate("down") >= least
+
+
+def test_crossings_with_metastable_flops():
+    fifo = UsbFifo(FT232H, depth=16)
+    verilog = metastable_verilog(module_verilog(fifo, "dut", Metastability()))
+    # Nearly equal clocks: each edge meets every phase of the other one.
+    periods = {"clk_period": 10_000, "extclk_period": 9_990}
+    result = simulate_bus(fifo, up=3000, down=3000, simulator="icarus", verilog=verilog,
+                          metastable_ps=4495, metastable_seed=1, **periods, **ROUGH)
+    assert result.results["different"] == 0
+
+
+def test_pins_that_are_too_late_are_found(monkeypatch):
+    late = replace(bus.TIMINGS["FT232H"], fpga_out=9200)
+    monkeypatch.setitem(bus.TIMINGS, "FT232H", late)
+    with pytest.raises(SimulationError, match="set-up"):
+        run(FT232H, (50, 50), simulator="icarus", timed=True)
+
+
+def test_a_bus_that_does_not_look_at_txe_loses_words(monkeypatch):
+    monkeypatch.setattr(FifoBus, "_accepted", staticmethod(lambda pins: ~pins.wr_n))
+    with pytest.raises(SimulationError, match="DIFFERENT up"):
+        run(FT232H, (2000, 0), simulator="icarus", tx_stall=60)
+
+
+def test_a_queue_without_spare_words_is_refused():
+    with pytest.raises(ValueError, match="depth is 8, the limit is 16"):
+        UsbFifo(FT232H, depth=8)
