@@ -235,6 +235,7 @@ def test_generate_plans_the_cache_and_says_so(folder, to, capsys):
         Descriptor.load("net.toml"), planned(report, output=to))
 
 
+@pytest.mark.regress
 def test_front_end_options_reach_the_verilog(folder, capsys):
     options = "--hidden raster --share 2 --multiplier-bits 18"
     assert run(f"generate net.toml -o hw --json r.json {options}") == 0

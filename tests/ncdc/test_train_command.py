@@ -154,6 +154,7 @@ def test_a_wrong_network_is_seen_through_every_fit(folder, tmp_path, capsys):
         assert report["map_error_fixed_px"]["max"] > .5, file
 
 
+@pytest.mark.regress
 def test_same_seed_writes_the_same_file(folder, tmp_path):
     for name in ("1.toml", "2.toml"):
         call(train, folder / "a.json", "--neurons", 2, "-o", tmp_path / name)

@@ -57,7 +57,7 @@ def run(folder, module, simulator="iverilog"):
 
 
 @pytest.mark.parametrize("name,simulator", [
-    ("memory", "iverilog"), ("axi stream", "iverilog"),
+    ("memory", "iverilog"),
     *(pytest.param(name, simulator, marks=regress) for name in OPTIONS
       for simulator in ("iverilog", "verilator"))])
 def test_passes(name, simulator, net, tmp_path):

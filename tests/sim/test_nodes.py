@@ -108,6 +108,7 @@ def test_another_lens_with_every_frame():
     assert result.differing == (0,) * 8 and max(result.idle) <= 2
 
 
+@pytest.mark.regress
 def test_the_distance_is_shown_to_the_host():
     d = at_nodes(16)
     text = verilog_of(Corrector(d))
