@@ -15,8 +15,10 @@ def board_names():
 
 
 def board(name):
-    """The board called ``name``: a :class:`~ncdc_boards.board.Board`, which ``ncdc build`` makes,
-    or a :class:`~ncdc_boards.platform_designer.board.DesignerBoard`, for ``ncdc generate``.
+    """The board called ``name``.
+
+    A :class:`~ncdc_boards.board.Board`, which ``ncdc build`` makes, or a
+    :class:`~ncdc_boards.platform_designer.board.DesignerBoard`, for ``ncdc generate``.
 
     Raises
     ------
