@@ -3,6 +3,8 @@
 from dataclasses import replace
 
 import pytest
+from amaranth import *
+from amaranth.lib import fifo as amaranth_fifo
 
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.usb.fifo import UsbFifo
@@ -59,6 +61,34 @@ def test_crossings_with_metastable_flops():
     result = simulate_bus(fifo, up=3000, down=3000, simulator="icarus", verilog=verilog,
                           metastable_ps=4495, metastable_seed=1, **periods, **ROUGH)
     assert result.results["different"] == 0
+
+
+@pytest.mark.parametrize("simulator,resets", [("icarus", 3), pytest.param(
+    "verilator", 300, marks=regress)])
+def test_resets_of_the_core_in_the_midst_of_words(simulator, resets):
+    """What comes behind one is in order again, and nothing of before is among it. Words of 32 bits:
+    bytes would not tell where the row goes on."""
+    words = 3000 * (resets + 1)
+    result = run(FT601, (1000, words), simulator=simulator, resets=resets, **ROUGH)
+    assert result.results["different"] == 0
+
+
+@regress
+def test_a_queue_of_which_one_side_is_not_reset_is_found(monkeypatch):
+    class Never(Elaboratable):
+        """A planted error: the queue's reader does not know of its writer's reset."""
+
+        def __init__(self, i, o, **_):
+            self.o = o
+
+        def elaborate(self, platform):
+            m = Module()
+            m.d.comb += self.o.eq(0)
+            return m
+
+    monkeypatch.setattr(amaranth_fifo, "AsyncFFSynchronizer", Never)
+    with pytest.raises(SimulationError, match="went wrong"):
+        run(FT601, (1000, 12_000), simulator="icarus", resets=3, **ROUGH)
 
 
 def test_pins_that_are_too_late_are_found(monkeypatch):

@@ -3,7 +3,10 @@
 //
 // Plusargs: up and down, words to the host and from it; gap and stall, chances of 256 that the core
 // has no word, or takes none; rx_stall and tx_stall, those of the chip; up_stall and down_gap, those
-// of the host.
+// of the host; resets, of the core and its side of the bus, each some thousand clocks after the last.
+//
+// A reset forgets what is under way. The core's next word is then the first of another row; of the
+// host's words some may be missing, as many as the queues hold.
 //
 // Lines: USB-ERROR of the chip; DIFFERENT direction place; RESULT lines, then END.
 //
@@ -25,8 +28,9 @@ module usb_bench (
 );
     localparam L = `NCDC_LANES;
 
-    reg [31:0] up, down, gap, stall, rx_stall, tx_stall, up_stall, down_gap;
+    reg [31:0] up, down, gap, stall, rx_stall, tx_stall, up_stall, down_gap, resets;
     initial begin
+        if (!$value$plusargs("resets=%d", resets)) resets = 0;
         if (!$value$plusargs("up=%d", up)) up = 1000;
         if (!$value$plusargs("down=%d", down)) down = 1000;
         if (!$value$plusargs("gap=%d", gap)) gap = 0;
@@ -76,6 +80,9 @@ module usb_bench (
     reg  [31:0] core_sent = 0, core_got = 0, host_sent = 0, host_got = 0, different = 0;
     reg  [31:0] up_first = 0, up_last = 0, down_first = 0, down_last = 0;   // clocks of the chip
     reg  [31:0] up_paused = 0, down_paused = 0;     // of them, those in which the chip paused
+    reg  [31:0] reset_at = 3000, resets_done = 0, skipped;
+    reg  [31:0] row = 0, host_row = 0;      // of the core's words; of the one that the host got last
+    reg         jumped = 0;                 // a reset may have swallowed words of the host's
     reg         core_valid = 0, core_ready = 0, host_valid = 0, host_ready = 0;
 
     wire             i_ready, o_valid, rxf_n, txe_n, oe_n, rd_n, wr_n, data_oe;
@@ -90,7 +97,7 @@ module usb_bench (
     dut dut (
         .clk(clk), .rst(rst),
         .i__valid(core_valid), .i__ready(i_ready),
-        .i__payload({lanes_of(core_sent), word(core_sent)}),
+        .i__payload({lanes_of(row + core_sent), word(row + core_sent)}),
         .o__valid(o_valid), .o__ready(core_ready), .o__payload(o_payload),
         .pins__clock(extclk), .pins__rxf_n(rxf_n), .pins__txe_n(txe_n),
         .pins__data_i(chip_data), .pins__be_i(chip_be), .pins__data_o(data_o), .pins__be_o(be_o),
@@ -123,8 +130,18 @@ module usb_bench (
     // The core.
     always @(posedge clk) begin
         clocks <= clocks + 1;
-        rst <= clocks < 20;
+        rst <= clocks < 20 || clocks >= reset_at && resets_done < resets;
         random <= next(random);
+        if (clocks == reset_at + 6 && resets_done < resets) begin
+            resets_done <= resets_done + 1;
+            reset_at <= clocks + 32'd2000 + {22'd0, random[9:0]};
+        end
+        if (rst && clocks > 40) begin
+            core_valid <= 0;
+            core_sent <= 0;
+            row <= (resets_done + 1) << 24;
+            jumped <= 1;
+        end
         if (!rst) begin
             if (core_valid && i_ready)
                 core_sent <= core_sent + 1;
@@ -132,11 +149,16 @@ module usb_bench (
                 && (core_valid && !i_ready || {24'd0, random[7:0]} >= gap);
             core_ready <= {24'd0, random[15:8]} >= stall;
             if (o_valid && core_ready) begin
-                if (o_payload !== {lanes_of(~core_got), word(~core_got)}) begin
+                skipped = 0;
+                while (jumped && skipped < 2000
+                       && o_payload !== {lanes_of(~(core_got + skipped)), word(~(core_got + skipped))})
+                    skipped = skipped + 1;
+                if (o_payload !== {lanes_of(~(core_got + skipped)), word(~(core_got + skipped))}) begin
                     if (different < 20) $display("DIFFERENT down %0d", core_got);
                     different = different + 1;
                 end
-                core_got <= core_got + 1;
+                core_got <= core_got + skipped + 1;
+                jumped <= 0;
             end
         end
     end
@@ -145,20 +167,27 @@ module usb_bench (
     always @(posedge extclk) begin
         chip_clocks <= chip_clocks + 1;
         host_random <= next(host_random);
-        if (!rst) begin
+        begin                           // a reset is nothing to the host
             if (host_valid && take)
                 host_sent <= host_sent + 1;
             host_valid <= host_sent + {31'd0, host_valid && take} < down
                 && (host_valid && !take || {24'd0, host_random[7:0]} >= down_gap);
             host_ready <= {24'd0, host_random[15:8]} >= up_stall;
             if (got) begin
-                if ({got_be, got_data} !== {lanes_of(host_got), word(host_got)}) begin
-                    if (different < 20) $display("DIFFERENT up %0d", host_got);
-                    different = different + 1;
+                if (host_row != row
+                        && {got_be, got_data} === {lanes_of(row), word(row)}) begin
+                    host_row <= row;
+                    host_got <= 1;
+                end else begin
+                    if ({got_be, got_data} !== {lanes_of(host_row + host_got),
+                                                word(host_row + host_got)}) begin
+                        if (different < 20) $display("DIFFERENT up %0d", host_got);
+                        different = different + 1;
+                    end
+                    host_got <= host_got + 1;
                 end
                 if (host_got == 0) up_first <= chip_clocks;
                 up_last <= chip_clocks;
-                host_got <= host_got + 1;
             end
             if (host_got != 0 && host_got < up && txe_n)
                 up_paused <= up_paused + 1;
@@ -169,7 +198,8 @@ module usb_bench (
             if (down_first != 0 && rxf_n)
                 down_paused <= down_paused + 1;
         end
-        if (host_got >= up && core_got >= down && core_sent == up && host_sent == down
+        if (resets_done == resets && host_row == row
+                && host_got >= up && core_got >= down && core_sent == up && host_sent == down
                 || chip_clocks > 32'd4000 + (up + down) * 32'd40) begin
             $display("RESULT up %0d", host_got);
             $display("RESULT down %0d", core_got);
