@@ -15,7 +15,7 @@ setup: $(STAMP)
 $(STAMP): pyproject.toml constraints.txt .ci/debian
 	sh .ci/debian
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,litedram,gui]'
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,soc,gui]'
 	@touch $@
 
 demo: setup

@@ -1,8 +1,8 @@
 // Runs the system on a chip under Verilator, joined to a network interface (TAP) of its own.
 //
 // Plusargs: +tap=<name> of the interface, which is made in the present network namespace; none
-// without it. +loss=<per mille> of the frames sent that never reach it. +clocks=<number> ends the
-// run. +rate: print the speed once a second. Standard input is the terminal's keyboard, standard
+// without it. +loss=<per mille> of the pictures' packets, known by their UDP source port, that never
+// reach it. +clocks=<number> ends the run. +rate: print the speed once a second. Standard input is the terminal's keyboard, standard
 // output its screen; what the simulation itself says goes to standard error.
 
 #include <fcntl.h>
@@ -30,6 +30,8 @@ constexpr unsigned POLL_CLOCKS = 256;       // between two looks at the interfac
 constexpr unsigned GAP = 12;                // clocks between two frames, a byte each
 constexpr size_t SHORTEST = 60;             // bytes of a frame without its check sequence
 constexpr uint64_t RESET_CLOCKS = 16;
+constexpr unsigned STREAM_PORT = 49152;     // of UDP, that pictures come from
+constexpr size_t PORT_AT = 14 + 20;         // where it stands in a frame
 const uint8_t PREAMBLE[8] = {0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0xD5};
 
 volatile sig_atomic_t stopped = 0;
@@ -120,7 +122,9 @@ private:
         }
         ++frames_out;
         random = random * 6364136223846793005u + 1442695040888963407u;
-        if ((random >> 33) % 1000 < loss) {
+        const bool picture = data[12] == 8 && data[13] == 0 && data[23] == 17 &&
+                             (data[PORT_AT] << 8 | data[PORT_AT + 1]) == STREAM_PORT;
+        if (picture && (random >> 33) % 1000 < loss) {
             ++lost;
         } else if (tap >= 0 && write(tap, data, sent.size() - around) < 0 && errno != EIO) {
             ++lost;
