@@ -1,11 +1,11 @@
 """LiteEth's MAC for two senders: the processor and the packetiser."""
 
-from litex.gen import LiteXModule
-from litex.soc.interconnect import packet, stream
 from liteeth.common import eth_phy_description
 from liteeth.mac.core import LiteEthMACCore
 from liteeth.mac.wishbone import LiteEthMACWishboneInterface
 from liteeth.phy.model import LiteEthPHYModel
+from litex.gen import LiteXModule
+from litex.soc.interconnect import packet, stream
 
 __all__ = ["SLOT_BYTES", "Mac", "ModelPhy"]
 

@@ -10,10 +10,9 @@ import pytest
 pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
 
 from cameras import barrel_descriptor  # noqa: E402
-from peers import need  # noqa: E402
-
 from ncdc_model.corrector import correct  # noqa: E402
 from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun  # noqa: E402
+from peers import need  # noqa: E402
 
 pytestmark = pytest.mark.regress        # compiling the model takes more than a minute
 

@@ -46,10 +46,12 @@ class SocModel:
         Of the firmware.
     setup : Setup
         Of the sensor.
+    identity : Identity
+        Of the device on its network.
     """
 
     def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None):
-        self.descriptor = descriptor
+        self.descriptor, self.identity = descriptor, Identity()
         core = SocCore(descriptor, hardware or Hardware(bus="axi", format="BGR8"))
         soc = soc_verilog(core)
         self.setup, self._corner = setup_around(_SENSOR, descriptor.geometry,
@@ -58,7 +60,7 @@ class SocModel:
                               nominal=self.setup.exposure_clocks)
         with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
             self._rom, self.code_bytes, self.ram_bytes = firmware_image(
-                config(core, soc, self.setup, self._corner), soc, folder)
+                config(core, soc, self.setup, self._corner, self.identity), soc, folder)
         self.program = _build(core_verilog(core), soc)
 
     def fill(self, folder):
