@@ -128,7 +128,8 @@ class _Soc(SoCCore):
         self.specials += Instance(
             "ncdc_core", **ports, i_clk=self.crg.cd_sys.clk, i_rst=self.crg.cd_sys.rst,
             i_bus__adr=bus.adr[:ADDRESS_BITS], i_bus__dat_w=bus.dat_w, i_bus__sel=bus.sel,
-            i_bus__cyc=bus.cyc, i_bus__stb=bus.stb, i_bus__we=bus.we, o_bus__dat_r=bus.dat_r, o_bus__ack=bus.ack,
+            i_bus__cyc=bus.cyc, i_bus__stb=bus.stb, i_bus__we=bus.we, o_bus__dat_r=bus.dat_r,
+            o_bus__ack=bus.ack,
             o_bus__err=bus.err, i_sensor_clock=pins.clock,
             i_sensor_frame_valid=pins.frame_valid, i_sensor_line_valid=pins.line_valid,
             i_sensor_data=pins.data, i_scl=pins.scl, i_sda=pins.sda, o_scl_low=scl_low,
