@@ -152,7 +152,7 @@ static uint32_t read_word(uint32_t address, uint32_t *value)
 		*value = reg_read(NCDC_BASE + (address - GVCP_CORRECTOR_BASE));
 		return SUCCESS;
 	}
-	one = feature_at(address);
+	one = address >= GVCP_FEATURE_BASE ? feature_at(address) : 0;
 	if (one) {
 		*value = one->lower == NO_WORD ? own_feature(one) : feature_read(one);
 		return SUCCESS;
@@ -165,16 +165,40 @@ static uint32_t read_word(uint32_t address, uint32_t *value)
 	return bootstrap(address, value) ? SUCCESS : INVALID_ADDRESS;
 }
 
-/* Writes bytes from an address on; a status. */
+/* Writes `count` bytes of `size` that begin at `from`, and zeros behind their end. */
+static void copy(uint8_t *to, uint32_t count, const void *from, uint32_t size, uint32_t at)
+{
+	uint32_t there = at < size ? size - at : 0;
+
+	if (there > count)
+		there = count;
+	memcpy(to, (const uint8_t *)from + (there ? at : 0), there);
+	memset(to + there, 0, count - there);
+}
+
+/* Writes bytes from an address on; a status. Long texts go as a whole: word by word they would keep
+ * a client waiting. */
 static uint32_t read_memory(uint32_t address, uint32_t count, uint8_t *to)
 {
+	if (address % 4)
+		return BAD_ALIGNMENT;
 	/* A client may read beyond the XML's end to fill its last packet. */
-	bool xml = address - GVCP_XML_BASE < (sizeof XML + 3) / 4 * 4;
+	if (address - GVCP_XML_BASE < sizeof XML) {
+		copy(to, count, XML, sizeof XML, address - GVCP_XML_BASE);
+		return SUCCESS;
+	}
+	for (unsigned k = 0; k < sizeof TEXTS / sizeof *TEXTS; ++k) {
+		uint32_t at = address - TEXTS[k].address;
 
+		if (at < TEXTS[k].length && count <= TEXTS[k].length - at) {
+			copy(to, count, TEXTS[k].text, (uint32_t)strlen(TEXTS[k].text), at);
+			return SUCCESS;
+		}
+	}
 	for (uint32_t k = 0; k < count; k += 4) {
 		uint32_t value = 0, status = read_word(address + k, &value);
 
-		if (status && !(xml && status == INVALID_ADDRESS))
+		if (status)
 			return status;
 		put32(to + k, value);
 	}

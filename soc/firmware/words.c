@@ -162,9 +162,11 @@ enum refusal word_write(uint32_t address, uint32_t value)
 
 const struct feature *feature_at(uint32_t address)
 {
-	for (unsigned k = 0; k < sizeof FEATURES / sizeof *FEATURES; ++k)
-		if (FEATURES[k].address == address)
-			return &FEATURES[k];
+	/* They lie one behind the other. */
+	uint32_t k = (address - GVCP_FEATURE_BASE) / 4;
+
+	if (k < sizeof FEATURES / sizeof *FEATURES && FEATURES[k].address == address)
+		return &FEATURES[k];
 	return 0;
 }
 

@@ -1,8 +1,10 @@
 """The firmware: its configuration, made of the tables that all of NCDC shares, and its image."""
 
+import io
 import shutil
 import struct
 import subprocess
+import zipfile
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -15,9 +17,10 @@ from ncdc_model.interface.genicam import genicam_xml
 from ncdc_model.interface.link_map import LINK, TEMPLATES
 from ncdc_model.interface.pixel_formats import bayer_format
 from ncdc_model.interface.system_map import system_registers
-from ncdc_model.interface.table_one import SYSTEM_WORDS
+from ncdc_model.interface.table_one import SYSTEM_WORDS, TCP_PORT
 from ncdc_model.sensors import mt9p031
 from ncdc_soc.core import LINK_BASE
+from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
 from ncdc_soc.soc import CLOCK_HZ, MAP
 
@@ -26,11 +29,12 @@ __all__ = ["FIRMWARE", "Identity", "config", "firmware_image"]
 FIRMWARE = Path(__file__).resolve().parents[1] / "firmware"
 _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER = 8            # clocks, the least: in simulation nobody waits for a slow bus
+_USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
-_SOURCES = ("start.S", "main.c", "net.c", "gvcp.c", "stream.c", "words.c", "sensor.c", "ip.c",
+_SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "stream.c", "words.c", "sensor.c", "ip.c",
             "eth.c", "uart.c", "memory.c")
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-Os", "-ffunction-sections", "-fdata-sections",
-            "-ffreestanding", "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles",
+            "-ffreestanding", "-msave-restore", "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles",
             "--specs=picolibc.specs", "-Wl,--gc-sections")
 
 
@@ -62,7 +66,7 @@ def config(core, soc, setup, corner, identity=Identity()):
         Column and row of the sensor's frame at which raw frames begin.
     identity : Identity
     """
-    lines = ["/* Made by ncdc_soc.firmware. */"]
+    lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
         **_hardware(core, soc), **_registers(core), **_pictures(core, setup), **_sensor(setup),
         **_protocols(identity)}.items()]
@@ -70,7 +74,7 @@ def config(core, soc, setup, corner, identity=Identity()):
                  + "};")
     lines += [f"#define CONFIG_CHOICES {_choices()}", f"#define CONFIG_FEATURES {_table()}",
               f"#define SYSTEM_SETTINGS {_settings(core, setup, corner)}"]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, "#endif"]) + "\n"
 
 
 def _hex(value):
@@ -147,8 +151,9 @@ def _sensor(setup):
 
 
 def _protocols(identity):
-    xml = genicam_xml()
-    url = f"Local:{gvcp.XML_NAME};{gvcp.XML_BASE:X};{len(xml):X}"
+    # Packed it takes an eighth of the ROM, and of the time that a client needs to read it.
+    xml = _zipped(gvcp.XML_NAME, genicam_xml())
+    url = f"Local:{Path(gvcp.XML_NAME).stem}.zip;{gvcp.XML_BASE:X};{len(xml):X}"
     texts = {"DeviceVendorName": "NCDC", "DeviceModelName": "NCDC camera",
              "DeviceVersion": version("ncdc"), "DeviceManufacturerInfo": "distortion correction",
              "DeviceSerialNumber": identity.serial, "DeviceUserID": "", "FirstUrl": url,
@@ -156,10 +161,11 @@ def _protocols(identity):
     return {
         **{f"WORD_{word.name}": _hex(word.address) for word in SYSTEM_WORDS},
         **{f"BOOT_{place.name}": _hex(place.address) for place in gvcp.BOOTSTRAP},
-        "GVCP_XML_BASE": _hex(gvcp.XML_BASE), "GVCP_CORRECTOR_BASE": _hex(gvcp.CORRECTOR_BASE),
+        "GVCP_FEATURE_BASE": _hex(gvcp.FEATURE_BASE), "GVCP_XML_BASE": _hex(gvcp.XML_BASE), "GVCP_CORRECTOR_BASE": _hex(gvcp.CORRECTOR_BASE),
         "GVCP_CORRECTOR_BYTES": _hex(gvcp.CORRECTOR_BYTES),
         "GVCP_CAPABILITY": _hex(gvcp.CAPABILITY),
         "GVCP_DISCOVERY_BYTES": _hex(gvcp.DISCOVERY_BYTES),
+        "TABLE_PORT": f"{TCP_PORT}u", "TABLE_USERS": f"{_USERS}",
         "HEARTBEAT_MS": f"{gvcp.HEARTBEAT_MS}u",
         "PACKET_DO_NOT_FRAGMENT": _hex(gvcp.SCPS_DO_NOT_FRAGMENT),
         "CONFIG_VERSION": _text(version("ncdc")), "CONFIG_IP": _hex(_address(identity.ip)),
@@ -171,12 +177,27 @@ def _protocols(identity):
         "CONFIG_XML": _braced(map(str, xml))}
 
 
+def _zipped(name, data):
+    """A ZIP archive of one file, of whole words; the same bytes for the same data."""
+    for blanks in range(4):
+        archive = io.BytesIO()
+        with zipfile.ZipFile(archive, "w") as file:
+            file.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED, 9)
+            file.comment = b" " * blanks
+        if len(archive.getvalue()) % 4 == 0:
+            break
+    return archive.getvalue()
+
+
 def _address(text):
     return int.from_bytes(bytes(map(int, text.split("."))), "big")
 
 
 def _features():
-    return [one for one in FEATURES if one.address >= gvcp.FEATURE_BASE]
+    """Features with a register of their own, in the order of their addresses, without a gap."""
+    found = [one for one in FEATURES if one.address >= gvcp.FEATURE_BASE]
+    assert [one.address for one in found] == [gvcp.FEATURE_BASE + 4 * k for k in range(len(found))]
+    return found
 
 
 def _choices():
@@ -230,9 +251,13 @@ def firmware_image(text, soc, folder):
     (folder / "config.h").write_text(text)
     places = [f"-Wl,--defsym={name.upper()}_{what}={value:#x}" for name in ("rom", "sram")
               for what, value in zip(("BASE", "BYTES"), soc.memories[name])]
-    sources = [str(FIRMWARE / name) for name in _SOURCES]
-    _run([_COMPILER, *_OPTIONS, f"-I{folder}", f"-I{FIRMWARE}", f"-T{FIRMWARE / 'link.ld'}",
-          *places, *sources, "-o", str(folder / "firmware.elf")])
+    lwip = lwip_source()
+    sources = [str(FIRMWARE / name) for name in _SOURCES] + [str(lwip / name) for name in FILES]
+    # lwIP's headers are others' code: what the compiler says of them is not ours to mend.
+    headers = [f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
+               str(lwip / "include")]
+    _run([_COMPILER, *_OPTIONS, *headers, f"-T{FIRMWARE / 'link.ld'}", *places, *sources, "-o",
+          str(folder / "firmware.elf")])
     binary = folder / "firmware.bin"
     _run(["riscv64-unknown-elf-objcopy", "-O", "binary", str(folder / "firmware.elf"),
           str(binary)])

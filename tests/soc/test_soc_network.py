@@ -11,6 +11,7 @@ pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not inst
 
 from cameras import barrel_descriptor  # noqa: E402
 from ncdc_model.corrector import correct  # noqa: E402
+from ncdc_model.interface.table_one import TCP_PORT  # noqa: E402
 from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun  # noqa: E402
 from peers import need  # noqa: E402
 
@@ -125,3 +126,34 @@ def test_raw_frames(model, tmp_path):
     with SocRun(model) as run:
         taken, _ = peer(run, _GRAB, tmp_path, False, 2)
     assert matches(tmp_path, len(taken), [model.raw(model.setup)]) == [0, 0]
+
+
+_USERS = """
+import json, socket, struct
+users = [socket.create_connection(("{address}", {port}), 60) for _ in range(8)]
+def ask(user, *request):
+    user.settimeout(60)
+    user.sendall(struct.pack(">BHH", *request))
+    answer = b""
+    while len(answer) < 5:
+        answer += user.recv(5 - len(answer)) or b"?????"
+    return list(struct.unpack(">BHH", answer))
+widths = [ask(user, 0x80, 0xF001, 0) for user in users]
+written = ask(users[3], 0x81, 9, 7)
+seen = ask(users[5], 0x80, 9, 0)
+refused = ask(users[2], 0x81, 3, 1)
+users[0].sendall(bytes([0x82, 0x55]))
+unknown = users[0].recv(2) + users[0].recv(2)
+print(json.dumps([widths, written, seen, refused, list(unknown)]))
+"""
+
+
+def test_eight_users_of_table_one(model, tmp_path):
+    script = _USERS.replace("{address}", ADDRESS).replace("{port}", str(TCP_PORT))
+    with SocRun(model) as run:
+        widths, written, seen, refused, unknown = peer(run, script, tmp_path)
+    assert widths == [[0x80, 0xF001, _SIZE[0]]] * 8
+    assert written == [0x81, 9, 7] and seen == [0x80, 9, 7]
+    # The rows of the sensor's frame are the firmware's: what is read back is what was there.
+    assert refused == [0x81, 3, model.setup.settings.height - 1]
+    assert unknown == [0xFF, 0x55]

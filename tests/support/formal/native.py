@@ -173,6 +173,7 @@ class WishboneAccesses(Wrapper):
         # Of the state, for the induction.
         always(m, inner(fragment, "waiting") == owed, "waiting_is_owed")
         always(m, ~owed | (inner(fragment, "given_up") == ~own), "given_up_is_known")
+        always(m, ~(owed & own) | stays & ~before[0], "own_is_a_read")
         reached(m, self.comes & read & ~own, "after_one_given_up")
         reached(m, host.err, "refused")
         return m
