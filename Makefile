@@ -16,6 +16,7 @@ $(STAMP): pyproject.toml constraints.txt .ci/debian
 	sh .ci/debian
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,soc,gui]'
+	$(BIN)/python -m ncdc_soc.lwip
 	@touch $@
 
 demo: setup

@@ -24,7 +24,7 @@ from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
 from ncdc_soc.soc import CLOCK_HZ, MAP
 
-__all__ = ["FIRMWARE", "Identity", "config", "firmware_image"]
+__all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
 
 FIRMWARE = Path(__file__).resolve().parents[1] / "firmware"
 _COMPILER = "riscv64-unknown-elf-gcc"
@@ -33,6 +33,7 @@ _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
 _SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "stream.c", "words.c", "sensor.c", "ip.c",
             "eth.c", "uart.c", "memory.c")
+_ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-Os", "-ffunction-sections", "-fdata-sections",
             "-ffreestanding", "-msave-restore", "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles",
             "--specs=picolibc.specs", "-Wl,--gc-sections")
@@ -266,6 +267,24 @@ def firmware_image(text, soc, folder):
     image = binary.read_bytes()
     words = [word for word, in struct.iter_unpack("<I", image + bytes(-len(image) % 4))]
     return words, code + data, data + zeros
+
+
+def host_program(text, folder):
+    """Program of ``firmware/host/fuzz.c``: the firmware on this machine, under sanitizers.
+
+    ``text`` is that of ``config.h``, ``folder`` exists. Raises :class:`InputError` as
+    :func:`firmware_image` does.
+    """
+    folder, lwip = Path(folder), lwip_source()
+    (folder / "config.h").write_text(text)
+    ours = [str(FIRMWARE / name) for name in (*_SOURCES, "host/fuzz.c")
+            if name not in _ON_TARGET]
+    _run(["gcc", "-std=gnu11", "-O1", "-g", "-fsanitize=address,undefined",
+          "-fno-sanitize-recover=all", "-DFIRMWARE_HOST", "-Wall", "-Wextra", "-Werror",
+          f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
+          str(lwip / "include"), *ours, *(str(lwip / name) for name in FILES),
+          "-o", str(folder / "fuzz")])
+    return folder / "fuzz"
 
 
 def _run(command):

@@ -59,3 +59,7 @@ def _fetch(cache, folder):
     except OSError as error:
         raise InputError(f"lwIP cannot be fetched from {_URL}: {error}; NCDC_LWIP may name its "
                          "folder src") from error
+
+
+if __name__ == "__main__":
+    print(lwip_source())

@@ -19,7 +19,11 @@
 #define LWIP_DHCP_AUTOIP_COOP_TRIES 2
 #define LWIP_ACD 0
 #define LWIP_NETIF_STATUS_CALLBACK 1
+#ifdef FIRMWARE_HOST
+#define MEM_ALIGNMENT 8
+#else
 #define MEM_ALIGNMENT 4
+#endif
 #define MEM_SIZE (16 * 1024)
 #define MEMP_NUM_TCP_PCB (TABLE_USERS + 2)	/* users, and one that is refused */
 #define MEMP_NUM_TCP_SEG 32
