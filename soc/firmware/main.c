@@ -31,7 +31,7 @@ static void camera_start(void)
 		uart_text("sensor: started\n");
 }
 
-/* Called at an exception; the watchdog starts the processor anew. */
+/* Called at an exception, behind which the processor stands still. */
 void trapped(uint32_t cause, uint32_t at);
 
 void trapped(uint32_t cause, uint32_t at)

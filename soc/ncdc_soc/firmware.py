@@ -31,12 +31,12 @@ _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER = 8            # clocks, the least: in simulation nobody waits for a slow bus
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
-_SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "stream.c", "words.c", "sensor.c", "ip.c",
-            "eth.c", "uart.c", "memory.c")
+_SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "stream.c", "words.c", "sensor.c",
+            "ip.c", "eth.c", "uart.c", "memory.c")
 _ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-Os", "-ffunction-sections", "-fdata-sections",
-            "-ffreestanding", "-msave-restore", "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles",
-            "--specs=picolibc.specs", "-Wl,--gc-sections")
+            "-ffreestanding", "-msave-restore", "-std=c11", "-Wall", "-Wextra", "-Werror",
+            "-nostartfiles", "--specs=picolibc.specs", "-Wl,--gc-sections")
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,8 @@ def _protocols(identity):
     return {
         **{f"WORD_{word.name}": _hex(word.address) for word in SYSTEM_WORDS},
         **{f"BOOT_{place.name}": _hex(place.address) for place in gvcp.BOOTSTRAP},
-        "GVCP_FEATURE_BASE": _hex(gvcp.FEATURE_BASE), "GVCP_XML_BASE": _hex(gvcp.XML_BASE), "GVCP_CORRECTOR_BASE": _hex(gvcp.CORRECTOR_BASE),
+        "GVCP_FEATURE_BASE": _hex(gvcp.FEATURE_BASE), "GVCP_XML_BASE": _hex(gvcp.XML_BASE),
+        "GVCP_CORRECTOR_BASE": _hex(gvcp.CORRECTOR_BASE),
         "GVCP_CORRECTOR_BYTES": _hex(gvcp.CORRECTOR_BYTES),
         "GVCP_CAPABILITY": _hex(gvcp.CAPABILITY),
         "GVCP_DISCOVERY_BYTES": _hex(gvcp.DISCOVERY_BYTES),

@@ -59,9 +59,9 @@ class NativeWrites(Wrapper):
     """``NativeWriter`` with any bursts, and a controller that asks for the words of the commands
     that it took when it likes.
 
-    Asserts that there is a word whenever it asks; that the watched word, of any number, leaves as it
-    came, behind a command of its own address; and that each burst is answered once, one clock
-    after its last word was taken, its command long before.
+    Asserts that there is a word whenever it asks; that the watched word, any of the first four,
+    leaves as it came, behind a command of its own address; and that each burst is answered once,
+    one clock after its last word was taken.
     """
 
     def __init__(self, design=NativeWriter):
