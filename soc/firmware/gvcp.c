@@ -73,7 +73,11 @@ void gvcp_begin(void)
 
 void gvcp_poll(void)
 {
-	/* A stream of one picture ends by itself. */
+	/* A stream of one picture ends by itself; its packets can still be sent again. */
+	if (acquiring && stream_ended()) {
+		acquiring = false;
+		words_streaming = tl_locked;
+	}
 	if (controlled && now64() - heard > (uint64_t)heartbeat * (CLOCK_HZ / 1000))
 		release();
 }

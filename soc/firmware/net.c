@@ -14,9 +14,12 @@
 #include "table.h"
 #include "uart.h"
 
+#define TIMERS_CLOCKS (CLOCK_HZ / 100)
+
 static struct netif interface;
 static uint32_t words[(ETH_LONGEST + 3) / 4];
 static uint32_t random_state = 1;
+static uint32_t looked;		/* clock at which lwIP's timers were looked at */
 
 /* What lwIP asks of its surroundings. */
 
@@ -97,7 +100,11 @@ void net_poll(void)
 	uint32_t length = eth_receive(frame);
 	struct pbuf *buffer;
 
-	sys_check_timeouts();
+	/* Milliseconds cost a long division, which the loop cannot afford each time. */
+	if (now32() - looked >= TIMERS_CLOCKS) {
+		looked = now32();
+		sys_check_timeouts();
+	}
 	if (length < ETH_HEADER || gvcp_frame(frame, length))
 		return;
 	buffer = pbuf_alloc(PBUF_RAW, (uint16_t)length, PBUF_POOL);

@@ -37,9 +37,9 @@ uint32_t stream_packet_size(uint32_t size)
 	return (size - STREAM_HEADERS) / STREAM_STEP * STREAM_STEP + STREAM_HEADERS;
 }
 
-bool stream_running(void)
+bool stream_ended(void)
 {
-	return state != IDLE;
+	return single && sent_one;
 }
 
 static void release(int which)

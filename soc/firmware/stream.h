@@ -23,7 +23,7 @@ uint32_t stream_packet_size(uint32_t size);
 
 void stream_start(const struct receiver *to, bool single);
 void stream_stop(void);
-bool stream_running(void);
+bool stream_ended(void);	/* it was to be one picture, which has gone */
 
 /* Asks for packets of a picture again. */
 void stream_resend(uint32_t block, uint32_t first, uint32_t last);

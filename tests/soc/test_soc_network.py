@@ -157,3 +157,24 @@ def test_eight_users_of_table_one(model, tmp_path):
     # The rows of the sensor's frame are the firmware's: what is read back is what was there.
     assert refused == [0x81, 3, model.setup.settings.height - 1]
     assert unknown == [0xFF, 0x55]
+
+
+_SINGLE = _OPEN + """
+device.set("AcquisitionMode", "SingleFrame")
+for _ in range(2):
+    with device.stream() as stream:
+        take(stream)
+        try:
+            stream.next(2)
+            taken.append("one too many")
+        except NoFrame:
+            pass
+print(json.dumps(taken))
+"""
+
+
+def test_single_pictures(model, tmp_path):
+    script = "from ncdc_host.client.errors import NoFrame\n" + _SINGLE
+    with SocRun(model) as run:
+        taken = peer(run, script, tmp_path)
+    assert matches(tmp_path, len(taken), [model.golden().picture]) == [0, 0]
