@@ -15,7 +15,8 @@ setup: $(STAMP)
 $(STAMP): pyproject.toml constraints.txt .ci/debian
 	sh .ci/debian
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,litedram,gui]'
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,soc,gui]'
+	$(BIN)/python -m ncdc_soc.lwip
 	@touch $@
 
 demo: setup

@@ -21,7 +21,7 @@ __all__ = ["COMMANDS", "main", "parser"]
 # Each module has HELP, EXAMPLE, add_arguments(parser) and run(args); run returns the exit
 # status, None for 0.
 COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "export", "plan", "generate",
-            "build", "simulate", "bench", "sensor", "device", "client")
+            "build", "simulate", "bench", "sensor", "device", "client", "soc")
 
 
 _TO_FOLDER = ("demo", "generate", "bench", "build")      # commands whose --output is a folder

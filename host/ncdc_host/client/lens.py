@@ -16,6 +16,7 @@ from ncdc_model.interface.register_map import (
     ID,
     INTERPOLATION_BITS,
     NODES,
+    STATUS_BANK,
     STATUS_COMMITTED,
     STATUS_REFUSED,
     network_registers,
@@ -105,8 +106,11 @@ class LensLoader:
         words = {r.address: values.get(r.name, 0) & 0xFFFFFFFF
                  for r in network_registers(neurons, descriptor.formats)}
         words |= dict(table_words(descriptor.valid))
-        self._write(words)
-        self._write({table["STATUS"].address: STATUS_REFUSED})
+        # A running frame holds the bank of valid rows that it uses: the other one is written.
+        bank = int(not self._read(table["STATUS"].address) & STATUS_BANK)
+        self._write({table["STATUS"].address: STATUS_REFUSED,
+                     table["VALID_WINDOW"].address: bank})
+        self._write(words | {table["VALID_BANK"].address: bank})
         self._write({table["CTRL"].address: CTRL_COMMIT})
         until = time.monotonic() + _SECONDS
         while (status := self._read(table["STATUS"].address)) & STATUS_COMMITTED:

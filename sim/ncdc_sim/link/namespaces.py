@@ -11,12 +11,13 @@ import subprocess
 
 from ncdc_sim.tools import SimulationError
 
-__all__ = ["CLIENT", "DEVICES", "Network"]
+__all__ = ["CLIENT", "DEVICES", "Network", "TAP", "TapNetwork"]
 
 CLIENT = "10.77.0.1"
 DEVICES = ("10.77.0.11", "10.77.0.12", "10.77.0.13")
 _SECONDS = 900          # that the namespaces last at most, whatever becomes of who made them
 _CLIENT_LINK, _DEVICE_LINK = "client0", "device0"
+TAP = "ncdc0"           # the interface whose other end is a simulation
 
 
 class Network:
@@ -42,8 +43,7 @@ class Network:
                 raise SimulationError(f"the program {program} is missing")
         try:
             self._client = self._holder(["unshare", "-Urn"])
-            self._device = self._holder([*self._enter(self._client), "unshare", "-n"])
-            self._join()
+            self._make()
         except (OSError, subprocess.SubprocessError) as error:
             self.__exit__()
             raise SimulationError(f"no network namespaces here: {error}") from error
@@ -68,7 +68,9 @@ class Network:
     def _enter(process):
         return ["nsenter", "--preserve-credentials", "-U", "-n", "-t", str(process.pid)]
 
-    def _join(self):
+    def _make(self):
+        """The device's namespace, and what joins it to the client's."""
+        self._device = self._holder([*self._enter(self._client), "unshare", "-n"])
         client, device = self._enter(self._client), self._enter(self._device)
         group = "224.0.0.0/4"
         commands = [
@@ -81,6 +83,10 @@ class Network:
             commands += [[*side, "ip", "link", "set", "lo", "up"],
                          [*side, "ip", "link", "set", link, "mtu", str(self._mtu), "up"],
                          [*side, "ip", "route", "add", group, "dev", link]]
+        self._carry_out(commands)
+
+    @staticmethod
+    def _carry_out(commands):
         for command in commands:
             done = subprocess.run(command, capture_output=True, text=True, timeout=20)
             if done.returncode:
@@ -103,3 +109,25 @@ class Network:
     def client_link(self):
         """Name of the client's network interface."""
         return _CLIENT_LINK
+
+
+class TapNetwork(Network):
+    """One namespace with a network interface, ``TAP``, whose frames a program reads and writes.
+
+    ``holder`` is the process that keeps it, for who wants to join by ``nsenter``.
+    """
+    client_link = TAP
+
+    def _make(self):
+        client = self._enter(self._client)
+        self._carry_out([
+            [*client, "ip", "link", "set", "lo", "up"],
+            [*client, "ip", "tuntap", "add", "dev", TAP, "mode", "tap"],
+            [*client, "ip", "addr", "add", f"{CLIENT}/24", "brd", "+", "dev", TAP],
+            [*client, "ip", "link", "set", TAP, "mtu", str(self._mtu), "up"],
+            [*client, "ip", "route", "add", "224.0.0.0/4", "dev", TAP]])
+
+    @property
+    def holder(self):
+        """Its process."""
+        return self._client.pid

@@ -1,0 +1,95 @@
+"""``ncdc soc``: the whole system in simulation, processor and Ethernet, for network programs."""
+
+import sys
+import tempfile
+
+import numpy as np
+
+from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
+from ncdc_model.corrector import check_raw
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_sim.link.namespaces import CLIENT, TAP, TapNetwork
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+
+HELP = "the whole system in simulation: sensor, corrector, processor and Ethernet"
+EXAMPLE = "ncdc soc run --sim net.toml --photo photo.png"
+_EXPOSURES_US = (1.0, 1e6)
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    for name, text in (("build", "compile the simulation and the firmware"),
+                       ("run", "run it on a network of its own, until interrupted")):
+        action = actions.add_parser(name, help=text, description=text,
+                                    epilog=f"example: {EXAMPLE}")
+        action.add_argument("--sim", required=True, metavar="NET", dest="descriptor",
+                            help="descriptor of ncdc train")
+        action.add_argument("--exposure-us", type=float, default=1000.0, metavar="X",
+                            help="of the sensor at first, in microseconds; then the light is as in "
+                                 "the photo (default: 1000)")
+        if name == "build":
+            add_json(action)
+            continue
+        action.add_argument("--photo", required=True, dest="image", metavar="IMAGE",
+                            help="what the camera looks at: a raw frame, or a colour picture to be "
+                                 "mosaiced")
+        action.add_argument("--loss", type=int, default=0, metavar="P",
+                            help="of a thousand packets of pictures so many are lost (default: 0)")
+        add_samples(action)
+
+
+def run(args):
+    """Build, or build and run."""
+    low, high = _EXPOSURES_US
+    if not low <= args.exposure_us <= high:
+        raise InputError(f"the exposure is {args.exposure_us:g} us, the limits are {low:g} and "
+                         f"{high:g}")
+    if args.action == "run" and not 0 <= args.loss <= 1000:
+        raise InputError(f"the loss is {args.loss}, the limits are 0 and 1000")
+    descriptor = Descriptor.load(args.descriptor)
+    return _build(args, descriptor) if args.action == "build" else _run(args, descriptor)
+
+
+def _model(args, descriptor, raw):
+    try:
+        from ncdc_sim.system.soc import SocModel
+    except ModuleNotFoundError as error:
+        raise InputError(f"{error.name} is not installed, which the system needs: "
+                         "pip install 'ncdc[soc]'") from error
+    return SocModel(descriptor, raw, args.exposure_us)
+
+
+def _build(args, descriptor):
+    # The program is the same whatever the camera looks at.
+    model = _model(args, descriptor, np.zeros(descriptor.geometry.distorted[::-1], np.uint8))
+    report = {"program": str(model.program), "code_bytes": model.code_bytes,
+              "ram_bytes": model.ram_bytes}
+    if not write_report(report, args.json):
+        print(f"{model.program}; firmware of {model.code_bytes} bytes, {model.ram_bytes} bytes of "
+              f"RAM beside its stack")
+    return 0
+
+
+def _run(args, descriptor):
+    raw, note = raw_frame(args, descriptor.geometry)
+    if note:
+        print(note, file=sys.stderr)
+    check_raw(raw, descriptor.geometry)
+    model = _model(args, descriptor, raw)
+    address = model.identity.ip
+    with TapNetwork() as network, tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
+        model.fill(folder)
+        print(f"the device is {address}, this side of its network {CLIENT}; programs join it by\n"
+              f"    nsenter --preserve-credentials -U -n -t {network.holder} PROGRAM\n"
+              f"the speed is told once a second; Ctrl-C ends the run", file=sys.stderr)
+        process = network.start(model.command(f"+tap={TAP}", f"+loss={args.loss}", "+rate"),
+                                cwd=folder)
+        try:
+            return process.wait()
+        except KeyboardInterrupt:
+            process.terminate()
+            process.wait()
+    return 0

@@ -1,0 +1,165 @@
+"""The system on a chip under Verilator, on a network interface of its own."""
+
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from ncdc_model.corrector import correct
+from ncdc_model.hardware import Hardware
+from ncdc_model.sensors.framing import setup_around
+from ncdc_model.sensors.level import levelled
+from ncdc_sim.link.namespaces import TAP, TapNetwork
+from ncdc_sim.runner import HDL, build, command_of
+from ncdc_sim.sensor.photo import still_raw
+from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.sensor.verilog import sensor_sources
+from ncdc_sim.tools import SimulationError
+from ncdc_soc.core import SocCore, core_verilog
+from ncdc_soc.firmware import Identity, config, firmware_image
+from ncdc_soc.soc import soc_verilog
+
+__all__ = ["ADDRESS", "SocModel", "SocRun"]
+
+ADDRESS = Identity().ip
+_SENSOR = "mt9p031"
+_STARTED = "address: "          # what the firmware says when it listens
+_PATIENCE_S = 120
+
+
+class SocModel:
+    """A system for one camera, compiled: its program, its firmware, what its sensor sees.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    raw : ndarray of uint8, shape (distorted height, distorted width)
+        What the sensor sends with the exposure that the firmware sets first.
+    exposure_us : float
+        That exposure.
+    hardware : Hardware, optional
+
+    Attributes
+    ----------
+    program : Path
+    code_bytes, ram_bytes : int
+        Of the firmware.
+    setup : Setup
+        Of the sensor.
+    identity : Identity
+        Of the device on its network.
+    """
+
+    def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None):
+        self.descriptor, self.identity = descriptor, Identity()
+        core = SocCore(descriptor, hardware or Hardware(bus="axi", format="BGR8"))
+        soc = soc_verilog(core)
+        self.setup, self._corner = setup_around(_SENSOR, descriptor.geometry,
+                                                exposure_us=exposure_us)
+        self._light = replace(still_raw(self.setup, self._corner, raw),
+                              nominal=self.setup.exposure_clocks)
+        with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
+            self._rom, self.code_bytes, self.ram_bytes = firmware_image(
+                config(core, soc, self.setup, self._corner, self.identity), soc, folder)
+        self.program = _build(core_verilog(core), soc)
+
+    def fill(self, folder):
+        """Write what the program reads when it starts."""
+        folder = Path(folder)
+        (folder / "ncdc_soc_rom.init").write_text("".join(f"{word:08x}\n" for word in self._rom))
+        (folder / "ncdc_soc_sram.init").write_text("0\n")
+        (folder / "sensor.bin").write_bytes(self._light.data())
+
+    def command(self, *plusargs):
+        """The program with its arguments, to be run in a folder that was filled."""
+        return [*command_of(self.program), *self._light.plusargs("sensor.bin"), *plusargs]
+
+    def golden(self, exposure_us=None):
+        """The golden model's :class:`Corrected` of the frame that the sensor sends with that
+        exposure; None: the first one."""
+        setup = self.setup
+        if exposure_us is not None:
+            setup, _ = setup_around(_SENSOR, self.descriptor.geometry, exposure_us=exposure_us)
+        return correct(self.descriptor, self.raw(setup))
+
+    def raw(self, setup):
+        """The raw frame that the sensor sends with that :class:`Setup`."""
+        (left, top), (width, height) = self._corner, self.descriptor.geometry.distorted
+        frame = raw_frames(setup, self._light)[0, top:top + height, left:left + width]
+        return levelled(frame, setup.sensor.black)
+
+
+def _build(core_text, soc):
+    """The program. It reads the firmware when it starts: new firmware needs no new program."""
+    sources = [("soc_bench.v", (HDL / "soc_bench.v").read_text()), *sensor_sources(),
+               ("ncdc_core.v", core_text), ("ncdc_soc.v", soc.text),
+               ("VexRiscv.v", Path(soc.processor).read_text())]
+    # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
+    return build("soc", "soc_bench", sources, defines={"NCDC_SENSOR": f'"{_SENSOR}"'},
+                 main=HDL / "soc_main.cpp",
+                 options=("-Wno-fatal", "-CFLAGS", "-fno-tree-slp-vectorize"))
+
+
+class SocRun:
+    """A :class:`SocModel` that runs on a network of its own, as a context.
+
+    Parameters
+    ----------
+    model : SocModel
+    loss : int
+        Frames of a thousand that are lost on their way out.
+
+    Attributes
+    ----------
+    network : TapNetwork
+        The clients' side; the device is at ``ADDRESS``.
+
+    Raises
+    ------
+    SimulationError
+        If there can be no such network, or the firmware does not start.
+    """
+
+    def __init__(self, model, loss=0):
+        self._model, self._loss = model, loss
+        self.network = TapNetwork()
+
+    def __enter__(self):
+        self.network.__enter__()
+        try:
+            self._folder = tempfile.TemporaryDirectory(prefix="ncdc-")
+            folder = Path(self._folder.name)
+            self._model.fill(folder)
+            self._screen, self._said = folder / "screen.txt", folder / "said.txt"
+            with open(self._screen, "w") as screen, open(self._said, "w") as said:
+                self._process = self.network.start(
+                    self._model.command(f"+tap={TAP}", f"+loss={self._loss}"), cwd=folder,
+                    stdout=screen, stderr=said)
+            self._wait()
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *failure):
+        self.network.__exit__(*failure)
+        self._folder.cleanup()
+
+    def _wait(self):
+        end = time.monotonic() + _PATIENCE_S
+        while _STARTED not in self._screen.read_text():
+            if self._process.poll() is not None or time.monotonic() > end:
+                raise SimulationError("the firmware has not started:\n" + self._screen.read_text()
+                                      + self._said.read_text())
+            time.sleep(0.05)
+
+    @property
+    def screen(self):
+        """What the firmware has said on the serial line, and the sensor's model between."""
+        return self._screen.read_text()
+
+    def end(self):
+        """End the run; what the simulation says of itself, as text."""
+        self._process.terminate()
+        self._process.wait(_PATIENCE_S)
+        return self._said.read_text()

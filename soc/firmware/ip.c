@@ -1,0 +1,76 @@
+#include "ip.h"
+
+#include <string.h>
+
+#include "hw.h"
+
+#define HOPS 64
+#define UDP 17
+#define DO_NOT_FRAGMENT 0x4000
+#define FRAGMENT 0x3fff		/* offset, and more to come */
+
+uint32_t ip_own, ip_mask;
+
+uint32_t ip_sum(const uint8_t *bytes, uint32_t length, uint32_t sum)
+{
+	for (; length > 1; length -= 2, bytes += 2)
+		sum += get16(bytes);
+	if (length)
+		sum += (uint32_t)bytes[0] << 8;
+	while (sum >> 16)
+		sum = (sum & 0xffff) + (sum >> 16);
+	return sum;
+}
+
+uint8_t *udp_header(uint8_t *frame, const struct udp_path *to, uint32_t length)
+{
+	uint8_t *ip = frame + ETH_HEADER, *udp = ip + IP_HEADER;
+
+	memcpy(frame, to->mac.bytes, 6);
+	memcpy(frame + 6, ETH_OWN.bytes, 6);
+	put16(frame + 12, ETH_IP);
+	put16(ip, 0x4500);
+	put16(ip + 2, IP_HEADER + UDP_HEADER + length);
+	put16(ip + 4, 0);
+	put16(ip + 6, DO_NOT_FRAGMENT);
+	put16(ip + 8, HOPS << 8 | UDP);
+	put16(ip + 10, 0);
+	put32(ip + 12, ip_own);
+	put32(ip + 16, to->ip);
+	put16(ip + 10, ~ip_sum(ip, IP_HEADER, 0));
+	put16(udp, to->own_port);
+	put16(udp + 2, to->port);
+	put16(udp + 4, UDP_HEADER + length);
+	put16(udp + 6, 0);
+	return udp + UDP_HEADER;
+}
+
+bool udp_parse(const uint8_t *frame, uint32_t length, struct datagram *datagram)
+{
+	const uint8_t *ip = frame + ETH_HEADER, *udp = ip + IP_HEADER;
+	uint32_t total, size, to;
+
+	if (length < ETH_HEADER + IP_HEADER + UDP_HEADER || get16(frame + 12) != ETH_IP)
+		return false;
+	total = get16(ip + 2);
+	if (ip[0] != 0x45 || ip[9] != UDP || get16(ip + 6) & FRAGMENT ||
+	    total > length - ETH_HEADER || total < IP_HEADER + UDP_HEADER ||
+	    ip_sum(ip, IP_HEADER, 0) != 0xffff)
+		return false;
+	to = get32(ip + 16);
+	if (to != ip_own && to != 0xffffffff && to != (ip_own | ~ip_mask))
+		return false;
+	size = get16(udp + 4);
+	if (size < UDP_HEADER || size > total - IP_HEADER)
+		return false;
+	/* The sum of a pseudo header: addresses, protocol, length. */
+	if (get16(udp + 6) && ip_sum(udp, size, ip_sum(ip + 12, 8, UDP + size)) != 0xffff)
+		return false;
+	memcpy(datagram->from.mac.bytes, frame + 6, 6);
+	datagram->from.ip = get32(ip + 12);
+	datagram->from.port = get16(udp);
+	datagram->from.own_port = datagram->port = get16(udp + 2);
+	datagram->data = udp + UDP_HEADER;
+	datagram->length = size - UDP_HEADER;
+	return true;
+}

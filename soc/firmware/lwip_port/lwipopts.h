@@ -1,0 +1,42 @@
+/* lwIP in one loop: no threads, its callback interface, IPv4 on the local link. */
+#ifndef LWIPOPTS_H
+#define LWIPOPTS_H
+
+#define NO_SYS 1
+#define SYS_LIGHTWEIGHT_PROT 0
+#define LWIP_NETCONN 0
+#define LWIP_SOCKET 0
+#define LWIP_IPV6 0
+#define LWIP_DNS 0
+#define LWIP_IGMP 0
+#define LWIP_RAW 0
+#define LWIP_STATS 0
+#define IP_REASSEMBLY 0
+#define IP_FRAG 0
+#define LWIP_DHCP 1
+#define LWIP_AUTOIP 1
+#define LWIP_DHCP_AUTOIP_COOP 1
+#define LWIP_DHCP_AUTOIP_COOP_TRIES 2
+#define LWIP_ACD 0
+#define LWIP_NETIF_STATUS_CALLBACK 1
+#ifdef FIRMWARE_HOST
+#define MEM_ALIGNMENT 8
+#else
+#define MEM_ALIGNMENT 4
+#endif
+#define MEM_SIZE (16 * 1024)
+#define MEMP_NUM_TCP_PCB (TABLE_USERS + 2)	/* users, and one that is refused */
+#define MEMP_NUM_TCP_SEG 32
+#define MEMP_NUM_PBUF 16
+#define PBUF_POOL_SIZE 8
+#define PBUF_POOL_BUFSIZE 1536
+#define TCP_MSS 1460
+#define TCP_WND (2 * TCP_MSS)
+#define TCP_SND_BUF (4 * TCP_MSS)
+#define TCP_SND_QUEUELEN 12
+#define LWIP_NETIF_TX_SINGLE_PBUF 1
+#define LWIP_TCP_KEEPALIVE 1
+
+#include "config.h"
+
+#endif

@@ -1,0 +1,57 @@
+/* The firmware: one loop, no operating system. */
+#include "eth.h"
+#include "gvcp.h"
+#include "hw.h"
+#include "ip.h"
+#include "net.h"
+#include "sensor.h"
+#include "stream.h"
+#include "uart.h"
+#include "words.h"
+
+struct setting {
+	uint32_t address, value;
+};
+
+static const struct setting SETTINGS[] = SYSTEM_SETTINGS;
+
+static void camera_start(void)
+{
+	for (unsigned k = 0; k < sizeof SETTINGS / sizeof *SETTINGS; ++k)
+		reg_write(SETTINGS[k].address, SETTINGS[k].value);
+	if (sensor_set_up()) {
+		uart_text("sensor: no answer, or another one\n");
+		return;
+	}
+	reg_write(NCDC_RUN, 1);
+	reg_write(NCDC_CAMERA_ENABLE, 1);
+	if (words_begin() || sensor_start())
+		uart_text("sensor: no answer\n");
+	else
+		uart_text("sensor: started\n");
+}
+
+/* Called at an exception, behind which the processor stands still. */
+void trapped(uint32_t cause, uint32_t at);
+
+void trapped(uint32_t cause, uint32_t at)
+{
+	uart_text("exception ");
+	uart_hex(cause);
+	uart_text(" at ");
+	uart_hex(at);
+	uart_text("\n");
+}
+
+int main(void)
+{
+	uart_text("NCDC " CONFIG_VERSION "\n");
+	camera_start();
+	gvcp_begin();
+	net_begin();
+	for (;;) {
+		net_poll();
+		stream_poll();
+		gvcp_poll();
+	}
+}

@@ -1,0 +1,116 @@
+#include "net.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+#include "eth.h"
+#include "gvcp.h"
+#include "hw.h"
+#include "ip.h"
+#include "lwip/dhcp.h"
+#include "lwip/etharp.h"
+#include "lwip/init.h"
+#include "lwip/timeouts.h"
+#include "table.h"
+#include "uart.h"
+
+#define TIMERS_CLOCKS (CLOCK_HZ / 100)
+
+static struct netif interface;
+static uint32_t words[(ETH_LONGEST + 3) / 4];
+static uint32_t random_state = 1;
+static uint32_t looked;		/* clock at which lwIP's timers were looked at */
+
+/* What lwIP asks of its surroundings. */
+
+uint32_t sys_now(void)
+{
+	return (uint32_t)(now64() / (CLOCK_HZ / 1000));
+}
+
+uint32_t lwip_random(void)
+{
+	/* Clocks of packets that come are the noise. */
+	random_state = (random_state ^ now32()) * 1664525u + 1013904223u;
+	return random_state;
+}
+
+void lwip_failed(void)
+{
+	uart_text("lwIP has failed\n");
+	for (;;)
+		;
+}
+
+static err_t send(struct netif *netif, struct pbuf *chain)
+{
+	static uint32_t frame[(ETH_LONGEST + 3) / 4];
+
+	(void)netif;
+	if (chain->tot_len > ETH_LONGEST)
+		return ERR_BUF;
+	pbuf_copy_partial(chain, frame, chain->tot_len, 0);
+	eth_send((const uint8_t *)frame, chain->tot_len);
+	return ERR_OK;
+}
+
+static void changed(struct netif *netif)
+{
+	ip_own = lwip_ntohl(netif_ip4_addr(netif)->addr);
+	ip_mask = lwip_ntohl(netif_ip4_netmask(netif)->addr);
+	uart_text("address: ");
+	uart_hex(ip_own);
+	uart_text("\n");
+}
+
+static err_t begin(struct netif *netif)
+{
+	netif->name[0] = 'e';
+	netif->name[1] = '0';
+	netif->mtu = 1500;
+	netif->hwaddr_len = 6;
+	memcpy(netif->hwaddr, ETH_OWN.bytes, 6);
+	netif->flags = NETIF_FLAG_BROADCAST | NETIF_FLAG_ETHARP | NETIF_FLAG_LINK_UP;
+	netif->output = etharp_output;
+	netif->linkoutput = send;
+	return ERR_OK;
+}
+
+void net_begin(void)
+{
+	ip4_addr_t address = {lwip_htonl(CONFIG_IP)}, mask = {lwip_htonl(CONFIG_MASK)}, none = {0};
+
+	lwip_init();
+	netif_add(&interface, CONFIG_IP ? &address : &none, CONFIG_IP ? &mask : &none, &none, 0, begin,
+		  netif_input);
+	netif_set_default(&interface);
+	netif_set_status_callback(&interface, changed);
+	netif_set_up(&interface);
+	/* Without an address of its own the device asks for one, and takes a link-local one when
+	 * nobody answers. */
+	if (!CONFIG_IP && dhcp_start(&interface) != ERR_OK)
+		uart_text("DHCP: no memory\n");
+	if (table_begin())
+		uart_text("Table I: no memory\n");
+}
+
+void net_poll(void)
+{
+	uint8_t *frame = (uint8_t *)words;
+	uint32_t length = eth_receive(frame);
+	struct pbuf *buffer;
+
+	/* Milliseconds cost a long division, which the loop cannot afford each time. */
+	if (now32() - looked >= TIMERS_CLOCKS) {
+		looked = now32();
+		sys_check_timeouts();
+	}
+	if (length < ETH_HEADER || gvcp_frame(frame, length))
+		return;
+	buffer = pbuf_alloc(PBUF_RAW, (uint16_t)length, PBUF_POOL);
+	if (!buffer)
+		return;
+	pbuf_take(buffer, frame, (uint16_t)length);
+	if (interface.input(buffer, &interface) != ERR_OK)
+		pbuf_free(buffer);
+}

@@ -1,0 +1,36 @@
+/* Pictures over GVSP: which frame goes out, its headers, what is sent again. */
+#ifndef STREAM_H
+#define STREAM_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "eth.h"
+
+#define STREAM_PORT 49152u	/* of UDP, that packets come from */
+#define STREAM_HEADERS 36	/* bytes of IP, UDP and GVSP, all counted in a packet's size */
+#define STREAM_STEP 16		/* bytes of the picture in a packet are a multiple of this */
+
+struct receiver {
+	struct eth_address mac;
+	uint32_t ip, port, packet_size, delay_clocks;
+};
+
+extern uint32_t stream_frames, stream_resends;
+
+/* Largest size of a packet up to `size` that the hardware can make. */
+uint32_t stream_packet_size(uint32_t size);
+
+void stream_start(const struct receiver *to, bool single);
+void stream_stop(void);
+bool stream_ended(void);	/* it was to be one picture, which has gone */
+
+/* Asks for packets of a picture again. */
+void stream_resend(uint32_t block, uint32_t first, uint32_t last);
+
+/* Sends a test packet of that size, if a frame of the processor can have it. */
+void stream_test(const struct receiver *to, uint32_t size);
+
+void stream_poll(void);
+
+#endif

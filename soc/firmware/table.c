@@ -1,0 +1,120 @@
+#include "table.h"
+
+#include "hw.h"
+#include "lwip/tcp.h"
+#include "words.h"
+
+#define READ 0x80
+#define WRITE 0x81
+#define RESERVED 0x82		/* says nothing, is answered nothing */
+#define UNKNOWN 0xff
+#define REQUEST 5		/* bytes of READ and WRITE, and of their answers */
+
+struct user {
+	struct tcp_pcb *pcb;	/* 0: the place is free */
+	uint8_t bytes[REQUEST];	/* of a request that is not complete */
+	uint8_t count;
+};
+
+uint32_t table_commands;
+static struct user users[TABLE_USERS];
+
+static void leave(struct user *user)
+{
+	struct tcp_pcb *pcb = user->pcb;
+
+	user->pcb = 0;
+	tcp_arg(pcb, 0);
+	tcp_recv(pcb, 0);
+	tcp_err(pcb, 0);
+	tcp_poll(pcb, 0, 0);
+	if (tcp_close(pcb) != ERR_OK)
+		tcp_abort(pcb);
+}
+
+/* Answers the request; false if the connection is to be closed behind it. */
+static bool answer(struct user *user)
+{
+	uint8_t *bytes = user->bytes;
+	uint32_t address = get16(bytes + 1);
+	uint8_t refused[2] = {UNKNOWN, bytes[0]};
+
+	++table_commands;
+	user->count = 0;
+	if (bytes[0] == WRITE)
+		word_write(address, get16(bytes + 3));
+	if (bytes[0] == READ || bytes[0] == WRITE) {
+		put16(bytes + 3, word_read(address));
+		return tcp_write(user->pcb, bytes, REQUEST, TCP_WRITE_FLAG_COPY) == ERR_OK;
+	}
+	tcp_write(user->pcb, refused, sizeof refused, TCP_WRITE_FLAG_COPY);
+	return false;
+}
+
+/* Takes a byte; false if the connection is to be closed. */
+static bool take(struct user *user, uint8_t byte)
+{
+	if (!user->count && byte == RESERVED)
+		return true;
+	user->bytes[user->count++] = byte;
+	if (user->count == 1 && byte != READ && byte != WRITE)
+		return answer(user);
+	return user->count < REQUEST || answer(user);
+}
+
+static err_t received(void *argument, struct tcp_pcb *pcb, struct pbuf *chain, err_t error)
+{
+	struct user *user = argument;
+	bool stays = chain != 0;
+
+	(void)error;
+	for (struct pbuf *part = chain; part && stays; part = part->next)
+		for (uint16_t k = 0; k < part->len && stays; ++k)
+			stays = take(user, ((const uint8_t *)part->payload)[k]);
+	if (chain) {
+		tcp_recved(pcb, chain->tot_len);
+		pbuf_free(chain);
+	}
+	tcp_output(pcb);
+	if (!stays)
+		leave(user);
+	return ERR_OK;
+}
+
+static void failed(void *argument, err_t error)
+{
+	(void)error;
+	((struct user *)argument)->pcb = 0;
+}
+
+static err_t accepted(void *argument, struct tcp_pcb *pcb, err_t error)
+{
+	(void)argument;
+	if (error != ERR_OK || !pcb)
+		return ERR_VAL;
+	for (unsigned k = 0; k < TABLE_USERS; ++k)
+		if (!users[k].pcb) {
+			users[k] = (struct user){.pcb = pcb};
+			tcp_arg(pcb, &users[k]);
+			tcp_recv(pcb, received);
+			tcp_err(pcb, failed);
+			ip_set_option(pcb, SOF_KEEPALIVE);
+			tcp_nagle_disable(pcb);
+			return ERR_OK;
+		}
+	tcp_abort(pcb);
+	return ERR_ABRT;
+}
+
+int table_begin(void)
+{
+	struct tcp_pcb *pcb = tcp_new(), *listening;
+
+	if (!pcb || tcp_bind(pcb, IP_ADDR_ANY, TABLE_PORT) != ERR_OK)
+		return -1;
+	listening = tcp_listen_with_backlog(pcb, 4);
+	if (!listening)
+		return -1;
+	tcp_accept(listening, accepted);
+	return 0;
+}

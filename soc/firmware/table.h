@@ -1,0 +1,12 @@
+/* Table I: commands of one byte, with address and value, over TCP. */
+#ifndef TABLE_H
+#define TABLE_H
+
+#include <stdint.h>
+
+extern uint32_t table_commands;
+
+/* Listens; 0, or -1 without memory. */
+int table_begin(void);
+
+#endif

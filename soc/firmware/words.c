@@ -1,0 +1,210 @@
+#include "words.h"
+
+#include "hw.h"
+#include "sensor.h"
+
+#define PAGE 0xf000u		/* the system's words; the sensor's are below */
+
+bool words_streaming;
+uint32_t words_dropped, words_torn;
+static bool corrected = true;
+static uint32_t rate = RATE_TENTHS;
+
+CONFIG_CHOICES
+static const struct feature FEATURES[] = CONFIG_FEATURES;
+
+/* Registers of the sensor that are kept, so that reading them takes no time on the I2C bus. */
+static uint16_t shutter_upper, shutter_lower, gain, pattern;
+
+int words_begin(void)
+{
+	const struct {
+		uint16_t *word;
+		uint32_t address;
+	} kept[] = {{&shutter_upper, SENSOR_SHUTTER_UPPER}, {&shutter_lower, SENSOR_SHUTTER_LOWER},
+		    {&gain, SENSOR_GAIN}, {&pattern, SENSOR_PATTERN}};
+
+	for (unsigned k = 0; k < sizeof kept / sizeof *kept; ++k) {
+		int32_t value = sensor_read(kept[k].address);
+
+		if (value < 0)
+			return -1;
+		*kept[k].word = (uint16_t)value;
+	}
+	return 0;
+}
+
+struct view words_view(void)
+{
+	struct view view = {!corrected, CORRECTED_WIDTH, CORRECTED_HEIGHT, CORRECTED_SIZE,
+			    CORRECTED_PFNC, CORRECTED_MRAW};
+
+	if (!corrected)
+		view = (struct view){true, RAW_WIDTH, RAW_HEIGHT, RAW_WIDTH * RAW_HEIGHT, RAW_PFNC,
+				     RAW_MRAW};
+	return view;
+}
+
+uint32_t words_frame_clocks(void)
+{
+	return (uint32_t)(10ull * CLOCK_HZ / rate);
+}
+
+static uint32_t kept_read(uint32_t address)
+{
+	int32_t value;
+
+	switch (address) {
+	case SENSOR_SHUTTER_UPPER: return shutter_upper;
+	case SENSOR_SHUTTER_LOWER: return shutter_lower;
+	case SENSOR_GAIN: return gain;
+	case SENSOR_PATTERN: return pattern;
+	}
+	if (address > SENSOR_LAST)
+		return 0;
+	value = sensor_read(address);
+	return value < 0 ? 0 : (uint32_t)value;
+}
+
+uint32_t word_read(uint32_t address)
+{
+	struct view view = words_view();
+
+	switch (address) {
+	case WORD_SOURCE: return corrected;
+	case WORD_WIDTH: case WORD_WIDTH_MAX: return view.width;
+	case WORD_HEIGHT: case WORD_HEIGHT_MAX: return view.height;
+	case WORD_FORMAT: return view.mraw;
+	case WORD_FRAME_RATE: return rate;
+	case WORD_DROPPED_UPPER: return words_dropped >> 16;
+	case WORD_DROPPED_LOWER: return words_dropped & 0xffff;
+	case WORD_TORN_UPPER: return words_torn >> 16;
+	case WORD_TORN_LOWER: return words_torn & 0xffff;
+	case WORD_LINE_TIME_UPPER: return LINE_TIME_NS >> 16;
+	case WORD_LINE_TIME_LOWER: return LINE_TIME_NS & 0xffff;
+	case WORD_STREAMING: return words_streaming;
+	}
+	/* The other words of the page are 0: offsets, number of the lens, of the last lens. */
+	return address >= PAGE ? 0 : kept_read(address);
+}
+
+static enum refusal write_page(uint32_t address, uint32_t value)
+{
+	switch (address) {
+	case WORD_SOURCE:
+		if (value > 1)
+			return BAD_VALUE;
+		corrected = value;
+		return DONE;
+	case WORD_FORMAT:
+		if (value != RAW_MRAW && value != CORRECTED_MRAW)
+			return BAD_VALUE;
+		corrected = value == CORRECTED_MRAW;
+		return DONE;
+	case WORD_FRAME_RATE:
+		if (value < 1 || value > RATE_TENTHS_MAX)
+			return BAD_VALUE;
+		rate = value;
+		return DONE;
+	case WORD_WIDTH: case WORD_HEIGHT: case WORD_OFFSET_X: case WORD_OFFSET_Y: case WORD_LENS:
+		return BAD_VALUE;	/* one size, one lens: there is no other value */
+	}
+	return READ_ONLY;
+}
+
+/* Whether the sensor's register decides the size or the place of the frame, which the corrector
+ * relies on. */
+static bool geometry(uint32_t address)
+{
+	static const uint16_t OWN[] = SENSOR_OWN;
+
+	for (unsigned k = 0; k < sizeof OWN / sizeof *OWN; ++k)
+		if (OWN[k] == address)
+			return true;
+	return address > SENSOR_LAST;
+}
+
+static enum refusal write_sensor(uint32_t address, uint32_t value)
+{
+	uint16_t *kept = 0;
+
+	if (geometry(address))
+		return READ_ONLY;
+	switch (address) {
+	case SENSOR_SHUTTER_UPPER:
+		if (value > 15)
+			return BAD_VALUE;
+		kept = &shutter_upper;
+		break;
+	case SENSOR_SHUTTER_LOWER: kept = &shutter_lower; break;
+	case SENSOR_GAIN:
+		if ((value & 63) < 8)
+			return BAD_VALUE;
+		kept = &gain;
+		break;
+	case SENSOR_PATTERN: kept = &pattern; break;
+	}
+	if (sensor_write(address, value))
+		return SENSOR_SILENT;
+	if (kept)
+		*kept = (uint16_t)value;
+	return DONE;
+}
+
+enum refusal word_write(uint32_t address, uint32_t value)
+{
+	if (word_read(address) == value)
+		return DONE;
+	if (words_streaming && (address == WORD_SOURCE || address == WORD_FORMAT))
+		return LOCKED;
+	return address >= PAGE ? write_page(address, value) : write_sensor(address, value);
+}
+
+const struct feature *feature_at(uint32_t address)
+{
+	/* They lie one behind the other. */
+	uint32_t k = (address - GVCP_FEATURE_BASE) / 4;
+
+	if (k < sizeof FEATURES / sizeof *FEATURES && FEATURES[k].address == address)
+		return &FEATURES[k];
+	return 0;
+}
+
+uint32_t feature_read(const struct feature *one)
+{
+	uint32_t value = word_read(one->lower);
+
+	if (one->upper != NO_WORD)
+		value |= word_read(one->upper) << 16;
+	if (one->width)
+		value = value >> one->shift & ((1u << one->width) - 1);
+	for (unsigned k = 0; k < one->count; ++k)
+		if (one->choices[k].word == value)
+			return one->choices[k].value;
+	return value;
+}
+
+enum refusal feature_write(const struct feature *one, uint32_t value)
+{
+	enum refusal refusal = DONE;
+
+	if (one->count) {
+		unsigned k = 0;
+
+		while (k < one->count && one->choices[k].value != value)
+			++k;
+		if (k == one->count)
+			return BAD_VALUE;
+		value = one->choices[k].word;
+	} else if (value < one->low || value > one->high) {
+		return BAD_VALUE;
+	}
+	if (one->width) {
+		uint32_t mask = ((1u << one->width) - 1) << one->shift;
+
+		value = (word_read(one->lower) & ~mask) | value << one->shift;
+	}
+	if (one->upper != NO_WORD)
+		refusal = word_write(one->upper, value >> 16);
+	return refusal ? refusal : word_write(one->lower, value & 0xffff);
+}

@@ -1,0 +1,50 @@
+/* The state that both protocols show: 16-bit words of Table I, and GVCP's features in them. */
+#ifndef WORDS_H
+#define WORDS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Why a write is not carried out. */
+enum refusal { DONE, BAD_VALUE, LOCKED, READ_ONLY, SENSOR_SILENT };
+
+#define NO_WORD 0xffffu
+
+struct choice {
+	uint32_t value;		/* in GVCP's register */
+	uint16_t word;		/* in the word of Table I */
+};
+
+struct feature {
+	uint32_t address;
+	uint8_t id;		/* enum feature_id of config.h */
+	char access;		/* 'r', 'w' or 'b' for both */
+	uint16_t upper, lower;	/* addresses of its words, NO_WORD if it has none */
+	uint8_t shift, width;	/* of its field in the word; width 0: the whole */
+	uint32_t low, high;
+	const struct choice *choices;
+	uint8_t count;		/* of the choices */
+};
+
+struct view {
+	bool raw;
+	uint32_t width, height, bytes, pfnc, mraw;
+};
+
+extern bool words_streaming;	/* pictures stream: size and format are locked */
+extern uint32_t words_dropped, words_torn;
+
+/* Reads the exposure and the gain back that the sensor was set up with. */
+int words_begin(void);
+
+struct view words_view(void);
+uint32_t words_frame_clocks(void);	/* least clocks from frame to frame */
+
+uint32_t word_read(uint32_t address);
+enum refusal word_write(uint32_t address, uint32_t value);
+
+const struct feature *feature_at(uint32_t address);
+uint32_t feature_read(const struct feature *one);
+enum refusal feature_write(const struct feature *one, uint32_t value);
+
+#endif

@@ -1,0 +1,1 @@
+"""The reference system: processor, memory controller and Ethernet around the camera system."""

@@ -1,0 +1,126 @@
+"""What of the system is ours: camera, corrector and packetiser, with ports for LiteX."""
+
+from amaranth import *
+from amaranth.back import verilog
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from ncdc_hdl.avalon.native import NativePort, NativeReader, NativeWriter
+from ncdc_hdl.avalon.wishbone import Wishbone, WishboneAgent
+from ncdc_hdl.lib.ports import ports_as
+from ncdc_hdl.link.packetiser import Packetiser
+from ncdc_hdl.system import System
+from ncdc_model.interface.link_map import LINK_WORDS_BITS
+from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
+
+__all__ = ["ADDRESS_BITS", "LINK_BASE", "SocCore", "core_verilog"]
+
+ADDRESS_BITS = SYSTEM_WORDS_BITS + 1    # of a register, in words
+LINK_BASE = 1 << SYSTEM_WORDS_BITS      # word address of the packetiser's
+_PINS = ("sensor_clock", "sensor_frame_valid", "sensor_line_valid", "sensor_data", "scl", "sda",
+         "scl_low", "sda_low")
+
+
+class SocCore(wiring.Component):
+    """Camera system and packetiser behind a Wishbone bus, on native ports of LiteDRAM.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    hardware : Hardware
+        With the bus "axi": its write host waits for answers, so that a frame is handed on only
+        when the controller has all of it. Its corrected frames go to memory.
+    readers : int
+        That claim frames by registers.
+    capacity : int
+        Bytes that the packetiser reads ahead.
+
+    Members
+    -------
+    bus : ``In(Wishbone(ADDRESS_BITS))``
+        Registers of the system, and from ``LINK_BASE`` on those of the packetiser.
+    port0, port1, .. : native ports
+        That of the writes, that of the packetiser, those of the corrector's reads.
+    frame_valid, frame_ready, frame_data, frame_empty, frame_last
+        Ethernet frames without check sequence, as of :class:`Packetiser`.
+    irq : ``Out(1)``
+    others
+        As of :class:`System`.
+    """
+
+    def __init__(self, descriptor, hardware, readers=2, capacity=4096):
+        self.system = System(descriptor, hardware, readers)
+        self.packetiser = Packetiser(hardware.data_width, capacity=capacity)
+        self.reads = [name.partition("_")[0] for name in self.system.signature.members
+                      if name.startswith("read") and name.endswith("_readdata")]
+        self.ports = 2 + len(self.reads)
+        members = self.system.signature.members
+        super().__init__({
+            "bus": In(Wishbone(ADDRESS_BITS)), "irq": Out(1),
+            **{f"port{k}": Out(NativePort(hardware.data_width)) for k in range(self.ports)},
+            **{name: members[name] for name in _PINS},
+            "frame_valid": Out(1), "frame_ready": In(1), "frame_data": Out(32),
+            "frame_empty": Out(2), "frame_last": Out(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.system = system = self.system
+        m.submodules.packetiser = packetiser = self.packetiser
+        for name in _PINS:
+            ours, inner = getattr(self, name), getattr(system, name)
+            flow = system.signature.members[name].flow
+            m.d.comb += ours.eq(inner) if flow is Out else inner.eq(ours)
+        self._registers(m)
+        self._memory(m)
+        frame = packetiser.o
+        m.d.comb += [
+            self.irq.eq(system.irq | packetiser.irq), self.frame_valid.eq(frame.valid),
+            frame.ready.eq(self.frame_ready), self.frame_data.eq(frame.p.data),
+            self.frame_empty.eq(frame.p.empty), self.frame_last.eq(frame.p.last)]
+        return m
+
+    def _registers(self, m):
+        """Two agents behind the bus; one access is under way at a time."""
+        m.submodules.bridge = bridge = WishboneAgent(ADDRESS_BITS)
+        connect(m, flipped(self.bus), bridge.host)
+        system, link, agent = self.system, self.packetiser.csr, bridge.agent
+        there = agent.address[-1]               # it is the packetiser's
+        m.d.comb += [
+            system.csr_address.eq(agent.address), link.address.eq(agent.address[:LINK_WORDS_BITS]),
+            system.csr_writedata.eq(agent.writedata), link.writedata.eq(agent.writedata),
+            system.csr_read.eq(agent.read & ~there), link.read.eq(agent.read & there),
+            system.csr_write.eq(agent.write & ~there), link.write.eq(agent.write & there),
+            agent.waitrequest.eq(Mux(there, link.waitrequest, system.csr_waitrequest)),
+            agent.readdatavalid.eq(system.csr_readdatavalid | link.readdatavalid),
+            agent.readdata.eq(Mux(link.readdatavalid, link.readdata, system.csr_readdata))]
+
+    def _memory(self, m):
+        """A bridge per host."""
+        system, width = self.system, self.system.hardware.data_width
+        m.submodules.writer = writer = NativeWriter(
+            width, max_burst=_longest(system.write_burstcount), pending=system.pending)
+        connect(m, ports_as(system, "write", writer.bus.signature.flip()), writer.bus)
+        connect(m, writer.port, flipped(self.port0))
+        hosts = [self.packetiser.bus]
+        for name in self.reads:
+            burst = _longest(getattr(system, f"{name}_burstcount"))
+            hosts.append((name, burst))
+        for k, host in enumerate(hosts):
+            if k:
+                name, burst = host
+                reader = NativeReader(width, burst)
+                host = ports_as(system, name, reader.bus.signature.flip())
+            else:
+                reader = NativeReader(width, host.signature.max_burst)
+            m.submodules[f"reader{k}"] = reader
+            connect(m, host, reader.bus)
+            connect(m, reader.port, flipped(getattr(self, f"port{k + 1}")))
+
+
+def _longest(burstcount):
+    return (1 << len(burstcount)) // 2
+
+
+def core_verilog(core):
+    """Verilog of a :class:`SocCore`, as the module ``ncdc_core``."""
+    return verilog.convert(core, name="ncdc_core")

@@ -1,0 +1,295 @@
+"""The firmware: its configuration, made of the tables that all of NCDC shares, and its image."""
+
+import io
+import shutil
+import struct
+import subprocess
+import zipfile
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from ncdc_model.errors import InputError
+from ncdc_model.interface import gvcp
+from ncdc_model.interface.features import FEATURES, feature
+from ncdc_model.interface.frames import output_format
+from ncdc_model.interface.genicam import genicam_xml
+from ncdc_model.interface.link_map import LINK, TEMPLATES
+from ncdc_model.interface.pixel_formats import bayer_format
+from ncdc_model.interface.system_map import system_registers
+from ncdc_model.interface.table_one import SYSTEM_WORDS, TCP_PORT
+from ncdc_model.sensors import mt9p031
+from ncdc_soc.core import LINK_BASE
+from ncdc_soc.lwip import FILES, lwip_source
+from ncdc_soc.mac import SLOT_BYTES
+from ncdc_soc.soc import CLOCK_HZ, MAP
+
+__all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
+
+FIRMWARE = Path(__file__).resolve().parents[1] / "firmware"
+_COMPILER = "riscv64-unknown-elf-gcc"
+_I2C_QUARTER = 8            # clocks, the least: in simulation nobody waits for a slow bus
+_USERS = 8                  # of Table I at a time
+_SENSOR_LAST = 0xFF         # address of the sensor's last register
+_SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "stream.c", "words.c", "sensor.c",
+            "ip.c", "eth.c", "uart.c", "memory.c")
+_ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
+_OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-Os", "-ffunction-sections", "-fdata-sections",
+            "-ffreestanding", "-msave-restore", "-std=c11", "-Wall", "-Wextra", "-Werror",
+            "-nostartfiles", "--specs=picolibc.specs", "-Wl,--gc-sections")
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Who the device is on the network.
+
+    Parameters
+    ----------
+    ip, mask, mac : str
+    serial : str
+    """
+    ip: str = "10.77.0.11"
+    mask: str = "255.255.255.0"
+    mac: str = "02:4e:0a:4d:00:0b"
+    serial: str = "1"
+
+
+def config(core, soc, setup, corner, identity=Identity()):
+    """Text of ``config.h``: all that the C does not know of itself.
+
+    Parameters
+    ----------
+    core : SocCore
+    soc : SocVerilog
+    setup : Setup
+        Of the sensor.
+    corner : (int, int)
+        Column and row of the sensor's frame at which raw frames begin.
+    identity : Identity
+    """
+    lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
+    lines += [f"#define {name} {value}" for name, value in {
+        **_hardware(core, soc), **_registers(core), **_pictures(core, setup), **_sensor(setup),
+        **_protocols(identity)}.items()]
+    lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in _features())
+                 + "};")
+    lines += [f"#define CONFIG_CHOICES {_choices()}", f"#define CONFIG_FEATURES {_table()}",
+              f"#define SYSTEM_SETTINGS {_settings(core, setup, corner)}"]
+    return "\n".join([*lines, "#endif"]) + "\n"
+
+
+def _hex(value):
+    return f"0x{value:x}u"
+
+
+def _text(value):
+    return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def _braced(values):
+    return "{" + ", ".join(values) + "}"
+
+
+def _hardware(core, soc):
+    return {
+        **{f"CSR_{name}": _hex(address) for name, address in soc.registers.items()},
+        "CLOCK_HZ": f"{CLOCK_HZ}u", "NCDC_BASE": _hex(MAP["ncdc"]),
+        "ETHMAC_RX_BASE": _hex(MAP["ethmac_rx"]), "ETHMAC_TX_BASE": _hex(MAP["ethmac_tx"]),
+        "ETHMAC_SLOT_BYTES": f"{SLOT_BYTES}u",
+        "LINK_CAPACITY": f"{core.packetiser.capacity}u",
+        "LINK_TEMPLATES": _hex(MAP["ncdc"] + 4 * (LINK_BASE + TEMPLATES))}
+
+
+def _registers(core):
+    """Byte address of each register, and the flags of those that have some."""
+    found = {}
+    for prefix, base, table in (("NCDC_", 0, system_registers(core.system.stores)),
+                                ("", LINK_BASE, LINK)):
+        for register in table:
+            found[prefix + register.name] = _hex(MAP["ncdc"] + 4 * (base + register.address))
+            for flag in register.flags:
+                found[f"{prefix}{register.name}_{flag.name}"] = _hex(flag.mask)
+                shift = (flag.mask & -flag.mask).bit_length() - 1
+                if flag.mask & flag.mask - 1:
+                    found[f"{prefix}{register.name}_{flag.name}_SHIFT"] = shift
+    return found
+
+
+def _pictures(core, setup):
+    geometry = core.system.descriptor.geometry
+    form = output_format(core.system.hardware.format).sent
+    raw = bayer_format(geometry.bayer)
+    width, height = geometry.corrected
+    timing = setup.timing
+    rate = round(10 * timing.frames_per_second)
+    return {
+        "CORRECTED_WIDTH": f"{width}u", "CORRECTED_HEIGHT": f"{height}u",
+        "CORRECTED_SIZE": f"{width * height * form.pixel_bytes}u",
+        "CORRECTED_PFNC": _hex(form.pfnc), "CORRECTED_MRAW": _hex(form.mraw),
+        "RAW_WIDTH": f"{geometry.distorted_width}u", "RAW_HEIGHT": f"{geometry.distorted_height}u",
+        "RAW_PFNC": _hex(raw.pfnc), "RAW_MRAW": _hex(raw.mraw),
+        "LINE_TIME_NS": f"{round(1e9 * timing.line_clocks / timing.pixel_clock_hz)}u",
+        "RATE_TENTHS": f"{max(1, rate)}u",
+        "RATE_TENTHS_MAX": f"{max(rate, feature('AcquisitionFrameRate').high)}u"}
+
+
+def _sensor(setup):
+    sensor = setup.sensor
+    (identity, value), *_ = sensor.chip_id
+    writes = [f"{{0x{w.register:x}, 0x{w.value:x}, {w.wait_us}}}" for w in setup.writes]
+    # What decides the frame's size, place or clock is the firmware's alone.
+    variable = {mt9p031.SHUTTER_UPPER, mt9p031.SHUTTER_LOWER, mt9p031.GLOBAL_GAIN,
+                mt9p031.TEST_PATTERN, *(address for address, _ in mt9p031.TEST_COLOURS.values())}
+    own = sorted({w.register for w in setup.writes} - variable | {identity})
+    return {
+        "SENSOR_I2C": _hex(sensor.i2c_address), "SENSOR_POINTER_BITS": sensor.pointer_bits,
+        "SENSOR_VALUE_BITS": sensor.value_bits, "SENSOR_ID_ADDRESS": _hex(identity),
+        "SENSOR_ID": _hex(value)[:-1], "SENSOR_SET_UP": _braced(writes),
+        "SENSOR_WAIT_CLOCKS": "1u", "SENSOR_OWN": _braced(map(str, own)),
+        "SENSOR_LAST": _hex(_SENSOR_LAST), "SENSOR_SHUTTER_UPPER": _hex(mt9p031.SHUTTER_UPPER),
+        "SENSOR_SHUTTER_LOWER": _hex(mt9p031.SHUTTER_LOWER),
+        "SENSOR_GAIN": _hex(mt9p031.GLOBAL_GAIN), "SENSOR_PATTERN": _hex(mt9p031.TEST_PATTERN)}
+
+
+def _protocols(identity):
+    # Packed it takes an eighth of the ROM, and of the time that a client needs to read it.
+    xml = _zipped(gvcp.XML_NAME, genicam_xml())
+    url = f"Local:{Path(gvcp.XML_NAME).stem}.zip;{gvcp.XML_BASE:X};{len(xml):X}"
+    texts = {"DeviceVendorName": "NCDC", "DeviceModelName": "NCDC camera",
+             "DeviceVersion": version("ncdc"), "DeviceManufacturerInfo": "distortion correction",
+             "DeviceSerialNumber": identity.serial, "DeviceUserID": "", "FirstUrl": url,
+             "SecondUrl": ""}
+    return {
+        **{f"WORD_{word.name}": _hex(word.address) for word in SYSTEM_WORDS},
+        **{f"BOOT_{place.name}": _hex(place.address) for place in gvcp.BOOTSTRAP},
+        "GVCP_FEATURE_BASE": _hex(gvcp.FEATURE_BASE), "GVCP_XML_BASE": _hex(gvcp.XML_BASE),
+        "GVCP_CORRECTOR_BASE": _hex(gvcp.CORRECTOR_BASE),
+        "GVCP_CORRECTOR_BYTES": _hex(gvcp.CORRECTOR_BYTES),
+        "GVCP_CAPABILITY": _hex(gvcp.CAPABILITY),
+        "GVCP_DISCOVERY_BYTES": _hex(gvcp.DISCOVERY_BYTES),
+        "TABLE_PORT": f"{TCP_PORT}u", "TABLE_USERS": f"{_USERS}",
+        "HEARTBEAT_MS": f"{gvcp.HEARTBEAT_MS}u",
+        "PACKET_DO_NOT_FRAGMENT": _hex(gvcp.SCPS_DO_NOT_FRAGMENT),
+        "CONFIG_VERSION": _text(version("ncdc")), "CONFIG_IP": _hex(_address(identity.ip)),
+        "CONFIG_MASK": _hex(_address(identity.mask)),
+        "CONFIG_MAC": _braced(f"0x{part}" for part in identity.mac.split(":")),
+        "CONFIG_TEXTS": _braced(
+            _braced([_hex(gvcp.place(name).address), str(gvcp.place(name).length), _text(text)])
+            for name, text in texts.items()),
+        "CONFIG_XML": _braced(map(str, xml))}
+
+
+def _zipped(name, data):
+    """A ZIP archive of one file, of whole words; the same bytes for the same data."""
+    for blanks in range(4):
+        archive = io.BytesIO()
+        with zipfile.ZipFile(archive, "w") as file:
+            file.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED, 9)
+            file.comment = b" " * blanks
+        if len(archive.getvalue()) % 4 == 0:
+            break
+    return archive.getvalue()
+
+
+def _address(text):
+    return int.from_bytes(bytes(map(int, text.split("."))), "big")
+
+
+def _features():
+    """Features with a register of their own, in the order of their addresses, without a gap."""
+    found = [one for one in FEATURES if one.address >= gvcp.FEATURE_BASE]
+    assert [one.address for one in found] == [gvcp.FEATURE_BASE + 4 * k for k in range(len(found))]
+    return found
+
+
+def _choices():
+    return " ".join(
+        f"static const struct choice CHOICES_{one.name}[] = "
+        + _braced(f"{{{_hex(choice.value)}, {_hex(choice.word)}}}" for choice in one.choices) + ";"
+        for one in _features() if one.choices and one.table)
+
+
+def _table():
+    access = {"ro": "'r'", "wo": "'w'", "rw": "'b'"}
+    rows = []
+    for one in _features():
+        upper, lower = (["NO_WORD", "NO_WORD"] + [_hex(word) for word in one.table])[-2:]
+        shift, width = one.field or (0, 0)
+        choices = [f"CHOICES_{one.name}", str(len(one.choices))]
+        rows.append(_braced([
+            _hex(one.address), f"FEATURE_{one.name}", access[one.access], upper, lower, str(shift),
+            str(width), _hex(one.low), _hex(one.high),
+            *(choices if one.choices and one.table else ["0", "0"])]))
+    return _braced(rows)
+
+
+def _settings(core, setup, corner):
+    """Registers of the camera, before the sensor is set up."""
+    values = {
+        "SENT_WIDTH": setup.timing.width, "SENT_HEIGHT": setup.timing.height,
+        "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
+        "CLOCK_LIMIT": 2 * setup.timing.frame_clocks, "I2C_QUARTER": _I2C_QUARTER}
+    places = {r.name: r.address for r in system_registers(core.system.stores)}
+    return _braced(_braced([_hex(MAP["ncdc"] + 4 * places[name]), _hex(value)])
+                   for name, value in values.items())
+
+
+def firmware_image(text, soc, folder):
+    """Compile the firmware with the ``config.h`` of that text, in an existing ``folder``.
+
+    Returns (words of the ROM, bytes of code and constants, bytes of RAM without the stack).
+
+    Raises
+    ------
+    InputError
+        If there is no source or no compiler, or it refuses.
+    """
+    if not FIRMWARE.is_dir():
+        raise InputError(f"{FIRMWARE} is missing: the firmware is compiled from a checkout of NCDC")
+    if shutil.which(_COMPILER) is None:
+        raise InputError(f"{_COMPILER} is missing: Debian's gcc-riscv64-unknown-elf and "
+                         f"picolibc-riscv64-unknown-elf have it")
+    folder = Path(folder)
+    (folder / "config.h").write_text(text)
+    places = [f"-Wl,--defsym={name.upper()}_{what}={value:#x}" for name in ("rom", "sram")
+              for what, value in zip(("BASE", "BYTES"), soc.memories[name])]
+    lwip = lwip_source()
+    sources = [str(FIRMWARE / name) for name in _SOURCES] + [str(lwip / name) for name in FILES]
+    # lwIP's headers are others' code: what the compiler says of them is not ours to mend.
+    headers = [f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
+               str(lwip / "include")]
+    _run([_COMPILER, *_OPTIONS, *headers, f"-T{FIRMWARE / 'link.ld'}", *places, *sources, "-o",
+          str(folder / "firmware.elf")])
+    binary = folder / "firmware.bin"
+    _run(["riscv64-unknown-elf-objcopy", "-O", "binary", str(folder / "firmware.elf"),
+          str(binary)])
+    sizes = _run(["riscv64-unknown-elf-size", str(folder / "firmware.elf")]).splitlines()[1].split()
+    code, data, zeros = map(int, sizes[:3])
+    image = binary.read_bytes()
+    words = [word for word, in struct.iter_unpack("<I", image + bytes(-len(image) % 4))]
+    return words, code + data, data + zeros
+
+
+def host_program(text, folder):
+    """Program of ``firmware/host/fuzz.c``: the firmware on this machine, under sanitizers.
+
+    ``text`` is that of ``config.h``, ``folder`` exists. Raises :class:`InputError` as
+    :func:`firmware_image` does.
+    """
+    folder, lwip = Path(folder), lwip_source()
+    (folder / "config.h").write_text(text)
+    ours = [str(FIRMWARE / name) for name in (*_SOURCES, "host/fuzz.c")
+            if name not in _ON_TARGET]
+    _run(["gcc", "-std=gnu11", "-O1", "-g", "-fsanitize=address,undefined",
+          "-fno-sanitize-recover=all", "-DFIRMWARE_HOST", "-Wall", "-Wextra", "-Werror",
+          f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
+          str(lwip / "include"), *ours, *(str(lwip / name) for name in FILES),
+          "-o", str(folder / "fuzz")])
+    return folder / "fuzz"
+
+
+def _run(command):
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise InputError(f"the firmware does not compile: {done.stderr.strip()}")
+    return done.stdout

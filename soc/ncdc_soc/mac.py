@@ -1,0 +1,52 @@
+"""LiteEth's MAC for two senders: the processor and the packetiser."""
+
+from liteeth.common import eth_phy_description
+from liteeth.mac.core import LiteEthMACCore
+from liteeth.mac.wishbone import LiteEthMACWishboneInterface
+from liteeth.phy.model import LiteEthPHYModel
+from litex.gen import LiteXModule
+from litex.soc.interconnect import packet, stream
+
+__all__ = ["SLOT_BYTES", "Mac", "ModelPhy"]
+
+SLOT_BYTES = 2048       # of the processor's memory for one frame
+_WIDTH = 32
+
+
+class ModelPhy(LiteEthPHYModel):
+    """LiteEth's model of a PHY, a byte per clock, with preamble and check sequence as on a wire."""
+    with_preamble_crc = True
+
+
+class Mac(LiteXModule):
+    """Frames of the processor and of the packetiser, one whole frame at a time, in turn.
+
+    What is received goes to the processor alone.
+
+    Parameters
+    ----------
+    phy : LiteX PHY
+    slots : int
+        Frames received that may wait for the processor.
+
+    Attributes
+    ----------
+    frames : stream.Endpoint
+        What the packetiser sends, 32 bits, the first byte in the lowest.
+    bus_rx, bus_tx : wishbone.Interface
+        The processor's frames, ``SLOT_BYTES`` each.
+    ev : EventManager
+    """
+
+    def __init__(self, phy, slots=4):
+        self.core = core = LiteEthMACCore(phy, _WIDTH, tx_cdc_depth=32, rx_cdc_depth=32)
+        self.interface = interface = LiteEthMACWishboneInterface(
+            _WIDTH, nrxslots=slots, ntxslots=2, endianness="little")
+        self.frames = stream.Endpoint(eth_phy_description(_WIDTH))
+        self.arbiter = packet.Arbiter([interface.source, self.frames], core.sink)
+        self.comb += core.source.connect(interface.sink)
+        self.ev, self.bus_rx, self.bus_tx = interface.sram.ev, interface.bus_rx, interface.bus_tx
+
+    def get_csrs(self):
+        """Registers of the processor's side and of the MAC."""
+        return self.interface.get_csrs() + self.core.get_csrs()

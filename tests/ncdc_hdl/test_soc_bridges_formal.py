@@ -1,0 +1,72 @@
+"""Proofs of the bridges between our ports and LiteX's."""
+
+import pytest
+
+from formal.native import NativeReads, NativeWrites, WishboneAccesses
+from formal.sby import FAIL, PASS, run
+from ncdc_hdl.avalon.native import NativeReader, NativeWriter
+from ncdc_hdl.avalon.wishbone import WishboneAgent
+
+_WRITE_CLOCKS = 8       # of the bounded proof: the queue of 2 is filled and emptied
+
+
+class TooEarly(NativeReader):
+    """Accepts a burst while the last command of the one before is not taken."""
+
+    @staticmethod
+    def _accepts(left, ready):
+        return left <= 1
+
+
+class NoRoom(NativeWriter):
+    """Does not ask whether there is room for the word."""
+
+    @staticmethod
+    def _room(for_command, for_word):
+        return for_command
+
+
+class CommandOnly(NativeWriter):
+    """Answers as soon as a command has left."""
+
+    @staticmethod
+    def _answers(command_left, last_taken):
+        return command_left
+
+
+class Forgets(WishboneAgent):
+    """Gives the word of an access that was given up to the next one."""
+
+    @staticmethod
+    def _remembered():
+        return 0
+
+
+PROOFS = {"reads": (NativeReads, "prove", 3), "writes": (NativeWrites, "bmc", _WRITE_CLOCKS),
+          "accesses": (WishboneAccesses, "prove", 3)}
+COVERS = {"reads": (NativeReads, 8, {"next_at_once"}),
+          "writes": (NativeWrites, 14, {"second_burst"}),
+          "accesses": (WishboneAccesses, 10, {"after_one_given_up", "refused"})}
+PLANTED = {"a burst too early": (lambda: NativeReads(TooEarly), 8, "none_lost"),
+           "no room for the word": (lambda: NativeWrites(NoRoom), _WRITE_CLOCKS,
+                                    "a_word_is_there"),
+           "answered by the command": (lambda: NativeWrites(CommandOnly), 8, "answered_then"),
+           "another's word": (lambda: WishboneAccesses(Forgets), 8, "own_word")}
+
+
+@pytest.mark.parametrize("name", PROOFS)
+def test_proof(tmp_path, name):
+    design, mode, depth = PROOFS[name]
+    assert run(design(), tmp_path, mode=mode, depth=depth) == (PASS, set())
+
+
+@pytest.mark.parametrize("name", COVERS)
+def test_covers(tmp_path, name):
+    design, depth, names = COVERS[name]
+    assert run(design(), tmp_path, mode="cover", depth=depth) == (PASS, names)
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_planted_errors_are_found(tmp_path, name):
+    make, depth, rule = PLANTED[name]
+    assert run(make(), tmp_path, mode="bmc", depth=depth, only=rule)[0] == FAIL

@@ -1,0 +1,74 @@
+"""The firmware: its size, and the same C on this machine under sanitizers, fed with anything."""
+
+import subprocess
+
+import pytest
+
+pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
+
+from cameras import barrel_descriptor  # noqa: E402
+from ncdc_model.hardware import Hardware  # noqa: E402
+from ncdc_model.sensors.framing import setup_around  # noqa: E402
+from ncdc_soc.core import SocCore  # noqa: E402
+from ncdc_soc.firmware import FIRMWARE, config, firmware_image, host_program  # noqa: E402
+from ncdc_soc.soc import soc_verilog  # noqa: E402
+from peers import need  # noqa: E402
+
+_CODE_BYTES, _RAM_BYTES = 64 * 1024, 56 * 1024
+
+
+@pytest.fixture(scope="module")
+def soc():
+    """(SocVerilog, text of config.h)."""
+    descriptor = barrel_descriptor()
+    core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"))
+    verilog = soc_verilog(core)
+    return verilog, config(core, verilog, *setup_around("mt9p031", descriptor.geometry))
+
+
+def test_it_fits(soc, tmp_path):
+    need("riscv64-unknown-elf-gcc")
+    verilog, text = soc
+    words, code, ram = firmware_image(text, verilog, tmp_path)
+    assert 0 < 4 * len(words) <= _CODE_BYTES and 0 < code <= _CODE_BYTES
+    assert 0 < ram <= _RAM_BYTES
+
+
+def fuzzed(program, frames, seed):
+    """What a run printed, as numbers; a fault ends the program, and this test."""
+    done = subprocess.run([program, str(frames), str(seed)], capture_output=True, text=True)
+    assert not done.returncode, done.stderr
+    return list(map(int, done.stdout.split()))
+
+
+@pytest.fixture(scope="module")
+def program(soc, tmp_path_factory):
+    return host_program(soc[1], tmp_path_factory.mktemp("host"))
+
+
+def reached(frames, answers, commands, pictures, resends):
+    """Whether a run reached what it is there for."""
+    return answers > frames // 4 and commands > frames // 4 and pictures > 0
+
+
+def test_any_frames(program):
+    assert reached(*fuzzed(program, 100_000, 1))
+
+
+@pytest.mark.regress
+def test_a_million_frames(program):
+    for seed in range(2, 6):
+        assert reached(*fuzzed(program, 1_000_000, seed))
+
+
+def test_a_planted_overflow_is_found(soc, tmp_path, monkeypatch):
+    sources = tmp_path / "firmware"
+    subprocess.run(["cp", "-r", str(FIRMWARE), str(sources)], check=True)
+    text = (sources / "gvcp.c").read_text()
+    rule = "count > MEMORY_MAX"
+    assert text.count(rule) == 1
+    (sources / "gvcp.c").write_text(text.replace(rule, "count > MEMORY_MAX + 64"))
+    monkeypatch.setattr("ncdc_soc.firmware.FIRMWARE", sources)
+    planted = host_program(soc[1], tmp_path)
+    done = subprocess.run([planted, "100000", "1"], capture_output=True, text=True)
+    assert done.returncode and "AddressSanitizer" in done.stderr

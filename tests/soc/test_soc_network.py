@@ -1,0 +1,180 @@
+"""The whole system in simulation, seen by Debian's Aravis: every pixel is the golden model's."""
+
+import json
+import sys
+
+import cv2
+import numpy as np
+import pytest
+
+pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
+
+from cameras import barrel_descriptor  # noqa: E402
+from ncdc_model.corrector import correct  # noqa: E402
+from ncdc_model.interface.table_one import TCP_PORT  # noqa: E402
+from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun  # noqa: E402
+from peers import need  # noqa: E402
+
+pytestmark = pytest.mark.regress        # compiling the model takes more than a minute
+
+_SIZE = (64, 48)
+_EXPOSURES_US = (100.0, 60.0, 200.0)
+
+
+@pytest.fixture(scope="module")
+def model():
+    need("riscv64-unknown-elf-gcc", "unshare", "ip", "aravis")
+    noise = np.random.default_rng(1).integers(0, 256, _SIZE[::-1], dtype=np.uint8)
+    descriptor = barrel_descriptor(corrected=_SIZE, distorted=_SIZE)
+    return SocModel(descriptor, cv2.GaussianBlur(noise, (0, 0), 1.0), _EXPOSURES_US[0])
+
+
+def peer(run, script, folder, *arguments):
+    """Run a ``script`` on the clients' side: what it prints as its last line, in JSON."""
+    done = run.network.run([sys.executable, "-c", script, f"aravis://{ADDRESS}", str(folder),
+                            *map(json.dumps, arguments)], timeout=900)
+    assert not done.returncode, done.stderr + run.screen
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+_OPEN = """
+import json, sys
+import numpy as np
+from ncdc_host.client.devices import open_device
+url, folder, *arguments = sys.argv[1:]
+arguments = [json.loads(text) for text in arguments]
+device = open_device(url)
+taken = []
+def take(stream):
+    frame = stream.next(300)
+    np.save(f"{folder}/{len(taken)}.npy", frame.pixels)
+    taken.append(frame.number)
+"""
+
+_EXPOSE = _OPEN + """
+with device.stream() as stream:
+    take(stream)
+    for exposure in arguments[0]:
+        device.set("ExposureTime", exposure)
+        for _ in range(16):             # those under way, or waiting here, have the one before
+            take(stream)
+print(json.dumps(taken))
+"""
+
+
+def matches(folder, count, goldens):
+    """For each frame the number of the golden picture that it equals; None: of none."""
+    return [next((k for k, golden in enumerate(goldens)
+                  if np.array_equal(np.load(f"{folder}/{number}.npy"), golden)), None)
+            for number in range(count)]
+
+
+def test_the_exposure_changes_between_frames(model, tmp_path):
+    goldens = [model.golden(exposure).picture for exposure in _EXPOSURES_US]
+    assert not any(np.array_equal(goldens[k], goldens[k - 1]) for k in range(3))
+    with SocRun(model) as run:
+        taken = peer(run, _EXPOSE, tmp_path, _EXPOSURES_US[1:])
+        said = run.end()
+    found = matches(tmp_path, len(taken), goldens)
+    # Whole frames of one exposure each, in the order in which they were asked for.
+    assert None not in found and found == sorted(found) and set(found) == {0, 1, 2}
+    assert taken == sorted(set(taken)) and " 0 broken" in said
+
+
+_ANOTHER_LENS = _OPEN + """
+from ncdc_model.descriptor import Descriptor
+with device.stream() as stream:
+    take(stream)
+    device.load_lens(Descriptor.load(arguments[0]))
+    for _ in range(16):                 # those under way, or waiting here, have the one before
+        take(stream)
+print(json.dumps(taken))
+"""
+
+
+def test_another_lens_over_the_network(model, tmp_path):
+    lens = barrel_descriptor(corrected=_SIZE, distorted=_SIZE, strength=0.1, seed=2)
+    lens.save(tmp_path / "lens.toml")
+    goldens = [model.golden().picture, correct(lens, model.raw(model.setup)).picture]
+    assert not np.array_equal(*goldens)
+    with SocRun(model) as run:
+        taken = peer(run, _ANOTHER_LENS, tmp_path, str(tmp_path / "lens.toml"))
+    found = matches(tmp_path, len(taken), goldens)
+    # None is torn: each frame has the one lens or the other.
+    assert None not in found and found == sorted(found) and set(found) == {0, 1}
+
+
+_GRAB = _OPEN + """
+device.set("CorrectionEnable", arguments[0])
+with device.stream() as stream:
+    for _ in range(arguments[1]):
+        take(stream)
+    again = stream.statistics.resent
+print(json.dumps([taken, again]))
+"""
+
+
+def test_packets_that_are_lost_are_sent_again(model, tmp_path):
+    with SocRun(model, loss=50) as run:
+        taken, again = peer(run, _GRAB, tmp_path, True, 8)
+        said = run.end()
+    assert matches(tmp_path, len(taken), [model.golden().picture]) == [0] * 8
+    assert again > 0 and " 0 lost" not in said
+
+
+def test_raw_frames(model, tmp_path):
+    with SocRun(model) as run:
+        taken, _ = peer(run, _GRAB, tmp_path, False, 2)
+    assert matches(tmp_path, len(taken), [model.raw(model.setup)]) == [0, 0]
+
+
+_USERS = """
+import json, socket, struct
+users = [socket.create_connection(("{address}", {port}), 60) for _ in range(8)]
+def ask(user, *request):
+    user.settimeout(60)
+    user.sendall(struct.pack(">BHH", *request))
+    answer = b""
+    while len(answer) < 5:
+        answer += user.recv(5 - len(answer)) or b"?????"
+    return list(struct.unpack(">BHH", answer))
+widths = [ask(user, 0x80, 0xF001, 0) for user in users]
+written = ask(users[3], 0x81, 9, 7)
+seen = ask(users[5], 0x80, 9, 0)
+refused = ask(users[2], 0x81, 3, 1)
+users[0].sendall(bytes([0x82, 0x55]))
+unknown = users[0].recv(2) + users[0].recv(2)
+print(json.dumps([widths, written, seen, refused, list(unknown)]))
+"""
+
+
+def test_eight_users_of_table_one(model, tmp_path):
+    script = _USERS.replace("{address}", ADDRESS).replace("{port}", str(TCP_PORT))
+    with SocRun(model) as run:
+        widths, written, seen, refused, unknown = peer(run, script, tmp_path)
+    assert widths == [[0x80, 0xF001, _SIZE[0]]] * 8
+    assert written == [0x81, 9, 7] and seen == [0x80, 9, 7]
+    # The rows of the sensor's frame are the firmware's: what is read back is what was there.
+    assert refused == [0x81, 3, model.setup.settings.height - 1]
+    assert unknown == [0xFF, 0x55]
+
+
+_SINGLE = _OPEN + """
+device.set("AcquisitionMode", "SingleFrame")
+for _ in range(2):
+    with device.stream() as stream:
+        take(stream)
+        try:
+            stream.next(2)
+            taken.append("one too many")
+        except NoFrame:
+            pass
+print(json.dumps(taken))
+"""
+
+
+def test_single_pictures(model, tmp_path):
+    script = "from ncdc_host.client.errors import NoFrame\n" + _SINGLE
+    with SocRun(model) as run:
+        taken = peer(run, script, tmp_path)
+    assert matches(tmp_path, len(taken), [model.golden().picture]) == [0, 0]
