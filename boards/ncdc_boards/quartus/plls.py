@@ -18,7 +18,7 @@ DOMAINS = ("sync", "memory", "sensor_reference", "pixel")
 # (CV-51002), PLL specifications: MHz of the oscillator that the slowest of our devices has.
 _OSCILLATOR = (600, 1300)
 _STEPS = 8                          # phases of the oscillator's period
-_EARLY_NS = 4                       # of the clock at the SDRAM's pin, before the core's next edge
+_EARLY_NS = 3                       # of the clock at the SDRAM's pin, before the core's next edge
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class ClockPlan:
 def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz):
     """The :class:`ClockPlan` for a video mode.
 
-    The SDRAM's clock comes 4 ns before the core's next edge, to the nearest phase that the loop
-    has: what it samples has been stable for the rest of a period, and stays for those 4 ns.
+    The SDRAM's clock comes 3 ns before the core's next edge, to the nearest phase that the loop
+    has: what it samples has been stable for the rest of a period, and stays for those 3 ns.
 
     Parameters
     ----------

@@ -3,15 +3,15 @@
 from ncdc_boards.quartus.names import CYCLONE_IV, LOOPS
 from ncdc_model.errors import InputError
 
-__all__ = ["FREE", "check_sensor", "constraints"]
+__all__ = ["FREE", "SDRAM_NS", "check_sensor", "constraints"]
 
 # Pin of output k of a loop, as Quartus names it; `derive_pll_clocks` gives its clock that name.
 _CYCLONE_IV_PIN = "*{loop}|auto_generated|pll1|clk[{k}]"
 _CYCLONE_V_PIN = "*{loop}|general[{k}].gpll~PLL_OUTPUT_COUNTER|divclk"
 
 _TRACE = .25        # ns: by how much traces of a group differ, at most
-# ISSI, IS42S16320D, AC electrical characteristics, grade 7, in ns; CAS latency 3.
-_SETUP, _HOLD, _ACCESS, _KEPT = 1.5, .8, 5.4, 2.7
+SDRAM_NS = {"setup": 1.5, "hold": .8, "access": 5.4, "kept": 2.7}
+"""ISSI, IS42S16320D, AC electrical characteristics, grade 7, CAS latency 3."""
 # Analog Devices, ADV7123, timing specifications, rounded up, in ns.
 _DAC_SETUP, _DAC_HOLD = .5, 1.5
 _DAC_LESS_NS = 10   # a resistor network has no clock: its pins shall change within so many ns
@@ -97,17 +97,17 @@ def _ports(patterns):
 
 
 def _sdram():
-    """The SDRAM: its clock comes 4 ns before the core's next edge."""
+    """The SDRAM: its clock comes 3 ns before the core's next edge."""
     outputs = _ports(f"sdram_0__{name}__io*" for name in (
         "clk_en", "cs", "we", "ras", "cas", "ba", "a", "dqm", "dq"))
     inputs = _ports(["sdram_0__dq__io*"])
     return [
         "# SDRAM",
         _generated("sdram_pin", "memory", "sdram_0__clk__io"),
-        f"set_output_delay -clock sdram_pin -max {_SETUP + _TRACE} {outputs}",
-        f"set_output_delay -clock sdram_pin -min {-_HOLD - _TRACE} {outputs}",
-        f"set_input_delay -clock sdram_pin -max {_ACCESS + _TRACE} {inputs}",
-        f"set_input_delay -clock sdram_pin -min {_KEPT - _TRACE} {inputs}",
+        f"set_output_delay -clock sdram_pin -max {SDRAM_NS['setup'] + _TRACE} {outputs}",
+        f"set_output_delay -clock sdram_pin -min {-SDRAM_NS['hold'] - _TRACE} {outputs}",
+        f"set_input_delay -clock sdram_pin -max {SDRAM_NS['access'] + _TRACE} {inputs}",
+        f"set_input_delay -clock sdram_pin -min {SDRAM_NS['kept'] - _TRACE} {inputs}",
         "# What the SDRAM gives with an edge is taken with the core's second one behind it: the",
         "# first one comes before the access time is over.",
         "set_multicycle_path -setup -from [get_clocks {sdram_pin}] -to [get_clocks $core] 2"]

@@ -4,10 +4,17 @@
 // in between DQ holds the wrong bits. `FLIGHT` ps are the FPGA's outputs and the way to the chip,
 // `BACK` ps the way back and the FPGA's input. `oe` is high while the FPGA drives DQ.
 
+// Both may be given from outside: they change with voltage and temperature.
+
 `timescale 1ps/1ps
 
+`ifndef NCDC_FLIGHT
+`define NCDC_FLIGHT 3000
+`define NCDC_BACK 1500
+`endif
+
 module sdram_board #(
-    parameter DQ = 16, FLIGHT = 3000, ACCESS = 6000, HOLD = 2700, BACK = 1500
+    parameter DQ = 16, FLIGHT = `NCDC_FLIGHT, ACCESS = 6000, HOLD = 2700, BACK = `NCDC_BACK
 ) (
     input wire            clk, cke, cs_n, ras_n, cas_n, we_n, oe,
     input wire [1:0]      ba,
