@@ -31,7 +31,8 @@ _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER = 8            # clocks, the least: in simulation nobody waits for a slow bus
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
-_SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "stream.c", "words.c", "sensor.c",
+_SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
+            "gvcp_write.c", "stream.c", "words.c", "sensor.c",
             "ip.c", "eth.c", "uart.c", "memory.c")
 _ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-Os", "-ffunction-sections", "-fdata-sections",

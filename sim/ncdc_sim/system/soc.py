@@ -133,7 +133,7 @@ class SocRun:
             self._screen, self._said = folder / "screen.txt", folder / "said.txt"
             with open(self._screen, "w") as screen, open(self._said, "w") as said:
                 self._process = self.network.start(
-                    self._model.command(f"+tap={TAP}", f"+loss={self._loss}"), cwd=folder,
+                    self._model.command(f"+tap={TAP}", f"+loss={self._loss}", "+answers"), cwd=folder,
                     stdout=screen, stderr=said)
             self._wait()
         except BaseException:
