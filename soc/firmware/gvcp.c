@@ -142,6 +142,6 @@ bool gvcp_frame(const uint8_t *frame, uint32_t length)
 	put16(answer + 4, size);
 	put16(answer + 6, request);
 	udp_header((uint8_t *)answer_words, &datagram.from, HEADER + size);
-	eth_send((uint8_t *)answer_words, ETH_HEADER + IP_HEADER + UDP_HEADER + HEADER + size);
+	eth_send(answer_words, ETH_HEADER + IP_HEADER + UDP_HEADER + HEADER + size);
 	return true;
 }
