@@ -14,7 +14,7 @@
 #include "table.h"
 #include "uart.h"
 
-#define TIMERS_CLOCKS (CLOCK_HZ / 100)
+#define TIMERS_CLOCKS (10 * MILLISECOND_CLOCKS)
 
 static struct netif interface;
 static uint32_t words[(ETH_LONGEST + 3) / 4];
@@ -28,7 +28,7 @@ uint32_t sys_now(void)
 	static uint32_t milliseconds, counted;		/* and the clock up to which they are */
 
 	/* It is asked a hundred times a second; a division of 64 bits costs more than this. */
-	for (; now32() - counted >= CLOCK_HZ / 1000; counted += CLOCK_HZ / 1000)
+	for (; now32() - counted >= MILLISECOND_CLOCKS; counted += MILLISECOND_CLOCKS)
 		++milliseconds;
 	return milliseconds;
 }

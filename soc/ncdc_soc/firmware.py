@@ -50,12 +50,16 @@ class Identity:
     Parameters
     ----------
     ip, mask, mac : str
+        With the address 0.0.0.0 it asks DHCP, and takes a link-local one if nobody answers.
     serial : str
+    hurry : int
+        So many times faster pass lwIP's milliseconds, for simulations that wait for its time-outs.
     """
     ip: str = "10.77.0.11"
     mask: str = "255.255.255.0"
     mac: str = "02:4e:0a:4d:00:0b"
     serial: str = "1"
+    hurry: int = 1
 
 
 def config(core, soc, setup, corner, identity=Identity()):
@@ -173,6 +177,7 @@ def _protocols(identity):
         "GVCP_DISCOVERY_BYTES": _hex(gvcp.DISCOVERY_BYTES),
         "TABLE_PORT": f"{TCP_PORT}u", "TABLE_USERS": f"{_USERS}",
         "HEARTBEAT_MS": f"{gvcp.HEARTBEAT_MS}u",
+        "MILLISECOND_CLOCKS": f"{CLOCK_HZ // 1000 // identity.hurry}u",
         "PACKET_DO_NOT_FRAGMENT": _hex(gvcp.SCPS_DO_NOT_FRAGMENT),
         "CONFIG_VERSION": _text(version("ncdc")), "CONFIG_IP": _hex(_address(identity.ip)),
         "CONFIG_MASK": _hex(_address(identity.mask)),

@@ -38,6 +38,8 @@ class SocModel:
     exposure_us : float
         That exposure.
     hardware : Hardware, optional
+    identity : Identity
+        Of the device on its network.
 
     Attributes
     ----------
@@ -46,12 +48,10 @@ class SocModel:
         Of the firmware.
     setup : Setup
         Of the sensor.
-    identity : Identity
-        Of the device on its network.
     """
 
-    def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None):
-        self.descriptor, self.identity = descriptor, Identity()
+    def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None, identity=Identity()):
+        self.descriptor, self.identity = descriptor, identity
         core = SocCore(descriptor, hardware or Hardware(bus="axi", format="BGR8"))
         soc = soc_verilog(core)
         self.setup, self._corner = setup_around(_SENSOR, descriptor.geometry,

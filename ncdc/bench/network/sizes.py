@@ -1,0 +1,85 @@
+"""Sizes of the system's parts by Yosys: processor, MAC, bridges, packetiser, camera and corrector."""
+
+import json
+from collections import Counter
+from pathlib import Path
+
+from litex.gen.fhdl.verilog import convert
+from litex.soc.interconnect.stream import Endpoint
+from migen import Record
+
+from ncdc.bench.synth.flows import cyclone_v, plain_netlist
+from ncdc_hdl.avalon.native import NativeReader, NativeWriter
+from ncdc_hdl.avalon.wishbone import WishboneAgent
+from ncdc_hdl.export.verilog import module_verilog
+from ncdc_hdl.link.packetiser import Packetiser
+from ncdc_model.hardware import Hardware
+from ncdc_soc.core import ADDRESS_BITS, SocCore, core_verilog
+from ncdc_soc.mac import Mac, ModelPhy
+from ncdc_soc.soc import soc_verilog
+
+__all__ = ["size_rows"]
+
+_BITS, _BURST, _PENDING = 32, 16, 4
+_BYTE = [(f"{side}_{name}", 8 if name == "data" else 1)
+         for side in ("source", "sink") for name in ("valid", "ready", "data")]
+
+
+def size_rows(descriptor, step):
+    """A row for each part: ``part``; on Cyclone V ``alut``, ``alm_ff``, ``m10k``, ``dsp``; on ECP5
+    ``lut`` (half slices: LUTs, carries, distributed RAM), ``ff``, ``block_rams``, ``multipliers``.
+
+    Raises :class:`ncdc.bench.synth.flows.SynthesisError` if a tool fails.
+    """
+    for part, top, text in _parts(descriptor):
+        step(part)
+        row = {"part": part} | cyclone_v(text, top) | _ecp5(text, top)
+        yield row
+
+
+def _parts(descriptor):
+    """(name, top module, Verilog) of each part."""
+    hardware = Hardware(bus="axi", format="BGR8")
+    for name, component in (
+            ("read bridge", NativeReader(_BITS, _BURST)),
+            ("write bridge", NativeWriter(_BITS, _BURST, _PENDING)),
+            ("register bridge", WishboneAgent(ADDRESS_BITS)),
+            ("packetiser", Packetiser(_BITS, capacity=4096))):
+        yield name, "part", module_verilog(component, "part")
+    yield "MAC with its frames", "mac", _mac()
+    core = SocCore(descriptor, hardware)
+    yield "processor", "VexRiscv", Path(soc_verilog(core).processor).read_text()
+    yield "camera, corrector, packetiser, bridges", "ncdc_core", core_verilog(core)
+
+
+def _mac():
+    """The MAC with a PHY of a byte per clock; its registers are pins."""
+    pins = Record(_BYTE)
+    pins = _Sides(pins)
+    phy = ModelPhy(pins)
+    mac = Mac(phy)
+    mac.submodules += phy
+    ios = set(pins.signals) | set(mac.bus_rx.flatten()) | set(mac.bus_tx.flatten())
+    ios |= {signal for signal in mac.frames.flatten()}
+    assert isinstance(mac.frames, Endpoint)
+    for csr in mac.get_csrs():
+        ios |= {getattr(csr, name) for name in ("storage", "status", "re", "we", "r", "w")
+                if hasattr(csr, name)}
+    return str(convert(mac, ios=ios, name="mac"))
+
+
+class _Sides:
+    """Pins of both directions, by the names that LiteEth's model of a PHY asks for."""
+
+    def __init__(self, record):
+        self.signals = record.flatten()
+        for name, _ in _BYTE:
+            setattr(self, name, getattr(record, name))
+
+
+def _ecp5(text, top):
+    cells = Counter(cell["type"] for cell in
+                    json.loads(plain_netlist(text, top))["modules"][top]["cells"].values())
+    return {"lut": cells["LUT4"] + 2 * cells["CCU2C"] + 6 * cells["TRELLIS_DPR16X4"],
+            "ff": cells["TRELLIS_FF"], "block_rams": cells["DP16KD"],
+            "multipliers": cells["MULT18X18D"]}
