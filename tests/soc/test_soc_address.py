@@ -76,7 +76,7 @@ def test_an_address_of_dnsmasq(model, tmp_path):
             [program, "--no-daemon", "--conf-file=/dev/null", "--port=0", f"--interface={TAP}",
              "--bind-interfaces", "--user=root", "--group=root", "--no-ping",
              "--dhcp-authoritative", f"--dhcp-range={_FIRST},{_LAST},1h",
-             f"--dhcp-leasefile={tmp_path / 'leases'}", f"--pid-file={tmp_path / 'pid'}"], stderr=open(tmp_path / "said", "w"))
+             f"--dhcp-leasefile={tmp_path / 'leases'}", f"--pid-file={tmp_path / 'pid'}"])
         address = told(run, _FIRST, _LAST)
         assert own_address(run, address) == address
         # The server has given exactly this address to exactly this machine.

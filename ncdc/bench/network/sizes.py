@@ -1,12 +1,11 @@
-"""Sizes of the system's parts by Yosys: processor, MAC, bridges, packetiser, camera and corrector."""
+"""Sizes of the parts of the system by Yosys, for Cyclone V and ECP5."""
 
 import json
 from collections import Counter
 from pathlib import Path
 
 from litex.gen.fhdl.verilog import convert
-from litex.soc.interconnect.stream import Endpoint
-from migen import Record
+from migen import ClockDomain, Record
 
 from ncdc.bench.synth.flows import cyclone_v, plain_netlist
 from ncdc_hdl.avalon.native import NativeReader, NativeWriter
@@ -55,26 +54,17 @@ def _parts(descriptor):
 def _mac():
     """The MAC with a PHY of a byte per clock; its registers are pins."""
     pins = Record(_BYTE)
-    pins = _Sides(pins)
     phy = ModelPhy(pins)
     mac = Mac(phy)
     mac.submodules += phy
-    ios = set(pins.signals) | set(mac.bus_rx.flatten()) | set(mac.bus_tx.flatten())
-    ios |= {signal for signal in mac.frames.flatten()}
-    assert isinstance(mac.frames, Endpoint)
+    mac.clock_domains.cd_sys = ClockDomain("sys")
+    ios = {mac.cd_sys.clk, mac.cd_sys.rst}
+    for record in (pins, mac.bus_rx, mac.bus_tx, mac.frames):
+        ios |= set(record.flatten())
     for csr in mac.get_csrs():
         ios |= {getattr(csr, name) for name in ("storage", "status", "re", "we", "r", "w")
                 if hasattr(csr, name)}
     return str(convert(mac, ios=ios, name="mac"))
-
-
-class _Sides:
-    """Pins of both directions, by the names that LiteEth's model of a PHY asks for."""
-
-    def __init__(self, record):
-        self.signals = record.flatten()
-        for name, _ in _BYTE:
-            setattr(self, name, getattr(record, name))
 
 
 def _ecp5(text, top):
