@@ -13,11 +13,16 @@ HELP = ("the system with processor and Ethernet in simulation: pictures that Ara
 EXAMPLE = "ncdc bench network --quick --json -"
 _SIZE, _QUICK_SIZE = (640, 480), (64, 48)
 _LIMITS = {"GVCP": 3000, "Table I": 25000}      # clocks per command; twice that while streaming
+_COLUMNS = ("peer", "what", "frames", "pixels_different", "megabytes_per_second", "underruns",
+            "resent", "clocks_per_command", "most_clocks_per_command")
+_SIZES = ("part", "target", "alm", "lut", "ff", "dsp", "ram_blocks")
 
 
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("--quick", action="store_true", help="pictures of 64x48: two minutes")
+    parser.add_argument("--sizes", action="store_true",
+                        help="the sizes of the parts on Cyclone V and ECP5 instead, by Yosys")
     add_json(parser)
 
 
@@ -25,9 +30,15 @@ def run(args):
     """Measure and report; 1 if a row is not as it has to be."""
     try:
         from ncdc.bench.network.measure import rows_of
+        from ncdc.bench.network.sizes import sizes_of
     except ModuleNotFoundError as error:
         raise InputError(f"{error.name} is not installed, which the system needs: "
                          "pip install 'ncdc[soc]'") from error
+    if args.sizes:
+        rows = list(sizes_of(_QUICK_SIZE if args.quick else _SIZE, Steps("sizes")))
+        if not write_report({"rows": rows}, args.json):
+            print(table(rows, _SIZES))
+        return 0
     rows = rows_of(_QUICK_SIZE if args.quick else _SIZE, Steps("network"))
     if not write_report({"rows": rows}, args.json):
         print(table(rows))
@@ -54,14 +65,10 @@ def failures(rows):
     return found
 
 
-_COLUMNS = ("peer", "what", "frames", "pixels_different", "megabytes_per_second", "underruns",
-            "resent", "clocks_per_command", "most_clocks_per_command")
-
-
-def table(rows):
+def table(rows, columns=_COLUMNS):
     """The rows as text."""
-    cells = [[name.replace("_", " ") for name in _COLUMNS],
-             *(["-" if row[name] is None else str(row[name]) for name in _COLUMNS]
+    cells = [[name.replace("_", " ") for name in columns],
+             *(["-" if row[name] is None else str(row[name]) for name in columns]
                for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells)]
     return "\n".join("  ".join(f"{cell:<{width}}" if k < 2 else f"{cell:>{width}}"

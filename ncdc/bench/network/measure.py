@@ -20,8 +20,9 @@ __all__ = ["LOSS", "rows_of"]
 LOSS = 50               # of a thousand packets of pictures
 _MTU = 1500
 _LINK = "a byte per clock, 100 MHz"
-_EXPOSURE_US = 1000.0
-_EXPOSURES_US = (500.0, 2000.0)
+# The first exposure, and those that a client sets, of small pictures and of others: such that the
+# client, who counts whole lines, comes to the same line as the sensor's set-up.
+_SMALL_EXPOSURES_US, _EXPOSURES_US = (100.0, 60.0, 200.0), (1000.0, 500.0, 2000.0)
 _COMMANDS = 30
 _SMALL = 320            # columns of a picture that comes faster than a client takes it
 _VIEW, _OTHER_VIEW = 100, 80    # degrees of the two lenses
@@ -39,6 +40,7 @@ class _Bench:
     def __init__(self, model, folder):
         self.model, self.folder = model, folder
         self.count = 0
+        self.exposures = _exposures(model.descriptor.geometry.corrected)
         # Frames until a change is seen: those of a small size wait in the client by the dozen.
         small = model.descriptor.geometry.corrected[0] < _SMALL
         self.until_changed = 16 if small else 4
@@ -95,6 +97,10 @@ class _Bench:
                          most_clocks_per_command=max(clocks))
 
 
+def _exposures(size):
+    return _SMALL_EXPOSURES_US if size[0] < _SMALL else _EXPOSURES_US
+
+
 def _report(run, process, timeout=900):
     out, _ = process.communicate(timeout=timeout)
     if process.returncode:
@@ -139,8 +145,9 @@ def rows_of(size, step):
     lens, other = (trained(Lens(view, size)) for view in (_VIEW, _OTHER_VIEW))
     step("compiling")
     raw = still_photo(lens.geometry)
-    model = SocModel(lens, raw, _EXPOSURE_US)
-    goldens = [model.golden(exposure).picture for exposure in (_EXPOSURE_US, *_EXPOSURES_US)]
+    exposures = _exposures(size)
+    model = SocModel(lens, raw, exposures[0])
+    goldens = [model.golden(exposure).picture for exposure in exposures]
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         bench = _Bench(model, Path(name))
         rows = []
@@ -181,12 +188,12 @@ def _changes(bench, run, step, goldens, other):
     yield bench.picture_row("pictures", run, task, bench.ask(run, task), goldens[:1])
     step("the exposure changes")
     task = bench.pictures("aravis", bench.until_changed,
-                          [("ExposureTime", value) for value in _EXPOSURES_US])
+                          [("ExposureTime", value) for value in bench.exposures[1:]])
     yield bench.picture_row("exposure changed twice", run, task, bench.ask(run, task), goldens)
     step("the lens changes")
     path = bench.folder / "other.toml"
     other.save(path)
-    raw = bench.model.raw_at(_EXPOSURES_US[-1])
+    raw = bench.model.raw_at(bench.exposures[-1])
     after = correct(other, raw).picture
     task = bench.pictures("aravis", bench.until_changed, [("lens", str(path))])
     yield bench.picture_row("lens changed", run, task, bench.ask(run, task),

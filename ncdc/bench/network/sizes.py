@@ -8,6 +8,7 @@ from litex.gen.fhdl.verilog import convert
 from migen import ClockDomain, Record
 
 from ncdc.bench.synth.flows import cyclone_v, plain_netlist
+from ncdc.bench.throughput.lenses import Lens, trained
 from ncdc_hdl.avalon.native import NativeReader, NativeWriter
 from ncdc_hdl.avalon.wishbone import WishboneAgent
 from ncdc_hdl.export.verilog import module_verilog
@@ -17,23 +18,27 @@ from ncdc_soc.core import ADDRESS_BITS, SocCore, core_verilog
 from ncdc_soc.mac import Mac, ModelPhy
 from ncdc_soc.soc import soc_verilog
 
-__all__ = ["size_rows"]
+__all__ = ["sizes_of"]
 
 _BITS, _BURST, _PENDING = 32, 16, 4
+_VIEW = 100             # degrees of the lens
 _BYTE = [(f"{side}_{name}", 8 if name == "data" else 1)
          for side in ("source", "sink") for name in ("valid", "ready", "data")]
 
 
-def size_rows(descriptor, step):
-    """A row for each part: ``part``; on Cyclone V ``alut``, ``alm_ff``, ``m10k``, ``dsp``; on ECP5
-    ``lut`` (half slices: LUTs, carries, distributed RAM), ``ff``, ``block_rams``, ``multipliers``.
+def sizes_of(size, step):
+    """Two rows for each part, for pictures of that size: ``part``, ``target`` ("cyclonev" or
+    "ecp5"), ``alm`` (None for ECP5), ``lut``, ``ff``, ``dsp``, ``ram_blocks``.
 
+    On ECP5 ``lut`` counts half slices: LUTs, carries, distributed RAM. Nothing is placed.
     Raises :class:`ncdc.bench.synth.flows.SynthesisError` if a tool fails.
     """
-    for part, top, text in _parts(descriptor):
+    for part, top, text in _parts(trained(Lens(_VIEW, size))):
         step(part)
-        row = {"part": part} | cyclone_v(text, top) | _ecp5(text, top)
-        yield row
+        found = cyclone_v(text, top)
+        yield {"part": part, "target": "cyclonev", "alm": found["alm"], "lut": found["alut"],
+               "ff": found["alm_ff"], "dsp": found["dsp"], "ram_blocks": found["m10k"]}
+        yield {"part": part, "target": "ecp5"} | _ecp5(text, top)
 
 
 def _parts(descriptor):
@@ -70,6 +75,5 @@ def _mac():
 def _ecp5(text, top):
     cells = Counter(cell["type"] for cell in
                     json.loads(plain_netlist(text, top))["modules"][top]["cells"].values())
-    return {"lut": cells["LUT4"] + 2 * cells["CCU2C"] + 6 * cells["TRELLIS_DPR16X4"],
-            "ff": cells["TRELLIS_FF"], "block_rams": cells["DP16KD"],
-            "multipliers": cells["MULT18X18D"]}
+    return {"alm": None, "lut": cells["LUT4"] + 2 * cells["CCU2C"] + 6 * cells["TRELLIS_DPR16X4"],
+            "ff": cells["TRELLIS_FF"], "dsp": cells["MULT18X18D"], "ram_blocks": cells["DP16KD"]}
