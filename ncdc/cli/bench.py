@@ -5,6 +5,7 @@ import sys
 from ncdc.bench.accuracy import command as accuracy
 from ncdc.bench.client import command as client
 from ncdc.bench.lines import command as lines
+from ncdc.bench.network import command as network
 from ncdc.bench.nodes import command as nodes
 from ncdc.bench.photos import command as photos
 from ncdc.bench.pictures import command as pictures
@@ -19,9 +20,10 @@ __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
-BENCHES = {"accuracy": accuracy, "client": client, "lines": lines, "nodes": nodes,
-           "photos": photos, "pictures": pictures, "synth": synth, "system": system,
-           "tansig": tansig, "throughput": throughput, "window": window}
+BENCHES = {"accuracy": accuracy, "client": client, "lines": lines,
+           "network": network, "nodes": nodes, "photos": photos, "pictures": pictures,
+           "synth": synth, "system": system, "tansig": tansig, "throughput": throughput,
+           "window": window}
 
 
 def add_arguments(parser):

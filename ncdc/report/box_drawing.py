@@ -8,7 +8,7 @@ __all__ = ["draw_boxes"]
 _LINE = "#30507a"
 
 
-def draw_boxes(path, boxes, arrows, note="", size=(11.5, 4.1)):
+def draw_boxes(path, boxes, arrows, note="", size=(11.5, 4.1), vertical=()):
     """Write a drawing as a PNG file.
 
     Parameters
@@ -20,6 +20,8 @@ def draw_boxes(path, boxes, arrows, note="", size=(11.5, 4.1)):
         Below the whole.
     size : (float, float)
         Inches.
+    vertical : sequence of (x, from y, to y, text to the right)
+        Arrows upwards or downwards.
     """
     figure = Figure(figsize=size)
     axes = figure.subplots()
@@ -34,6 +36,10 @@ def draw_boxes(path, boxes, arrows, note="", size=(11.5, 4.1)):
         axes.text((start + end) / 2, y + .08, above, ha="center", va="bottom", fontsize=9.5,
                   family="monospace")
         axes.text((start + end) / 2, y - .1, below, ha="center", va="top", fontsize=8.5)
+    for x, start, end, text in vertical:
+        axes.annotate("", (x, end), (x, start), arrowprops={
+            "arrowstyle": "-|>", "color": _LINE, "linewidth": 1.4})
+        axes.text(x + .1, (start + end) / 2, text, ha="left", va="center", fontsize=8.5)
     left, right = min(box[0] for box in boxes), max(box[0] + box[2] for box in boxes)
     low, high = min(box[1] for box in boxes), max(box[1] + box[3] for box in boxes)
     axes.text((left + right) / 2, low - .35, note, ha="center", va="top", fontsize=8.5)

@@ -1,12 +1,11 @@
-"""The drawings of the guides and of the USB page: ``python -m ncdc.report.guide_diagrams
-docs/figures``."""
+"""Drawings of guides and pages: ``python -m ncdc.report.guide_diagrams docs/figures``."""
 
 import sys
 from pathlib import Path
 
 from ncdc.report.box_drawing import draw_boxes
 
-__all__ = ["DRAWINGS", "draw_all"]
+__all__ = ["DRAWINGS", "VERTICAL", "draw_all"]
 
 DRAWINGS = {    # file: boxes, arrows, note
     "guide-platform-designer.png": (
@@ -57,13 +56,34 @@ DRAWINGS = {    # file: boxes, arrows, note
          (11.7, 13.6, 3.2, "bytes", ""), (13.6, 11.7, 1.9, "beats", "")),
         "ByteCommands reads and writes registers of the system, and reads frames from memory by "
         "a port of its own"),
+    "soc.png": (
+        ((0, 3.1, 2.2, 4.7, "image sensor\n\nMT9P031\n\na model\nat its pins"),
+         (4.9, 3.1, 3.4, 4.7, "ncdc_core\n\ncamera: capture,\nframe stores, I2C\n\n"
+          "corrector\n\npacketiser\n\nbridges"),
+         (11.2, 5.7, 3.6, 2.1, "VexRiscv\n\nROM, SRAM,\nUART, timer"),
+         (11.2, 3.1, 3.6, 1.7, "LiteEth MAC\n\nframes in turn"),
+         (17.4, 2.4, 2.5, 5.4, "network\n\nTAP in a\nnamespace\n\nAravis,\nviva-genicam,\n"
+          "ncdc client"),
+         (4.9, 0, 9.9, 1.6, "LiteDRAM: crossbar and controller, SDR SDRAM of 64 MB")),
+        ((2.2, 4.9, 6.6, "pixels", "12 bits, clock, lines"),
+         (4.9, 2.2, 4.4, "I2C", "exposure, gain"),
+         (11.2, 8.3, 6.9, "Wishbone", "registers of all"),
+         (8.3, 11.2, 4.1, "frames", "pictures, 32 bits"),
+         (14.8, 17.4, 4.5, "pictures", "GVSP"), (17.4, 14.8, 3.4, "commands", "GVCP, TCP")),
+        "no processor touches a pixel: it writes headers and registers"),
+}
+VERTICAL = {    # file: arrows (x, from y, to y, text at the right)
+    "soc.png": ((5.2, 3.1, 1.6, "port 0\nwrites"), (6.2, 1.6, 3.1, "port 1\npackets"),
+                (7.3, 1.6, 3.1, "port 2\ncorrector"),
+                (11.7, 5.7, 4.8, "answers"), (13.4, 4.8, 5.7, "commands")),
 }
 
 
 def draw_all(folder):
     """Write all drawings into a folder."""
     for name, (boxes, arrows, note) in DRAWINGS.items():
-        draw_boxes(str(Path(folder) / name), boxes, arrows, note, size=(12.5, 4.1))
+        size = (12.5, 5.6) if name in VERTICAL else (12.5, 4.1)
+        draw_boxes(str(Path(folder) / name), boxes, arrows, note, size, VERTICAL.get(name, ()))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 #include "eth.h"
 
-#include <string.h>
-
 #include "hw.h"
 
 #define SHORTEST 60
@@ -10,7 +8,7 @@ const struct eth_address ETH_OWN = {CONFIG_MAC};
 uint32_t eth_received, eth_sent, eth_dropped;
 static uint32_t slot;		/* that is written next */
 
-uint32_t eth_receive(uint8_t *frame)
+uint32_t eth_receive(uint32_t *frame)
 {
 	uint32_t from, length;
 
@@ -22,18 +20,15 @@ uint32_t eth_receive(uint8_t *frame)
 		++eth_dropped;
 		length = 0;
 	}
-	for (uint32_t k = 0; k < length; k += 4) {
-		uint32_t word = reg_read(from + k);
-
-		memcpy(frame + k, &word, 4);
-	}
+	for (uint32_t k = 0; k < length; k += 4)
+		*frame++ = reg_read(from + k);
 	reg_write(CSR_ETHMAC_SRAM_WRITER_EV_PENDING, 1);
 	if (length)
 		++eth_received;
 	return length;
 }
 
-void eth_send(const uint8_t *frame, uint32_t length)
+void eth_send(const uint32_t *frame, uint32_t length)
 {
 	uint32_t to = ETHMAC_TX_BASE + slot * ETHMAC_SLOT_BYTES;
 
@@ -43,12 +38,8 @@ void eth_send(const uint8_t *frame, uint32_t length)
 	while (!reg_read(CSR_ETHMAC_SRAM_READER_READY) ||
 	       reg_read(CSR_ETHMAC_SRAM_READER_LEVEL) > 1)
 		;
-	for (uint32_t k = 0; k < length; k += 4) {
-		uint32_t word;
-
-		memcpy(&word, frame + k, 4);
-		reg_write(to + k, word);
-	}
+	for (uint32_t k = 0; k < length; k += 4)
+		reg_write(to + k, *frame++);
 	for (uint32_t k = (length + 3) & ~3u; k < SHORTEST; k += 4)
 		reg_write(to + k, 0);
 	reg_write(CSR_ETHMAC_SRAM_READER_SLOT, slot);

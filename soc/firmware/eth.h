@@ -17,9 +17,9 @@ extern const struct eth_address ETH_OWN;
 extern uint32_t eth_received, eth_sent, eth_dropped;
 
 /* The next frame, copied to `frame` of ETH_LONGEST bytes, rounded up to a word; its length, or 0. */
-uint32_t eth_receive(uint8_t *frame);
+uint32_t eth_receive(uint32_t *frame);
 
-/* Sends a frame of `length` bytes in memory that is aligned to words. */
-void eth_send(const uint8_t *frame, uint32_t length);
+/* Sends a frame of `length` bytes. */
+void eth_send(const uint32_t *frame, uint32_t length);
 
 #endif

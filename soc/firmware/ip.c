@@ -9,14 +9,30 @@
 #define DO_NOT_FRAGMENT 0x4000
 #define FRAGMENT 0x3fff		/* offset, and more to come */
 
+typedef uint16_t __attribute__((may_alias)) half;
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "ip_sum adds swapped half words");
+
 uint32_t ip_own, ip_mask;
 
 uint32_t ip_sum(const uint8_t *bytes, uint32_t length, uint32_t sum)
 {
-	for (; length > 1; length -= 2, bytes += 2)
-		sum += get16(bytes);
+	const half *halves = (const half *)(const void *)bytes;
+	uint32_t swapped = 0;
+
+	/* The sum of swapped bytes is the swapped sum: each half word is added as the processor
+	 * reads it, two at a time. 64 kB do not carry out of 32 bits. */
+	for (; length > 3; length -= 4, halves += 2)
+		swapped += (uint32_t)halves[0] + halves[1];
+	if (length > 1) {
+		swapped += *halves++;
+		length -= 2;
+	}
 	if (length)
-		sum += (uint32_t)bytes[0] << 8;
+		swapped += *(const uint8_t *)halves;
+	while (swapped >> 16)
+		swapped = (swapped & 0xffff) + (swapped >> 16);
+	sum += (swapped & 0xff) << 8 | swapped >> 8;
 	while (sum >> 16)
 		sum = (sum & 0xffff) + (sum >> 16);
 	return sum;

@@ -27,7 +27,8 @@ struct datagram {
 	uint32_t length;
 };
 
-/* Check sum of bytes, added to `sum`; an odd last byte counts as the upper one. */
+/* Check sum of up to 64 kB at an even address, added to `sum`; an odd last byte counts as the upper
+ * one. */
 uint32_t ip_sum(const uint8_t *bytes, uint32_t length, uint32_t sum);
 
 /* Writes Ethernet, IP and UDP headers before so many bytes; where those begin. UDP's check sum is

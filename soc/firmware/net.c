@@ -14,7 +14,7 @@
 #include "table.h"
 #include "uart.h"
 
-#define TIMERS_CLOCKS (CLOCK_HZ / 100)
+#define TIMERS_CLOCKS (10 * MILLISECOND_CLOCKS)
 
 static struct netif interface;
 static uint32_t words[(ETH_LONGEST + 3) / 4];
@@ -25,7 +25,12 @@ static uint32_t looked;		/* clock at which lwIP's timers were looked at */
 
 uint32_t sys_now(void)
 {
-	return (uint32_t)(now64() / (CLOCK_HZ / 1000));
+	static uint32_t milliseconds, counted;		/* and the clock up to which they are */
+
+	/* It is asked a hundred times a second; a division of 64 bits costs more than this. */
+	for (; now32() - counted >= MILLISECOND_CLOCKS; counted += MILLISECOND_CLOCKS)
+		++milliseconds;
+	return milliseconds;
 }
 
 uint32_t lwip_random(void)
@@ -50,7 +55,7 @@ static err_t send(struct netif *netif, struct pbuf *chain)
 	if (chain->tot_len > ETH_LONGEST)
 		return ERR_BUF;
 	pbuf_copy_partial(chain, frame, chain->tot_len, 0);
-	eth_send((const uint8_t *)frame, chain->tot_len);
+	eth_send(frame, chain->tot_len);
 	return ERR_OK;
 }
 
@@ -96,11 +101,11 @@ void net_begin(void)
 
 void net_poll(void)
 {
-	uint8_t *frame = (uint8_t *)words;
-	uint32_t length = eth_receive(frame);
+	const uint8_t *frame = (const uint8_t *)words;
+	uint32_t length = eth_receive(words);
 	struct pbuf *buffer;
 
-	/* Milliseconds cost a long division, which the loop cannot afford each time. */
+	/* Looking at lwIP's timers takes longer than the loop can afford each time. */
 	if (now32() - looked >= TIMERS_CLOCKS) {
 		looked = now32();
 		sys_check_timeouts();

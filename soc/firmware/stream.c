@@ -220,11 +220,10 @@ void stream_test(const struct receiver *target, uint32_t size)
 {
 	static uint32_t words[(ETH_LONGEST + 3) / 4];
 	struct udp_path path = {target->mac, target->ip, target->port, STREAM_PORT};
-	uint8_t *frame = (uint8_t *)words;
 
 	if (size < IP_HEADER + UDP_HEADER || ETH_HEADER + size > ETH_LONGEST)
 		return;
-	memset(frame, 0, sizeof words);
-	udp_header(frame, &path, size - IP_HEADER - UDP_HEADER);
-	eth_send(frame, ETH_HEADER + size);
+	memset(words, 0, sizeof words);
+	udp_header((uint8_t *)words, &path, size - IP_HEADER - UDP_HEADER);
+	eth_send(words, ETH_HEADER + size);
 }

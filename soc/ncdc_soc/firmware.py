@@ -31,12 +31,16 @@ _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER = 8            # clocks, the least: in simulation nobody waits for a slow bus
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
-_SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "stream.c", "words.c", "sensor.c",
+_SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
+            "gvcp_write.c", "stream.c", "words.c", "sensor.c",
             "ip.c", "eth.c", "uart.c", "memory.c")
 _ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
-_OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-Os", "-ffunction-sections", "-fdata-sections",
-            "-ffreestanding", "-msave-restore", "-std=c11", "-Wall", "-Wextra", "-Werror",
-            "-nostartfiles", "--specs=picolibc.specs", "-Wl,--gc-sections")
+_OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
+            "-ffreestanding", "-fbuiltin", "-fno-tree-loop-distribute-patterns",
+            "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles", "--specs=picolibc.specs",
+            "-Wl,--gc-sections")
+_FAST = ("-O2",)                        # ours, which answers GVCP
+_SMALL = ("-Os", "-msave-restore")      # lwIP
 
 
 @dataclass(frozen=True)
@@ -46,12 +50,16 @@ class Identity:
     Parameters
     ----------
     ip, mask, mac : str
+        With the address 0.0.0.0 it asks DHCP, and takes a link-local one if nobody answers.
     serial : str
+    hurry : int
+        So many times faster pass lwIP's milliseconds, for simulations that wait for its time-outs.
     """
     ip: str = "10.77.0.11"
     mask: str = "255.255.255.0"
     mac: str = "02:4e:0a:4d:00:0b"
     serial: str = "1"
+    hurry: int = 1
 
 
 def config(core, soc, setup, corner, identity=Identity()):
@@ -169,6 +177,7 @@ def _protocols(identity):
         "GVCP_DISCOVERY_BYTES": _hex(gvcp.DISCOVERY_BYTES),
         "TABLE_PORT": f"{TCP_PORT}u", "TABLE_USERS": f"{_USERS}",
         "HEARTBEAT_MS": f"{gvcp.HEARTBEAT_MS}u",
+        "MILLISECOND_CLOCKS": f"{CLOCK_HZ // 1000 // identity.hurry}u",
         "PACKET_DO_NOT_FRAGMENT": _hex(gvcp.SCPS_DO_NOT_FRAGMENT),
         "CONFIG_VERSION": _text(version("ncdc")), "CONFIG_IP": _hex(_address(identity.ip)),
         "CONFIG_MASK": _hex(_address(identity.mask)),
@@ -254,11 +263,15 @@ def firmware_image(text, soc, folder):
     places = [f"-Wl,--defsym={name.upper()}_{what}={value:#x}" for name in ("rom", "sram")
               for what, value in zip(("BASE", "BYTES"), soc.memories[name])]
     lwip = lwip_source()
-    sources = [str(FIRMWARE / name) for name in _SOURCES] + [str(lwip / name) for name in FILES]
     # lwIP's headers are others' code: what the compiler says of them is not ours to mend.
     headers = [f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
                str(lwip / "include")]
-    _run([_COMPILER, *_OPTIONS, *headers, f"-T{FIRMWARE / 'link.ld'}", *places, *sources, "-o",
+    for name, options, sources in (("own", _FAST, [FIRMWARE / name for name in _SOURCES]),
+                                   ("lwip", _SMALL, [lwip / name for name in FILES])):
+        (folder / name).mkdir(exist_ok=True)
+        _run([_COMPILER, *options, *_OPTIONS, *headers, "-c", *map(str, sources)], folder / name)
+    objects = sorted(map(str, folder.glob("*/*.o")))
+    _run([_COMPILER, *_OPTIONS, f"-T{FIRMWARE / 'link.ld'}", *places, *objects, "-o",
           str(folder / "firmware.elf")])
     binary = folder / "firmware.bin"
     _run(["riscv64-unknown-elf-objcopy", "-O", "binary", str(folder / "firmware.elf"),
@@ -288,8 +301,8 @@ def host_program(text, folder):
     return folder / "fuzz"
 
 
-def _run(command):
-    done = subprocess.run(command, capture_output=True, text=True)
+def _run(command, folder=None):
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode:
         raise InputError(f"the firmware does not compile: {done.stderr.strip()}")
     return done.stdout

@@ -2,8 +2,10 @@
 //
 // Plusargs: +tap=<name> of the interface, which is made in the present network namespace; none
 // without it. +loss=<per mille> of the pictures' packets, known by their UDP source port, that never
-// reach it. +clocks=<number> ends the run. +rate: print the speed once a second. Standard input is the terminal's keyboard, standard
-// output its screen; what the simulation itself says goes to standard error.
+// reach it. +clocks=<number> ends the run. +rate: print the speed once a second. +answers: print for
+// each command of GVCP and of Table I the clocks from its frame's first byte on the wire to the last
+// one of the answer's frame. Standard input is the terminal's keyboard, standard output its screen;
+// what the simulation itself says goes to standard error.
 
 #include <fcntl.h>
 #include <linux/if.h>
@@ -31,7 +33,10 @@ constexpr unsigned GAP = 12;                // clocks between two frames, a byte
 constexpr size_t SHORTEST = 60;             // bytes of a frame without its check sequence
 constexpr uint64_t RESET_CLOCKS = 16;
 constexpr unsigned STREAM_PORT = 49152;     // of UDP, that pictures come from
-constexpr size_t PORT_AT = 14 + 20;         // where it stands in a frame
+constexpr unsigned GVCP_PORT = 3956;        // of UDP
+constexpr unsigned TABLE_PORT = 4000;       // of TCP
+constexpr unsigned UDP = 17, TCP = 6;
+constexpr size_t PORT_AT = 14 + 20;         // where the source's stands in a frame
 const uint8_t PREAMBLE[8] = {0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0xD5};
 
 volatile sig_atomic_t stopped = 0;
@@ -78,17 +83,54 @@ struct CheckSequence {
     }
 };
 
+unsigned number16(const uint8_t* data) { return data[0] << 8 | data[1]; }
+
+// Clocks that commands wait for their answers. One command of each protocol is under way at a time.
+class Answers {
+public:
+    explicit Answers(bool told) : told(told) {}
+
+    // A frame, without preamble and check sequence, of which the first byte came at that clock.
+    void received(const uint8_t* data, uint64_t clock) {
+        if (const int which = protocol(data, PORT_AT + 2); which >= 0) asked[which] = clock;
+    }
+
+    // A frame of which the last byte went at that clock; pictures: packets of them sent so far.
+    void sent(const uint8_t* data, uint64_t clock, uint64_t pictures) {
+        const int which = protocol(data, PORT_AT);
+        if (which < 0 || !asked[which]) return;
+        if (told)
+            fprintf(stderr, "ANSWER %s %llu %llu\n", which ? "table" : "gvcp",
+                    (unsigned long long)(clock - asked[which]), (unsigned long long)pictures);
+        asked[which] = 0;
+    }
+
+private:
+    // 0: GVCP, 1: bytes of Table I, -1: neither.
+    static int protocol(const uint8_t* data, size_t port_at) {
+        if (number16(data + 12) != 0x0800) return -1;
+        const unsigned port = number16(data + port_at);
+        if (data[23] == UDP) return port == GVCP_PORT ? 0 : -1;
+        const size_t headers = 20 + 4 * (data[PORT_AT + 12] >> 4);
+        return data[23] == TCP && port == TABLE_PORT && number16(data + 16) > headers ? 1 : -1;
+    }
+
+    const bool told;
+    uint64_t asked[2] = {0, 0};
+};
+
 // The wire between the system's PHY and the interface.
 class Wire {
 public:
-    Wire(Vsoc_bench& bench, int tap, unsigned loss) : bench(bench), tap(tap), loss(loss) {}
+    Wire(Vsoc_bench& bench, int tap, unsigned loss, bool told)
+        : bench(bench), tap(tap), loss(loss), answers(told) {}
 
     // After a rising edge of the clock: takes a byte that is sent, gives the next one.
     void clock(uint64_t clocks) {
         if (bench.tx_valid) {
             sent.push_back(bench.tx_data);
         } else if (!sent.empty()) {
-            deliver();
+            deliver(clocks);
             sent.clear();
         }
         if (next < received.size()) {
@@ -101,14 +143,14 @@ public:
             quiet_until = clocks + GAP;
         } else if (tap >= 0 && clocks >= quiet_until && clocks >= look) {
             look = clocks + POLL_CLOCKS;
-            fetch();
+            fetch(clocks);
         }
     }
 
     uint64_t frames_out = 0, frames_in = 0, lost = 0, broken = 0;
 
 private:
-    void deliver() {
+    void deliver(uint64_t clocks) {
         const size_t around = sizeof PREAMBLE + 4;
         uint32_t given = 0;
         if (sent.size() >= SHORTEST + around)
@@ -122,8 +164,10 @@ private:
         }
         ++frames_out;
         random = random * 6364136223846793005u + 1442695040888963407u;
-        const bool picture = data[12] == 8 && data[13] == 0 && data[23] == 17 &&
-                             (data[PORT_AT] << 8 | data[PORT_AT + 1]) == STREAM_PORT;
+        const bool picture = number16(data + 12) == 0x0800 && data[23] == UDP &&
+                             number16(data + PORT_AT) == STREAM_PORT;
+        pictures += picture;
+        answers.sent(data, clocks, pictures);
         if (picture && (random >> 33) % 1000 < loss) {
             ++lost;
         } else if (tap >= 0 && write(tap, data, sent.size() - around) < 0 && errno != EIO) {
@@ -131,7 +175,7 @@ private:
         }
     }
 
-    void fetch() {
+    void fetch(uint64_t clocks) {
         uint8_t frame[2048];
         ssize_t size = read(tap, frame, sizeof frame);
         if (size <= 0) return;
@@ -140,6 +184,7 @@ private:
             size = SHORTEST;
         }
         ++frames_in;
+        answers.received(frame, clocks);
         received.assign(PREAMBLE, PREAMBLE + sizeof PREAMBLE);
         received.insert(received.end(), frame, frame + size);
         const uint32_t value = check.of(frame, size);
@@ -151,6 +196,8 @@ private:
     const int tap;
     const unsigned loss;
     const CheckSequence check;
+    Answers answers;
+    uint64_t pictures = 0;      // packets of them that were sent
     std::vector<uint8_t> sent, received;
     size_t next = 0;
     uint64_t look = 0, quiet_until = 0, random = 1;
@@ -177,7 +224,8 @@ int main(int argc, char** argv) {
     const uint64_t last = number(argc, argv, "+clocks=", ~0ull);
     const bool rate = text(argc, argv, "+rate") != nullptr;
     const auto bench = std::make_unique<Vsoc_bench>(context.get());
-    Wire wire(*bench, name ? open_tap(name) : -1, number(argc, argv, "+loss=", 0));
+    Wire wire(*bench, name ? open_tap(name) : -1, number(argc, argv, "+loss=", 0),
+              text(argc, argv, "+answers") != nullptr);
     if (name) fprintf(stderr, "TAP %s\n", name);
     const bool keyboard = isatty(STDIN_FILENO);
     double told = 0;

@@ -38,6 +38,8 @@ class SocModel:
     exposure_us : float
         That exposure.
     hardware : Hardware, optional
+    identity : Identity
+        Of the device on its network.
 
     Attributes
     ----------
@@ -46,12 +48,10 @@ class SocModel:
         Of the firmware.
     setup : Setup
         Of the sensor.
-    identity : Identity
-        Of the device on its network.
     """
 
-    def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None):
-        self.descriptor, self.identity = descriptor, Identity()
+    def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None, identity=Identity()):
+        self.descriptor, self.identity = descriptor, identity
         core = SocCore(descriptor, hardware or Hardware(bus="axi", format="BGR8"))
         soc = soc_verilog(core)
         self.setup, self._corner = setup_around(_SENSOR, descriptor.geometry,
@@ -77,10 +77,13 @@ class SocModel:
     def golden(self, exposure_us=None):
         """The golden model's :class:`Corrected` of the frame that the sensor sends with that
         exposure; None: the first one."""
-        setup = self.setup
-        if exposure_us is not None:
-            setup, _ = setup_around(_SENSOR, self.descriptor.geometry, exposure_us=exposure_us)
-        return correct(self.descriptor, self.raw(setup))
+        raw = self.raw(self.setup) if exposure_us is None else self.raw_at(exposure_us)
+        return correct(self.descriptor, raw)
+
+    def raw_at(self, exposure_us):
+        """The raw frame that the sensor sends with that exposure."""
+        return self.raw(setup_around(_SENSOR, self.descriptor.geometry,
+                                     exposure_us=exposure_us)[0])
 
     def raw(self, setup):
         """The raw frame that the sensor sends with that :class:`Setup`."""
@@ -133,8 +136,8 @@ class SocRun:
             self._screen, self._said = folder / "screen.txt", folder / "said.txt"
             with open(self._screen, "w") as screen, open(self._said, "w") as said:
                 self._process = self.network.start(
-                    self._model.command(f"+tap={TAP}", f"+loss={self._loss}"), cwd=folder,
-                    stdout=screen, stderr=said)
+                    self._model.command(f"+tap={TAP}", f"+loss={self._loss}", "+answers"),
+                    cwd=folder, stdout=screen, stderr=said)
             self._wait()
         except BaseException:
             self.__exit__()
@@ -146,17 +149,32 @@ class SocRun:
         self._folder.cleanup()
 
     def _wait(self):
+        self.wait_for(lambda: _STARTED in self._screen.read_text())
+
+    def wait_for(self, there):
+        """Wait until ``there()``; :class:`SimulationError` if the program ends or it takes long."""
         end = time.monotonic() + _PATIENCE_S
-        while _STARTED not in self._screen.read_text():
+        while not there():
             if self._process.poll() is not None or time.monotonic() > end:
-                raise SimulationError("the firmware has not started:\n" + self._screen.read_text()
-                                      + self._said.read_text())
+                raise SimulationError("what was waited for has not come:\n"
+                                      + self._screen.read_text() + self._said.read_text())
             time.sleep(0.05)
 
     @property
     def screen(self):
         """What the firmware has said on the serial line, and the sensor's model between."""
         return self._screen.read_text()
+
+    @property
+    def said(self):
+        """What the simulation has said of itself: among that a line ``ANSWER gvcp`` or ``ANSWER
+        table`` for each command, with its clocks at the wire."""
+        return self._said.read_text()
+
+    @property
+    def broken(self):
+        """Frames that broke on their way out so far: a wrong check sequence, or a pause."""
+        return self.said.count("FRAME-ERROR")
 
     def end(self):
         """End the run; what the simulation says of itself, as text."""

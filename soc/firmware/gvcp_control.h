@@ -1,0 +1,46 @@
+/* Inside GVCP: who controls the device and what that one has set; reading and writing by address. */
+#ifndef GVCP_CONTROL_H
+#define GVCP_CONTROL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ip.h"
+
+/* Of an acknowledge. */
+enum gvcp_status {
+	SUCCESS = 0, NOT_IMPLEMENTED = 0x8001, INVALID_PARAMETER = 0x8002,
+	INVALID_ADDRESS = 0x8003, WRITE_PROTECT = 0x8004, BAD_ALIGNMENT = 0x8005,
+	ACCESS_DENIED = 0x8006, INVALID_HEADER = 0x800e, DEVICE_ERROR = 0x8ffe
+};
+
+/* Registers that a controller writes, and the controller. */
+struct control {
+	struct udp_path controller;	/* while `controlled` */
+	bool controlled;
+	bool acquiring;
+	uint64_t heard;		/* clock of the controller's last command */
+	uint64_t stamp;		/* ns, latched */
+	uint32_t heartbeat;	/* ms */
+	uint32_t privilege, port, delay, address, packet_size;
+	uint32_t tl_locked, single, sensor_address;
+};
+
+extern struct control control;
+
+/* Whether the device is controlled, and from there. */
+bool control_is(const struct udp_path *peer);
+
+/* Ends the control and the stream: all as without a controller. */
+void control_release(void);
+
+/* The word at an address; a status. */
+uint32_t gvcp_read_word(uint32_t address, uint32_t *value);
+
+/* Writes bytes from an address on to `to`; a status. */
+uint32_t gvcp_read_memory(uint32_t address, uint32_t count, uint8_t *to);
+
+/* Writes a word for `peer`; a status. */
+uint32_t gvcp_write_word(uint32_t address, uint32_t value, const struct udp_path *peer);
+
+#endif

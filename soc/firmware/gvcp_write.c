@@ -1,0 +1,175 @@
+#include <string.h>
+
+#include "gvcp_control.h"
+#include "hw.h"
+#include "stream.h"
+#include "words.h"
+
+#define FIRE (1u << 31)
+#define PORTS_MAX 0xffffu
+#define HEARTBEAT_LEAST 500u
+#define PACKET_LEAST 576u
+#define PACKET_MOST 16380u
+#define DELAY_MOST 1000000u		/* ns */
+
+static bool receiver(struct receiver *to)
+{
+	if (!control.port || !control.address)
+		return false;
+	to->ip = control.address;
+	to->port = control.port;
+	to->packet_size = control.packet_size & 0xffff;
+	to->delay_clocks = control.delay / (1000000000u / CLOCK_HZ);
+	if (control.address >> 28 == 14) {		/* a multicast group */
+		uint8_t mac[6] = {0x01, 0x00, 0x5e, control.address >> 16 & 0x7f,
+				  control.address >> 8 & 0xff, control.address & 0xff};
+
+		memcpy(to->mac.bytes, mac, 6);
+		return true;
+	}
+	/* Pictures go to nobody but the controller's machine. */
+	to->mac = control.controller.mac;
+	return control.address == control.controller.ip;
+}
+
+static uint32_t status_of(enum refusal refusal)
+{
+	switch (refusal) {
+	case DONE: return SUCCESS;
+	case BAD_VALUE: return INVALID_PARAMETER;
+	case LOCKED: return ACCESS_DENIED;
+	case READ_ONLY: return WRITE_PROTECT;
+	default: return DEVICE_ERROR;
+	}
+}
+
+static uint32_t write_control(uint32_t value, const struct udp_path *peer)
+{
+	if (control.controlled && !control_is(peer))
+		return ACCESS_DENIED;
+	if (value & ~3u)
+		return INVALID_PARAMETER;
+	if (!value) {
+		control_release();
+		return SUCCESS;
+	}
+	control.controller = *peer;
+	control.controlled = true;
+	control.heard = now64();
+	control.privilege = value;
+	return SUCCESS;
+}
+
+static uint32_t write_packet_size(uint32_t value)
+{
+	struct receiver to;
+	uint32_t size = value & 0xffff;
+
+	if (size < PACKET_LEAST || size > PACKET_MOST)
+		return INVALID_PARAMETER;
+	size = stream_packet_size(size);
+	if (control.acquiring && size != (control.packet_size & 0xffff))
+		return ACCESS_DENIED;
+	control.packet_size = (value & PACKET_DO_NOT_FRAGMENT) | size;
+	if (value & FIRE && receiver(&to))
+		stream_test(&to, value & 0xffff);
+	return SUCCESS;
+}
+
+static uint32_t write_bootstrap(uint32_t address, uint32_t value)
+{
+	uint32_t dummy;
+
+	switch (address) {
+	case BOOT_HeartbeatTimeout:
+		control.heartbeat = value < HEARTBEAT_LEAST ? HEARTBEAT_LEAST : value;
+		return SUCCESS;
+	case BOOT_TimestampControl:
+		if (value & 2)
+			control.stamp = now64() * (1000000000u / CLOCK_HZ);
+		return SUCCESS;
+	case BOOT_StreamPort:
+		if (value > PORTS_MAX)
+			return INVALID_PARAMETER;
+		if (control.acquiring && value != control.port)
+			return ACCESS_DENIED;
+		control.port = value;
+		return SUCCESS;
+	case BOOT_StreamAddress:
+		if (control.acquiring && value != control.address)
+			return ACCESS_DENIED;
+		control.address = value;
+		return SUCCESS;
+	case BOOT_StreamPacketDelay:
+		if (value > DELAY_MOST)
+			return INVALID_PARAMETER;
+		control.delay = value;
+		return SUCCESS;
+	case BOOT_StreamPacketSize:
+		return write_packet_size(value);
+	}
+	return gvcp_read_word(address, &dummy) == INVALID_ADDRESS ? INVALID_ADDRESS : WRITE_PROTECT;
+}
+
+static uint32_t write_own(const struct feature *one, uint32_t value)
+{
+	struct receiver to;
+
+	if (value < one->low || value > one->high)
+		return INVALID_PARAMETER;
+	switch (one->id) {
+	case FEATURE_AcquisitionMode:
+		if (control.acquiring)
+			return ACCESS_DENIED;
+		if (value > 1)
+			return INVALID_PARAMETER;
+		control.single = value;
+		return SUCCESS;
+	case FEATURE_TLParamsLocked:
+		control.tl_locked = value;
+		words_streaming = value || control.acquiring;
+		return SUCCESS;
+	case FEATURE_AcquisitionStart:
+		if (!value || control.acquiring)
+			return SUCCESS;
+		if (!receiver(&to))
+			return ACCESS_DENIED;
+		control.acquiring = words_streaming = true;
+		stream_start(&to, control.single);
+		return SUCCESS;
+	case FEATURE_AcquisitionStop:
+		if (value) {
+			stream_stop();
+			control.acquiring = false;
+			words_streaming = control.tl_locked;
+		}
+		return SUCCESS;
+	case FEATURE_SensorRegisterAddress:
+		control.sensor_address = value;
+		return SUCCESS;
+	case FEATURE_SensorRegisterValue:
+		return status_of(word_write(control.sensor_address, value));
+	}
+	return WRITE_PROTECT;
+}
+
+uint32_t gvcp_write_word(uint32_t address, uint32_t value, const struct udp_path *peer)
+{
+	const struct feature *one = feature_at(address);
+
+	if (address % 4)
+		return BAD_ALIGNMENT;
+	if (address == BOOT_ControlPrivilege)
+		return write_control(value, peer);
+	if (!control_is(peer))
+		return ACCESS_DENIED;
+	if (address - GVCP_CORRECTOR_BASE < GVCP_CORRECTOR_BYTES) {
+		reg_write(NCDC_BASE + (address - GVCP_CORRECTOR_BASE), value);
+		return SUCCESS;
+	}
+	if (!one)
+		return write_bootstrap(address, value);
+	if (one->access == 'r')
+		return WRITE_PROTECT;
+	return one->lower == NO_WORD ? write_own(one, value) : status_of(feature_write(one, value));
+}
