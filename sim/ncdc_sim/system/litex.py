@@ -32,7 +32,7 @@ __all__ = ["CPUS", "ModuleRun", "simulate_module"]
 CPUS = ("none", "idle", "busy")
 """No processor; one that runs in its cache; one that copies memory without a pause."""
 
-_COMPILER = "riscv64-unknown-elf-gcc"
+_TOOLS = "riscv64-unknown-elf-"
 _PROGRAMS = {
     "idle": "1: j 1b\n",
     # Over 1 MB and more, so that each line is read from memory; every store goes there anyway.
@@ -188,12 +188,15 @@ def _assembled(text, folder):
     """Words of a processor's program, as a memory's file of them."""
     text = text.format(copied=_COPIED)
     (folder / "rom.S").write_text(f".globl _start\n_start:\n{text}")
-    try:
-        subprocess.run([_COMPILER, "-march=rv32i", "-mabi=ilp32", "-nostdlib", "-Wl,-Ttext=0",
-                        "-Wl,--oformat=binary", "-o", "rom.bin", "rom.S"], cwd=folder, check=True)
-    except FileNotFoundError as error:
-        raise InputError(f"{_COMPILER} is not installed, which a processor's program needs: "
-                         f"apt install gcc-riscv64-unknown-elf") from error
+    for command in (
+            [f"{_TOOLS}gcc", "-march=rv32i", "-mabi=ilp32", "-nostdlib", "-Wl,-Ttext=0", "-o",
+             "rom.elf", "rom.S"],
+            [f"{_TOOLS}objcopy", "-O", "binary", "-j", ".text", "rom.elf", "rom.bin"]):
+        try:
+            subprocess.run(command, cwd=folder, check=True)
+        except FileNotFoundError as error:
+            raise InputError(f"{command[0]} is not installed, which a processor's program needs: "
+                             f"apt install gcc-riscv64-unknown-elf") from error
     words = np.frombuffer((folder / "rom.bin").read_bytes(), "<u4")
     return "".join(f"{word:08x}\n" for word in words)
 
