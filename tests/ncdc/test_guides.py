@@ -8,12 +8,15 @@ from pathlib import Path
 import pytest
 
 from cameras import barrel_descriptor
+from litex_systems import system_with
 from ncdc.cli import main
 from ncdc.report.guide_diagrams import DRAWINGS, draw_all
+from ncdc_sim.system.litex import main as litex_main
 from ncdc_sim.tools import environment, tool
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-GUIDES = {"guide_platform_designer": (48, 40), "guide_zynq": (48, 40), "guide_verilog": (48, 40)}
+GUIDES = {"guide_platform_designer": (48, 40), "guide_zynq": (48, 40), "guide_verilog": (48, 40),
+          "guide_litex": (48, 40)}
 
 
 def commands(page, name):
@@ -57,6 +60,26 @@ def test_the_verilog_guide_s_bench_passes(tmp_path, monkeypatch):
     assert not done.returncode, done.stderr
     done = subprocess.run(["vvp", *shlex.split(run_line)], **folder)
     assert "PASS" in done.stdout and "FAIL" not in done.stdout
+
+
+@pytest.mark.regress
+def test_the_litex_guide_s_systems_compare_every_pixel(tmp_path, monkeypatch, capsys):
+    barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
+    monkeypatch.chdir(tmp_path)
+    lines = commands((DOCS / "guide_litex.md").read_text(), "python -m ncdc_sim.system.litex")
+    assert len(lines) == 2
+    for line in lines:
+        assert litex_main(shlex.split(line)) == 0
+        assert "1920 pixels compared, 0 differ" in capsys.readouterr().out
+
+
+@pytest.mark.regress
+def test_the_litex_guide_s_lines_make_a_system(tmp_path, monkeypatch):
+    [block] = re.findall(r"```python\n(.*?)```", (DOCS / "guide_litex.md").read_text(), re.DOTALL)
+    barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
+    monkeypatch.chdir(tmp_path)
+    text = system_with(block)
+    assert "ncdc ncdc" in text and (tmp_path / "build" / "ncdc.v").is_file()
 
 
 def test_every_guide_has_its_drawing(tmp_path):

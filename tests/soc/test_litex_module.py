@@ -47,10 +47,10 @@ def test_frames_leave_as_litex_s_video_whatever_the_sink_does(sink):
 def test_a_processor_that_copies_memory_costs_clocks_and_no_pixel():
     need("riscv64-unknown-elf-gcc")
     runs = {cpu: simulate_module(*camera(128, 96), MEMORY, cpu, frames=2)
-            for cpu in ("idle", "busy")}
+            for cpu in ("idle", "polls", "copies")}
     for run in runs.values():
         check(run, 2, 128 * 96)
-    assert runs["busy"].clocks[0] > runs["idle"].clocks[0]
+    assert runs["copies"].clocks[0] > runs["idle"].clocks[0]
 
 
 @pytest.mark.parametrize("hardware,told", [

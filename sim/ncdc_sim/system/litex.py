@@ -29,14 +29,20 @@ from ncdc_soc.module_soc import MAIN_RAM, REGISTERS, module_soc_verilog
 
 __all__ = ["CPUS", "ModuleRun", "simulate_module"]
 
-CPUS = ("none", "idle", "busy")
-"""No processor; one that runs in its cache; one that copies memory without a pause."""
+CPUS = ("none", "idle", "polls", "copies")
+"""No processor; one that runs in its cache; one that reads a register of the corrector without a
+pause; one that copies memory without a pause."""
 
 _TOOLS = "riscv64-unknown-elf-"
 _PROGRAMS = {
     "idle": "1: j 1b\n",
+    "polls": """
+        li   t0, {status:#x}
+    1:  lw   t1, 0(t0)
+        j    1b
+    """,
     # Over 1 MB and more, so that each line is read from memory; every store goes there anyway.
-    "busy": """
+    "copies": """
     0:  li   t0, {copied:#x}
         li   t1, {copied:#x} + 0x400000
         li   t2, {copied:#x} + 0x100000
@@ -104,7 +110,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
     """
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
-        rom = None if cpu == "none" else _assembled(_PROGRAMS[cpu], folder)
+        rom = None if cpu == "none" else _assembled(cpu, _rows(descriptor)["STATUS"], folder)
         soc = module_soc_verilog(descriptor, hardware, rom and "vexriscv", folder)
         sources = [("ncdc_litex.v", soc.text),
                    *((Path(path).name, Path(path).read_text()) for path in soc.sources)]
@@ -115,14 +121,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
             (folder / "ncdc_litex_rom.init").write_text(rom)
             (folder / "ncdc_litex_sram.init").write_text("0\n")
         geometry = descriptor.geometry
-        places = FramePlaces.after_reset(geometry, hardware.data_width)
-        source = raw_image(raw, places.pitch)
-        size = 0 if hardware.stream else target_bytes(
-            geometry, hardware.data_width, output_format(hardware.format))
-        (folder / "source.bin").write_bytes(
-            source.ljust(source_bytes(geometry, places.pitch), b"\0"))
-        (folder / "program.txt").write_text(
-            "\n".join(_program(descriptor, soc.registers, places.target, size, frames)) + "\n")
+        _fill(folder, soc, descriptor, hardware, raw, frames)
         lines = []
         limit = 200_000 + 100 * (raw.size + frames * geometry.corrected_width
                                  * geometry.corrected_height)
@@ -133,11 +132,21 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
     return _result(_expected(descriptor, hardware, raw), output, lines, frames, soc.registers)
 
 
+def _fill(folder, soc, descriptor, hardware, raw, frames):
+    """Write what the program reads: the raw frame, the operations."""
+    geometry = descriptor.geometry
+    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    size = 0 if hardware.stream else target_bytes(geometry, hardware.data_width,
+                                                  output_format(hardware.format))
+    source = raw_image(raw, places.pitch).ljust(source_bytes(geometry, places.pitch), b"\0")
+    (folder / "source.bin").write_bytes(source)
+    operations = _program(descriptor, soc.registers, places.target, size, frames)
+    (folder / "program.txt").write_text("\n".join(operations) + "\n")
+
+
 def _program(descriptor, csrs, target, size, frames):
     """Operations of the master on the bus, see ``litex_main.cpp``."""
-    rows = {one.name: REGISTERS + 4 * one.address
-            for one in registers(descriptor.hidden_neurons, descriptor.formats, descriptor.nodes)}
-    pending = csrs["ncdc_ev_pending"]
+    rows, pending = _rows(descriptor), csrs["ncdc_ev_pending"]
     yield f"l {MAIN_RAM:x}"
     yield f"w {rows['IRQ_ENABLE']:x} 1"
     yield f"w {csrs['ncdc_ev_enable']:x} 1"
@@ -151,6 +160,12 @@ def _program(descriptor, csrs, target, size, frames):
         yield f"r {rows['CLOCKS']:x}"
         if size:
             yield f"d {MAIN_RAM + target:x} {size:x}"
+
+
+def _rows(descriptor):
+    """Byte addresses of the corrector's registers, by name."""
+    table = registers(descriptor.hidden_neurons, descriptor.formats, descriptor.nodes)
+    return {one.name: REGISTERS + 4 * one.address for one in table}
 
 
 def _expected(descriptor, hardware, raw):
@@ -184,9 +199,9 @@ def _result(expected, output, lines, frames, csrs):
         errors=tuple(line for line in lines if "-ERROR" in line))
 
 
-def _assembled(text, folder):
-    """Words of a processor's program, as a memory's file of them."""
-    text = text.format(copied=_COPIED)
+def _assembled(cpu, status, folder):
+    """Words of the processor's program, as a memory's file of them; STATUS is at ``status``."""
+    text = _PROGRAMS[cpu].format(copied=_COPIED, status=status)
     (folder / "rom.S").write_text(f".globl _start\n_start:\n{text}")
     for command in (
             [f"{_TOOLS}gcc", "-march=rv32i", "-mabi=ilp32", "-nostdlib", "-Wl,-Ttext=0", "-o",
