@@ -72,6 +72,8 @@ class SocCore(wiring.Component):
             ours, inner = getattr(self, name), getattr(system, name)
             flow = system.signature.members[name].flow
             m.d.comb += ours.eq(inner) if flow is Out else inner.eq(ours)
+        # One reset is LiteDRAM's and the bridges' too: they forget what they have accepted.
+        m.d.comb += system.memory_rst.eq(ResetSignal())
         self._registers(m)
         self._memory(m)
         frame = packetiser.o

@@ -58,7 +58,8 @@ class ModuleCore(wiring.Component):
         m.submodules.bridge = bridge = WishboneAgent(ADDRESS_WORDS_BITS)
         connect(m, flipped(self.bus), bridge.host)
         agent = bridge.agent
-        m.d.comb += self.irq.eq(corrector.irq)
+        # One reset is LiteDRAM's and the bridges' too: they forget what they have accepted.
+        m.d.comb += [self.irq.eq(corrector.irq), corrector.memory_rst.eq(ResetSignal())]
         for name, member in agent.signature.members.items():
             inner, outer = getattr(agent, name), getattr(corrector, f"csr_{name}")
             m.d.comb += outer.eq(inner) if member.flow is Out else inner.eq(outer)

@@ -35,6 +35,12 @@ def test_frames_in_litedram_are_corrected_to_memory():
 
 
 @pytest.mark.regress
+def test_a_system_that_is_reset_in_the_midst_of_frames_corrects_the_next():
+    cut = range(100, 3000, 61)
+    check(simulate_module(*camera(48, 40), MEMORY, cut=cut), 1, 48 * 40)
+
+
+@pytest.mark.regress
 @pytest.mark.parametrize("sink", (256, 60))
 def test_frames_leave_as_litex_s_video_whatever_the_sink_does(sink):
     run = simulate_module(*camera(64, 48), STREAM, frames=3, sink=sink)

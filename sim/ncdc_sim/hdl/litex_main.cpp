@@ -6,6 +6,8 @@
 //   r address           read one; prints READ address value
 //   l address           write the file source.bin there
 //   d address bytes     write what is there into the file output.bin
+//   p clocks            let so many go by
+//   x clocks            reset the whole system for so many
 //   i                   wait for the interrupt; prints IRQ clocks, from the last write's answer
 // Plusargs: +clocks=<number> at most. +sink=<chance of 256> that the sink of the video is ready.
 //
@@ -75,12 +77,16 @@ public:
     ~Master() { fclose(output); }
 
     bool ended() const { return left.empty(); }
+    bool resets() const { return !left.empty() && left.front().kind == 'x'; }
 
     // Before a rising edge: what the bus says in this clock.
     void look(uint64_t clock) {
         if (left.empty()) return;
         const Access& now = left.front();
-        if (now.kind == 'i') {
+        if (now.kind == 'p' || now.kind == 'x') {
+            if (++passed < now.address) return;
+            passed = 0;
+        } else if (now.kind == 'i') {
             if (!soc.frame_irq) return;
             printf("IRQ %llu\n", (unsigned long long)(clock - written));
         } else {
@@ -95,7 +101,7 @@ public:
 
     // Behind it: what is asked in the next one.
     void drive() {
-        const bool asks = !left.empty() && left.front().kind != 'i';
+        const bool asks = !left.empty() && !strchr("ipx", left.front().kind);
         soc.host_cyc = soc.host_stb = asks;
         if (!asks) return;
         soc.host_adr = left.front().address >> 2;
@@ -108,7 +114,7 @@ private:
     Vncdc_litex& soc;
     std::deque<Access> left;
     FILE* output;
-    uint64_t written = 0;
+    uint64_t written = 0, passed = 0;
 };
 
 class Sink {
@@ -120,6 +126,10 @@ public:
     void look(uint64_t clock) {
         const uint32_t now = soc.video_r | soc.video_g << 8 | soc.video_b << 16 |
                              soc.video_first << 24 | soc.video_last << 25;
+        if (soc.sys_rst) {
+            waits = false;
+            return;
+        }
         if (waits && (!soc.video_valid || now != before)) breach("held", clock);
         if (soc.video_valid != soc.video_de) breach("de", clock);
         if (soc.video_hsync || soc.video_vsync) breach("sync", clock);
@@ -163,7 +173,7 @@ int main(int argc, char** argv) {
         Master master(*soc);
         Sink sink(*soc, number(argc, argv, "+sink=", 256));
         for (; clock < last && !master.ended(); ++clock) {
-            soc->sys_rst = clock < 16;
+            soc->sys_rst = clock < 16 || master.resets();
             soc->sys_clk = 0;
             soc->eval();
             if (clock > 16) {

@@ -87,7 +87,7 @@ class ModuleRun:
 
 
 def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none", frames=1,
-                    sink=256):
+                    sink=256, cut=()):
     """:class:`ModuleRun` of a system that corrects the ``raw`` frame ``frames`` times.
 
     Parameters
@@ -100,6 +100,8 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
     frames : int
     sink : int
         How often, of 256 clocks, the sink of a stream is ready.
+    cut : sequence of int
+        Frames before these: the whole system is reset so many clocks after each one's start.
 
     Raises
     ------
@@ -121,7 +123,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
             (folder / "ncdc_litex_rom.init").write_text(rom)
             (folder / "ncdc_litex_sram.init").write_text("0\n")
         geometry = descriptor.geometry
-        _fill(folder, soc, descriptor, hardware, raw, frames)
+        _fill(folder, soc, descriptor, hardware, raw, (cut, frames))
         lines = []
         limit = 200_000 + 100 * (raw.size + frames * geometry.corrected_width
                                  * geometry.corrected_height)
@@ -145,12 +147,16 @@ def _fill(folder, soc, descriptor, hardware, raw, frames):
 
 
 def _program(descriptor, csrs, target, size, frames):
-    """Operations of the master on the bus, see ``litex_main.cpp``."""
+    """Operations of the master on the bus, see ``litex_main.cpp``; ``frames``: the clocks after
+    which some are cut, the number of others."""
+    cut, whole = frames
     rows, pending = _rows(descriptor), csrs["ncdc_ev_pending"]
     yield f"l {MAIN_RAM:x}"
+    for clocks in cut:
+        yield from (f"w {rows['CTRL']:x} {CTRL_START:x}", f"p {clocks:x}", "x 1")
     yield f"w {rows['IRQ_ENABLE']:x} 1"
     yield f"w {csrs['ncdc_ev_enable']:x} 1"
-    for _ in range(frames):
+    for _ in range(whole):
         yield from (f"w {MAIN_RAM + target + k:x} 5a5a5a5a" for k in range(0, min(size, 64), 4))
         yield f"w {rows['CTRL']:x} {CTRL_START:x}"
         yield "i"
