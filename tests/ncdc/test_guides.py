@@ -4,6 +4,7 @@ import re
 import shlex
 import subprocess
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 
@@ -75,10 +76,11 @@ def test_the_litex_guide_s_systems_compare_every_pixel(tmp_path, monkeypatch, ca
 
 @pytest.mark.regress
 def test_the_litex_guide_s_lines_make_a_system(tmp_path, monkeypatch):
-    [block] = re.findall(r"```python\n(.*?)```", (DOCS / "guide_litex.md").read_text(), re.DOTALL)
+    [block] = re.findall(r"^    from ncdc_soc.*?(?=^\S)", (DOCS / "guide_litex.md").read_text(),
+                         re.MULTILINE | re.DOTALL)
     barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
     monkeypatch.chdir(tmp_path)
-    text = system_with(block)
+    text = system_with(dedent(block))
     assert "ncdc ncdc" in text and (tmp_path / "build" / "ncdc.v").is_file()
 
 
