@@ -87,7 +87,7 @@ class ModuleRun:
 
 
 def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none", frames=1,
-                    sink=256, cut=()):
+                    sink=256, cut=(), long_turns=False):
     """:class:`ModuleRun` of a system that corrects the ``raw`` frame ``frames`` times.
 
     Parameters
@@ -102,6 +102,8 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
         How often, of 256 clocks, the sink of a stream is ready.
     cut : sequence of int
         Frames before these: the whole system is reset so many clocks after each one's start.
+    long_turns : bool
+        Of :class:`ncdc_soc.module_soc.ModuleSoc`.
 
     Raises
     ------
@@ -113,7 +115,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         rom = None if cpu == "none" else _assembled(cpu, _rows(descriptor)["STATUS"], folder)
-        soc = module_soc_verilog(descriptor, hardware, rom and "vexriscv", folder)
+        soc = module_soc_verilog(descriptor, hardware, rom and "vexriscv", folder, long_turns)
         sources = [("ncdc_litex.v", soc.text),
                    *((Path(path).name, Path(path).read_text()) for path in soc.sources)]
         # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
@@ -243,12 +245,14 @@ def main(arguments=None):
     parser.add_argument("--cpu", choices=CPUS, default="none")
     parser.add_argument("--sink", type=int, default=256,
                         help="how often, of 256 clocks, the stream's sink is ready")
+    parser.add_argument("--long-turns", action="store_true",
+                        help="LiteDRAM's controller changes direction less often")
     args = parser.parse_args(arguments)
     try:
         descriptor = Descriptor.load(args.net)
         hardware = Hardware(output=args.to, **({"format": "BGR8"} if args.to == "memory" else {}))
         done = simulate_module(descriptor, _raw(args.raw, descriptor.geometry), hardware, args.cpu,
-                               sink=args.sink)
+                               sink=args.sink, long_turns=args.long_turns)
     except (InputError, SimulationError) as error:
         print(error, file=sys.stderr)
         return 2 if isinstance(error, InputError) else 1
