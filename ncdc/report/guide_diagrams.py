@@ -34,6 +34,17 @@ DRAWINGS = {    # file: boxes, arrows, note
          (12.2, 9.1, 2.9, "sensor", "clock, frame, line, data"),
          (9.1, 12.2, 2.0, "i2c", "two lines, open drain")),
         "aclk, aresetn: from the same clock and reset block as the interconnect"),
+    "guide-litex.png": (
+        ((0, 0, 2.9, 4.6, "your LiteX SoC\n\nprocessor, or a\nbridge to a PC\n\n"
+          "LiteDRAM:\ncrossbar, controller"),
+         (6.4, 0, 2.7, 4.6, "NCDC\n\nregisters\n\ncorrector\n\nbridges to\nnative ports"),
+         (12.2, 1.3, 2.5, 2.0, "your encoder,\nfilter or DMA")),
+        ((2.9, 6.4, 4.1, "bus", "Wishbone slave: registers"),
+         (6.4, 2.9, 3.1, "ev.irq", "EventManager: a frame is done"),
+         (6.4, 2.9, 2.1, "get_port()", "native port: raw frames"),
+         (6.4, 2.9, 1.1, "get_port()", "native port: corrected frames"),
+         (9.1, 12.2, 2.3, "source", 'instead, with output="stream"')),
+        "one clock domain, sys; as many native ports as the corrector has hosts"),
     "guide-verilog.png": (
         ((0, 0, 2.9, 4.6, "your design\n\nregisters: one master,\none access at a time\n\n"
           "your memory\ncontroller"),

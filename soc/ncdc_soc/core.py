@@ -5,6 +5,7 @@ from amaranth.back import verilog
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
+from ncdc_hdl.avalon.bus import PENDING
 from ncdc_hdl.avalon.native import NativePort, NativeReader, NativeWriter
 from ncdc_hdl.avalon.wishbone import Wishbone, WishboneAgent
 from ncdc_hdl.lib.ports import ports_as
@@ -13,7 +14,8 @@ from ncdc_hdl.system import System
 from ncdc_model.interface.link_map import LINK_WORDS_BITS
 from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
 
-__all__ = ["ADDRESS_BITS", "LINK_BASE", "SocCore", "core_verilog"]
+__all__ = ["ADDRESS_BITS", "LINK_BASE", "SocCore", "core_verilog", "memory_reader",
+           "memory_writer"]
 
 ADDRESS_BITS = SYSTEM_WORDS_BITS + 1    # of a register, in words
 LINK_BASE = 1 << SYSTEM_WORDS_BITS      # word address of the packetiser's
@@ -70,6 +72,8 @@ class SocCore(wiring.Component):
             ours, inner = getattr(self, name), getattr(system, name)
             flow = system.signature.members[name].flow
             m.d.comb += ours.eq(inner) if flow is Out else inner.eq(ours)
+        # One reset is LiteDRAM's and the bridges' too: they forget what they have accepted.
+        m.d.comb += system.memory_rst.eq(ResetSignal())
         self._registers(m)
         self._memory(m)
         frame = packetiser.o
@@ -96,25 +100,32 @@ class SocCore(wiring.Component):
 
     def _memory(self, m):
         """A bridge per host."""
-        system, width = self.system, self.system.hardware.data_width
-        m.submodules.writer = writer = NativeWriter(
-            width, max_burst=_longest(system.write_burstcount), pending=system.pending)
-        connect(m, ports_as(system, "write", writer.bus.signature.flip()), writer.bus)
-        connect(m, writer.port, flipped(self.port0))
-        hosts = [self.packetiser.bus]
-        for name in self.reads:
-            burst = _longest(getattr(system, f"{name}_burstcount"))
-            hosts.append((name, burst))
-        for k, host in enumerate(hosts):
-            if k:
-                name, burst = host
-                reader = NativeReader(width, burst)
-                host = ports_as(system, name, reader.bus.signature.flip())
-            else:
-                reader = NativeReader(width, host.signature.max_burst)
-            m.submodules[f"reader{k}"] = reader
-            connect(m, host, reader.bus)
-            connect(m, reader.port, flipped(getattr(self, f"port{k + 1}")))
+        system, packets = self.system, self.packetiser.bus
+        memory_writer(m, system, self.port0)
+        reader = NativeReader(system.hardware.data_width, packets.signature.max_burst)
+        m.submodules.reader0 = reader
+        connect(m, packets, reader.bus)
+        connect(m, reader.port, flipped(self.port1))
+        for k, name in enumerate(self.reads):
+            memory_reader(m, system, name, getattr(self, f"port{k + 2}"))
+
+
+def memory_writer(m, host, port):
+    """Let the write host of ``host``, ports called write_*, write through the native ``port`` of
+    the component that elaborates ``m``. ``host`` has ``hardware`` with the bus "axi"."""
+    m.submodules.writer = writer = NativeWriter(
+        host.hardware.data_width, max_burst=_longest(host.write_burstcount), pending=PENDING)
+    connect(m, ports_as(host, "write", writer.bus.signature.flip()), writer.bus)
+    connect(m, writer.port, flipped(port))
+
+
+def memory_reader(m, host, name, port):
+    """Let the read host ``name`` of ``host`` read through the native ``port``, likewise."""
+    burst = _longest(getattr(host, f"{name}_burstcount"))
+    reader = NativeReader(host.hardware.data_width, burst)
+    m.submodules[f"{name}_bridge"] = reader
+    connect(m, ports_as(host, name, reader.bus.signature.flip()), reader.bus)
+    connect(m, reader.port, flipped(port))
 
 
 def _longest(burstcount):

@@ -4,6 +4,7 @@ import re
 import shlex
 import subprocess
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 
@@ -13,7 +14,8 @@ from ncdc.report.guide_diagrams import DRAWINGS, draw_all
 from ncdc_sim.tools import environment, tool
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-GUIDES = {"guide_platform_designer": (48, 40), "guide_zynq": (48, 40), "guide_verilog": (48, 40)}
+GUIDES = {"guide_platform_designer": (48, 40), "guide_zynq": (48, 40), "guide_verilog": (48, 40),
+          "guide_litex": (48, 40)}
 
 
 def commands(page, name):
@@ -57,6 +59,31 @@ def test_the_verilog_guide_s_bench_passes(tmp_path, monkeypatch):
     assert not done.returncode, done.stderr
     done = subprocess.run(["vvp", *shlex.split(run_line)], **folder)
     assert "PASS" in done.stdout and "FAIL" not in done.stdout
+
+
+@pytest.mark.regress
+def test_the_litex_guide_s_systems_compare_every_pixel(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
+    from ncdc_sim.system import litex
+    barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
+    monkeypatch.chdir(tmp_path)
+    lines = commands((DOCS / "guide_litex.md").read_text(), "python -m ncdc_sim.system.litex")
+    assert len(lines) == 2
+    for line in lines:
+        assert litex.main(shlex.split(line)) == 0
+        assert "1920 pixels compared, 0 differ" in capsys.readouterr().out
+
+
+@pytest.mark.regress
+def test_the_litex_guide_s_lines_make_a_system(tmp_path, monkeypatch):
+    pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
+    from litex_systems import system_with
+    [block] = re.findall(r"^    from ncdc_soc.*?(?=^\S)", (DOCS / "guide_litex.md").read_text(),
+                         re.MULTILINE | re.DOTALL)
+    barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
+    monkeypatch.chdir(tmp_path)
+    text = system_with(dedent(block))
+    assert "ncdc ncdc" in text and (tmp_path / "build" / "ncdc.v").is_file()
 
 
 def test_every_guide_has_its_drawing(tmp_path):

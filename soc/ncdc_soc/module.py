@@ -1,0 +1,135 @@
+"""The corrector as a module for LiteX.
+
+    from ncdc_soc.module import NCDC
+
+    self.ncdc = NCDC(platform, "net.toml", self.sdram.crossbar)
+    self.bus.add_slave("ncdc", self.ncdc.bus, self.ncdc.region(0x9000_0000))
+    self.irq.add("ncdc", use_loc_if_exists=True)
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+from amaranth.back import verilog
+from litex.gen import LiteXModule
+from litex.soc.cores.video import video_data_layout
+from litex.soc.integration.soc import SoCRegion
+from litex.soc.interconnect import stream, wishbone
+from litex.soc.interconnect.csr_eventmanager import EventManager, EventSourceLevel
+from migen import ClockSignal, Instance, ResetSignal, Signal
+
+from ncdc_model.descriptor import Descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.hardware import Hardware
+from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
+from ncdc_soc.module_core import ModuleCore
+
+__all__ = ["NCDC"]
+
+_ANY_ADDRESS_BITS = 32          # of the core's byte addresses
+
+
+class NCDC(LiteXModule):
+    """Corrects raw frames in LiteDRAM's memory, to the same memory or as a video stream.
+
+    Addresses in its registers count bytes from the memory's own beginning. The processor sees the
+    memory at ``main_ram``; a memory of 2^n bytes at a multiple of 2^n has the same lower bits, and
+    the upper ones are dropped, so that the processor's addresses do as well.
+
+    Parameters
+    ----------
+    platform : GenericPlatform
+        Gets the Verilog as a source.
+    net : Descriptor or path
+        The camera: a ``net.toml``, or what was read from one.
+    crossbar : LiteDRAMCrossbar
+        ``self.sdram.crossbar``; must not be finalised.
+    hardware : Hardware, optional
+        How it is built. If absent: ports as wide as the controller's, corrected frames to memory.
+    name : str
+        Of the Verilog module; two of them in one system need two names.
+    folder : path
+        Where ``name.v`` is written.
+
+    Attributes
+    ----------
+    bus : wishbone.Interface
+        A slave of 32 bits: the registers, as in the register map. For :meth:`region`.
+    source : stream.Endpoint(video_data_layout)
+        Of hardware with the output "stream": a pixel per beat, ``de`` high with each, ``first`` and
+        ``last`` at a frame's ends; ``hsync`` and ``vsync`` stay low, as frames have no timing of a
+        screen. It waits for ``ready`` as long as need be. None otherwise.
+    ev : EventManager
+        The event ``frame``: high while STATUS.DONE is, if IRQ_ENABLE lets it. Writing 1 to
+        STATUS.DONE ends it.
+    core : ModuleCore
+
+    Raises
+    ------
+    InputError
+        If the hardware fits neither the camera nor the controller, or its stream has more than one
+        pixel per clock or packets.
+    """
+
+    def __init__(self, platform, net, crossbar, hardware=None, name="ncdc", folder="build"):
+        width = crossbar.controller.data_width
+        hardware = replace(hardware or Hardware(data_width=width), bus="axi")
+        _check(hardware, width)
+        descriptor = net if isinstance(net, Descriptor) else Descriptor.load(net)
+        self.core = core = ModuleCore(descriptor, hardware)
+        self.bus = bus = wishbone.Interface(data_width=32, adr_width=30)
+        self.ev = EventManager()
+        self.ev.frame = EventSourceLevel(description="A frame is corrected.")
+        self.ev.finalize()
+        self.source = stream.Endpoint(video_data_layout) if hardware.stream else None
+
+        ports = {}
+        for k in range(core.ports):
+            ports |= self._memory(crossbar.get_port(), f"port{k}__")
+        if hardware.stream:
+            ports |= self._stream()
+        self.specials += Instance(
+            name, **ports, i_clk=ClockSignal(), i_rst=ResetSignal(),
+            i_bus__adr=bus.adr[:ADDRESS_WORDS_BITS], i_bus__dat_w=bus.dat_w, i_bus__sel=bus.sel,
+            i_bus__cyc=bus.cyc, i_bus__stb=bus.stb, i_bus__we=bus.we, o_bus__dat_r=bus.dat_r,
+            o_bus__ack=bus.ack, o_bus__err=bus.err, o_irq=self.ev.frame.trigger)
+        path = Path(folder) / f"{name}.v"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(verilog.convert(core, name=name))
+        platform.add_source(str(path))
+
+    @staticmethod
+    def region(origin=None):
+        """The :class:`SoCRegion` of the registers at a byte address, or where LiteX finds room."""
+        return SoCRegion(origin=origin, size=4 << ADDRESS_WORDS_BITS, cached=False)
+
+    def _memory(self, port, prefix):
+        """The core's native port of that prefix on LiteDRAM's ``port``."""
+        word_bits = (port.data_width // 8 - 1).bit_length()
+        address = Signal(_ANY_ADDRESS_BITS - word_bits)
+        # The bridges never hold back a word that was read.
+        self.comb += [port.cmd.addr.eq(address), port.rdata.ready.eq(1)]
+        return {
+            f"o_{prefix}cmd_valid": port.cmd.valid, f"i_{prefix}cmd_ready": port.cmd.ready,
+            f"o_{prefix}cmd_we": port.cmd.we, f"o_{prefix}cmd_addr": address,
+            f"o_{prefix}wdata_valid": port.wdata.valid, f"i_{prefix}wdata_ready": port.wdata.ready,
+            f"o_{prefix}wdata_data": port.wdata.data, f"o_{prefix}wdata_we": port.wdata.we,
+            f"i_{prefix}rdata_valid": port.rdata.valid, f"i_{prefix}rdata_data": port.rdata.data}
+
+    def _stream(self):
+        """The core's stream, red in the top byte, on :attr:`source`."""
+        source, colours = self.source, Signal(24)
+        self.comb += [source.de.eq(source.valid), source.b.eq(colours[:8]),
+                      source.g.eq(colours[8:16]), source.r.eq(colours[16:])]
+        return {"o_stream_valid": source.valid, "i_stream_ready": source.ready,
+                "o_stream_data": colours, "o_stream_startofpacket": source.first,
+                "o_stream_endofpacket": source.last}
+
+
+def _check(hardware, width):
+    """Refuse hardware that neither the controller nor LiteX's video can have."""
+    if hardware.data_width != width:
+        raise InputError(f"the memory's data width is {hardware.data_width}, LiteDRAM's controller "
+                         f"has {width}")
+    if hardware.stream and hardware.lanes != 1:
+        raise InputError(f"pixels per clock is {hardware.lanes}, LiteX's video has 1")

@@ -1,0 +1,69 @@
+"""The corrector as a LiteX user has it: in a system with LiteDRAM, driven over the bus."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
+
+from cameras import barrel_descriptor  # noqa: E402
+from ncdc_model.errors import InputError  # noqa: E402
+from ncdc_model.hardware import Hardware  # noqa: E402
+from ncdc_sim.system.litex import simulate_module  # noqa: E402
+from ncdc_soc.module_soc import module_soc_verilog  # noqa: E402
+from peers import need  # noqa: E402
+
+STREAM = Hardware(output="stream")
+MEMORY = Hardware(format="BGR8")
+
+
+def camera(width, height):
+    """A descriptor, and a raw frame of noise for it."""
+    size = width, height
+    noise = np.random.default_rng(7).integers(0, 256, size[::-1], np.uint8)
+    return barrel_descriptor(size, size, hidden_neurons=2), noise
+
+
+def check(run, frames, pixels):
+    """Every pixel is the golden model's, and the event comes with each frame and goes."""
+    assert (run.pixels, run.different, run.errors) == (frames * pixels, 0, ())
+    assert run.pending == (1, 0) * frames
+    assert len(run.interrupts) == frames and min(run.interrupts) > pixels
+
+
+def test_frames_in_litedram_are_corrected_to_memory():
+    check(simulate_module(*camera(32, 24), MEMORY, frames=2), 2, 32 * 24)
+
+
+@pytest.mark.regress
+def test_a_system_that_is_reset_in_the_midst_of_frames_corrects_the_next():
+    cut = range(100, 3000, 61)
+    check(simulate_module(*camera(48, 40), MEMORY, cut=cut), 1, 48 * 40)
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("sink", (256, 60))
+def test_frames_leave_as_litex_s_video_whatever_the_sink_does(sink):
+    run = simulate_module(*camera(64, 48), STREAM, frames=3, sink=sink)
+    check(run, 3, 64 * 48)
+    assert run.ends == tuple((k * 64 * 48, (k + 1) * 64 * 48 - 1) for k in range(3))
+    assert (run.clocks[0] > 4 * 64 * 48) == (sink == 60)
+
+
+@pytest.mark.regress
+def test_a_processor_that_copies_memory_costs_clocks_and_no_pixel():
+    need("riscv64-unknown-elf-gcc")
+    runs = {cpu: simulate_module(*camera(128, 96), MEMORY, cpu, frames=2)
+            for cpu in ("idle", "polls", "copies")}
+    for run in runs.values():
+        check(run, 2, 128 * 96)
+    assert runs["copies"].clocks[0] > runs["idle"].clocks[0]
+
+
+@pytest.mark.parametrize("hardware,told", [
+    (Hardware(data_width=64), "data width is 64, LiteDRAM's controller has 32"),
+    (Hardware(output="stream", lanes=2), "pixels per clock is 2, LiteX's video has 1"),
+    (Hardware(output="stream", video="vip"), "the video vip needs avalon")])
+def test_hardware_that_does_not_fit_is_refused(hardware, told, tmp_path):
+    with pytest.raises(InputError, match=told):
+        module_soc_verilog(camera(32, 24)[0], hardware, None, tmp_path)
+    assert not list(tmp_path.iterdir())
