@@ -32,7 +32,7 @@ INPUTS = {"calibrate": ["frame.png"], "train": ["camera.toml", "--neurons", "2"]
           "demo": [], "bench": ["accuracy"]}
 FILES = "calibrate", "train", "correct", "simulate", "export"
 FOLDERS = "demo", "generate", "build", "bench"
-NETWORK = "client", "device"        # they need one: tests/host tries them
+NETWORK = "client", "device", "soc"     # they need one: tests/host and tests/soc try them
 PRINTS = ("sensor",)                # its one file: test_sensor_command
 
 
