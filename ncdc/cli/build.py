@@ -77,12 +77,11 @@ def run(args):
         try:
             steps("synthesis: Yosys")
             nets = clock_nets(synthesise_board(files.rtlil, NAME, folder), clock_cells())
-            targets = design.clocks.targets()
-            preferences = files.preferences + clock_preferences(nets, targets)
+            preferences = files.preferences + clock_preferences(nets, design.clocks.targets())
             placements = []
             for seed in range(1, args.seeds + 1):
                 steps(f"place and route: nextpnr, seed {seed} of {args.seeds}")
-                placements.append(place(folder, preferences, nets, targets, seed))
+                placements.append(place(folder, preferences, nets, seed))
             best = max(placements, key=lambda placement: placement.slack)
             _check_clocks(best, args.seeds)
             steps("packing the bitstream")
