@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
-
-from ncdc.bench.network.command import failures, table  # noqa: E402
-from ncdc.bench.network.measure import different  # noqa: E402
+from ncdc.bench.network.command import failures, table
+from ncdc.bench.network.measure import different
 
 _BLACK, _GREY, _WHITE = (np.full((4, 5, 3), value, np.uint8) for value in (0, 128, 255))
 

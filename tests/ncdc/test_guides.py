@@ -63,7 +63,6 @@ def test_the_verilog_guide_s_bench_passes(tmp_path, monkeypatch):
 
 @pytest.mark.regress
 def test_the_litex_guide_s_systems_compare_every_pixel(tmp_path, monkeypatch, capsys):
-    pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
     from ncdc_sim.system import litex
     barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
     monkeypatch.chdir(tmp_path)
@@ -76,7 +75,6 @@ def test_the_litex_guide_s_systems_compare_every_pixel(tmp_path, monkeypatch, ca
 
 @pytest.mark.regress
 def test_the_litex_guide_s_lines_make_a_system(tmp_path, monkeypatch):
-    pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
     from litex_systems import system_with
     [block] = re.findall(r"^    from ncdc_soc.*?(?=^\S)", (DOCS / "guide_litex.md").read_text(),
                          re.MULTILINE | re.DOTALL)

@@ -11,7 +11,7 @@ from amaranth.lib import data
 from amaranth.lib.cdc import FFSynchronizer
 
 from cameras import barrel_descriptor
-from crossings import Clocks
+from crossings import Clocks, Wire
 from ncdc_hdl.camera import capture
 from ncdc_hdl.system import System
 from ncdc_model.hardware import Hardware
@@ -93,18 +93,6 @@ def test_only_the_second_flop_reads_the_first(clocks):
 def test_nobody_reads_what_has_logic_before_its_synchroniser(clocks):
     assert clocks.readers(f"{UNUSED}.stage0") == {f"{UNUSED}.stage1": True}
     assert clocks.readers(f"{UNUSED}.stage3") == {}
-
-
-class Wire(Elaboratable):
-    """A planted error: no synchroniser."""
-
-    def __init__(self, i, o, **_):
-        self.i, self.o = i, o
-
-    def elaborate(self, platform):
-        m = Module()
-        m.d.comb += self.o.eq(self.i)
-        return m
 
 
 def crossings_of_capture():

@@ -5,7 +5,7 @@ from amaranth import *
 from amaranth.back import rtlil
 from amaranth.lib import fifo as amaranth_fifo
 
-from crossings import Clocks
+from crossings import Clocks, Wire
 from ncdc_hdl.usb.fifo import UsbFifo
 from ncdc_hdl.usb.layouts import FT232H, FT601
 
@@ -55,18 +55,6 @@ def test_nobody_reads_what_has_logic_before_its_synchroniser():
     clocks = clocks_of(UsbFifo(FT232H))
     assert clocks.readers(f"{UNUSED}.stage0") == {f"{UNUSED}.stage1": True}
     assert clocks.readers(f"{UNUSED}.stage3") == {}
-
-
-class Wire(Elaboratable):
-    """A planted error: no synchroniser."""
-
-    def __init__(self, i, o, **_):
-        self.i, self.o = i, o
-
-    def elaborate(self, platform):
-        m = Module()
-        m.d.comb += self.o.eq(self.i)
-        return m
 
 
 def test_a_crossing_without_a_synchroniser_is_found(monkeypatch):

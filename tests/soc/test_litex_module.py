@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
-
-from cameras import barrel_descriptor  # noqa: E402
-from ncdc_model.errors import InputError  # noqa: E402
-from ncdc_model.hardware import Hardware  # noqa: E402
-from ncdc_sim.system.litex import simulate_module  # noqa: E402
-from ncdc_soc.module_soc import module_soc_verilog  # noqa: E402
-from peers import need  # noqa: E402
+from cameras import barrel_descriptor
+from ncdc_model.errors import InputError
+from ncdc_model.hardware import Hardware
+from ncdc_sim.system.litex import simulate_module
+from ncdc_soc.module_soc import module_soc_verilog
+from peers import need
 
 STREAM = Hardware(output="stream")
 MEMORY = Hardware(format="BGR8")

@@ -10,13 +10,11 @@ import time
 import numpy as np
 import pytest
 
-pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
-
-from cameras import barrel_descriptor  # noqa: E402
-from ncdc_sim.link.namespaces import CLIENT, TAP  # noqa: E402
-from ncdc_sim.system.soc import SocModel, SocRun  # noqa: E402
-from ncdc_soc.firmware import Identity  # noqa: E402
-from peers import need  # noqa: E402
+from cameras import barrel_descriptor
+from ncdc_sim.link.namespaces import CLIENT, TAP
+from ncdc_sim.system.soc import SocModel, SocRun
+from ncdc_soc.firmware import Identity
+from peers import need
 
 pytestmark = pytest.mark.regress        # compiling the model takes more than a minute
 

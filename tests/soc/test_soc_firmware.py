@@ -4,15 +4,13 @@ import subprocess
 
 import pytest
 
-pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
-
-from cameras import barrel_descriptor  # noqa: E402
-from ncdc_model.hardware import Hardware  # noqa: E402
-from ncdc_model.sensors.framing import setup_around  # noqa: E402
-from ncdc_soc.core import SocCore  # noqa: E402
-from ncdc_soc.firmware import FIRMWARE, config, firmware_image, host_program  # noqa: E402
-from ncdc_soc.soc import soc_verilog  # noqa: E402
-from peers import need  # noqa: E402
+from cameras import barrel_descriptor
+from ncdc_model.hardware import Hardware
+from ncdc_model.sensors.framing import setup_around
+from ncdc_soc.core import SocCore
+from ncdc_soc.firmware import FIRMWARE, config, firmware_image, host_program
+from ncdc_soc.soc import soc_verilog
+from peers import need
 
 _CODE_BYTES, _RAM_BYTES = 64 * 1024, 56 * 1024
 

@@ -7,13 +7,11 @@ import cv2
 import numpy as np
 import pytest
 
-pytest.importorskip("pythondata_cpu_vexriscv", reason="the extra soc is not installed")
-
-from cameras import barrel_descriptor  # noqa: E402
-from ncdc_model.corrector import correct  # noqa: E402
-from ncdc_model.interface.table_one import TCP_PORT  # noqa: E402
-from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun  # noqa: E402
-from peers import need  # noqa: E402
+from cameras import barrel_descriptor
+from ncdc_model.corrector import correct
+from ncdc_model.interface.table_one import TCP_PORT
+from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun
+from peers import need
 
 pytestmark = pytest.mark.regress        # compiling the model takes more than a minute
 

@@ -3,9 +3,11 @@
 import re
 from dataclasses import dataclass
 
+from amaranth import *
+
 from ncdc_hdl.export.verilog.rtlil import Switch, bits_of, parse
 
-__all__ = ["Clocks", "Crossing"]
+__all__ = ["Clocks", "Crossing", "Wire"]
 
 _ALIKE = ("$not", "$and", "$or", "$xor", "$mux")      # bit k of the result reads bit k
 
@@ -231,3 +233,15 @@ class Clocks:
                     self._read(inside, outside)
                 else:
                     self._read(outside, inside)
+
+
+class Wire(Elaboratable):
+    """A planted error: no synchroniser."""
+
+    def __init__(self, i, o, **_):
+        self.i, self.o = i, o
+
+    def elaborate(self, platform):
+        m = Module()
+        m.d.comb += self.o.eq(self.i)
+        return m

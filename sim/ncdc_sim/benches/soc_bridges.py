@@ -83,6 +83,7 @@ async def _accepted(dut, limit=_PATIENCE):
     raise AssertionError(f"not accepted in {limit} clocks")
 
 
+# A design is one bridge: the test of the others has nothing to drive.
 @cocotb.test(skip=settings()["bridge"] == "wishbone")
 async def bursts_are_kept(dut):
     """Random bursts; behind each one, the words are those that were written, or that are there."""

@@ -44,6 +44,18 @@ class BoardRun:
     pixel_clock_ps: float = 0.0
     serial: bytes = b""
 
+    def take(self, line):
+        """Keep what a line of the bench tells; SimulationError if that is an error."""
+        kind, *values = line.split() or [""]
+        if kind == "RESULT":
+            self.results[values[0]] = int(values[1])
+        elif line.startswith("MONITOR clock"):
+            self.pixel_clock_ps = float(values[1])
+        elif kind == "UART":
+            self.serial += bytes.fromhex(values[0])
+        elif kind in ("SENSOR-ERROR", "BOARD-ERROR", "MONITOR-ERROR"):
+            raise SimulationError(f"simulation failed: {line}")
+
 
 def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, on_line=None,
                    optimise=None):
@@ -63,7 +75,6 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, on_
         Changes the Verilog of the top: to see a test fail.
     on_line : callable, optional
         Gets each line that the simulation prints.
-
     optimise : str, optional
         As of :func:`ncdc_sim.runner.build`.
 
@@ -90,15 +101,7 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, on_
     result = BoardRun()
 
     def keep(line):
-        kind, *values = line.split() or [""]
-        if kind == "RESULT":
-            result.results[values[0]] = int(values[1])
-        elif line.startswith("MONITOR clock"):
-            result.pixel_clock_ps = float(values[1])
-        elif kind == "UART":
-            result.serial += bytes.fromhex(values[0])
-        elif kind in ("SENSOR-ERROR", "BOARD-ERROR", "MONITOR-ERROR"):
-            raise SimulationError(f"simulation failed: {line}")
+        result.take(line)
         if on_line:
             on_line(line)
 
