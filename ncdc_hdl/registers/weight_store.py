@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2, exact_log2
 
 from ncdc_hdl.lib.memory import block_memory
-from ncdc_hdl.lib.pipeline import register
+from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
 
@@ -15,6 +15,7 @@ __all__ = ["WeightStore", "in_memory"]
 # Of the address of a network's register: the bit that tells the output layer from the hidden one,
 # and those of the neuron's number.
 _OUTPUT, _NEURON = 0x200, 31 << 2
+_READ = 2               # clocks from an address to what the memory's output register has
 
 
 def in_memory(rows, hardware):
@@ -32,9 +33,10 @@ class WeightStore(wiring.Component):
     given the values of configuration, which the memory of the set holds too and nothing writes.
 
     Timing: ``read`` follows ``address`` after 2 clocks while ``held`` is high. What is written is
-    in the bank 2 clocks after ``write``. A copy takes ``words`` clocks, the reset's ``2 * words``,
-    in all of which ``busy`` is high; it waits while ``held`` is high. Neither ``write`` nor a read
-    is to come while it is under way, nor ``take``.
+    in the bank 2 clocks after ``write``, which follows ``address`` and ``word`` by one at least. A
+    copy takes ``words`` clocks, the reset's ``2 * words``, in all of which ``busy`` is high; it
+    waits while ``held`` is high. Neither ``write`` nor a read is to come while it is under way, nor
+    ``take``.
 
     Parameters
     ----------
@@ -95,26 +97,29 @@ class WeightStore(wiring.Component):
         count = Signal(range(self.words))           # of the word that the copy reads
         configured = Signal()                       # the set has the values of configuration
         step = Signal()                             # the copy reads a word
+        came = Signal(signed(32), reset_less=True)  # what was read
         m.d.comb += [
             index.eq(Cat(self.address[:2 + self.neuron_bits], self.address[exact_log2(_OUTPUT)])),
             step.eq(self.busy & ~self.held),
             read.addr.eq(Mux(self.held, index, Cat(count, ~configured))),
-            self.read.eq(Mux(self.mine, read.data, 0)),
+            self.read.eq(Mux(self.mine, came, 0)),
         ]
+        # The RAM's own output register: what it gives without takes half a period and more.
+        m.d.sync += came.eq(read.data)
         with m.If(step):
             m.d.sync += count.eq(count + 1)
             with m.If(count == self.words - 1):
                 m.d.sync += [configured.eq(1), self.busy.eq(~configured)]
         with m.If(self.take):
             m.d.sync += [self.writes.active.eq(~self.writes.active), self.busy.eq(1)]
-        # The copy writes a word in the clock after it is read.
-        copied = register(m, "copied", step, reset_less=False)
-        place = register(m, "place", count)
-        restored = copied & ~register(m, "of_set", configured)  # from the values of configuration
+        # The copy writes a word when it has come.
+        copied = delay(m, step, _READ, "copied", reset_less=False)
+        place = delay(m, count, _READ, "place")
+        restored = copied & ~delay(m, configured, _READ, "of_set")  # from those of configuration
         of_host = self.write & self.mine
         target = Signal(range(self.words))          # of the word that is written
         m.d.comb += [target.eq(Mux(copied, place, index)), write.addr.eq(target),
-                     write.data.eq(Mux(copied, read.data, kept)),
+                     write.data.eq(Mux(copied, came, kept)),
                      write.en.eq(of_host | restored)]
         # The values of configuration go to the active bank first, as no frame runs.
         writes = self.writes
@@ -127,13 +132,16 @@ class WeightStore(wiring.Component):
         return m
 
     def _decode(self, m):
-        """Set ``mine``; returns the word that is accessed, extended by the sign of its row."""
+        """Set ``mine``; returns the word that is accessed, extended by the sign of its row, both a
+        clock later."""
         neuron = self.address[2:7]
         kinds = {r.address & ~_NEURON: r.shape for r in self.rows}
-        known, kept = Signal(), Signal(signed(32))
+        known = Signal()                            # the address is that of a kind of row
+        kept = Signal(signed(32), reset_less=True)
         with m.Switch(self.address & ~_NEURON):
             for kind, shape in kinds.items():
                 with m.Case(kind):
-                    m.d.comb += [known.eq(1), kept.eq(self.word[:shape.width].as_signed())]
+                    m.d.comb += known.eq(1)
+                    m.d.sync += kept.eq(self.word[:shape.width].as_signed())
         m.d.sync += self.mine.eq(known & (neuron < len(self.rows) // len(kinds)))
         return kept

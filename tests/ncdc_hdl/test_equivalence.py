@@ -9,6 +9,9 @@ import re
 from dataclasses import replace
 
 import pytest
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
 
 import equivalence
 import ncdc_hdl
@@ -97,6 +100,29 @@ def proof(netlist, original):
     error = prove(netlist, original)
     assert error is None, f"{netlist.names[original]}: {error}"
     return "proved\n"
+
+
+class NamedNext(wiring.Component):
+    """A register without reset whose next value has a name, and no other reader."""
+    i: In(4)
+    o: Out(4)
+
+    def elaborate(self, platform):
+        m = Module()
+        following = Signal(4)
+        kept = Signal(4, reset_less=True)
+        with m.If(self.i[0]):
+            m.d.comb += following.eq(self.i + 1)
+        m.d.sync += kept.eq(following)
+        m.d.comb += self.o.eq(kept)
+        return m
+
+
+def test_a_named_net_that_only_a_register_reads():
+    netlist = Netlist(NamedNext(), "named")
+    original, = netlist.written()
+    assert any("wire [3:0] following = " in line for line in netlist.lines(original))
+    assert prove(netlist, original) is None
 
 
 @pytest.mark.parametrize("name,pattern,wrong", PLANTED)

@@ -110,12 +110,16 @@ class _Printer:
         return uses
 
     def _sort_processes(self):
-        """Processes that compute a register's next value, by register; others, by net."""
+        """Processes that compute a register's next value, by register; others, by net.
+
+        A net with a name in the source stays one, also if a register is all that reads it.
+        """
         by_next = {}
         for name, cell in self.registers.items():
             parts = joined(cell.connections["D"])
             if len(parts) == 1 and isinstance(parts[0], Slice) and parts[0].low == 0 \
                     and parts[0].width == self.module.wires[parts[0].wire].width \
+                    and self.module.wires[parts[0].wire].made \
                     and self.uses.get(parts[0].wire) == 1:
                 by_next[parts[0].wire] = name
         clocked, comb = {}, {}
