@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2, exact_log2
 
 from ncdc_hdl.lib.memory import block_memory
-from ncdc_hdl.lib.pipeline import delay, register
+from ncdc_hdl.lib.pipeline import delay
 from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
 
