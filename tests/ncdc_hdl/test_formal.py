@@ -232,7 +232,7 @@ PROOFS = {
     "fill room, one tile": (lambda: FillRoom(64, 1), "prove", 2),
     "tokens": (Tokens, "prove", 2),
     "progress": (Progress, "prove", 11),
-    "fill order": (FillOrder, "bmc", 19),
+    "fill order": (FillOrder, "bmc", 20),
     "places": (Places, "bmc", 14),
     "turns of SDRAM hosts": (TurnsCome, "prove", 2),
     "turns of a reader and a writer": (lambda: TurnsCome(reads=1), "prove", 2),
@@ -241,7 +241,7 @@ PROOFS = {
     # The tiles and tag banks of the gradient-corrected interpolation.
     "fill room, gradient": (lambda: FillRoom(needs=GRADIENT), "prove", 2),
     "tokens, gradient": (lambda: Tokens(needs=GRADIENT), "prove", 2),
-    "fill order, gradient": (lambda: FillOrder(needs=GRADIENT), "bmc", 19),
+    "fill order, gradient": (lambda: FillOrder(needs=GRADIENT), "bmc", 20),
 }
 LONG = {
     "bursts of four words in their place": (lambda: WordsInBursts(4), "prove", 2),
@@ -252,8 +252,8 @@ LONG = {
     "words read from SDRAM": (lambda: WordsRead(reads=1), "bmc", 25),
     "progress, gradient": (lambda: Progress(needs=GRADIENT), "prove", 15),
     "places, gradient": (lambda: Places(needs=GRADIENT), "bmc", 14),
-    "fill order": (FillOrder, "bmc", 24),
-    "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 24),
+    "fill order": (FillOrder, "bmc", 25),
+    "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 25),
     **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 15)
        for split in range(3)},
     "places of one bank": (lambda: Places(one_bank=True), "bmc", 17),

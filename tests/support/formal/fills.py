@@ -6,6 +6,7 @@ from amaranth.lib.wiring import In
 from formal.avalon import MEMORY, check_read_host, taken_away
 from formal.properties import always, given, inner, reached
 from formal.wrapper import Wrapper
+from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.cache.fills import Fills
 from ncdc_hdl.backend.cache.layouts import tile_layout, word_bytes
 from ncdc_model.fetch.cache_options import CacheOptions
@@ -66,17 +67,22 @@ class FillRoom(_Fills):
         claim, came = inner(fragment, "claim"), inner(fragment, "came")
         a_valid, row, o_valid, known = (inner(fragment, "requests", name)
                                         for name in ("a_valid", "row", "o__valid", "known"))
+        relayed, free, offered, aside = (inner(fragment, "relay", name)
+                                         for name in ("o__valid", "free", "o", "aside"))
         # Words that will come: of tiles claimed and in the queue, in the stages of the requests,
-        # of the command on the bus, owed by the memory.
+        # of commands in the relay, of the command on the bus, owed by the memory.
         asked = Signal(range(16 * self.limit))
         m.d.comb += asked.eq(
             (claim + claimed.level + a_valid) * beats
             + Mux(o_valid, (self.rows - row) * dut.burst, 0)
+            + (relayed + ~free) * dut.burst
             + Mux(stale, 0, Mux(read, words, 0) + owed))
         always(m, (due == owed) & (some == (due != 0)), "owed_is_known")
         always(m, owed + Mux(read, words, 0) <= self.limit, "room_for_command")
         always(m, words <= dut.burst, "burst")
         always(m, ~read | (words == dut.burst), "burst_constant")
+        always(m, ~relayed | (offered[ADDRESS_BITS:] == dut.burst), "burst_relayed")
+        always(m, free | (relayed & (aside[ADDRESS_BITS:] == dut.burst)), "burst_aside")
         always(m, o_valid | (row == 0), "row")
         lost = taken_away(m, self.memory_rst, (asked != 0) | self.claim)
         always(m, lost | (asked + came + beat == (claim + slots.level) * beats),
