@@ -15,13 +15,14 @@ from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.camera.layouts import RUN
 from ncdc_hdl.frontend.backmap import BackMap
-from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.frontend.layouts import SIZE, coordinate_layout
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.lib.ports import flat, join
+from ncdc_hdl.lib.relay import Relay
 from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.checks import Checks
 from ncdc_hdl.registers.weight_store import in_memory
@@ -105,6 +106,8 @@ class Corrector(wiring.Component):
                                        variant=descriptor.variant, hardware=self.hardware)
         self.table = ValidTable(descriptor.valid, *descriptor.geometry.corrected)
         needs = descriptor.geometry.interpolation
+        # What holds a window back would else reach the memory of the front end's queue in a clock.
+        self.relay = Relay(coordinate_layout(formats, lanes))
         self.window = WindowAddress(formats, lanes, needs)
         f_bits = formats.coordinate.f_bits
         self.row_gate = RowGate(f_bits, lanes, needs)
@@ -140,9 +143,10 @@ class Corrector(wiring.Component):
 
     @property
     def start_latency(self):
-        """Clocks from a frame's start to its first window request at the fetcher: front end, window
-        address, row gate."""
-        return self.backmap.start_latency + self.window.latency + self.row_gate.latency
+        """Clocks from a frame's start to its first window request at the fetcher: front end, relay,
+        window address, row gate."""
+        return (self.backmap.start_latency + self.relay.latency + self.window.latency
+                + self.row_gate.latency)
 
     @property
     def end_latency(self):
@@ -171,7 +175,7 @@ class Corrector(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        for name in ("backmap", "table", "window", "row_gate", "fetch", "interpolator",
+        for name in ("backmap", "table", "relay", "window", "row_gate", "fetch", "interpolator",
                      "registers", "checks"):
             m.submodules[name] = getattr(self, name)
         registers, active = self.registers, self._active(m)
@@ -189,7 +193,8 @@ class Corrector(wiring.Component):
         refuse = self._refuse(m, begun, active)
         m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort | refuse),
                      registers.cut.eq(self.backmap.cut)]
-        wiring.connect(m, self.backmap.o, self.window.i)
+        wiring.connect(m, self.backmap.o, self.relay.i)
+        wiring.connect(m, self.relay.o, self.window.i)
         wiring.connect(m, self.window.o, self.row_gate.i)
         wiring.connect(m, self.row_gate.o, self.fetch.i)
         m.d.comb += [self.row_gate.start.eq(begun), self.row_gate.abort.eq(registers.abort),
