@@ -9,13 +9,14 @@ from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.avalon.bus import PENDING, Agent
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.backend.multiport import Multiport
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.camera.layouts import RUN
 from ncdc_hdl.frontend.backmap import BackMap
-from ncdc_hdl.frontend.layouts import SIZE, coordinate_layout
+from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.credits import CreditQueue
@@ -106,10 +107,10 @@ class Corrector(wiring.Component):
                                        variant=descriptor.variant, hardware=self.hardware)
         self.table = ValidTable(descriptor.valid, *descriptor.geometry.corrected)
         needs = descriptor.geometry.interpolation
-        # What holds a window back would else reach the memory of the front end's queue in a clock.
-        self.relay = Relay(coordinate_layout(formats, lanes))
         self.window = WindowAddress(formats, lanes, needs)
         f_bits = formats.coordinate.f_bits
+        # The gate's comparison would else hold back the stages before it in the same clock.
+        self.relay = Relay(request_layout(f_bits, lanes, needs))
         self.row_gate = RowGate(f_bits, lanes, needs)
         self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes) if hardware.cached
                       else Multiport(f_bits, data_width))
@@ -143,9 +144,9 @@ class Corrector(wiring.Component):
 
     @property
     def start_latency(self):
-        """Clocks from a frame's start to its first window request at the fetcher: front end, relay,
-        window address, row gate."""
-        return (self.backmap.start_latency + self.relay.latency + self.window.latency
+        """Clocks from a frame's start to its first window request at the fetcher: front end, window
+        address, relay, row gate."""
+        return (self.backmap.start_latency + self.window.latency + self.relay.latency
                 + self.row_gate.latency)
 
     @property
@@ -175,7 +176,7 @@ class Corrector(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        for name in ("backmap", "table", "relay", "window", "row_gate", "fetch", "interpolator",
+        for name in ("backmap", "table", "window", "relay", "row_gate", "fetch", "interpolator",
                      "registers", "checks"):
             m.submodules[name] = getattr(self, name)
         registers, active = self.registers, self._active(m)
@@ -193,9 +194,9 @@ class Corrector(wiring.Component):
         refuse = self._refuse(m, begun, active)
         m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort | refuse),
                      registers.cut.eq(self.backmap.cut)]
-        wiring.connect(m, self.backmap.o, self.relay.i)
-        wiring.connect(m, self.relay.o, self.window.i)
-        wiring.connect(m, self.window.o, self.row_gate.i)
+        wiring.connect(m, self.backmap.o, self.window.i)
+        wiring.connect(m, self.window.o, self.relay.i)
+        wiring.connect(m, self.relay.o, self.row_gate.i)
         wiring.connect(m, self.row_gate.o, self.fetch.i)
         m.d.comb += [self.row_gate.start.eq(begun), self.row_gate.abort.eq(registers.abort),
                      self.row_gate.camera_rows.eq(self.camera_rows)]
