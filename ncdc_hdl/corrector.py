@@ -1,5 +1,7 @@
 """The corrector: front end, back end, registers, as one module with Avalon ports."""
 
+from itertools import pairwise
+
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
@@ -16,7 +18,7 @@ from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.backend.window import WindowAddress
 from ncdc_hdl.camera.layouts import RUN
 from ncdc_hdl.frontend.backmap import BackMap
-from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.frontend.layouts import SIZE, coordinate_layout
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.credits import CreditQueue
@@ -107,10 +109,12 @@ class Corrector(wiring.Component):
                                        variant=descriptor.variant, hardware=self.hardware)
         self.table = ValidTable(descriptor.valid, *descriptor.geometry.corrected)
         needs = descriptor.geometry.interpolation
-        self.window = WindowAddress(formats, lanes, needs)
         f_bits = formats.coordinate.f_bits
-        # The gate's comparison would else hold back the stages before it in the same clock.
-        self.relay = Relay(request_layout(f_bits, lanes, needs))
+        # Without relays the gate's comparison would hold back the windows' stages, and these the
+        # memory of the front end's queue, all in one clock.
+        self.to_window = Relay(coordinate_layout(formats, lanes))
+        self.window = WindowAddress(formats, lanes, needs)
+        self.to_gate = Relay(request_layout(f_bits, lanes, needs))
         self.row_gate = RowGate(f_bits, lanes, needs)
         self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes) if hardware.cached
                       else Multiport(f_bits, data_width))
@@ -145,9 +149,9 @@ class Corrector(wiring.Component):
     @property
     def start_latency(self):
         """Clocks from a frame's start to its first window request at the fetcher: front end, window
-        address, relay, row gate."""
-        return (self.backmap.start_latency + self.window.latency + self.relay.latency
-                + self.row_gate.latency)
+        address, row gate, a relay before either."""
+        return (self.backmap.start_latency + self.to_window.latency + self.window.latency
+                + self.to_gate.latency + self.row_gate.latency)
 
     @property
     def end_latency(self):
@@ -176,8 +180,8 @@ class Corrector(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        for name in ("backmap", "table", "window", "relay", "row_gate", "fetch", "interpolator",
-                     "registers", "checks"):
+        for name in ("backmap", "table", "to_window", "window", "to_gate", "row_gate", "fetch",
+                     "interpolator", "registers", "checks"):
             m.submodules[name] = getattr(self, name)
         registers, active = self.registers, self._active(m)
         begun = Signal()
@@ -194,10 +198,9 @@ class Corrector(wiring.Component):
         refuse = self._refuse(m, begun, active)
         m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort | refuse),
                      registers.cut.eq(self.backmap.cut)]
-        wiring.connect(m, self.backmap.o, self.window.i)
-        wiring.connect(m, self.window.o, self.relay.i)
-        wiring.connect(m, self.relay.o, self.row_gate.i)
-        wiring.connect(m, self.row_gate.o, self.fetch.i)
+        way = (self.backmap, self.to_window, self.window, self.to_gate, self.row_gate, self.fetch)
+        for source, sink in pairwise(way):
+            wiring.connect(m, source.o, sink.i)
         m.d.comb += [self.row_gate.start.eq(begun), self.row_gate.abort.eq(registers.abort),
                      self.row_gate.camera_rows.eq(self.camera_rows)]
         wiring.connect(m, self.fetch.o, self.interpolator.i)
