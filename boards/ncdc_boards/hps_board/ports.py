@@ -1,13 +1,14 @@
 """The ports between the FPGA's logic and the processor, by the names of Platform Designer."""
 
-__all__ = ["AGENT", "BURST_BITS", "BURST_WORDS", "DATA_WIDTH", "HOST", "MEMORY_PINS", "PORTS", "SCREEN_WIDTH",
-           "SYSTEM"]
+__all__ = ["AGENT", "BURST_BITS", "BURST_WORDS", "DATA_WIDTH", "HOST", "MEMORY_PINS", "PORTS",
+           "SCREEN_WIDTH", "SYSTEM"]
 
 SYSTEM = "ncdc_qsys"
 DATA_WIDTH, SCREEN_WIDTH = 64, 32       # bits, of the corrector's ports and of the screen's
 BURST_WORDS = 32                        # of the longest burst, the screen's
 BURST_BITS = BURST_WORDS.bit_length()   # of a count of them
-PORTS = {"read0": (DATA_WIDTH, "Avalon-MM Read-Only"), "write": (DATA_WIDTH, "Avalon-MM Write-Only"),
+PORTS = {"read0": (DATA_WIDTH, "Avalon-MM Read-Only"),
+         "write": (DATA_WIDTH, "Avalon-MM Write-Only"),
          "screen": (SCREEN_WIDTH, "Avalon-MM Read-Only")}
 """Ports to the memory: bits, and what the processor's settings call them; in its order."""
 
