@@ -5,6 +5,8 @@ from ncdc_boards.board import Board
 from ncdc_boards.camera_board.budget import check_lanes, check_memory
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_boards.catalogue import board as board_of
+from ncdc_boards.hps_board.board import HpsBoard
+from ncdc_boards.hps_board.ports import DATA_WIDTH
 from ncdc_hdl.video.modes import mode_for, mode_named
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.plan import Fixed
@@ -23,6 +25,9 @@ def add_mode(parser):
 def board_named(name):
     """A board with a camera; InputError if it is none."""
     board = board_of(name)
+    if isinstance(board, HpsBoard):
+        raise InputError(f"the memory of the {name} is its processor's: ncdc plan --memory hps "
+                         f"--data-width {DATA_WIDTH}")
     if not isinstance(board, Board):
         raise InputError(f"the board {name} has no design of ours, its project for Platform "
                          f"Designer is made by ncdc generate --board {name}")

@@ -14,8 +14,11 @@ from ncdc.bitstream.flow import (
     synthesise_board,
 )
 from ncdc.cli.board_design import add_mode, board_named, designed, print_rates, rates
+from ncdc.cli.build_hps import build_hps
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Steps
+from ncdc_boards.catalogue import board as board_of
+from ncdc_boards.hps_board.board import HpsBoard
 from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
 from ncdc_boards.quartus.sdc import check_sensor
 from ncdc_boards.ulx3s.build import NAME, clock_cells, prepared
@@ -38,8 +41,8 @@ def add_arguments(parser):
                         help="descriptors of ncdc train: the first is shown, push buttons choose "
                              "the others")
     parser.add_argument("--board", default="ulx3s", metavar="NAME",
-                        help="ulx3s (default), by open tools; de1-soc, de2-115, de0-cv: a project "
-                             "for Quartus")
+                        help="ulx3s (default), by open tools; de1-soc, de2-115, de0-cv, "
+                             "de10-nano: a project for Quartus")
     parser.add_argument("--sensor", default="mt9p031", metavar="NAME",
                         help="mt9p031 (default; Terasic D5M), ov5640, mt9d111")
     add_mode(parser)
@@ -59,9 +62,14 @@ def run(args):
     """Check, generate, synthesise, place, pack, write."""
     if not 1 <= args.seeds <= _MOST_SEEDS:
         raise InputError(f"seeds is {args.seeds}, 1 to {_MOST_SEEDS} are tried")
-    board = board_named(args.board)
+    board = board_of(args.board)
+    if not isinstance(board, HpsBoard):
+        board = board_named(args.board)
     named = [(path, Descriptor.load(path)) for path in args.descriptor]
     output = Path(args.output or board.name)
+    if isinstance(board, HpsBoard):
+        build_hps(args, board, named, output)
+        return
     if board.tools == "quartus":
         _quartus(args, board, named, output)
         return

@@ -11,7 +11,7 @@ from ncdc_model.interface.register_map import (
 )
 from ncdc_model.interface.system_map import I2C_COMMAND_FLAGS
 
-__all__ = ["lens_program", "register_addresses", "set_up_program"]
+__all__ = ["camera_values", "lens_program", "register_addresses", "set_up_program"]
 
 _I2C_HZ = 400_000
 _HELD_SECONDS = .025            # SCL, at most, as the SMBus specification has it
@@ -22,6 +22,18 @@ _BUSY, _FAILED = 0x100, 0xE00   # of I2C_RESULT: not over; NACK, LOST, TIMEOUT
 def register_addresses(system):
     """Word address of each register of a system, by name."""
     return {r.name: r.address for r in (*system.corrector.registers.table, *system.table)}
+
+
+def camera_values(setup, corner, clock_hz):
+    """Values of the camera's registers for a sensor's set-up, by name; parameters as of
+    :func:`set_up_program`."""
+    timing = setup.timing
+    return {
+        "I2C_QUARTER": quarter_clocks(clock_hz, _I2C_HZ),
+        "I2C_LIMIT": round(clock_hz * _HELD_SECONDS),
+        "SENT_WIDTH": timing.width, "SENT_HEIGHT": timing.height,
+        "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
+        "CLOCK_LIMIT": 2 * clock_hz * timing.line_clocks // timing.pixel_clock_hz + clock_hz // 100}
 
 
 def set_up_program(system, setup, corner, clock_hz, waits=True):
@@ -40,13 +52,8 @@ def set_up_program(system, setup, corner, clock_hz, waits=True):
     waits : bool
         Whether to wait for the sensor's phase-locked loop, which its model has not.
     """
-    at, timing = register_addresses(system), setup.timing
-    values = {
-        "I2C_QUARTER": quarter_clocks(clock_hz, _I2C_HZ),
-        "I2C_LIMIT": round(clock_hz * _HELD_SECONDS),
-        "SENT_WIDTH": timing.width, "SENT_HEIGHT": timing.height,
-        "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
-        "CLOCK_LIMIT": 2 * clock_hz * timing.line_clocks // timing.pixel_clock_hz + clock_hz // 100}
+    at = register_addresses(system)
+    values = camera_values(setup, corner, clock_hz)
     steps = [(Op.WRITE, at[name], value) for name, value in values.items()]
     # A target that was left in the midst of a byte ends it; whether one is there does not matter.
     steps += _command(at, 0, "READ", "NACK", "STOP")

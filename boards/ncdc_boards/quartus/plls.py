@@ -33,11 +33,14 @@ class ClockPlan:
         By how much the SDRAM's clock is late behind the core's.
     ratio : (int, int)
         Pixel clock over the oscillator's.
+    sdram : bool
+        Whether there is a clock for an SDRAM at the device's pins.
     """
     family: str
     core_mhz: float
     phase_ps: int
     ratio: tuple
+    sdram: bool = True
 
     @property
     def pixel_mhz(self):
@@ -45,12 +48,13 @@ class ClockPlan:
         return REFERENCE_MHZ * self.ratio[0] / self.ratio[1]
 
     def targets(self):
-        """MHz of each domain, by its name."""
-        return {"sync": self.core_mhz, "memory": self.core_mhz, "sensor_reference": SENSOR_MHZ,
-                "pixel": self.pixel_mhz}
+        """MHz of each domain, by its name; the pixels' last, those of the core's loop before."""
+        mhz = {"sync": self.core_mhz, "memory": self.core_mhz, "sensor_reference": SENSOR_MHZ,
+               "pixel": self.pixel_mhz}
+        return {name: mhz[name] for name in DOMAINS if name != "memory" or self.sdram}
 
 
-def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz):
+def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz, sdram=True):
     """The :class:`ClockPlan` for a video mode.
 
     The SDRAM's clock comes 3 ns before the core's next edge, to the nearest phase that the loop
@@ -63,6 +67,8 @@ def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz):
     family : str
     most_mhz : number
         Pixel clock that the board's converter can take.
+    sdram : bool
+        Of :class:`ClockPlan`.
 
     Raises
     ------
@@ -78,11 +84,11 @@ def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz):
         raise InputError(f"no phase-locked loop makes {core_mhz} and {SENSOR_MHZ} MHz together")
     step, period = 1e6 / oscillator / _STEPS, 1e6 / core_mhz
     steps = round((period - 1000 * _EARLY_NS) / step)
-    return ClockPlan(family, core_mhz, round(steps * step), mode.ratio)
+    return ClockPlan(family, core_mhz, round(steps * step), mode.ratio, sdram)
 
 
 class Clocks(Elaboratable):
-    """Drives the clocks of the :data:`DOMAINS`, which its parent defines, and their resets.
+    """Drives the clocks of the plan's domains, which its parent defines, and their resets.
 
     All domains are in reset until both loops are locked.
 
@@ -99,17 +105,18 @@ class Clocks(Elaboratable):
     def elaborate(self, platform):
         m = Module()
         plan, targets = self.plan, self.plan.targets()
-        core = [(targets[name], plan.phase_ps * (name == "memory")) for name in DOMAINS[:3]]
+        core = [(mhz, plan.phase_ps * (name == "memory"))
+                for name, mhz in list(targets.items())[:-1]]
         loop = self._cyclone_iv if plan.family == CYCLONE_IV else self._cyclone_v
         outputs, core_locked = loop(m, LOOPS[0], core)
         pixel, pixel_locked = loop(m, LOOPS[1], [(plan.ratio, 0)])
-        for domain, output in zip(DOMAINS, (*outputs, *pixel)):
+        for domain, output in zip(targets, (*outputs, *pixel)):
             m.d.comb += ClockSignal(domain).eq(output)
         unlocked = Signal()
         m.d.comb += unlocked.eq(~(core_locked & pixel_locked))
         for domain in ("sync", "pixel"):
             m.submodules[f"{domain}_reset"] = ResetSynchronizer(unlocked, domain=domain)
-        for domain in ("memory", "sensor_reference"):
+        for domain in list(targets)[1:-1]:
             m.d.comb += ResetSignal(domain).eq(0)
         return m
 

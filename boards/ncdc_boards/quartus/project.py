@@ -6,7 +6,7 @@ from ncdc_boards.quartus.names import USER
 from ncdc_boards.quartus.sdc import constraints
 from ncdc_boards.quartus.user import user_module
 
-__all__ = ["USER_FILE", "project_files", "project_name", "top_verilog"]
+__all__ = ["USER_FILE", "assembled", "project_files", "project_name", "top_verilog"]
 
 USER_FILE = f"{USER}.v"
 """The file that is the user's: written if it is not there."""
@@ -25,7 +25,8 @@ _BUILD = """\
 # Makes {name}.sof; needs Quartus Prime (Lite or Standard, 17.0 or later) on the path.
 set -e
 cd "$(dirname "$0")"
-for tool in map fit asm; do
+{before}quartus_map --rev={name} {name}
+{mapped}for tool in fit asm; do
     quartus_$tool --rev={name} {name}
 done
 # Ends with an error if a clock is missed, in any corner, or a constraint has found nothing.
@@ -78,7 +79,7 @@ def project_name(board):
 
 def top_verilog(design):
     """Verilog of the top and of all below it but the user's module."""
-    return _prepared(design)["v"]
+    return _prepared(design.board, design.board.top(design))["v"]
 
 
 def project_files(design, setup):
@@ -94,16 +95,35 @@ def project_files(design, setup):
     setup : Setup
         Of the sensor.
     """
-    board, name = design.board, project_name(design.board)
-    files = _prepared(design)
+    return assembled(design.board, design.board.top(design), lambda ports: constraints(
+        design, setup.timing.pixel_clock_hz / 1e6, ports))
+
+
+def assembled(board, top, timing, *, settings="", before="", mapped=""):
+    """The files of :func:`project_files`, for a board with or without an SDRAM of its own.
+
+    Parameters
+    ----------
+    board : object
+        With ``name``, ``title``, ``family``, ``device``, ``platform``, ``sources``.
+    top : Elaboratable
+    timing : callable
+        From the top's ports to the text of the .sdc behind the oscillator's clock.
+    settings : str
+        More of the .qsf.
+    before, mapped : str
+        Lines of ``build.sh`` before Quartus's first program and behind it.
+    """
+    name = project_name(board)
+    files = _prepared(board, top)
     pins = _pins(files["qsf"])
     ports = sorted({port.partition("[")[0] for port, _ in pins})
-    files["qsf"] += _SETTINGS.format(family=board.family, name=name)
-    files["sdc"] += constraints(design, setup.timing.pixel_clock_hz / 1e6, ports)
+    files["qsf"] += _SETTINGS.format(family=board.family, name=name) + settings
+    files["sdc"] += timing(ports)
     second = "@2" if board.device.startswith("5CSE") else ""    # behind the processor
     return {f"{name}.{kind}": text for kind, text in files.items()} | {
         f"{name}.qpf": f'PROJECT_REVISION = "{name}"\n',
-        "build.sh": _BUILD.format(name=name, second=second),
+        "build.sh": _BUILD.format(name=name, second=second, before=before, mapped=mapped),
         "check_timing.tcl": _check(board, name, files["sdc"]), "PORTS.md": _ports(board, pins),
         USER_FILE: user_module()}
 
@@ -115,10 +135,10 @@ def _check(board, name, sdc):
     return _CHECK.format(name=name, clocks=" ".join(clocks), registers=" ".join(registers))
 
 
-def _prepared(design):
+def _prepared(board, top):
     """Text of what Amaranth writes, by the ends of the files' names."""
-    board, name = design.board, project_name(design.board)
-    files = board.platform().prepare(board.top(design), name).files
+    name = project_name(board)
+    files = board.platform().prepare(top, name).files
     texts = {kind: files[f"{name}.{kind}"] for kind in ("v", "qsf", "sdc", "srf")}
     texts = {kind: text.decode() if isinstance(text, bytes) else text
              for kind, text in texts.items()}

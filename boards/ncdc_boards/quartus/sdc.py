@@ -3,13 +3,13 @@
 from ncdc_boards.quartus.names import CYCLONE_IV, LOOPS
 from ncdc_model.errors import InputError
 
-__all__ = ["FREE", "SDRAM_NS", "check_sensor", "constraints"]
+__all__ = ["FREE", "SDRAM_NS", "TRACE", "check_sensor", "constraints", "generated", "ports_like"]
 
 # Pin of output k of a loop, as Quartus names it; `derive_pll_clocks` gives its clock that name.
 _CYCLONE_IV_PIN = "*{loop}|auto_generated|pll1|clk[{k}]"
 _CYCLONE_V_PIN = "*{loop}|general[{k}].gpll~PLL_OUTPUT_COUNTER|divclk"
 
-_TRACE = .25        # ns: by how much traces of a group differ, at most
+TRACE = .25        # ns: by how much traces of a group differ, at most
 SDRAM_NS = {"setup": 1.5, "hold": .8, "access": 5.4, "kept": 2.7}
 """ISSI, IS42S16320D, AC electrical characteristics, grade 7, CAS latency 3."""
 # Analog Devices, ADV7123, timing specifications, rounded up, in ns.
@@ -30,8 +30,12 @@ FREE = {
     "camera_0__reset_n__io": (("to",), "changes once"),
     "camera_0__standby__io": (("to",), "constant"),
     "vga_0__sync_n__io": (("to",), "constant"),
+    "hdmi_0__scl__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
+    "hdmi_0__sda__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
 }
 """Ports without timing: whether paths begin or end there, and why they have none."""
+
+_CLOCKS = {"sync": "core", "memory": "memory", "sensor_reference": "reference", "pixel": "pixel"}
 
 _SYNCHRONISERS = """\
 # Only the first register of each synchroniser may be reached from another clock.
@@ -49,13 +53,13 @@ def check_sensor(mhz):
 
     They change with its falling edge and are taken with its rising one, half a period later.
     """
-    most = 500 / (_SENSOR_MOST + _TRACE + _INPUT)
+    most = 500 / (_SENSOR_MOST + TRACE + _INPUT)
     if mhz > most:
         raise InputError(f"the sensor's pixel clock is {mhz:g} MHz, its pins come {_SENSOR_MOST} "
                          f"ns behind it: {int(most)} MHz fit")
 
 
-def constraints(design, sensor_mhz, ports):
+def constraints(design, sensor_mhz, ports, groups=None):
     """Text for the .sdc behind the oscillator's clock, which Amaranth writes.
 
     Parameters
@@ -65,19 +69,22 @@ def constraints(design, sensor_mhz, ports):
         Pixel clock of the sensor.
     ports : sequence of str
         Of the top.
+    groups : sequence of str, optional
+        Lines in place of those of an SDRAM and of a VGA port.
     """
     board, core_ns = design.board, 1000 / design.clocks.core_mhz
     period = min(core_ns, 1000 / sensor_mhz, 1000 / design.clocks.pixel_mhz)
     pin = _CYCLONE_IV_PIN if board.family == CYCLONE_IV else _CYCLONE_V_PIN
-    pins = {name: pin.format(loop=loop, k=k) for name, loop, k in (
-        ("core", LOOPS[0], 0), ("memory", LOOPS[0], 1), ("reference", LOOPS[0], 2),
-        ("pixel", LOOPS[1], 0))}
+    outputs = [_CLOCKS[name] for name in design.clocks.targets()]
+    pins = {name: pin.format(loop=LOOPS[0], k=k) for k, name in enumerate(outputs[:-1])}
+    pins[outputs[-1]] = pin.format(loop=LOOPS[1], k=0)
     lines = [
         f"create_clock -name sensor -period {1000 / sensor_mhz:.3f} "
         "[get_ports {camera_0__pixclk__io}]",
         "derive_pll_clocks", "derive_clock_uncertainty",
         *(f"set {name} {{{text}}}" for name, text in pins.items()),
-        *_sdram(), *_sensor(), *_screen(board, design.clocks.pixel_mhz),
+        *_sensor(),
+        *([*_sdram(), *_screen(board, design.clocks.pixel_mhz)] if groups is None else groups),
         _SYNCHRONISERS + "\n".join(
             f"set_max_skew -from [get_registers {{*|{counter}*}}] "
             f"-to [get_registers {{*:{crossing}|*din_s1}}] {period:.3f}" for counter, crossing in
@@ -86,28 +93,29 @@ def constraints(design, sensor_mhz, ports):
     return "\n".join(lines) + "\n"
 
 
-def _generated(name, source, port, invert=False):
+def generated(name, source, port, invert=False):
     """A clock that leaves through a pin."""
     return (f"create_generated_clock -name {name} -source [get_pins -compatibility_mode ${source}] "
             f"{'-invert ' * invert}[get_ports {{{port}}}]")
 
 
-def _ports(patterns):
+def ports_like(patterns):
+    """The collection of the ports that match."""
     return "[get_ports {" + " ".join(patterns) + "}]"
 
 
 def _sdram():
     """The SDRAM: its clock comes 3 ns before the core's next edge."""
-    outputs = _ports(f"sdram_0__{name}__io*" for name in (
+    outputs = ports_like(f"sdram_0__{name}__io*" for name in (
         "clk_en", "cs", "we", "ras", "cas", "ba", "a", "dqm", "dq"))
-    inputs = _ports(["sdram_0__dq__io*"])
+    inputs = ports_like(["sdram_0__dq__io*"])
     return [
         "# SDRAM",
-        _generated("sdram_pin", "memory", "sdram_0__clk__io"),
-        f"set_output_delay -clock sdram_pin -max {SDRAM_NS['setup'] + _TRACE} {outputs}",
-        f"set_output_delay -clock sdram_pin -min {-SDRAM_NS['hold'] - _TRACE} {outputs}",
-        f"set_input_delay -clock sdram_pin -max {SDRAM_NS['access'] + _TRACE} {inputs}",
-        f"set_input_delay -clock sdram_pin -min {SDRAM_NS['kept'] - _TRACE} {inputs}",
+        generated("sdram_pin", "memory", "sdram_0__clk__io"),
+        f"set_output_delay -clock sdram_pin -max {SDRAM_NS['setup'] + TRACE} {outputs}",
+        f"set_output_delay -clock sdram_pin -min {-SDRAM_NS['hold'] - TRACE} {outputs}",
+        f"set_input_delay -clock sdram_pin -max {SDRAM_NS['access'] + TRACE} {inputs}",
+        f"set_input_delay -clock sdram_pin -min {SDRAM_NS['kept'] - TRACE} {inputs}",
         "# What the SDRAM gives with an edge is taken with the core's second one behind it: the",
         "# first one comes before the access time is over.",
         "set_multicycle_path -setup -from [get_clocks {sdram_pin}] -to [get_clocks $core] 2"]
@@ -115,26 +123,26 @@ def _sdram():
 
 def _sensor():
     """The sensor, whose pins change with the falling edge of its clock."""
-    inputs = _ports(f"camera_0__{name}__io*" for name in ("d", "fval", "lval"))
+    inputs = ports_like(f"camera_0__{name}__io*" for name in ("d", "fval", "lval"))
     return [
         "# Sensor",
-        _generated("sensor_reference_pin", "reference", "camera_0__xclk__io"),
-        f"set_input_delay -clock sensor -clock_fall -max {_SENSOR_MOST + _TRACE} "
+        generated("sensor_reference_pin", "reference", "camera_0__xclk__io"),
+        f"set_input_delay -clock sensor -clock_fall -max {_SENSOR_MOST + TRACE} "
         f"{inputs}",
-        f"set_input_delay -clock sensor -clock_fall -min {_SENSOR_LEAST - _TRACE} "
+        f"set_input_delay -clock sensor -clock_fall -min {_SENSOR_LEAST - TRACE} "
         f"{inputs}"]
 
 
 def _screen(board, pixel_mhz):
     """The screen."""
     parts = ["hs", "vs", "r", "g", "b"] + ["blank_n"] * board.dac
-    outputs = _ports(f"vga_0__{name}__io*" for name in parts)
+    outputs = ports_like(f"vga_0__{name}__io*" for name in parts)
     if board.dac:
         return [
             "# Screen",
-            _generated("vga_pin", "pixel", "vga_0__clk__io", invert=True),
-            f"set_output_delay -clock vga_pin -max {_DAC_SETUP + _TRACE} {outputs}",
-            f"set_output_delay -clock vga_pin -min {-_DAC_HOLD - _TRACE} {outputs}"]
+            generated("vga_pin", "pixel", "vga_0__clk__io", invert=True),
+            f"set_output_delay -clock vga_pin -max {_DAC_SETUP + TRACE} {outputs}",
+            f"set_output_delay -clock vga_pin -min {-_DAC_HOLD - TRACE} {outputs}"]
     return [
         "# Screen, through resistors: all pins change soon behind the pixel clock.",
         f"set_output_delay -clock [get_clocks $pixel] -max {1000 / pixel_mhz - _DAC_LESS_NS:.3f} "

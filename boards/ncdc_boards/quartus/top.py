@@ -14,14 +14,31 @@ from ncdc_boards.camera_board.pins import (
     request,
 )
 from ncdc_boards.quartus.names import USER
-from ncdc_boards.quartus.plls import DOMAINS, Clocks
+from ncdc_boards.quartus.plls import Clocks
 from ncdc_hdl.video.scan_out import PICTURE
 
-__all__ = ["BUTTONS", "PINS_DOMAIN", "QuartusTop", "RESTART"]
+__all__ = ["BUTTONS", "PINS_DOMAIN", "QuartusTop", "RESTART", "clock_out", "user"]
 
 PINS_DOMAIN = "pins"
 BUTTONS = {"following": ("button", 0), "previous": ("button", 1), "raw": ("button", 2)}
 RESTART = ("button", 3)
+
+
+def clock_out(m, domain, port, falling=False):
+    """A clock at a pin, through the pin's cell, as late as what its registers send."""
+    m.submodules[f"{domain}_clock"] = pin = io.DDRBuffer("o", port, o_domain=domain)
+    m.d.comb += [pin.o[0].eq(not falling), pin.o[1].eq(falling)]
+
+
+def user(m, picture, lights_in):
+    """Picture and lights behind the user's module."""
+    shown, lights = Signal(PICTURE), Signal(LIGHTS)
+    m.submodules.user = Instance(
+        USER, i_clk=ClockSignal(), i_pixel_clk=ClockSignal("pixel"),
+        i_lights_in=lights_in, o_lights_out=lights,
+        **{f"i_{name}_in": picture[name] for name in PICTURE.members},
+        **{f"o_{name}_out": shown[name] for name in PICTURE.members})
+    return shown, lights
 
 
 class QuartusTop(Elaboratable):
@@ -41,37 +58,20 @@ class QuartusTop(Elaboratable):
         m = Module()
         oscillator = buffer(m, platform.request("clk50", 0, dir="-"))
         restart = buffer(m, platform.request(*RESTART, dir="-"))
-        m.domains += (ClockDomain(name) for name in DOMAINS)
+        m.domains += (ClockDomain(name) for name in self.design.clocks.targets())
         # In the core's reset the SDRAM gets what the controller sends then: no command.
         m.domains += ClockDomain(PINS_DOMAIN, reset_less=True)
         m.d.comb += ClockSignal(PINS_DOMAIN).eq(ClockSignal())
         m.submodules.clocks = Clocks(self.design.clocks, oscillator.i, restart.i)
         m.submodules.core = core = self.core
-        self._clock_out(m, "memory", join_sdram(m, platform, core, PINS_DOMAIN))
-        self._clock_out(m, "sensor_reference", join_camera(m, platform, core))
-        picture, lights = self._user(m, core)
+        clock_out(m, "memory", join_sdram(m, platform, core, PINS_DOMAIN))
+        clock_out(m, "sensor_reference", join_camera(m, platform, core))
+        picture, lights = user(m, core.picture, core.lights)
         self._vga(m, platform, picture)
         join_uart(m, platform, core)
         join_buttons(m, platform, core, BUTTONS)
         join_lights(m, platform, lights)
         return m
-
-    @staticmethod
-    def _clock_out(m, domain, port, falling=False):
-        """A clock at a pin, through the pin's cell, as late as what its registers send."""
-        m.submodules[f"{domain}_clock"] = pin = io.DDRBuffer("o", port, o_domain=domain)
-        m.d.comb += [pin.o[0].eq(not falling), pin.o[1].eq(falling)]
-
-    @staticmethod
-    def _user(m, core):
-        """Picture and lights behind the user's module."""
-        shown, lights = Signal(PICTURE), Signal(LIGHTS)
-        m.submodules.user = Instance(
-            USER, i_clk=ClockSignal(), i_pixel_clk=ClockSignal("pixel"),
-            i_lights_in=core.lights, o_lights_out=lights,
-            **{f"i_{name}_in": core.picture[name] for name in PICTURE.members},
-            **{f"o_{name}_out": shown[name] for name in PICTURE.members})
-        return shown, lights
 
     def _vga(self, m, platform, picture):
         """Registers in the cells of the VGA pins."""
@@ -85,7 +85,7 @@ class QuartusTop(Elaboratable):
             late = Signal(2)
             m.d.pixel += late.eq(pulses)
             pulses = late
-            self._clock_out(m, "pixel", vga.clk, falling=True)
+            clock_out(m, "pixel", vga.clk, falling=True)
             m.d.comb += buffer(m, vga.sync_n).o.eq(0)
         values = {name: picture[name][-len(getattr(vga, name)):] for name in "rgb"}
         values |= {"hs": pulses[0], "vs": pulses[1]}

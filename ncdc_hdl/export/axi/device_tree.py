@@ -1,15 +1,41 @@
 """The registers and frames of a module with AXI ports, for Linux's device tree."""
 
-__all__ = ["device_tree"]
+from dataclasses import dataclass
 
-_FRAMES_MB = 64
+__all__ = ["Place", "device_tree"]
 
 
-def device_tree(module, register_bytes):
+@dataclass(frozen=True)
+class Place:
+    """Where Linux finds a module.
+
+    Parameters
+    ----------
+    registers, register_bytes : int
+    frames, frame_bytes : int
+        Memory that Linux leaves to frames.
+    interrupt : int
+        Of the shared ones of the interrupt controller.
+    fixed : bool
+        Whether the board decides all of it; else they are examples.
+    """
+    registers: int = 0x43C0_0000
+    register_bytes: int = 1 << 16
+    frames: int = 0x1000_0000
+    frame_bytes: int = 64 << 20
+    interrupt: int = 29
+    fixed: bool = False
+
+
+def device_tree(module, place):
     """Text of ``<module>.dtsi``: an overlay of what the user's own device tree includes.
 
-    Addresses are examples, each on a line that says so: those of the design's address editor count.
+    Addresses that are examples are on a line that says so: those of the design's address editor
+    count.
     """
+    notes = ("where frames lie", "the lightweight bridge", "f2h_irq0") if place.fixed else (
+        "yours: where frames lie", "yours: of s_axi in the address editor",
+        "yours: the line that irq is on")
     return f"""\
 // {module} in Linux's device tree: registers and interrupt as a UIO device, and memory for frames
 // that Linux keeps off. To be included into the board's own tree; boot with
@@ -21,17 +47,17 @@ def device_tree(module, register_bytes):
         #size-cells = <1>;
         ranges;
 
-        ncdc_frames: ncdc-frames@10000000 {{
-            reg = <0x10000000 {_FRAMES_MB << 20:#x}>;       // yours: where frames lie
+        ncdc_frames: ncdc-frames@{place.frames:x} {{
+            reg = <{place.frames:#x} {place.frame_bytes:#x}>;       // {notes[0]}
             no-map;
         }};
     }};
 
-    ncdc@43c00000 {{
+    ncdc@{place.registers:x} {{
         compatible = "generic-uio";
-        reg = <0x43c00000 {register_bytes:#x}>;         // yours: of s_axi in the address editor
+        reg = <{place.registers:#x} {place.register_bytes:#x}>;         // {notes[1]}
         interrupt-parent = <&intc>;
-        interrupts = <0 29 4>;              // yours: the line that irq is on; 4: high level
+        interrupts = <0 {place.interrupt} 4>;              // {notes[2]}; 4: high level
     }};
 }};
 """

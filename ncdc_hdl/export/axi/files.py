@@ -1,7 +1,7 @@
 """Every file that ``ncdc generate --bus axi`` writes beside the drivers."""
 
 from ncdc_hdl.export.axi.component import component_xml
-from ncdc_hdl.export.axi.device_tree import device_tree
+from ncdc_hdl.export.axi.device_tree import Place, device_tree
 from ncdc_hdl.export.verilog.axi_cover import AXI_SYSTEM, axi_name, axi_verilog
 from ncdc_hdl.export.waivers import SYSTEM_WAIVERS, verilator_config
 
@@ -14,4 +14,4 @@ def axi_files(top):
     waivers = SYSTEM_WAIVERS if name == AXI_SYSTEM else None
     return {f"{name}.v": verilog, f"{name}.vlt": verilator_config(name, waivers),
             "component.xml": component_xml(verilog, name, top.descriptor),
-            f"{name}.dtsi": device_tree(name, 4 << top.address_bits)}
+            f"{name}.dtsi": device_tree(name, Place(register_bytes=4 << top.address_bits))}

@@ -1,0 +1,44 @@
+"""What a board with a hard processor tells of itself."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+__all__ = ["HpsBoard"]
+
+
+@dataclass(frozen=True)
+class HpsBoard:
+    """A board that ``ncdc build`` writes a project for, with the processor's memory for frames.
+
+    Parameters
+    ----------
+    name, title : str
+        As given on the command line; for people.
+    family, device : str
+        As Quartus names them.
+    platform : type
+        Subclass of amaranth-boards' platform, with the resources ``camera``, ``hdmi``, ``hps_ddr3``.
+    core_mhz : float
+        Clock of the core and of the ports to the memory.
+    clock_plan : callable
+        As of :class:`~ncdc_boards.board.Board`.
+    memory : dict
+        Parameters of the processor in Platform Designer: its DDR3.
+    frames : (int, int)
+        Address and bytes of the memory that Linux leaves to the frames.
+    multiplier_bits : int
+        18 or 27: what a multiplier block of the device multiplies.
+    sources : tuple of str
+        Where pins and memory are published.
+    """
+    name: str
+    title: str
+    family: str
+    device: str
+    platform: type
+    core_mhz: float
+    clock_plan: Callable
+    memory: dict
+    frames: tuple
+    multiplier_bits: int
+    sources: tuple

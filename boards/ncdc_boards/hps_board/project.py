@@ -1,0 +1,54 @@
+"""The project of a board with a hard processor: Platform Designer's system, and Quartus's."""
+
+from ncdc_boards.hps_board.linux import host_files
+from ncdc_boards.hps_board.ports import SYSTEM
+from ncdc_boards.hps_board.system import system_tcl
+from ncdc_boards.hps_board.top import HpsTop
+from ncdc_boards.quartus.project import assembled, project_name
+from ncdc_boards.quartus.sdc import TRACE, constraints, generated, ports_like
+
+__all__ = ["project_files"]
+
+# Analog Devices, ADV7511/ADV7513, video data to clock, rounded up, in ns.
+_HDMI_SETUP, _HDMI_HOLD = 1.8, 1.3
+_BEFORE = f"""\
+qsys-script --script={SYSTEM}.tcl
+qsys-generate {SYSTEM}.qsys --synthesis=VERILOG
+"""
+_MAPPED = """\
+# Standards and terminations of the processor's memory pins.
+quartus_sta -t {system}/synthesis/submodules/hps_sdram_p0_pin_assignments.tcl {name}
+"""
+
+
+def project_files(design, setup, corner):
+    """Text of each file of the project, by name, without Linux's drivers.
+
+    Those of :func:`ncdc_boards.quartus.project.project_files`, ``ncdc_qsys.tcl``, and what
+    :func:`~ncdc_boards.hps_board.linux.host_files` has.
+
+    Parameters
+    ----------
+    design : ncdc_boards.hps_board.core.HpsDesign
+    setup : Setup
+        Of the sensor.
+    corner : (int, int)
+        Column and row of the sensor's frame where the raw frame begins.
+    """
+    board = design.board
+    return assembled(
+        board, HpsTop(design),
+        lambda ports: constraints(design, setup.timing.pixel_clock_hz / 1e6, ports, _hdmi()),
+        settings=f"set_global_assignment -name QIP_FILE {SYSTEM}/synthesis/{SYSTEM}.qip\n",
+        before=_BEFORE, mapped=_MAPPED.format(system=SYSTEM, name=project_name(board)),
+    ) | {f"{SYSTEM}.tcl": system_tcl(board)} | host_files(design, setup, corner)
+
+
+def _hdmi():
+    """The transmitter."""
+    outputs = ports_like(f"hdmi_0__{name}__io*" for name in ("de", "hs", "vs", "r", "g", "b"))
+    return [
+        "# HDMI transmitter; the processor's memory has constraints of its own, in the .qip",
+        generated("hdmi_pin", "pixel", "hdmi_0__clk__io", invert=True),
+        f"set_output_delay -clock hdmi_pin -max {_HDMI_SETUP + TRACE} {outputs}",
+        f"set_output_delay -clock hdmi_pin -min {-_HDMI_HOLD - TRACE} {outputs}"]
