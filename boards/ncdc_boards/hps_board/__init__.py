@@ -1,1 +1,1 @@
-"""Boards whose memory is that of a hard processor beside the FPGA: Platform Designer and Quartus."""
+"""Boards whose memory is that of a hard processor: Platform Designer and Quartus."""

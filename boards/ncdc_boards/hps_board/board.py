@@ -17,7 +17,7 @@ class HpsBoard:
     family, device : str
         As Quartus names them.
     platform : type
-        Subclass of amaranth-boards' platform, with the resources ``camera``, ``hdmi``, ``hps_ddr3``.
+        Subclass of amaranth-boards' platform, with resources ``camera``, ``hdmi``, ``hps_ddr3``.
     core_mhz : float
         Clock of the core and of the ports to the memory.
     clock_plan : callable

@@ -79,5 +79,5 @@ BOARD = HpsBoard(
     memory=_MEMORY, frames=(0x3800_0000, 0x0800_0000), multiplier_bits=27,
     sources=("amaranth-boards, de10_nano.py", "MiSTer, sys.tcl",
              "apache/tvm, vta/hardware/intel/scripts/soc_system_hw.tcl: the memory's times",
-             "pin_assignment_DE0_Nano_SoC.tcl, S. Kashani-Akhavan: the memory's pins, which are the "
-             "package's"))
+             "pin_assignment_DE0_Nano_SoC.tcl, S. Kashani-Akhavan: the memory's pins, which are "
+             "the package's"))

@@ -50,8 +50,8 @@ class Board:
                     address += size
         needed = address - self.settings["frames"]
         if needed > self.settings["frame_bytes"]:
-            raise MemoryError(f"frames take {needed} bytes, {self.settings['frame_bytes']} are kept "
-                              f"for them: a smaller picture fits")
+            raise MemoryError(f"frames take {needed} bytes, {self.settings['frame_bytes']} are "
+                              f"kept for them: a smaller picture fits")
         self.camera.put(**places)
         return places
 
