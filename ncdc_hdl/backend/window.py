@@ -59,32 +59,27 @@ class WindowAddress(wiring.Component):
             beyond = Signal(signed(self.q.i_bits + 1), name=f"beyond_{axis}")
             m.d.sync += [last_inside.eq(size - core), beyond.eq(size - (core - 1))]
             limits.append((last_inside, beyond))
-        # Each stage takes what the one before it has, unless it must hold its own.
-        stages = [(Signal(name=f"{name}_valid"), Signal(2, name=f"{name}_flags"),
-                   Signal(name=f"{name}_take")) for name in ("shifted", "compared")]
-        stages.append((self.o.valid, Cat(self.o.p.first, self.o.p.last), Signal(name="take")))
-        ready, valid, flags = self.o.ready, self.i.valid, Cat(self.i.p.first, self.i.p.last)
-        for own_valid, _, take in reversed(stages):
-            m.d.comb += take.eq(~own_valid | ready)
-            ready = take
-        m.d.comb += self.i.ready.eq(ready)
-        for own_valid, own_flags, take in stages:
-            with m.If(take):
+        # The stages move together: a `ready` that went through each of them would be the longest
+        # way of the core.
+        move = Signal()
+        m.d.comb += [move.eq(~self.o.valid | self.o.ready), self.i.ready.eq(move)]
+        with m.If(move):
+            valid, flags = self.i.valid, Cat(self.i.p.first, self.i.p.last)
+            for name in ("shifted", "compared"):
+                own_valid, own_flags = Signal(name=f"{name}_valid"), Signal(2, name=f"{name}_flags")
                 m.d.sync += [own_valid.eq(valid), own_flags.eq(flags)]
-            valid, flags = own_valid, own_flags
-        takes = [take for _, _, take in stages]
-        for k, (i, o) in enumerate(zip(lanes_of(self.i.p), lanes_of(self.o.p))):
-            self._address(m, k, i, o, limits, takes)
+                valid, flags = own_valid, own_flags
+            m.d.sync += [self.o.valid.eq(valid), Cat(self.o.p.first, self.o.p.last).eq(flags)]
+            for k, (i, o) in enumerate(zip(lanes_of(self.i.p), lanes_of(self.o.p))):
+                self._address(m, k, i, o, limits)
         return m
 
-    def _address(self, m, k, i, o, limits, takes):
+    def _address(self, m, k, i, o, limits):
         """The window ``o`` of the coordinate ``i`` in lane ``k``."""
         offset = int(self.interpolation.offset * (1 << self.q.f_bits))
-        shift, compare, choose = takes
         blank = Signal(name=f"blank{k}")        # the input's, with the shifted coordinates
         inside = []                             # conditions that the origin is not too far out
-        with m.If(shift):
-            m.d.sync += blank.eq(i.blank)
+        m.d.sync += blank.eq(i.blank)
         for axis, coordinate, (last, beyond), origin, fraction in (
                 ("x", i.x, limits[0], o.x0, o.fx), ("y", i.y, limits[1], o.y0, o.fy)):
             shape = signed(self.q.width + 1)
@@ -94,42 +89,33 @@ class WindowAddress(wiring.Component):
             at_end = Signal(name=f"at_end_{axis}{k}")           # its whole part is `beyond`
             whole = shifted >> self.q.f_bits
             # Stage 1: subtract.
-            with m.If(shift):
-                m.d.sync += shifted.eq(coordinate - offset)
+            m.d.sync += shifted.eq(coordinate - offset)
             # Stage 2: compare.
-            with m.If(compare):
-                m.d.sync += [held.eq(shifted), before.eq(whole == -1), at_end.eq(whole == beyond)]
+            m.d.sync += [held.eq(shifted), before.eq(whole == -1), at_end.eq(whole == beyond)]
             # Stage 3: choose; an origin just outside is moved to the nearest place inside.
-            with m.If(choose):
-                m.d.sync += [origin.eq(held >> self.q.f_bits), fraction.eq(held)]
-                with m.If(before):
-                    m.d.sync += [origin.eq(0), fraction.eq(0)]
-                with m.Elif(at_end):
-                    m.d.sync += [origin.eq(last), fraction.eq(-1)]
+            m.d.sync += [origin.eq(held >> self.q.f_bits), fraction.eq(held)]
+            with m.If(before):
+                m.d.sync += [origin.eq(0), fraction.eq(0)]
+            with m.Elif(at_end):
+                m.d.sync += [origin.eq(last), fraction.eq(-1)]
             inside += [whole >= -1, whole <= beyond]
             if self.interpolation.margin:
-                self._edge(m, compare, choose, whole, last, getattr(o, f"edge_{axis}"),
-                           f"{axis}{k}")
+                self._edge(m, whole, last, getattr(o, f"edge_{axis}"), f"{axis}{k}")
         passed = Signal(name=f"passed{k}")                  # the input's `blank`, a stage later
         within = Signal(len(inside), name=f"within{k}")     # `inside`, a stage later
-        with m.If(compare):
-            m.d.sync += [passed.eq(blank), within.eq(Cat(inside))]
-        with m.If(choose):
-            m.d.sync += o.blank.eq(passed | ~within.all())
+        m.d.sync += [passed.eq(blank), within.eq(Cat(inside))]
+        m.d.sync += o.blank.eq(passed | ~within.all())
 
-    def _edge(self, m, compare, choose, whole, last, edge, name):
+    def _edge(self, m, whole, last, edge, name):
         """How much of a window is outside: ``whole`` is its first place before it is moved in."""
         margin = self.interpolation.margin
         near = Signal(margin, name=f"near_{name}")      # bit n: n + 1 are missing at the beginning
         far = Signal(margin, name=f"far_{name}")        # bit n: n + 1 are missing at the end
-        with m.If(compare):
-            for n in range(margin):
-                inward = margin - 1 - n
-                at_start, at_end = whole == inward, whole == last - inward
-                if inward == 0:
-                    at_start, at_end = at_start | (whole == -1), at_end | (whole == last + 1)
-                m.d.sync += [near[n].eq(at_start), far[n].eq(at_end)]
-        with m.If(choose):
-            m.d.sync += edge.behind.eq(far.any())
-            m.d.sync += edge.missing.eq(sum(Mux(near[n] | far[n], n + 1, 0)
-                                            for n in range(margin)))
+        for n in range(margin):
+            inward = margin - 1 - n
+            at_start, at_end = whole == inward, whole == last - inward
+            if inward == 0:
+                at_start, at_end = at_start | (whole == -1), at_end | (whole == last + 1)
+            m.d.sync += [near[n].eq(at_start), far[n].eq(at_end)]
+        m.d.sync += edge.behind.eq(far.any())
+        m.d.sync += edge.missing.eq(sum(Mux(near[n] | far[n], n + 1, 0) for n in range(margin)))
