@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ncdc_model.interface.frames import output_format
-from ncdc_model.interface.pixel_formats import MONO8, bayer_format
+from ncdc_model.interface.pixel_formats import raw_format
 
 __all__ = ["SystemView"]
 
@@ -41,10 +41,9 @@ class SystemView:
         geometry, hardware = system.descriptor.geometry, system.hardware
         table = (*system.corrector.registers.table, *system.table)
         sent = output_format(hardware.format).sent
-        raw = MONO8 if geometry.mono else bayer_format(geometry.bayer)
         return cls({r.name: r.address for r in table},
                    (0, 0) if hardware.stream else geometry.corrected,
-                   raw.mraw, sent.mraw, sent.pixel_bytes, reader, clock_mhz)
+                   raw_format(geometry).mraw, sent.mraw, sent.pixel_bytes, reader, clock_mhz)
 
     @property
     def has_corrected(self):

@@ -15,7 +15,7 @@ from ncdc_model.interface.features import FEATURES, feature
 from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.genicam import genicam_xml
 from ncdc_model.interface.link_map import LINK, TEMPLATES
-from ncdc_model.interface.pixel_formats import bayer_format
+from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.system_map import system_registers
 from ncdc_model.interface.table_one import SYSTEM_WORDS, TCP_PORT
 from ncdc_model.sensors import mt9p031
@@ -126,7 +126,7 @@ def _registers(core):
 def _pictures(core, setup):
     geometry = core.system.descriptor.geometry
     form = output_format(core.system.hardware.format).sent
-    raw = bayer_format(geometry.bayer)
+    raw = raw_format(geometry)
     width, height = geometry.corrected
     timing = setup.timing
     rate = round(10 * timing.frames_per_second)

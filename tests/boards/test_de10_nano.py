@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from camera_bus import Bus
 from cameras import barrel_descriptor
 from constraints import complaints
 from ncdc.cli import main
@@ -176,51 +177,6 @@ def test_the_device_tree_compiles(project):
         done = subprocess.run(["dtc", "-q", "-I", "dts", "-O", "dtb", "-o", "/dev/null"],
                               input=tree + text, text=True, capture_output=True)
         assert done.returncode == 0, done.stderr
-
-
-class Bus:
-    """Registers of the system as words, and two targets on its I2C bus.
-
-    A transfer is refused if nobody has its address, if bytes come without a start, or if the
-    number of bytes is not the target's.
-    """
-
-    def __init__(self, names, targets):
-        self.names, self.words = names, {}
-        self.at = {offset: name for name, offset in names.OFFSET.items()}
-        self.targets, self.transfer, self.answer = targets, None, []
-        self.log = []       # (address, bytes), and the names of registers that are written
-
-    def read(self, offset):
-        return self.words.get(offset, 0)
-
-    def write(self, offset, value):
-        name = self.at[offset]
-        if name == "I2C_COMMAND":
-            self.words[self.names.OFFSET["I2C_RESULT"]] = self._i2c(value)
-        elif name != "CAMERA_STATUS":
-            self.words[offset] = value
-            self.log.append(name)
-
-    def _i2c(self, word):
-        names = self.names
-        has = {flag: word & getattr(names, f"I2C_COMMAND_{flag}")
-               for flag in ("START", "WRITE", "READ", "STOP")}
-        byte, data = word & 0xFF, 0
-        if has["START"]:
-            if byte >> 1 not in self.targets:
-                return names.I2C_RESULT_NACK
-            if byte & 1:
-                self.answer = list(self.targets[byte >> 1][bytes(self.transfer[1])])
-            else:
-                self.transfer = (byte >> 1, [])
-        elif has["WRITE"]:
-            self.transfer[1].append(byte)
-        elif has["READ"] and self.answer:
-            data = self.answer.pop(0)
-        if has["STOP"] and has["WRITE"]:
-            self.log.append((self.transfer[0], bytes(self.transfer[1])))
-        return data
 
 
 @pytest.fixture

@@ -1,32 +1,51 @@
 """What Linux on the board's processor needs: device tree, settings, and the program that starts."""
 
 import json
+from dataclasses import replace
 from importlib.resources import files
 
 from ncdc_boards.camera_board.set_up import camera_values
 from ncdc_boards.hps_board.adv7513 import I2C_ADDRESS, WRITES
 from ncdc_boards.quartus.project import project_name
 from ncdc_hdl.export.axi.device_tree import Place, device_tree
+from ncdc_model.interface.frames import output_format
+from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
+from ncdc_model.interface.table_one import (
+    MAX_USERS,
+    MRAW,
+    READ,
+    RESERVED,
+    SYSTEM_PAGE,
+    SYSTEM_WORDS,
+    TCP_PORT,
+    UNKNOWN,
+    WRITE,
+)
+from ncdc_model.sensors.catalogue import setup as planned
 
 __all__ = ["REGISTERS", "host_files"]
 
 REGISTERS = 0xFF20_0000         # where the ARM has the lightweight bridge (HPS manual, address map)
 _INTERRUPT = 40                 # of f2h_irq0, among the shared ones (number 72 of all)
+_SILENT = 0xFFFF                # read of a sensor that does not answer, as over USB
+_HOST = ("ncdc_board.py", "ncdc_server.py")
 
 
 def host_files(design, setup, corner):
-    """``ncdc_<board>.dtsi``, ``ncdc_board.json``, ``ncdc_board.py``, by name.
+    """``ncdc_<board>.dtsi``, ``ncdc_board.json``, and the programs, by name.
 
     Parameters: as of :func:`ncdc_boards.hps_board.project.project_files`.
     """
     board = design.board
     base, size = board.frames
     name = project_name(board)
+    clock_hz = round(board.core_mhz * 1e6)
     settings = {
-        "board": board.name, "frames": base, "frame_bytes": size,
-        "registers": camera_values(setup, corner, round(board.core_mhz * 1e6)),
-        "sensor": setup.report(),
+        "board": board.name, "frames": base, "frame_bytes": size, "clock_hz": clock_hz,
+        "registers": camera_values(setup, corner, clock_hz),
+        "sensor": setup.report() | {"own": _own(setup)},
+        **_pictures(design.system), "table": _table(),
         "transmitter": {
             "i2c_address": I2C_ADDRESS, "pointer_bits": 8, "value_bits": 8,
             "writes": [{"register": register, "value": value, "meaning": meaning}
@@ -35,4 +54,30 @@ def host_files(design, setup, corner):
         f"{name}.dtsi": device_tree(name, Place(
             REGISTERS, 4 << SYSTEM_WORDS_BITS, base, size, _INTERRUPT, fixed=True)),
         "ncdc_board.json": json.dumps(settings, indent=1) + "\n",
-        "ncdc_board.py": (files("ncdc_boards.hps_board") / "host/ncdc_board.py").read_text()}
+        **{file: (files("ncdc_boards.hps_board") / "host" / file).read_text() for file in _HOST}}
+
+
+def _own(setup):
+    """Registers of a set-up that no user may write: all but exposure and gain, as they decide the
+    frame's size, place, clock or Bayer phase."""
+    asked = setup.settings
+    others = [planned(setup.sensor, replace(asked, **change)) for change in (
+        {"exposure_us": asked.exposure_us / 2}, {"gain_db": asked.gain_db + 6})]
+    free = {write.register for other in others for write in set(other.writes) ^ set(setup.writes)}
+    return sorted({write.register for write in setup.writes} - free)
+
+
+def _pictures(system):
+    """What the server says of pictures."""
+    form = output_format(system.hardware.format)
+    raw = raw_format(system.descriptor.geometry)
+    return {"pixel_bytes": form.pixel_bytes, "formats": {"raw": raw.mraw,
+                                                         "corrected": form.sent.mraw}}
+
+
+def _table():
+    """Table I, for a program that cannot import it."""
+    return {"port": TCP_PORT, "users": MAX_USERS, "page": SYSTEM_PAGE, "unknown": UNKNOWN,
+            "silent": _SILENT,
+            "codes": {READ: "READ", WRITE: "WRITE", RESERVED: "RESERVED", MRAW: "MRAW"},
+            "words": {word.name: word.address for word in SYSTEM_WORDS}}

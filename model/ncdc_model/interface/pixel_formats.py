@@ -8,7 +8,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.geometry import BAYER_PHASE
 
 __all__ = ["BGR8", "BGRA8", "MONO8", "PIXEL_FORMATS", "PixelFormat", "bayer_format",
-           "format_of_mraw", "format_of_name", "format_of_pfnc", "packed", "unpacked"]
+           "format_of_mraw", "format_of_name", "format_of_pfnc", "packed", "raw_format", "unpacked"]
 
 
 @dataclass(frozen=True)
@@ -85,6 +85,11 @@ def format_of_mraw(mraw):
 def bayer_format(pattern):
     """The :class:`PixelFormat` of raw frames behind a colour filter of that ``pattern``."""
     return _found("bayer", pattern, f"of the pattern {pattern}")
+
+
+def raw_format(geometry):
+    """The :class:`PixelFormat` of raw frames of a ``geometry``, whose sensor may be grey."""
+    return MONO8 if geometry.mono else bayer_format(geometry.bayer)
 
 
 def packed(picture, pixel_format):
