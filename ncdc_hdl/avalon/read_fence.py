@@ -1,12 +1,13 @@
 """Keeps read commands inside a place in memory."""
 
 from amaranth import *
-from amaranth.lib import stream, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.avalon.read_commands import command_layout
+from ncdc_hdl.lib.relay import Relay
 
 __all__ = ["ReadFence"]
 
@@ -19,7 +20,10 @@ class ReadFence(wiring.Component):
     and all words of a command are inside; unless the place is ``empty``, which is no place for
     any: then nothing is to be asked for.
 
-    Timing: latency 0; a change of ``base`` or ``limit`` counts a clock later.
+    Timing: a command per clock, latency ``latency``. Whether it is inside is decided in front of a
+    relay, and where it goes behind it: both in a clock would be too long, and ``o.ready`` would
+    reach all registers in front. A change of ``base`` or ``limit`` counts a clock later, and is
+    allowed only while no command is under way.
 
     Parameters
     ----------
@@ -36,11 +40,14 @@ class ReadFence(wiring.Component):
     empty : ``Out(1)``
         The place does not hold the words of the longest command.
     moved : ``Out(1)``
-        High in the clock in which a command passes that was moved.
+        High in the clock in which a command is taken that will be moved.
     """
+
+    latency = Relay.latency
 
     def __init__(self, data_width, max_burst, *, shortest=1):
         self.word_bits, self.sizes = exact_log2(data_width // 8), range(shortest, max_burst + 1)
+        self.max_burst = max_burst
         super().__init__({
             "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS),
             "i": In(stream.Signature(command_layout(max_burst))),
@@ -64,11 +71,16 @@ class ReadFence(wiring.Component):
                 m.d.comb += end.eq(shorter)
         inside = self._inside(number, first, end)
         m.d.sync += self.empty.eq(first >= ends[-1])
+        m.submodules.relay = relay = Relay(data.StructLayout({
+            "command": command_layout(self.max_burst), "inside": 1}))
         m.d.comb += [
-            self.o.p.address.eq(Cat(Const(0, self.word_bits), Mux(inside, number, first))),
-            self.o.p.words.eq(self.i.p.words),
-            self.o.valid.eq(self.i.valid), self.i.ready.eq(self.o.ready),
+            relay.i.p.command.eq(self.i.p), relay.i.p.inside.eq(inside),
+            relay.i.valid.eq(self.i.valid), self.i.ready.eq(relay.i.ready),
             self.moved.eq(self.i.valid & self.i.ready & ~inside),
+            self.o.p.address.eq(Cat(Const(0, self.word_bits), Mux(
+                relay.o.p.inside, relay.o.p.command.address[self.word_bits:], first))),
+            self.o.p.words.eq(relay.o.p.command.words),
+            self.o.valid.eq(relay.o.valid), relay.o.ready.eq(self.o.ready),
         ]
         return m
 

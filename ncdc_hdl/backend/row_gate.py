@@ -26,8 +26,9 @@ class RowGate(wiring.Component):
     the frame is complete the camera's counter may thus begin again. The same rule is kept for a
     fetcher without tiles. All pixels of a group pass together.
 
-    Timing: a stream stage, latency 1, one group per clock; a change of ``camera_rows`` counts
-    ``rows_latency`` clocks later.
+    Timing: two stream stages (compare, pass), latency 2, one group per clock; a change of
+    ``camera_rows`` counts ``rows_latency`` clocks later for a group that comes, or waits in the
+    first stage.
 
     Parameters
     ----------
@@ -52,9 +53,9 @@ class RowGate(wiring.Component):
     i, o : streams of ``request_layout(f_bits, lanes, interpolation)``
     """
 
-    latency = 1
+    latency = 2
     rows_latency = 2
-    """Clocks from a change of ``camera_rows`` to that of what passes: the count, the limit."""
+    """Clocks from a change of ``camera_rows`` to that of what is compared: the count, the limit."""
 
     def __init__(self, f_bits, lanes=1, interpolation=FAST):
         self.interpolation = interpolation
@@ -80,16 +81,23 @@ class RowGate(wiring.Component):
         with m.Else():
             m.d.sync += limit.eq(Mux(tiles <= after // height, 0, tiles * height - after))
 
-        payload = Signal.like(self.i.payload)
-        m.d.comb += payload.eq(self.i.payload)
-        early = []
-        for i, o in zip(lanes_of(self.i.p), lanes_of(payload)):
-            early.append(~i.blank & (i.y0 >= limit))
-            m.d.comb += o.blank.eq(i.blank | early[-1])
-        passes = ~Cat(early).any() | self.abort
+        # C: a group that came, and which of its pixels were too early a clock ago.
+        c_valid = Signal()
+        c = Signal.like(self.i.payload)
+        early = Signal(len(lanes_of(c)))
+        leaves = Signal()       # what is in C goes on
+        passes = ~early.any() | self.abort
+        m.d.comb += [leaves.eq(c_valid & passes & (~self.o.valid | self.o.ready)),
+                     self.i.ready.eq(~c_valid | leaves)]
+        with m.If(self.i.ready):
+            m.d.sync += [c_valid.eq(self.i.valid), c.eq(self.i.payload)]
+        for k, (i, waiting) in enumerate(zip(lanes_of(self.i.p), lanes_of(c))):
+            m.d.sync += early[k].eq(Mux(self.i.ready, ~i.blank & (i.y0 >= limit),
+                                        early[k] & (waiting.y0 >= limit)))
         with m.If(~self.o.valid | self.o.ready):
-            m.d.comb += self.i.ready.eq(passes)
-            m.d.sync += [self.o.valid.eq(self.i.valid & passes), self.o.payload.eq(payload)]
+            m.d.sync += [self.o.valid.eq(leaves), self.o.payload.eq(c)]
+            for k, o in enumerate(lanes_of(self.o.p)):
+                m.d.sync += o.blank.eq(lanes_of(c)[k].blank | early[k])
         return m
 
     @staticmethod

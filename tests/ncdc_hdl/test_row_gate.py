@@ -82,8 +82,9 @@ def test_a_group_passes_when_its_rows_are_there_and_not_later(lanes, gap, stall)
         assert seen[clock] >= needed(group), "passed before its rows were there"
         there = next(c for c, rows in enumerate(seen) if rows >= needed(group))
         if not (gap or stall):
-            # The row counter takes two clocks, the stage one; a group follows the one before.
-            assert clock == max(there + 3, clocks[k - 1] + 1 if k else 4)
+            # A group follows the one before; the first one comes in clock 3.
+            passes = there + RowGate.rows_latency + RowGate.latency
+            assert clock == max(passes, clocks[k - 1] + 1 if k else 3 + RowGate.latency)
         waited += clock > (clocks[k - 1] if k else 4) + 3
     assert waited >= 4
 
@@ -91,13 +92,15 @@ def test_a_group_passes_when_its_rows_are_there_and_not_later(lanes, gap, stall)
 def test_without_follow_nothing_waits():
     groups = requests(np.random.default_rng(3), 40, 1)
     got, clocks, _ = run(groups, 1, follow=0, rows=lambda clock: 0)
-    assert got == groups and clocks == list(range(4, 44))
+    assert got == groups and clocks == list(
+        range(3 + RowGate.latency, 43 + RowGate.latency))
 
 
 def test_the_counter_may_begin_again_once_the_frame_is_complete():
     groups = requests(np.random.default_rng(3), 40, 1)
     got, clocks, _ = run(groups, 1, rows=lambda clock: HEIGHT if clock == 1 else 0)
-    assert got == groups and clocks == list(range(4, 44))
+    assert got == groups and clocks == list(
+        range(3 + RowGate.latency, 43 + RowGate.latency))
 
 
 def test_rows_of_the_frame_before_do_not_count():

@@ -6,14 +6,13 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
-from ncdc_hdl.avalon.read_commands import ReadCommands, command_layout
+from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.cache.layouts import slot_bits, tile_layout
 from ncdc_hdl.backend.cache.requests import TileRequests
 from ncdc_hdl.backend.cache.tiles import fill_layout
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.lib.memory import Fifo
-from ncdc_hdl.lib.relay import Relay
 from ncdc_model.fetch.cache_options import TILE_WIDTH
 
 __all__ = ["Fills"]
@@ -58,7 +57,7 @@ class Fills(wiring.Component):
     bus : ``Out(ReadHost(...))``
     """
 
-    latency = 1 + Fifo.latency + TileRequests.latency + Relay.latency + ReadCommands.latency
+    latency = 1 + Fifo.latency + TileRequests.latency + ReadFence.latency + ReadCommands.latency
     """Clocks from a claim to the tile's first command on the bus, a register before the rest."""
     filled_latency = 2
     """Clocks from a tile's last ``readdatavalid`` to ``filled``: the word's register, its own."""
@@ -103,10 +102,7 @@ class Fills(wiring.Component):
             fence.i.valid.eq(requests.o.valid), requests.o.ready.eq(fence.i.ready),
             self.outside.eq(fence.moved & ~requests.beyond),
         ]
-        # The bus's ``waitrequest`` would reach all registers of the requests in a clock.
-        m.submodules.relay = relay = Relay(command_layout(self.burst))
-        wiring.connect(m, fence.o, relay.i)
-        wiring.connect(m, relay.o, commands.i)
+        wiring.connect(m, fence.o, commands.i)
         outstanding = Signal(range(most + 1))   # tiles claimed and not yet complete
         complete = Signal()                     # the last word of a tile is written
         with m.If(self.claim != complete):

@@ -21,7 +21,8 @@ __all__ = ["FencedReads", "FencedWords", "WordsInBursts"]
 class FencedReads(Wrapper):
     """``ReadFence`` with any commands, any place that is not empty.
 
-    Asserts that all words of a command are inside the place, whole, and aligned.
+    Asserts that all words of a command are inside the place, whole, and aligned, and that each
+    command that is taken leaves once, with as many words, in order.
     """
 
     def __init__(self, kind=ReadFence, shortest=1):
@@ -33,26 +34,55 @@ class FencedReads(Wrapper):
     def elaborate(self, platform):
         m = Module()
         dut = self.dut
-        self.design(m, dut)
+        fragment = self.design(m, dut)
         constant(m, self.base)
         constant(m, self.limit)
-        settled = Signal(2, reset_less=True)    # two clocks have gone by
+        settled = Signal(2)                     # two clocks have gone by
         m.d.sync += settled.eq(Cat(1, settled))
         given(m, ~ResetSignal())
         given(m, (self.command.words >= self.shortest) & (self.command.words <= 2))
+        given(m, ~self.valid | settled.all())
         m.d.comb += [dut.base.eq(self.base), dut.limit.eq(self.limit),
                      dut.i.valid.eq(self.valid), dut.i.payload.eq(self.command),
                      dut.o.ready.eq(self.ready)]
         o = dut.o.p
-        asked = settled.all() & dut.o.valid & ~dut.empty
+        asked = dut.o.valid & ~dut.empty
         end = Signal(ADDRESS_BITS + 1)
         m.d.comb += end.eq(o.address + (o.words << 3))
         always(m, ~asked | ((o.address >= (self.base & ~0x7)) & (end <= self.limit)), "inside")
         always(m, o.address[:3] == 0, "aligned")
-        always(m, o.words == self.command.words, "as_many_words")
-        reached(m, asked & dut.moved, "moved")
-        reached(m, asked & ~dut.moved & (self.base != 0) & (end == self.limit), "to_the_end")
+        self._in_order(m, fragment)
+        reached(m, dut.moved & ~dut.empty, "moved")
+        reached(m, asked & (o.address > self.base) & (end == self.limit) & (self.base != 0),
+                "to_the_end")
         return m
+
+    def _in_order(self, m, fragment):
+        """The words of the commands under way, oldest first, beside what the relay holds."""
+        dut, o = self.dut, self.dut.o.p
+        level = Signal(range(3))
+        words = [Signal.like(self.command.words, name=f"words{k}") for k in range(2)]
+        enters, leaves = dut.i.valid & dut.i.ready, dut.o.valid & self.ready
+        m.d.sync += level.eq(level + enters - leaves)
+        with m.If(leaves):
+            m.d.sync += words[0].eq(words[1])
+        for k in range(2):
+            with m.If(enters & (level - leaves == k)):
+                m.d.sync += words[k].eq(self.command.words)
+        always(m, ~dut.o.valid | (o.words == words[0]), "as_many_words")
+        free, held, aside = (inner(fragment, "relay", name) for name in ("free", "o", "aside"))
+        always(m, level == dut.o.valid + ~free, "all_leave")
+        always(m, free | dut.o.valid, "the_oldest_is_offered")
+        always(m, free | (aside[ADDRESS_BITS:-1] == words[1]), "words_aside")
+        # What was found inside is inside: of what is offered this is in "inside" above.
+        for name, item, there in (("held", held, dut.o.valid), ("aside", aside, ~free)):
+            end = Signal(ADDRESS_BITS + 1, name=f"{name}_end")
+            count = item[ADDRESS_BITS:-1]
+            m.d.comb += end.eq((item[:ADDRESS_BITS] & ~0x7) + (count << 3))
+            always(m, ~(there & item[-1] & ~dut.empty) | (
+                ((item[:ADDRESS_BITS] & ~0x7) >= (self.base & ~0x7)) & (end <= self.limit)),
+                f"{name}_inside")
+            always(m, ~there | ((count >= self.shortest) & (count <= 2)), f"{name}_words")
 
 
 class FencedWords(Wrapper):

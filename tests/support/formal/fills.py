@@ -67,7 +67,7 @@ class FillRoom(_Fills):
         claim, came = inner(fragment, "claim"), inner(fragment, "came")
         a_valid, row, o_valid, known = (inner(fragment, "requests", name)
                                         for name in ("a_valid", "row", "o__valid", "known"))
-        relayed, free, offered, aside = (inner(fragment, "relay", name)
+        relayed, free, offered, aside = (inner(fragment, "fence", "relay", name)
                                          for name in ("o__valid", "free", "o", "aside"))
         # Words that will come: of tiles claimed and in the queue, in the stages of the requests,
         # of commands in the relay, of the command on the bus, owed by the memory.
@@ -81,8 +81,8 @@ class FillRoom(_Fills):
         always(m, owed + Mux(read, words, 0) <= self.limit, "room_for_command")
         always(m, words <= dut.burst, "burst")
         always(m, ~read | (words == dut.burst), "burst_constant")
-        always(m, ~relayed | (offered[ADDRESS_BITS:] == dut.burst), "burst_relayed")
-        always(m, free | (relayed & (aside[ADDRESS_BITS:] == dut.burst)), "burst_aside")
+        always(m, ~relayed | (offered[ADDRESS_BITS:-1] == dut.burst), "burst_relayed")
+        always(m, free | (relayed & (aside[ADDRESS_BITS:-1] == dut.burst)), "burst_aside")
         always(m, o_valid | (row == 0), "row")
         lost = taken_away(m, self.memory_rst, (asked != 0) | self.claim)
         always(m, lost | (asked + came + beat == (claim + slots.level) * beats),

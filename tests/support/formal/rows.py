@@ -1,6 +1,7 @@
 """The gate that waits for the camera's rows: no window passes before its rows are in memory."""
 
 from amaranth import *
+from amaranth.lib import data
 from amaranth.lib.wiring import In
 
 from formal.properties import always, constant, given, inner, reached
@@ -19,9 +20,9 @@ class Rows(Wrapper):
     """``RowGate`` with any requests, any counter, aborts and a consumer that stalls.
 
     Asserts, for any number of rows ``need``: a group that waits for so many passes only after the
-    counter has shown them in this frame; payloads pass unchanged, but for pixels that an abort
-    blanks; what is offered stays until it is taken. Without ``state`` nothing is said of the gate's
-    own registers, which induction needs.
+    counter has shown them in this frame; payloads pass both stages unchanged, each once, but for
+    pixels that an abort blanks; what is offered stays until it is taken. Without ``state`` nothing
+    is said of the gate's own registers, which induction needs.
     """
 
     def __init__(self, lanes=1, state=True, needs=FAST):
@@ -36,7 +37,9 @@ class Rows(Wrapper):
         m = Module()
         dut = self.dut
         fragment = self.design(m, dut)
-        rows, limit = inner(fragment, "rows"), inner(fragment, "limit")
+        rows, limit, c_valid, c, early, leaves = (
+            inner(fragment, name) for name in ("rows", "limit", "c_valid", "c", "early", "leaves"))
+        waiting = data.View(dut.i.p.shape(), c)
         m.d.comb += [
             dut.start.eq(self.start), dut.follow.eq(self.follow), dut.height.eq(self.height),
             dut.abort.eq(self.abort), dut.camera_rows.eq(self.camera_rows),
@@ -50,7 +53,7 @@ class Rows(Wrapper):
         m.d.sync += [before.eq(settings), later.eq(1), started.eq(Cat(self.start, started))]
         given(m, ~later | self.start | (settings == before))
         given(m, self.height <= MAX_SIZE)
-        given(m, ~(self.start & dut.o.valid))
+        given(m, ~(self.start & (dut.o.valid | c_valid)))
         given(m, ~((self.start | started.any()) & self.valid))
         constant(m, self.need)
 
@@ -63,28 +66,45 @@ class Rows(Wrapper):
                 limit == MAX_SIZE, rows >= self.height, rows >= limit + self.needs.after),
                 "limit_is_of_rows")
             always(m, ~started[0] | (limit == 0), "limit_starts_anew")
-        for k, lane in enumerate(lanes_of(dut.o.p)):
+        def shown_for(lane, there):
             last = (lane.y0 + self.needs.after) | (self.needs.tile_height - 1)
             needs = Mux(last + 1 < self.height, last + 1, self.height)
-            always(m, ~(dut.o.valid & self.follow & ~lane.blank & (needs == self.need))
-                   | shown | (self.need == 0), f"row_is_there{k}")
+            return (~(there & self.follow & ~lane.blank & (needs == self.need))
+                    | shown | (self.need == 0))
+        for k, lane in enumerate(lanes_of(dut.o.p)):
+            always(m, shown_for(lane, dut.o.valid), f"row_is_there{k}")
+        if self.state:
+            for k, lane in enumerate(lanes_of(waiting)):
+                always(m, shown_for(lane, c_valid & ~early[k]), f"row_was_there{k}")
 
-        held, offered = Signal(), Signal.like(Value.cast(dut.o.payload))
-        taken, asked = Signal(), Signal.like(self.payload)
-        aborted = Signal()
-        m.d.sync += [held.eq(dut.o.valid & ~self.ready), offered.eq(dut.o.payload),
-                     taken.eq(dut.i.valid & dut.i.ready), asked.eq(self.payload),
-                     aborted.eq(self.abort)]
-        always(m, ~held | (dut.o.valid & (dut.o.payload.as_value() == offered)), "offer_held")
-        always(m, ~held | ~taken, "nothing_over_it")
-        expected = Signal.like(self.payload)
-        m.d.comb += expected.eq(asked)
-        for lane, out in zip(lanes_of(expected), lanes_of(dut.o.p)):
-            with m.If(aborted):
-                m.d.comb += lane.blank.eq(out.blank)
-        always(m, ~taken | (dut.o.valid & (dut.o.payload.as_value() == expected.as_value())),
-               "passes_unchanged")
-        reached(m, self.follow & taken & ~aborted & (asked.as_value() != 0)
+        self._unchanged(m, waiting, c_valid, leaves)
+        taken, aborted = Signal(), Signal()
+        m.d.sync += [taken.eq(leaves), aborted.eq(self.abort)]
+        reached(m, self.follow & taken & ~aborted & (Value.cast(dut.o.payload) != 0)
                 & (limit != MAX_SIZE), "passes_below_the_end")
         reached(m, self.follow & dut.i.valid & ~dut.i.ready & ~dut.o.valid, "waits")
         return m
+
+    def _unchanged(self, m, waiting, c_valid, leaves):
+        """From ``i`` to the first stage, and from there to ``o``."""
+        dut = self.dut
+        before, came = Signal.like(self.payload), Signal()
+        was, had, left = Signal.like(self.payload), Signal(), Signal()
+        offered, held, aborted = Signal.like(self.payload), Signal(), Signal()
+        m.d.sync += [
+            before.eq(self.payload), came.eq(dut.i.valid & dut.i.ready),
+            was.eq(waiting), had.eq(c_valid), left.eq(leaves),
+            offered.eq(dut.o.payload), held.eq(dut.o.valid & ~self.ready), aborted.eq(self.abort)]
+        always(m, ~leaves | (c_valid & (~dut.o.valid | self.ready)), "nothing_over_it")
+        always(m, ~(dut.i.valid & dut.i.ready) | ~c_valid | leaves, "nothing_over_what_waits")
+        always(m, c_valid == (came | (had & ~left)), "comes_once")
+        always(m, ~c_valid | (waiting.as_value() == Mux(came, before.as_value(), was.as_value())),
+               "comes_unchanged")
+        always(m, dut.o.valid == (held | left), "passes_once")
+        expected = Signal.like(self.payload)
+        m.d.comb += expected.eq(Mux(held, offered.as_value(), was.as_value()))
+        with m.If(aborted & ~held):
+            for lane, out in zip(lanes_of(expected), lanes_of(dut.o.p)):
+                m.d.comb += lane.blank.eq(out.blank)
+        always(m, ~dut.o.valid | (dut.o.payload.as_value() == expected.as_value()),
+               "passes_unchanged")
