@@ -22,6 +22,19 @@ DRAWINGS = {    # file: boxes, arrows, note
          (9.1, 12.2, 1.0, "usb", "8 data lines, 60 MHz")),
         "one clock and one reset for module and interconnect; sensor and FT232H bring their own "
         "clocks"),
+    "de10-nano.png": (
+        ((0, 0, 2.9, 4.6, "hard processor\n\nLinux, /dev/uio0\n\nEthernet\n\nDDR3"),
+         (6.6, 0, 2.9, 4.6, "HpsCore\n\ncamera, frame stores,\ncorrector\n\nscan-out"),
+         (12.4, 2.6, 2.5, 2.0, "sensor\n\nD5M"),
+         (12.4, 0, 2.5, 2.0, "ADV7513\n\nHDMI monitor")),
+        ((2.9, 6.6, 4.1, "csr", "lightweight bridge; f2h_irq0 back"),
+         (6.6, 2.9, 3.0, "read0", "f2h_sdram0: raw frames, 64 bits"),
+         (6.6, 2.9, 1.9, "write", "f2h_sdram1: both frames, 64 bits"),
+         (6.6, 2.9, 0.8, "screen", "f2h_sdram2: corrected, 32 bits"),
+         (12.4, 9.5, 3.9, "sensor", "clock, frame, line, data"),
+         (9.5, 12.4, 2.3, "i2c", "to both"),
+         (9.5, 12.4, 1.0, "picture", "24 bits, clock, syncs")),
+        "100 MHz for core, ports and bridge; sensor and screen have their own clocks"),
     "guide-zynq.png": (
         ((0, 0, 2.9, 4.6, "processing system\nof a Zynq or Kria\n\nLinux, /dev/uio0\n\n"
           "DDR memory"),

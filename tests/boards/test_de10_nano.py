@@ -236,6 +236,14 @@ def test_frames_lie_apart_in_the_memory_kept_for_them(host, project):
         started(host, project, frame_bytes=102399)
 
 
+def test_the_page_has_the_command_and_the_files(project):
+    page = (Path(__file__).parents[2] / "docs" / "de10_nano.md").read_text()
+    assert "    ncdc build net.toml --board de10-nano -o board\n" in page
+    rows = "".join(re.findall(r"^\|.*\n", page, re.M))
+    files = set(re.findall(r"`(\w+\.(?:v|tcl|sh|md|qsf|sdc|dtsi|py|json|c))`", rows))
+    assert len(files) >= 15 and files - {path.name for path in project.iterdir()} == set()
+
+
 def test_the_memory_is_the_processors_for_plan(tmp_path, capsys):
     barrel_descriptor((64, 24), (64, 24), hidden_neurons=2).save(tmp_path / "net.toml")
     assert main(["plan", str(tmp_path / "net.toml"), "--board", "de10-nano"]) == 2
