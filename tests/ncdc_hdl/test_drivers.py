@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from systemrdl import RDLCompiler
@@ -16,10 +17,13 @@ from ncdc_model.tone import tone_named
 from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SimulationError
 
+TCL = Path(__file__).parents[1] / "support" / "tcl"
+
 
 def run_drivers(corrector, folder, simulator, library):
     run_cocotb(design_of(corrector, top="dut_corrector"), "drivers", simulator,
                library=str(library / "samples.so"), python=str(folder), counters=COUNTERS,
+               console=str(TCL / "console.tcl"),
                descriptors=[str(folder / "wide.toml"), str(folder / "tele.toml")])
 
 

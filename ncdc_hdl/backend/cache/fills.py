@@ -51,7 +51,7 @@ class Fills(wiring.Component):
     filled : ``Out(1)``
         The oldest tile is complete.
     outside : ``Out(1)``
-        A row of the frame is asked for that is outside the place.
+        A row of the frame was asked for, a clock ago, that is outside the place.
     empty : ``Out(1)``
         As of :class:`ReadFence`.
     bus : ``Out(ReadHost(...))``
@@ -100,8 +100,8 @@ class Fills(wiring.Component):
             fence.base.eq(self.base), fence.limit.eq(self.limit), self.empty.eq(fence.empty),
             fence.i.p.address.eq(requests.o.payload), fence.i.p.words.eq(self.burst),
             fence.i.valid.eq(requests.o.valid), requests.o.ready.eq(fence.i.ready),
-            self.outside.eq(fence.moved & ~requests.beyond),
         ]
+        m.d.sync += self.outside.eq(fence.moved & ~requests.beyond)
         wiring.connect(m, fence.o, commands.i)
         outstanding = Signal(range(most + 1))   # tiles claimed and not yet complete
         complete = Signal()                     # the last word of a tile is written

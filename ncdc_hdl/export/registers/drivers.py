@@ -1,4 +1,4 @@
-"""What a host needs: register header, drivers in C and Python, lenses, SystemRDL."""
+"""What a host needs: register header, drivers in C, Python and Tcl, lenses, SystemRDL."""
 
 import inspect
 from importlib.resources import files
@@ -7,12 +7,14 @@ from ncdc_hdl.export.registers.c_header import c_header, c_lenses, c_lenses_head
 from ncdc_hdl.export.registers.lenses import lenses_of
 from ncdc_hdl.export.registers.python_registers import python_lenses, python_registers
 from ncdc_hdl.export.registers.system_rdl import system_rdl
+from ncdc_hdl.export.registers.tcl_data import tcl_data
 from ncdc_model.interface import white_balance
 
 __all__ = ["driver_files"]
 
 # The same for every corrector.
-_FIXED = ("ncdc.h", "ncdc.c", "ncdc_mapped.h", "ncdc_driver.py", "ncdc_backends.py")
+_FIXED = ("ncdc.h", "ncdc.c", "ncdc_mapped.h", "ncdc_driver.py", "ncdc_backends.py",
+          "ncdc_console.tcl")
 _SYSTEM = ("ncdc_camera.py",)       # of a system besides
 
 
@@ -38,6 +40,7 @@ def driver_files(corrector, named, behind=()):
         "ncdc_registers.h": c_header(table),
         "ncdc_lenses.h": c_lenses_header(lenses), "ncdc_lenses.c": c_lenses(lenses),
         "ncdc_registers.py": python_registers(table), "ncdc_lenses.py": python_lenses(lenses),
+        "ncdc_console_data.tcl": tcl_data(table, lenses, corrector.hardware.format),
         **{name: (host / name).read_text() for name in (*_FIXED, *(_SYSTEM if behind else ()))},
         "ncdc_white_balance.py": inspect.getsource(white_balance),
         "ncdc.rdl": system_rdl(corrector.registers),

@@ -2,7 +2,10 @@
 
 import ctypes
 import runpy
+import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 import cocotb
 import numpy as np
@@ -16,10 +19,11 @@ from ncdc_sim.benches.avalon import Host, read_memory, write_memory
 from ncdc_sim.benches.common import settings, start
 
 __all__ = ["c_driver_alternates_lenses", "c_driver_corrects_one_frame", "c_driver_names_errors",
-           "python_driver_alternates_lenses"]
+           "console_corrects_frames", "python_driver_alternates_lenses"]
 
 _STEP = 8192        # bytes from frame to frame in memory
 _FRAMES = 5
+_REGISTERS, _BEHIND = 0x1000_0000, 0x4000_0000     # what System Console's host sees, and where
 _READ = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)
 _WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)
 
@@ -205,3 +209,88 @@ async def python_driver_alternates_lenses(dut):
         [(bench.target + k * _STEP, _STEP) for k in range(_FRAMES)]))()
     bench.check(_FRAMES)
     assert counters["FRAMES"] == _FRAMES
+
+
+class Console:
+    """System Console's commands, asked for by a Tcl shell, on the simulated registers and memory.
+
+    Parameters
+    ----------
+    bench : Bench
+    read, write : callable
+        As of :meth:`Bench.begin`.
+    """
+
+    def __init__(self, bench, read, write):
+        self.bench, self.read, self.write = bench, read, write
+
+    def run(self, commands):
+        """What the shell prints, beside its questions, for Tcl ``commands``."""
+        with tempfile.NamedTemporaryFile("w", suffix=".tcl") as script:
+            script.write(commands)
+            script.flush()
+            shell = subprocess.Popen(
+                ["tclsh", settings()["console"], f"{settings()['python']}/ncdc_console.tcl",
+                 script.name], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+            said = []
+            for line in shell.stdout:
+                kind, _, rest = line.rstrip("\n").partition(" ")
+                if kind != "ASK":
+                    said.append(line.rstrip("\n"))
+                    continue
+                print(self._answer(*rest.split()), file=shell.stdin, flush=True)
+            assert shell.wait() == 0
+        return said
+
+    def _answer(self, kind, *words):
+        memory = self.bench.memory
+        if kind == "read":
+            return self.read(int(words[0]) - _REGISTERS)
+        if kind == "write":
+            return self.write(int(words[0]) - _REGISTERS, int(words[1]))
+        path, at = Path(words[0]), int(words[1]) - _BEHIND
+        if kind == "from":
+            data = path.read_bytes()
+            assert 0 <= at <= at + len(data) <= len(memory)
+            memory[at:at + len(data)] = data
+        else:
+            path.write_bytes(memory[at:at + int(words[2])])
+        return 0
+
+
+@cocotb.test()
+async def console_corrects_frames(dut):
+    """A frame of each lens from a file into a picture, by the script for System Console."""
+    bench = Bench(dut)
+    console = Console(bench, *await bench.begin())
+    bench.memory[:] = bytes(len(bench.memory))
+    with tempfile.TemporaryDirectory() as folder:
+        for name, raw in zip(("wide", "tele"), bench.raws):
+            Path(folder, f"{name}.raw").write_bytes(raw.tobytes())
+        connect = f"ncdc::connect {_REGISTERS} {_BEHIND}\n"
+        said = await bridge(lambda: console.run(
+            f"cd {folder}\n" + connect + "".join(
+                f"ncdc::load {name}\nputs [ncdc::correct {name}.raw {name}.ppm 4096]\n"
+                for name in ("wide", "tele")) + "puts [dict get [ncdc::counters] FRAMES]\n"
+            "ncdc::disconnect\n"))()
+        assert said[-1] == "2" and len(said) == 3, said
+        for name, d, raw, line in zip(("wide", "tele"), bench.cameras, bench.raws, said):
+            width, height = d.geometry.corrected
+            assert line.startswith(f"{name}.ppm: {width}x{height}, "), line
+            header = f"P6 {width} {height} 255\n".encode()
+            assert Path(folder, f"{name}.ppm").read_bytes() == \
+                header + correct(d, raw).picture.tobytes()
+        assert {path.suffix for path in Path(folder).iterdir()} == {".raw", ".ppm"}
+        Path(folder, "short.raw").write_bytes(b"1234")
+        needed = bench.cameras[0].geometry
+        for commands, sentence in (
+                ("ncdc::load fish", "the lens is fish, there are wide, tele"),
+                ("ncdc::correct wide.raw x.ppm", "no lens is loaded, there are wide, tele"),
+                ("ncdc::load wide\nncdc::correct short.raw x.ppm",
+                 f"short.raw has 4 bytes, a raw frame of {needed.distorted_width}x"
+                 f"{needed.distorted_height} has "
+                 f"{needed.distorted_width * needed.distorted_height}")):
+            said = await bridge(lambda commands=commands: console.run(
+                f"cd {folder}\n{connect}{commands}\n"))()
+            assert said == [f"SAID {sentence}"]
+        assert not Path(folder, "x.ppm").exists()
