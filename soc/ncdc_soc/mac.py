@@ -17,6 +17,11 @@ class ModelPhy(LiteEthPHYModel):
     """LiteEth's model of a PHY, a byte per clock, with preamble and check sequence as on a wire."""
     with_preamble_crc = True
 
+    def __init__(self, pads):
+        super().__init__(pads)
+        # Without it LiteEth's MAC looks at no check sequence.
+        self.comb += self.source.last_be.eq(self.source.last)
+
 
 class Mac(LiteXModule):
     """Frames of the processor and of the packetiser, one whole frame at a time, in turn.

@@ -60,6 +60,49 @@ module altddio_out #(parameter width = 1) (
     assign dataout = rises ^ falls;
 endmodule
 
+// Two bits a clock, both from the same rising edge: its own one, and that of the falling edge before it.
+module altddio_in #(parameter width = 1) (
+    input wire  [width-1:0] datain,
+    input wire              inclock,
+    output reg  [width-1:0] dataout_h, dataout_l
+);
+    reg [width-1:0] fell;
+    initial begin fell = 0; dataout_h = 0; dataout_l = 0; end
+    always @(negedge inclock) fell <= datain;
+    always @(posedge inclock) begin
+        dataout_h <= datain;
+        dataout_l <= fell;
+    end
+endmodule
+
+// The same two as LiteX writes them: Quartus knows its own functions in capitals too.
+module ALTDDIO_OUT #(parameter WIDTH = 1) (
+    input wire  [WIDTH-1:0] datain_h, datain_l,
+    input wire              outclock,
+    output wire [WIDTH-1:0] dataout
+);
+    altddio_out #(.width(WIDTH)) cell_ (
+        .datain_h(datain_h), .datain_l(datain_l), .outclock(outclock), .dataout(dataout));
+endmodule
+
+module ALTDDIO_IN #(parameter WIDTH = 1) (
+    input wire  [WIDTH-1:0] datain,
+    input wire              inclock,
+    output wire [WIDTH-1:0] dataout_h, dataout_l
+);
+    altddio_in #(.width(WIDTH)) cell_ (
+        .datain(datain), .inclock(inclock), .dataout_h(dataout_h), .dataout_l(dataout_l));
+endmodule
+
+// Quartus' flip-flop with clear and preset, both low.
+module DFF (input wire d, input wire clk, input wire clrn, input wire prn, output reg q);
+    initial q = 0;
+    always @(posedge clk or negedge clrn or negedge prn)
+        if (!clrn) q <= 0;
+        else if (!prn) q <= 1;
+        else q <= d;
+endmodule
+
 module altera_std_synchronizer #(parameter depth = 3) (
     input wire clk, reset_n, din,
     output wire dout

@@ -35,16 +35,38 @@ endmodule
 
 // Two bits a clock: D0 while the clock is high, D1 while it is low, both of the rising edge before.
 module ODDRX1F (input wire SCLK, input wire RST, input wire D0, input wire D1, output wire Q);
+    wire clear = RST === 1'b1;          // left open it is low
     reg d0, d1, later, rises, falls;    // Q's changes at each edge: no pulse of no length
     initial begin d0 = 0; d1 = 0; later = 0; rises = 0; falls = 0; end
     always @(posedge SCLK) begin
-        d0 <= RST ? 1'b0 : D0;
-        d1 <= RST ? 1'b0 : D1;
+        d0 <= clear ? 1'b0 : D0;
+        d1 <= clear ? 1'b0 : D1;
         later <= d1;
         rises <= d0 ^ falls;
     end
     always @(negedge SCLK) falls <= later ^ rises;
     assign Q = rises ^ falls;
+endmodule
+
+// Two bits a clock: of a rising edge and of the falling one behind it, both from the next rising edge.
+module IDDRX1F (input wire SCLK, input wire RST, input wire D, output reg Q0, output reg Q1);
+    wire clear = RST === 1'b1;
+    reg rose, fell;
+    initial begin rose = 0; fell = 0; Q0 = 0; Q1 = 0; end
+    always @(negedge SCLK) fell <= D;
+    always @(posedge SCLK) begin
+        rose <= clear ? 1'b0 : D;
+        Q0 <= clear ? 1'b0 : rose;
+        Q1 <= clear ? 1'b0 : fell;
+    end
+endmodule
+
+// A flip-flop that is set at once.
+module FD1S3BX (input wire D, input wire CK, input wire PD, output reg Q);
+    initial Q = 1;
+    always @(posedge CK or posedge PD)
+        if (PD) Q <= 1;
+        else Q <= D;
 endmodule
 
 // A clock's gate: whole pulses only.

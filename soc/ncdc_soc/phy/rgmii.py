@@ -1,0 +1,103 @@
+"""RGMII: four wires each way, two nibbles a clock at 1000 Mbit/s, one at 100 and 10."""
+
+from liteeth.phy.common import LiteEthPHYMDIO
+from litex.build.io import DDRInput, DDROutput
+from litex.gen import ClockDomainsRenamer, LiteXModule
+from litex.soc.interconnect.csr import CSRField, CSRStatus, CSRStorage
+from migen import Array, ClockSignal, If, Signal
+from migen.genlib.cdc import MultiReg
+
+from ncdc_soc.phy.bytes import SPEEDS, Receiver, Sender
+from ncdc_soc.phy.clocks import PhyClocks
+
+__all__ = ["RgmiiPhy"]
+
+_MHZ = 125          # of the transmit clock that is given, whatever the speed
+
+
+class RgmiiPhy(LiteXModule):
+    """LiteEth's MAC to the pins of RGMII 2.0, at the speed that a register says.
+
+    The line's transmit clock is made from one of 125 MHz, of which it takes 1, 5 or 50 clocks. It
+    must reach the chip some 2 ns behind the data, and the chip's receive clock must come so: by the
+    chip's own delays (the 88E1111 has both in its register 20), or for the transmit clock by
+    ``transmit_late``.
+
+    Parameters
+    ----------
+    clock_pads, pads : Record
+        ``rx``, ``tx``; ``rx_data``, ``rx_ctl``, ``tx_data``, ``tx_ctl``, and if they are wired
+        ``rst_n``, ``mdc``, ``mdio``.
+    transmit : Signal
+        Clock of 125 MHz.
+    transmit_late : Signal or None
+        The same, 2 ns behind, for the transmit clock's pin.
+    paired : bool
+        Whether the device's input cell gives a rising edge's bit together with that of the falling
+        edge behind it, as ECP5's IDDRX1F does; Altera's ALTDDIO_IN gives it with that of the
+        falling edge before.
+
+    Attributes
+    ----------
+    sink, source : stream.Endpoint
+        Bytes in ``eth_tx`` and from ``eth_rx``.
+    speed : CSRStorage
+        Index in ``SPEEDS``.
+    status : CSRStatus
+        What the chip tells on its idle wires, if it does: link, speed, duplex.
+    """
+    dw = 8
+    tx_clk_freq = rx_clk_freq = 1e6 * _MHZ
+    integrated_ifg_inserter = True
+
+    def __init__(self, clock_pads, pads, transmit, transmit_late=None, *, paired):
+        self.clocks = PhyClocks(clock_pads.rx, transmit, pads)
+        self.speed = CSRStorage(2, reset=SPEEDS.index(1000), name="speed",
+                                description="Line's speed: 0, 1, 2 are 10, 100, 1000 Mbit/s.")
+        self.status = CSRStatus(name="status", fields=[
+            CSRField("link", size=1), CSRField("speed", size=2), CSRField("duplex", size=1)])
+        self.sender = sender = ClockDomainsRenamer("eth_tx")(Sender())
+        self.receiver = receiver = ClockDomainsRenamer("eth_rx")(Receiver())
+        self.sink, self.source = sender.sink, receiver.source
+        self._transmit(clock_pads, pads, transmit_late)
+        self._receive(pads, paired)
+        if hasattr(pads, "mdc"):
+            self.mdio = LiteEthPHYMDIO(pads)
+
+    def _transmit(self, clock_pads, pads, late):
+        sender, speed = self.sender, Signal(2)
+        self.specials += MultiReg(self.speed.storage, speed, "eth_tx", reset=SPEEDS.index(1000))
+        # A step is a clock of the line: of a byte at 1000 Mbit/s, below it of a nibble.
+        steps = [_MHZ * (8 if mbits == 1000 else 4) // mbits for mbits in SPEEDS]
+        self.sync.eth_tx += [sender.whole.eq(speed[1]),
+                             sender.clocks.eq(Array([*(step - 1 for step in steps), 0])[speed])]
+        self.specials += [
+            DDROutput(sender.low[k], sender.high[k], pads.tx_data[k], ClockSignal("eth_tx"))
+            for k in range(4)]
+        self.specials += [
+            DDROutput(sender.enable, sender.enable ^ sender.error, pads.tx_ctl,
+                      ClockSignal("eth_tx")),
+            DDROutput(sender.clock[0], sender.clock[1], clock_pads.tx,
+                      ClockSignal("eth_tx") if late is None else late)]
+
+    def _receive(self, pads, paired):
+        receiver, speed = self.receiver, Signal(2)
+        rises, falls, first = Signal(5), Signal(5), Signal(5)
+        self.specials += MultiReg(self.speed.storage, speed, "eth_rx", reset=SPEEDS.index(1000))
+        self.specials += [
+            DDRInput(pin, rises[k], falls[k], ClockSignal("eth_rx"))
+            for k, pin in enumerate([*(pads.rx_data[k] for k in range(4)), pads.rx_ctl])]
+        if paired:
+            self.comb += first.eq(rises)
+        else:
+            self.sync.eth_rx += first.eq(rises)
+        status = Signal(4)
+        self.sync.eth_rx += [
+            receiver.whole.eq(speed[1]),
+            receiver.low.eq(first[:4]),
+            receiver.high.eq(falls[:4]),
+            receiver.valid.eq(first[4]),
+            receiver.error.eq(first[4] ^ falls[4]),
+            If(~first[4] & ~falls[4], status.eq(first[:4])),
+        ]
+        self.specials += MultiReg(status, self.status.status)
