@@ -120,7 +120,7 @@ async def frames_pass(dut):
 async def _status_is_told(dut, status, speed):
     """What the chip tells on its idle wires stands in the register."""
     dut.rx_data.value = status
-    await Timer(10 * 4000 // speed, "ns")
+    await Timer(200 + 40_000 // speed, "ns")
     assert int(dut.status.value) == status, f"{int(dut.status.value)} is told, {status} is right"
     dut.rx_data.value = 0
 
