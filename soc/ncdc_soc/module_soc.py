@@ -1,9 +1,5 @@
 """A small LiteX system around :class:`ncdc_soc.module.NCDC`: the example that is simulated."""
 
-import contextlib
-import io
-import logging
-import re
 from dataclasses import dataclass
 
 from litedram import modules
@@ -17,6 +13,7 @@ from litex.soc.interconnect import wishbone
 from migen import ClockDomain
 
 from ncdc_soc.module import NCDC
+from ncdc_soc.verilog import litex_verilog
 
 __all__ = ["CLOCK_HZ", "MAIN_RAM", "REGISTERS", "ModuleSoc", "ModuleSocVerilog",
            "module_soc_verilog"]
@@ -120,16 +117,8 @@ class ModuleSocVerilog:
 def module_soc_verilog(net, hardware, cpu, folder, long_turns=False):
     """:class:`ModuleSocVerilog` of a :class:`ModuleSoc`, whose parameters these are."""
     platform = SimPlatform("SIM", _PINS)
-    logging.disable(logging.INFO)       # LiteX tells its whole tree of modules
-    try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            soc = ModuleSoc(platform, net, hardware, cpu, folder, long_turns)
-            soc.finalize()
-            text = platform.get_verilog(soc, name="ncdc_litex").main_source
-    finally:
-        logging.disable(logging.NOTSET)
-    # The same system has the same text, whatever the day.
-    text = re.sub(r"^//.*Generated.* on .*\n", "", text, flags=re.MULTILINE)
+    soc, text = litex_verilog(
+        platform, lambda: ModuleSoc(platform, net, hardware, cpu, folder, long_turns), "ncdc_litex")
     registers = {f"{bank}_{csr.name}": region.origin + 4 * offset
                  for bank, region in soc.csr_regions.items() if isinstance(region.obj, list)
                  for offset, csr in enumerate(region.obj)}

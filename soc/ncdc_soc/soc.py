@@ -1,9 +1,5 @@
 """The system on a chip in simulation: LiteX around :class:`SocCore`."""
 
-import contextlib
-import io
-import logging
-import re
 from dataclasses import dataclass
 
 from litedram import modules
@@ -19,6 +15,7 @@ from migen import ClockDomain, Instance, Mux, Signal
 
 from ncdc_soc.core import ADDRESS_BITS
 from ncdc_soc.mac import SLOT_BYTES, Mac, ModelPhy
+from ncdc_soc.verilog import litex_verilog
 
 __all__ = ["CLOCK_HZ", "MAP", "SocVerilog", "soc_verilog"]
 
@@ -142,16 +139,7 @@ class _Soc(SoCCore):
 def soc_verilog(core):
     """:class:`SocVerilog` of the system around a :class:`SocCore`."""
     platform = SimPlatform("SIM", _PINS)
-    logging.disable(logging.INFO)       # LiteX tells its whole tree of modules
-    try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            soc = _Soc(platform, core)
-            soc.finalize()
-            text = platform.get_verilog(soc, name="ncdc_soc").main_source
-    finally:
-        logging.disable(logging.NOTSET)
-    # The same system has the same text, whatever the day.
-    text = re.sub(r"^//.*Generated.* on .*\n", "", text, flags=re.MULTILINE)
+    soc, text = litex_verilog(platform, lambda: _Soc(platform, core), "ncdc_soc")
     processor = next(source[0] for source in platform.sources if "VexRiscv" in source[0])
     registers = {f"{bank}_{csr.name}".upper(): region.origin + 4 * offset
                  for bank, region in soc.csr_regions.items()

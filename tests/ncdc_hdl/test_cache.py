@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fetchers import BASE, check_windows
+from fetchers import BASE, Pauses, check_windows
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.interpolation import FAST, GRADIENT
@@ -49,15 +49,15 @@ def misses(x0, y0, blank, options, split):
 
 CACHES = [(32, SMALL, 1), (64, SMALL, 0), (128, CacheOptions(tiles=64), 2),
           (32, LARGE_WINDOWS, 1), (128, LARGE_WINDOWS, 2)]
-PAUSES = [(0, 0, 0, (1, 1), .9), (.3, 0, .5, (1, 20), .7), (0, .5, .3, (8, 8), .5),
-          (.1, .1, .7, (1, 60), 0)]
+PAUSES = [(Pauses(0, 0, 0, (1, 1)), .9), (Pauses(.3, 0, .5, (1, 20)), .7),
+          (Pauses(0, .5, .3, (8, 8)), .5), (Pauses(.1, .1, .7, (1, 60)), 0)]
 
 
 # Every second pair: each cache with two kinds of pauses, each kind with one or two caches.
-@pytest.mark.parametrize("data_width,options,split,gap,stall,wait,latency,near", [
+@pytest.mark.parametrize("data_width,options,split,pauses,near", [
     pytest.param(*cache, *pauses, marks=[pytest.mark.regress] * ((i + j) % 2))
     for i, cache in enumerate(CACHES) for j, pauses in enumerate(PAUSES)])
-def test_windows_and_misses(data_width, options, split, gap, stall, wait, latency, near):
+def test_windows_and_misses(data_width, options, split, pauses, near):
     # Of windows that are never near each other fewer ask for as many tiles.
     rng, count = np.random.default_rng(data_width + split), 250 if near else 100
     word = data_width // 8
@@ -65,9 +65,8 @@ def test_windows_and_misses(data_width, options, split, gap, stall, wait, latenc
     raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)
     needs = options.interpolation
     found = places(rng, count, near, needs.core)
-    fetched, (log,) = check_windows(Cache(F, data_width, options), raw, found, rng, gap=gap,
-                                    stall=stall, wait=wait, latency=latency, margin=4 * pitch,
-                                    needs=needs, width=WIDTH, split=split)
+    fetched, (log,) = check_windows(Cache(F, data_width, options), raw, found, rng, pauses,
+                                    margin=4 * pitch, needs=needs, width=WIDTH, split=split)
     expected = misses(*found, options, split)
     assert near or len(expected) > 2 * options.tiles
     assert fetched == len(expected)

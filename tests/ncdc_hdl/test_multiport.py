@@ -5,7 +5,7 @@ import pytest
 from amaranth import ResetInserter, Signal
 from amaranth.sim import Simulator
 
-from fetchers import check_windows
+from fetchers import Pauses, check_windows
 from memory import read_agent
 from ncdc_hdl.backend.multiport import Multiport
 from ncdc_model.picture import fetches
@@ -27,16 +27,16 @@ def requests(rng, count):
 
 
 @pytest.mark.parametrize("data_width", [32, 64, 128])
-@pytest.mark.parametrize("gap,stall,wait,latency", [
-    (0, 0, 0, (1, 1)), (.3, 0, .5, (1, 20)), (0, .5, .3, (8, 8)), (.5, .5, .7, (1, 60))])
-def test_windows_equal_model(data_width, gap, stall, wait, latency):
+@pytest.mark.parametrize("pauses", [
+    Pauses(0, 0, 0, (1, 1)), Pauses(.3, 0, .5, (1, 20)), Pauses(0, .5, .3, (8, 8)),
+    Pauses(.5, .5, .7, (1, 60))])
+def test_windows_equal_model(data_width, pauses):
     rng, count = np.random.default_rng(data_width), 150
     word = data_width // 8
     pitch = -(-WIDTH // word) * word
     raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)
     x0, y0, blank = requests(rng, count)
-    fetched, logs = check_windows(Multiport(F, data_width), raw, (x0, y0, blank), rng, gap=gap,
-                                  stall=stall, wait=wait, latency=latency)
+    fetched, logs = check_windows(Multiport(F, data_width), raw, (x0, y0, blank), rng, pauses)
     expected = fetches(x0, y0, ~blank)
     assert fetched == expected < count
     assert [len(log) for log in logs] == [expected] * 3

@@ -8,8 +8,8 @@ from migen import passive, run_simulation
 from ethernet import DEVICES, PAIRED, mac_design, packets_design
 from kept import run_cocotb
 from ncdc_sim.tools import SimulationError
-from ncdc_soc.phy import bytes as wires
-from ncdc_soc.phy.bytes import Receiver, Sender
+from ncdc_soc.phy import nibbles as blocks
+from ncdc_soc.phy.nibbles import Receiver, Sender
 
 CASES = [("rgmii", 1000), ("rgmii", 100), ("rgmii", 10), ("gmii", 1000), ("mii", 100), ("mii", 10)]
 DAILY = {("altera", "rgmii", 1000), ("altera", "rgmii", 100), ("altera", "rgmii", 10),
@@ -51,7 +51,7 @@ def test_halves_of_two_clocks_are_seen(device):
 
 @pytest.mark.regress
 def test_gap_that_is_too_short_is_seen(monkeypatch):
-    monkeypatch.setattr(wires, "eth_interpacket_gap", 11)
+    monkeypatch.setattr(blocks, "eth_interpacket_gap", 11)
     mac_design.cache_clear()
     with pytest.raises(SimulationError, match="96 are the least"):
         simulate(mac_design("altera", "mii"), "mii", 100, 12, longest=200)
@@ -118,7 +118,7 @@ def sent(frames, whole, clocks, ready=lambda k: True):
 
 @pytest.mark.parametrize("whole,clocks", ((1, 1), (0, 1), (0, 5), (0, 50)))
 def test_sender(whole, clocks):
-    frames = [bytes(random.Random(k).randbytes(9 + k)) for k in range(3)]
+    frames = [random.Random(k).randbytes(9 + k) for k in range(3)]
     steps = sent(frames, whole, clocks)
     got, nibbles = [], []
     for low, high, enable, error in steps:
@@ -148,7 +148,7 @@ def test_starved_frame_is_one_bad_frame():
 
 
 def received(nibbles):
-    """Frames, each with its error, of a :class:`Receiver` at a nibble a clock; None: idle."""
+    """Frames of a :class:`Receiver` at a nibble a clock; None: idle."""
     receiver, frames, data = Receiver(), [], bytearray()
 
     def feed():

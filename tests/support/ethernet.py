@@ -1,10 +1,6 @@
 """Ethernet on wires: LiteEth's MAC behind one of our interfaces, as Verilog of a device's cells."""
 
-import contextlib
 import functools
-import io
-import logging
-import re
 from pathlib import Path
 
 from liteeth.mac.core import LiteEthMACCore
@@ -19,6 +15,7 @@ from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.packetiser import Packetiser
 from ncdc_sim.cocotb_run import Design
 from ncdc_soc.phy import GmiiPhy, MiiPhy, RgmiiPhy
+from ncdc_soc.verilog import litex_verilog
 
 __all__ = ["DEVICES", "PAIRED", "mac_design", "packets_design"]
 
@@ -84,15 +81,7 @@ def _mac(device, interface, late, paired):
     make, part, toolchain, cells = DEVICES[device]
     paired = PAIRED[device] if paired is None else paired
     platform = make(part, _pins(interface), toolchain=toolchain)
-    logging.disable(logging.INFO)       # LiteX tells its whole tree of modules
-    try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            text = platform.get_verilog(_Mac(platform, interface, paired, late),
-                                        name="mac").main_source
-    finally:
-        logging.disable(logging.NOTSET)
-    # The same design has the same text, whatever the day.
-    text = re.sub(r"^//.*\n", "", text, flags=re.MULTILINE)
+    _, text = litex_verilog(platform, lambda: _Mac(platform, interface, paired, late), "mac")
     # What LiteX writes: assignments that wait in processes that do not, pins left open.
     lint = "\n".join(f"/* verilator lint_off {name} */"
                      for name in ("COMBDLY", "CMPCONST", "PINMISSING", "UNOPTFLAT"))

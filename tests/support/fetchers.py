@@ -1,14 +1,28 @@
 """A fetcher in the Amaranth simulator: its windows against the raw frame, its reads counted."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from memory import read_agent
 from ncdc_model.interpolation import FAST
 from pipelines import get, put, run_bench
 
-__all__ = ["BASE", "check_windows"]
+__all__ = ["BASE", "Pauses", "check_windows"]
 
 BASE = 64       # byte address of the raw frame
+
+
+@dataclass(frozen=True)
+class Pauses:
+    """Chances of a pause of source, sink and memory; least and most clocks of the memory's answer.
+
+    ``wait`` and ``latency`` are as :func:`memory.read_agent` has them.
+    """
+    gap: float
+    stall: float
+    wait: float
+    latency: tuple[int, int]
 
 
 def _edge(first, size, needs):
@@ -17,16 +31,13 @@ def _edge(first, size, needs):
     return {"missing": max(before, behind, 0), "behind": int(behind > 0)}
 
 
-def check_windows(dut, raw, places, rng, *, gap, stall, wait, latency, margin=64, needs=FAST,
-                  width=None, **controls):
+def check_windows(dut, raw, places, rng, pauses, *, margin=64, needs=FAST, width=None, **controls):
     """Fetch windows of ``raw`` (height, pitch) with ``dut`` and compare every field of each.
 
-    ``places``: x0, y0, blank of the windows, in order. ``gap``, ``stall``, ``wait``, ``latency``:
-    of the source, the sink and the memory, as :func:`memory.read_agent` has them. ``margin``: bytes
-    of memory behind the frame. ``needs``: the interpolation; of one whose windows may leave the
-    frame, ``width`` are its columns that count. ``controls``: further inputs of the fetcher, by
-    name. Returns the number of reads that it counts and the commands (address, words) of each of
-    its ports.
+    ``places``: x0, y0, blank of the windows, in order. ``margin``: bytes of memory behind the
+    frame. ``needs``: the interpolation; of one whose windows may leave the frame, ``width`` are its
+    columns that count. ``controls``: further inputs of the fetcher, by name. Returns the number of
+    reads that it counts and the commands (address, words) of each of its ports.
     """
     x0, y0, blank = places
     count, pitch = len(x0), raw.shape[1]
@@ -45,17 +56,18 @@ def check_windows(dut, raw, places, rng, *, gap, stall, wait, latency, margin=64
         for name, value in {"base": BASE, "limit": len(content), "height": len(raw),
                             "pitch": pitch, **controls}.items():
             ctx.set(getattr(dut, name), value)
-        await put(ctx, dut.i, items, lambda: rng.random() < gap)
+        await put(ctx, dut.i, items, lambda: rng.random() < pauses.gap)
 
     async def sink(ctx):
-        got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
+        got.extend(await get(ctx, dut.o, count, lambda: rng.random() < pauses.stall))
 
     async def count_fetches(ctx):
         while True:
             fetched.append((await ctx.tick().sample(dut.fetched))[2])
 
-    agents = [read_agent(getattr(dut, f"bus{r}"), content, dut.data_width // 8, rng, wait=wait,
-                         latency=latency, log=log) for r, log in enumerate(logs)]
+    agents = [read_agent(getattr(dut, f"bus{r}"), content, dut.data_width // 8, rng,
+                         wait=pauses.wait, latency=pauses.latency, log=log)
+              for r, log in enumerate(logs)]
     run_bench(dut, source, sink, background=(count_fetches, *agents), results=(got, fetched, *logs))
 
     for k, window in enumerate(got):

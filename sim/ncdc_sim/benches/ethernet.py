@@ -8,7 +8,7 @@ from cocotbext.eth import GmiiFrame, GmiiPhy, MiiPhy, RgmiiPhy
 
 from ncdc_sim.benches.common import settings
 
-__all__ = ["GAP_BITS", "frames_pass"]
+__all__ = ["GAP_BITS", "filled", "frames_pass"]
 
 _SHORTEST, _LONGEST = 15, 1514      # bytes without check sequence; below 60 the MAC fills them up
 GAP_BITS = 96                       # bits between two frames at least, IEEE 802.3
@@ -61,11 +61,12 @@ async def _receive(dut, frames):
             data += word
 
 
-def _filled(frame):
+def filled(frame):
+    """A frame as it is on the wire, 60 bytes at least."""
     return frame + bytes(max(0, 60 - len(frame)))
 
 
-def _damaged(frame, rng, interface):
+def _damaged(frame, rng):
     """A frame on the wire that must not pass: an error told by the chip, or a wrong bit."""
     wire = GmiiFrame.from_payload(frame)
     place = rng.randrange(12, len(wire.data) - 1)
@@ -107,9 +108,9 @@ async def frames_pass(dut):
     expected = []
     for frame in coming:
         bad = rng.random() < told["bad"]
-        await phy.rx.send(_damaged(frame, rng, interface) if bad
+        await phy.rx.send(_damaged(frame, rng) if bad
                           else GmiiFrame.from_payload(frame))
-        expected.append((_filled(frame), bad))
+        expected.append((filled(frame), bad))
     await _compare_sent(phy, sent, speed)
     await sender
     await phy.rx.wait()
@@ -131,7 +132,7 @@ async def _compare_sent(phy, sent, speed):
         wire = await with_timeout(phy.tx.recv(), 60_000_000 // speed, "ns")
         assert wire.error is None or not any(wire.error), f"frame {number} is sent with an error"
         assert wire.check_fcs(), f"frame {number} is sent with a wrong check sequence"
-        assert wire.get_payload() == _filled(frame), f"frame {number} is sent wrong"
+        assert wire.get_payload() == filled(frame), f"frame {number} is sent wrong"
         if end is not None:
             gap = (wire.sim_time_start - end) / 1000 * speed / 1000
             assert gap >= GAP_BITS - .01, f"{gap} bits before frame {number}, 96 are the least"

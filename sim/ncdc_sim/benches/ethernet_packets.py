@@ -9,7 +9,7 @@ from ncdc_model.interface.link_map import CONTROL_SEND
 from ncdc_model.interface.pixel_formats import format_of_name
 from ncdc_sim.benches.avalon import read_memory
 from ncdc_sim.benches.common import settings, start
-from ncdc_sim.benches.ethernet import GAP_BITS
+from ncdc_sim.benches.ethernet import GAP_BITS, filled
 from ncdc_sim.benches.packetiser import SOURCE, TARGET, Link
 
 __all__ = ["a_picture_leaves"]
@@ -35,8 +35,7 @@ async def a_picture_leaves(dut):
         wire = await with_timeout(phy.tx.recv(), 200, "us")
         assert not any(wire.error or ()), f"packet {place} is sent with an error"
         assert wire.check_fcs(), f"packet {place} is sent with a wrong check sequence"
-        assert wire.get_payload() == expected + bytes(max(0, 60 - len(expected))), \
-            f"packet {place} is sent wrong"
+        assert wire.get_payload() == filled(expected), f"packet {place} is sent wrong"
         assert end is None or wire.sim_time_start - end >= GAP_BITS * 1000, \
             f"the gap before packet {place} is too short"
         end = wire.sim_time_end

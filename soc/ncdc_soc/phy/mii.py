@@ -5,8 +5,8 @@ from litex.build.io import DDROutput
 from litex.gen import ClockDomainsRenamer, LiteXModule
 from migen import Cat, ClockSignal
 
-from ncdc_soc.phy.bytes import Receiver, Sender
 from ncdc_soc.phy.clocks import PhyClocks
+from ncdc_soc.phy.nibbles import Receiver, Sender
 
 __all__ = ["GmiiPhy", "MiiPhy"]
 

@@ -7,8 +7,8 @@ from litex.soc.interconnect.csr import CSRField, CSRStatus, CSRStorage
 from migen import Array, ClockSignal, If, Signal
 from migen.genlib.cdc import MultiReg
 
-from ncdc_soc.phy.bytes import SPEEDS, Receiver, Sender
 from ncdc_soc.phy.clocks import PhyClocks
+from ncdc_soc.phy.nibbles import SPEEDS, Receiver, Sender
 
 __all__ = ["RgmiiPhy"]
 
@@ -67,6 +67,7 @@ class RgmiiPhy(LiteXModule):
     def _transmit(self, clock_pads, pads, late):
         sender, speed = self.sender, Signal(2)
         self.specials += MultiReg(self.speed.storage, speed, "eth_tx", reset=SPEEDS.index(1000))
+        # Of the indices of SPEEDS the upper bit is 1000 Mbit/s; 3, which is none, is taken for it.
         # A step is a clock of the line: of a byte at 1000 Mbit/s, below it of a nibble.
         steps = [_MHZ * (8 if mbits == 1000 else 4) // mbits for mbits in SPEEDS]
         self.sync.eth_tx += [sender.whole.eq(speed[1]),
