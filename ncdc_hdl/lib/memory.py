@@ -4,6 +4,7 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
+from amaranth.utils import ceil_log2
 
 __all__ = ["Fifo", "block_memory"]
 
@@ -67,17 +68,25 @@ class Fifo(wiring.Component):
             "level": Out(range(depth + 1)),
         })
 
+    @property
+    def words(self):
+        """Of the memory, a power of two if there is one: two items are in the registers whenever
+        two are in the memory."""
+        return min(self.depth, 1 << ceil_log2(max(2, self.depth - 2)))
+
     def elaborate(self, platform):
         m = Module()
         # A word is read a clock after its write at the earliest, as block_memory wants it.
-        m.submodules.storage = storage = block_memory(self.width, self.depth)
+        words = self.words
+        m.submodules.storage = storage = block_memory(self.width, words)
         write, read = storage.write_port(), storage.read_port()
-        produce = Signal(range(self.depth))         # where the next item is written
-        consume = Signal(range(self.depth))         # where the next item is read
+        produce = Signal(range(words))              # where the next item is written
+        consume = Signal(range(words))              # where the next item is read
         kept = Signal(range(self.depth + 1))        # items in the memory that are not read as yet
         some = Signal()                             # kept != 0
         full = Signal()                             # level == depth
         read_valid = Signal()                       # an item is in the memory's own output register
+        both = Signal()                             # in the one behind it as well
         oldest = Signal(self.width, reset_less=True)    # a RAM's register has no reset to share
         put = Signal()                              # an item is written
         pop = Signal()                              # an item leaves the memory
@@ -93,7 +102,7 @@ class Fifo(wiring.Component):
             write.data.eq(self.w_data),
             write.en.eq(put),
             move.eq(~self.r_rdy | self.r_en),
-            load.eq(~read_valid | move),
+            load.eq(~both | self.r_en),
             read.addr.eq(consume),
             read.en.eq(load),
             pop.eq(load & some),
@@ -105,7 +114,8 @@ class Fifo(wiring.Component):
                          full.eq(put & (self.level == self.depth - 1))]
         for pointer, step in ((produce, put), (consume, pop)):
             with m.If(step):
-                m.d.sync += pointer.eq(Mux(pointer == self.depth - 1, 0, pointer + 1))
+                m.d.sync += pointer.eq(Mux(pointer == words - 1, 0, pointer + 1))
+        m.d.sync += both.eq(~load | (some & (read_valid | ~move)))
         with m.If(load):
             m.d.sync += read_valid.eq(some)
         with m.If(move):

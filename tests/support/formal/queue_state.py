@@ -43,7 +43,7 @@ def opened(queues, places_missing):
     with ExitStack() as patches:
         for kind, rows_of, state in (
                 (SyncFIFOBuffered, lambda queue: queue.depth - 1, _library),
-                (Fifo, lambda queue: queue.depth, _own)):
+                (Fifo, lambda queue: queue.words, _own)):
             for name, changed in (("elaborate", checked(kind.elaborate, rows_of, state)),
                                   ("__init__", smaller(kind.__init__))):
                 patches.enter_context(mock.patch.object(kind, name, changed))
@@ -65,12 +65,13 @@ def _library(queue, fragment):
 
 def _own(queue, fragment):
     """The same of a queue with two stages behind the memory."""
-    kept, read_valid, some, full = (inner(fragment, name)
-                                    for name in ("kept", "read_valid", "some", "full"))
+    kept, read_valid, both, some, full = (inner(fragment, name) for name in (
+        "kept", "read_valid", "both", "some", "full"))
     _say(fragment, queue.level == kept + read_valid + queue.r_rdy, "kept")
     _say(fragment, (queue.level <= queue.depth) & (full == (queue.level == queue.depth)),
          "full_flag")
     _say(fragment, some == (kept != 0), "some_flag")
+    _say(fragment, both == (read_valid & queue.r_rdy), "both_flag")
     _say(fragment, (read_valid & queue.r_rdy) | (kept <= 1), "output_first")
     return [(queue.r_rdy, queue.r_data), (read_valid, queue.read)]
 
