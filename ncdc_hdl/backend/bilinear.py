@@ -62,10 +62,10 @@ class Bilinear(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        fy = delay(m, self.fy, 7, "fy")
-        minus_fy = None
+        fy_before = delay(m, self.fy, 6, "fy")
+        fy = pipeline.register(m, "fy_d6", fy_before)
         if self.colour.signed:
-            minus_fy = pipeline.register(m, "minus_fy", -delay(m, self.fy, 6, "fy_above"))
+            minus_fy = pipeline.register(m, "minus_fy", -delay(m, self.fy, 5, "fy_above"))
             # From the other end, the place is 1 - fx.
             rows = [pipeline.register(m, f"fx{j}_d1", pipeline.register(
                 m, f"fx{j}_d0", Mux(self.reversed[j], (1 << self.f_bits) - self.fx, self.fx),
@@ -81,17 +81,19 @@ class Bilinear(wiring.Component):
             ``cut``: 6 clocks later; what of the difference is above the block is multiplied apart.
             """
             # Cycles 1 and 2: subtract, and the register before the multiplier.
-            difference = delay(m, register(f"{name}_d", b - a), 1, f"{name}_d")
+            subtracted = register(f"{name}_d", b - a)
+            difference = delay(m, subtracted, 1, f"{name}_d")
             place = min(_BLOCK, len(difference)) - 1
             low = difference[:place] if cut else difference
             # Cycles 3 and 4: multiply.
             product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
             # Cycle 5, if cut: add the product of the bits above the block.
             if cut:
-                high = difference[place:].as_signed()
                 if self.colour.signed:
-                    above = self._added(m, f"{name}_h", high, fraction, minus_fy)
+                    above = self._added(m, f"{name}_h", subtracted[place:].as_signed(), fy_before,
+                                        minus_fy)
                 else:
+                    high = difference[place:].as_signed()
                     above = register(f"{name}_h1", register(f"{name}_h0", high * fraction))
                 product = register(f"{name}_p2", product + (above << place))
             # The last cycle: add a.
@@ -121,7 +123,7 @@ class Bilinear(wiring.Component):
 
     @staticmethod
     def _added(m, name, high, fraction, minus):
-        """``high * fraction`` 2 clocks later, with adders: ``high``, signed, has few bits.
+        """``high * fraction`` 3 clocks later, with adders: ``high``, signed, has few bits.
 
         In digits of -2..2 to the base 4 (Booth's recoding). ``minus``: the negated fraction.
         """
@@ -131,7 +133,9 @@ class Bilinear(wiring.Component):
             upper = high[min(k + 1, len(high) - 1)]
             once, twice = high[k] ^ below, (upper ^ high[k]) & ~(high[k] ^ below)
             signed_fraction = Mux(upper, minus, fraction)
-            digits.append(Mux(once, signed_fraction, Mux(twice, signed_fraction << 1, 0)))
+            digits.append(pipeline.register(
+                m, f"{name}_digit{k}",
+                Mux(once, signed_fraction, Mux(twice, signed_fraction << 1, 0))))
         sums = [pipeline.register(m, f"{name}0_{k}", sum(
             digit << 2 * n for n, digit in enumerate(digits[k:k + 2])))
             for k in range(0, len(digits), 2)]

@@ -1,13 +1,10 @@
 """Gradient-corrected Bayer decoder: four full colours from a 6x6 raw window, with adders alone."""
 
-from functools import partial
-
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.lib import pipeline
-from ncdc_hdl.lib.pipeline import delay
+from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_model.interpolation import GRADIENT
 
 __all__ = ["GradientPlaces"]
@@ -56,7 +53,7 @@ class GradientPlaces(wiring.Component):
     swapped : ``Out(1)``
     """
 
-    latency = 5
+    latency = 6
 
     def __init__(self):
         super().__init__({
@@ -67,10 +64,13 @@ class GradientPlaces(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        samples = dict(zip(GRADIENT.samples, self.samples))
-        chroma_first = ~(self.red_row ^ self.red_column)    # the first place is red or blue
+        # Cycle 1: whether the first place is red or blue, which chooses some hundreds of bits.
+        chroma_first = register(m, "chroma_first", ~(self.red_row ^ self.red_column))
+        samples = {place: register(m, f"s{n}", sample)
+                   for n, (place, sample) in enumerate(zip(GRADIENT.samples, self.samples))}
         m.d.comb += [
-            self.reversed.eq(delay(m, Cat(chroma_first, ~chroma_first), self.latency, "reversed")),
+            self.reversed.eq(delay(m, Cat(chroma_first, ~chroma_first), self.latency - 1,
+                                   "reversed")),
             self.swapped.eq(delay(m, ~self.red_row, self.latency, "swapped")),
         ]
         for row in range(2):
@@ -94,57 +94,54 @@ class GradientPlaces(wiring.Component):
 
         A dict of the sample ``c``, ``H``, ``V``, ``P``, ``Q`` and, above and below, ``D0``, ``D1``.
         """
-        register = partial(pipeline.register, m)
-        # Cycle 1: choose the column.
-        at = {(j, i): register(f"{name}_s{j + 2}{i + 2}",
+        # Cycle 2: choose the column.
+        at = {(j, i): register(m, f"{name}_s{j + 2}{i + 2}",
                                Mux(right, samples[row + j, 3 + i], samples[row + j, 2 + i]))
               for j in range(-2, 3) for i in range(-2, 3) if abs(i) + abs(j) <= 2}
-        # Cycle 2: add the samples of each pair.
+        # Cycle 3: add the samples of each pair.
         pairs = {"H": ((0, -1), (0, 1)), "V": ((-1, 0), (1, 0)), "Q": ((0, -2), (0, 2)),
                  "P": ((-2, 0), (2, 0)), "D0": ((-1, -1), (-1, 1)), "D1": ((1, -1), (1, 1))}
-        sums = {key: register(f"{name}_{key}", at[a] + at[b]) for key, (a, b) in pairs.items()}
-        return {"c": register(f"{name}_c", at[0, 0]), **sums}
+        sums = {key: register(m, f"{name}_{key}", at[a] + at[b]) for key, (a, b) in pairs.items()}
+        return {"c": register(m, f"{name}_c", at[0, 0]), **sums}
 
     def _at_green(self, m, name, sums):
         """Chroma of the same row, green, chroma of the other row; 3 clocks later."""
-        register = partial(pipeline.register, m)
         c, h, v, p, q = (sums[key] for key in "cHVPQ")
-        # Cycle 3.
-        diagonal = register(f"{name}_D", sums["D0"] + sums["D1"])
-        five = register(f"{name}_c5", (c << 2) + c)
-        along = register(f"{name}_h0", (h << 3) + p)
-        across = register(f"{name}_v0", (v << 3) + q)
-        p, q = register(f"{name}_P3", p), register(f"{name}_Q3", q)
         # Cycle 4.
-        common = register(f"{name}_k", five - diagonal)
-        along = register(f"{name}_h1", along - (q << 1))
-        across = register(f"{name}_v1", across - (p << 1))
+        diagonal = register(m, f"{name}_D", sums["D0"] + sums["D1"])
+        five = register(m, f"{name}_c5", (c << 2) + c)
+        along = register(m, f"{name}_h0", (h << 3) + p)
+        across = register(m, f"{name}_v0", (v << 3) + q)
+        p, q = register(m, f"{name}_P3", p), register(m, f"{name}_Q3", q)
         # Cycle 5.
+        common = register(m, f"{name}_k", five - diagonal)
+        along = register(m, f"{name}_h1", along - (q << 1))
+        across = register(m, f"{name}_v1", across - (p << 1))
+        # Cycle 6.
         return (self._last(m, f"{name}_h", along + (common << 1)),
                 self._last(m, f"{name}_own", delay(m, c, 2, f"{name}_c") << 4),
                 self._last(m, f"{name}_v", across + (common << 1)))
 
     def _at_chroma(self, m, name, sums):
         """The own chroma, green, the other chroma; 3 clocks later."""
-        register = partial(pipeline.register, m)
         c, h, v, p, q = (sums[key] for key in "cHVPQ")
-        # Cycle 3.
-        diagonal = register(f"{name}_D", sums["D0"] + sums["D1"])
-        near = register(f"{name}_near", Mux(self.mono, c, h) + Mux(self.mono, c, v))
-        far = register(f"{name}_far", Mux(self.mono, 0, p) + Mux(self.mono, 0, q))
-        three = register(f"{name}_c3", (c << 1) + c)
-        once = register(f"{name}_c1", c)
         # Cycle 4.
-        green = register(f"{name}_g1", (once << 1) + near)
-        other = register(f"{name}_o1", three + diagonal)
-        thrice = register(f"{name}_far3", (far << 1) + far)
-        twice = register(f"{name}_far2", far << 1)
+        diagonal = register(m, f"{name}_D", sums["D0"] + sums["D1"])
+        near = register(m, f"{name}_near", Mux(self.mono, c, h) + Mux(self.mono, c, v))
+        far = register(m, f"{name}_far", Mux(self.mono, 0, p) + Mux(self.mono, 0, q))
+        three = register(m, f"{name}_c3", (c << 1) + c)
+        once = register(m, f"{name}_c1", c)
         # Cycle 5.
-        return (self._last(m, f"{name}_own", register(f"{name}_c2", once) << 4),
+        green = register(m, f"{name}_g1", (once << 1) + near)
+        other = register(m, f"{name}_o1", three + diagonal)
+        thrice = register(m, f"{name}_far3", (far << 1) + far)
+        twice = register(m, f"{name}_far2", far << 1)
+        # Cycle 6.
+        return (self._last(m, f"{name}_own", register(m, f"{name}_c2", once) << 4),
                 self._last(m, f"{name}_g", (green << 2) - twice),
                 self._last(m, f"{name}_o", (other << 2) - thrice))
 
     @staticmethod
     def _last(m, name, value):
         """The register of an output."""
-        return pipeline.register(m, f"{name}_o", value, _PLACES.elem_shape)
+        return register(m, f"{name}_o", value, _PLACES.elem_shape)

@@ -16,9 +16,7 @@ from ncdc_model.interpolation import FAST
 
 __all__ = ["Interpolator"]
 
-_QUEUED = 32    # groups that the queue and the longest pipeline without colour hold
-_RESTART = 27   # the level of them at which the queue asks for more
-
+_QUEUED = 32    # groups at least: a queue of fewer takes as much memory
 
 class Interpolator(wiring.Component):
     """Bayer decoder and bilinear interpolator between two streams; blank pixels get the fill.
@@ -75,13 +73,12 @@ class Interpolator(wiring.Component):
     @property
     def queued(self):
         """Groups that the queue and the pipeline before it hold."""
-        return _QUEUED + sum(part.latency for part in self.colours[:1])
+        return max(_QUEUED, CreditQueue.least_depth(self.latency))
 
     def elaborate(self, platform):
         m = Module()
         m.submodules.queue = queue = CreditQueue(
-            pixel_layout(self.lanes), depth=self.queued,
-            restart=_RESTART + self.queued - _QUEUED)
+            pixel_layout(self.lanes), depth=self.queued)
         m.d.comb += [
             self.i.ready.eq(queue.room), queue.issue.eq(self.i.valid & self.i.ready),
             queue.arrive.eq(delay(m, queue.issue, self.latency, "issue", reset_less=False)),

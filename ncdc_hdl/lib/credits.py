@@ -35,8 +35,9 @@ class CreditQueue(wiring.Component):
     depth : int
         Items in the pipeline and the queue together.
     restart : int
-        Level at which a full queue asks for more; at least the pipeline's latency and ``loop``, if
-        the consumer must not wait for the pipeline to fill again.
+        Level at which a full queue asks for more, the highest one unless given; at least the
+        pipeline's latency and ``loop``, if the consumer must not wait for the pipeline to fill
+        again.
 
     Members
     -------
@@ -62,7 +63,13 @@ class CreditQueue(wiring.Component):
     loop = 9
     """Clocks from an item taken to the next one that this makes room for, less the pipeline's."""
 
-    def __init__(self, shape, *, depth, restart):
+    @classmethod
+    def least_depth(cls, latency):
+        """The least depth at which a pipeline of ``latency`` clocks is not waited for."""
+        return latency + cls.loop + _MARGIN + 1
+
+    def __init__(self, shape, *, depth, restart=None):
+        restart = depth - _MARGIN - 1 if restart is None else restart
         if not 0 <= restart < depth - _MARGIN:
             raise ValueError(f"restart is {restart}, the limits are 0 and {depth - _MARGIN - 1}")
         self.shape, self.depth, self.restart = shape, depth, restart
