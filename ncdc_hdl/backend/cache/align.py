@@ -79,9 +79,13 @@ class Align(_Align):
 class AlignMirrored(_Align):
     __doc__ = _Align.__doc__ + """
     Windows with a margin, whose samples outside the frame are mirrored about its first or last
-    column or row. Eight neighbouring columns hold a window, so that of the two bytes, or four,
-    whose columns are the same modulo 8 one is enough: the first stage chooses it. The second one
-    turns the rows, the third the columns, the fourth one mirrors.
+    column or row. Eight neighbouring columns, and rows, hold a window, so that of the two bytes, or
+    four, whose columns are the same modulo 8 one is enough. A sample and its mirror image are an
+    even number of places apart: once the places have been turned by the lowest bit of the window's
+    first row, each row of the window is one of four. The first stage chooses bytes and turns the
+    rows by one or not, the second one chooses rows; the third and the fourth do so with columns.
+    No stage has more than four bits to choose from for each bit, or eight for the first one of four
+    bytes: as many as fit a table of the usual devices.
     """
 
     latency = 4
@@ -89,7 +93,6 @@ class AlignMirrored(_Align):
     def elaborate(self, platform):
         m = Module()
         needs = self.interpolation
-        margin, wanted = needs.margin, needs.samples
         ring = needs.box_rows                   # columns that stay, as many as rows
         bits = ceil_log2(ring)
 
@@ -100,58 +103,66 @@ class AlignMirrored(_Align):
                 m.d.sync += r.eq(value)
             return r
 
-        def turned(values, by):
-            """``values``, a list of a power of two, with element ``by`` first."""
-            for k, bit in enumerate(by):
-                values = [Mux(bit, values[(n + (1 << k)) % len(values)], value)
-                          for n, value in enumerate(values)]
-            return values
+        def places(name, first, edge):
+            """For each column or row of the window, which one of four places, after a shift.
+
+            ``first``: where the window begins, modulo 8.
+            """
+            found = []
+            for k in range(needs.window):
+                place = Signal(bits - 1, name=f"{name}{k}_place")
+                m.d.comb += place.eq(first[1:] + self._inside(k, edge)[1:])
+                found.append(register(f"{name}{k}", place))
+            return found
 
         # The first column and row of the window, as far as they count.
         across = COLUMNS * self.word_bytes // ring      # rings side by side in the samples
         column, row = Signal(bits + ceil_log2(across)), Signal(bits)
-        m.d.comb += [column.eq(self.x - margin), row.eq(self.y - margin)]
-        # Stage 1: of both words, the columns from the window's first one on.
+        m.d.comb += [column.eq(self.x - needs.margin), row.eq(self.y - needs.margin)]
+        # Stage 1: of both words, the columns from the window's first one on; rows by one or not.
         chosen = [[] for _ in self.samples]
         for k in range(ring):
             # Which ring has the window's column that is k modulo 8.
             which = Signal(ceil_log2(across), name=f"which{k}")
             m.d.comb += which.eq(column[bits:] + (column[:bits] > k if k < ring - 1 else 0))
-            for j, samples in enumerate(self.samples):
-                chosen[j].append(register(f"w_{j}{k}", turned(list(samples)[k::ring], which)[0]))
-        w_column, w_row = register("w_column", column[:bits]), register("w_row", row)
+            for j in range(ring):
+                values = [_chosen(list(samples)[k::ring], which)
+                          for samples in (self.samples[j], self.samples[(j + 1) % ring])]
+                chosen[j].append(register(f"w_{j}{k}", _chosen(values, row[:1])))
+        w_rows = places("w_row", row, self.edge_y)
+        w_column, w_edge = register("w_column", column[:bits]), register("w_edge", self.edge_x)
         # Stage 2: the rows.
-        rows = [Cat(each) for each in chosen]
-        rows = [register(f"r_{j}", value)
-                for j, value in enumerate(turned(rows, w_row)[:needs.window])]
-        r_column = register("r_column", w_column)
-        # Stage 3: the columns.
-        window = {}
+        rows = [register(f"r_{j}", _chosen([Cat(each) for each in chosen[j % 2::2]], place))
+                for j, place in enumerate(w_rows)]
+        r_column, r_edge = register("r_column", w_column), register("r_edge", w_edge)
+        # Stage 3: columns by one or not.
+        turned = []
         for j, value in enumerate(rows):
-            for i, byte in enumerate(turned([value.word_select(k, 8) for k in range(ring)],
-                                            r_column)):
-                if (j, i) in wanted:
-                    window[j, i] = register(f"c_{j}{i}", byte)
-        edge_x, edge_y = self.edge_x, self.edge_y
-        for n in range(3):
-            edge_x, edge_y = register(f"edge_x{n}", edge_x), register(f"edge_y{n}", edge_y)
-        # Stage 4: samples outside are those as far inside.
-        for k, (j, i) in enumerate(wanted):
-            value = self._inside(j, edge_y, lambda j, i=i: self._inside(
-                i, edge_x, lambda i, j=j: window[j, i]))
+            samples = [value.word_select(k, 8) for k in range(ring)]
+            turned.append([register(f"c_{j}{k}", _chosen(
+                [samples[k], samples[(k + 1) % ring]], r_column[:1])) for k in range(ring)])
+        c_columns = places("c_column", r_column, r_edge)
+        # Stage 4: the columns.
+        for k, (j, i) in enumerate(needs.samples):
             with m.If(self.shift & self.take):
-                m.d.sync += self.o[k].eq(value)
+                m.d.sync += self.o[k].eq(_chosen(turned[j][i % 2::2], c_columns[i]))
         return m
 
-    def _inside(self, k, edge, sample):
-        """``sample(k)``, or if row or column k of the window is outside that as far inside."""
+    def _inside(self, k, edge):
+        """Row or column k of the window, or if it is outside the frame that as far inside."""
         margin, last = self.interpolation.margin, self.interpolation.window - 1
-        value = sample(k)
+        value = Const(k, ceil_log2(last + 1))
         for missing in range(1, margin + 1):
             if k < missing:
-                value = Mux((edge.missing == missing) & ~edge.behind, sample(2 * missing - k),
-                            value)
+                value = Mux((edge.missing == missing) & ~edge.behind, 2 * missing - k, value)
             if last - k < missing:
-                value = Mux((edge.missing == missing) & edge.behind,
-                            sample(2 * (last - missing) - k), value)
+                value = Mux((edge.missing == missing) & edge.behind, 2 * (last - missing) - k,
+                            value)
         return value
+
+
+def _chosen(values, index):
+    """Element ``index`` of ``values``, which are a power of two."""
+    for bit in index:
+        values = [Mux(bit, odd, even) for even, odd in zip(values[::2], values[1::2])]
+    return values[0]
