@@ -170,7 +170,8 @@ class Corrector(wiring.Component):
             fill_to_retire=fetch.fills.filled_latency + fetch.retire.filled_to_retire,
             push_to_retire=fetch.retire.push_to_retire,
             retire_to_push=fetch.tags.retire_to_push,
-            retire_to_claim=fetch.tags.retire_to_claim,
+            retire_to_replace=fetch.tags.retire_to_replace,
+            push_to_claim=fetch.tags.push_to_claim,
             pixel_to_bus=Packer.latency + BurstWriter.latency,
             row_to_lookup=(self.row_gate.rows_latency + self.row_gate.latency
                            + fetch.start_latency),

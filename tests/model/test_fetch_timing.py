@@ -21,8 +21,8 @@ PITCH = 512
 # Of the loop below, and of no hardware in particular.
 TIMING = CorrectorTiming(
     start=80, end=23, claim_to_command=10, fill_to_claim=2, fill_to_retire=4, push_to_retire=6,
-    retire_to_push=1, retire_to_claim=3, pixel_to_bus=4, row_to_lookup=9, end_to_interrupt=1,
-    write_burst=16, queued_words=32, queued_pixels=32)
+    retire_to_push=1, retire_to_replace=3, push_to_claim=2, pixel_to_bus=4, row_to_lookup=9,
+    end_to_interrupt=1, write_burst=16, queued_words=32, queued_pixels=32)
 
 
 class ClockedCache:
@@ -34,11 +34,12 @@ class ClockedCache:
     def __init__(self, boxes, missed, options, latency, words):
         self.lookups, self.options, self.latency, self.words = len(boxes), options, latency, words
         self.todo = deque(range(len(boxes)))
-        self.claims = {}
+        self.victims = {}
         for i, victim in zip(missed.lookup.tolist(), missed.victim.tolist()):
             # What the place's entry holds; that of an empty place 0, from the reset.
-            self.claims.setdefault(i, deque()).append(0 if victim == -1 else victim)
-        self.counts = {i: len(of) for i, of in self.claims.items()}
+            self.victims.setdefault(i, []).append(0 if victim == -1 else victim)
+        self.to_claim = 0               # tiles of the look-up whose tiles are claimed
+        self.waiting = deque()          # tiles of each of those behind it, at most two
         self.pushed, self.pending, self.retired = 0, deque(), 0
         self.retired_seen = 0           # what the tag stage's busy flags know
         self.commands = deque()         # clock of each command's first chance
@@ -55,8 +56,15 @@ class ClockedCache:
             setattr(self, counter, getattr(self, counter) + step)
         self.memory()
         self.oldest_pending()
+        room = len(self.waiting) < 2
+        if self.to_claim and self.outstanding < self.options.outstanding:
+            self.to_claim -= 1
+            self.outstanding += 1
+            self.commands.extend(self.clock + 10 + row for row in range(4))
+        if not self.to_claim and self.waiting:
+            self.to_claim = self.waiting.popleft()
         if self.todo:
-            self.tag_stage()
+            self.tag_stage(room)
         self.clock += 1
 
     def memory(self):
@@ -75,7 +83,7 @@ class ClockedCache:
     def oldest_pending(self):
         if not self.pending or self.pending[0][1] > self.clock:
             return
-        needed = self.counts.get(self.pending[0][0], 0)
+        needed = len(self.victims.get(self.pending[0][0], ()))
         if self.tokens >= needed:
             self.pending.popleft()
             self.tokens -= needed
@@ -83,20 +91,19 @@ class ClockedCache:
             self.last_retire = self.clock
             self.at(self.clock + 3, "retired_seen", 1)
 
-    def tag_stage(self):
+    def tag_stage(self, room_for_claims):
         i = self.todo[0]
-        due = self.claims.get(i)
-        if due and self.outstanding < self.options.outstanding:
-            age = (due[0] - self.retired_seen) % (1 << self.options.sequence_bits)
-            if age >= i - self.retired_seen:
-                due.popleft()
-                self.outstanding += 1
-                self.commands.extend(self.clock + 10 + row for row in range(4))
+        victims = self.victims.get(i, ())
         room = self.options.pending - (self.last_retire == self.clock)
-        if not due and self.pushed - self.retired < room:
+        clear = all((victim - self.retired_seen) % (1 << self.options.sequence_bits)
+                    >= i - self.retired_seen for victim in victims)
+        if self.pushed - self.retired < room and (
+                not victims or clear and room_for_claims):
             self.todo.popleft()
             self.pushed += 1
             self.pending.append((i, self.clock + 6))
+            if victims:
+                self.waiting.append(len(victims))
 
 
 def clocked(boxes, missed, options, latency, words):

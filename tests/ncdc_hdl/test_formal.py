@@ -272,7 +272,7 @@ COVERS = {
     "fill room": (FillRoom, 34, {"all_owed", "claim_while_filled"}),
     "fill order": (FillOrder, 32, {"second_tile"}),
     "tokens": (Tokens, 26, {"full", "tokens_to_come"}),
-    "progress": (Progress, 22, {"full", "tokens_to_come", "waits"}),
+    "progress": (Progress, 25, {"full", "tokens_to_come", "waits"}),
 }
 LONG_COVERS = {"places": (Places, 24, {"replaced", "interlock", "next_frame"})}
 # The last turn that a host may have to wait for, of each.

@@ -29,8 +29,10 @@ class CorrectorTiming:
         A look-up leaves the tag stage; its window is read.
     retire_to_push : int
         A window is read; there is room for another look-up.
-    retire_to_claim : int
-        A window is read; its tiles may be replaced.
+    retire_to_replace : int
+        A window is read; a look-up that replaces its tiles may leave.
+    push_to_claim : int
+        A look-up leaves the tag stage; the first tile that it misses is claimed.
     pixel_to_bus : int
         A pixel is at the packer; the first word of the burst that it completes is on the bus.
     row_to_lookup : int
@@ -51,7 +53,8 @@ class CorrectorTiming:
     fill_to_retire: int
     push_to_retire: int
     retire_to_push: int
-    retire_to_claim: int
+    retire_to_replace: int
+    push_to_claim: int
     pixel_to_bus: int
     row_to_lookup: int
     end_to_interrupt: int

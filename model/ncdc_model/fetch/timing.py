@@ -24,8 +24,8 @@ class Clocks:
     clocks : int
         From start to last pixel.
     interlock, credit : int
-        Clocks that claims waited for a place still in use, for a tile to arrive before more may
-        be asked for.
+        Clocks that look-ups which miss tiles waited for a place still in use, and for tiles of the
+        one before to be asked for while as many as allowed were under way.
     read : Lags
         When each look-up is read, from the first look-up on.
     """
@@ -43,7 +43,10 @@ def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
     look-up only two times count: when it leaves the tag stage (push) and when its window is read
     (retire). Both are kept as lags behind its number, which never fall::
 
-        push(i)   = i + a(i)        push(i)   >= push(i-1) + 1, retire(i - pending) + 1
+        push(i)   = i + a(i)        push(i)   >= push(i-1) + 1, retire(i - pending) + 1,
+                                                 and if i misses tiles
+                                                 retire(last user of a place) + retire_to_replace,
+                                                 load(second of those that miss before it) + 1
         retire(i) = i + b(i)        retire(i) >= retire(i-1) + 1, push(i) + push_to_retire,
                                                  last word + fill_to_retire
 
@@ -72,8 +75,7 @@ def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
     for k, (i, victim, column, line) in enumerate(zip(
             missed.lookup.tolist(), missed.victim.tolist(), columns, lines)):
         run.reach(i)
-        run.claim(i, victim)
-        run.fill(column + line + row for row in rows)
+        run.missed.append((victim, [column + line + row for row in rows]))
         if k % 4096 == 0:
             progress(k, total)
     run.close()
@@ -100,7 +102,12 @@ class _Frame:
         self.fills = deque([-timing.fill_to_claim] * cache.outstanding, cache.outstanding)
         self.command = 0                # edge at which the bus is free
         self.interlock = self.credit = 0
-        self.current, self.claimed, self.last_word = -1, 0, 0
+        self.current = -1               # the last look-up that missed tiles
+        self.missed = []                # those: (the place's last user, addresses of its rows)
+        self.claimed, self.last_word = -1, 0    # when the last tile was claimed, its last word came
+        # Of the look-ups that missed last, the oldest first: when the first claim was a clock off,
+        # and the clocks (from, to) in which claims waited for credit.
+        self.loads, self.waits = deque([-1, -1], 2), deque([(), (), ()], 3)
 
     def reach(self, i):
         """Look-up i misses; all look-ups before it are known."""
@@ -110,25 +117,39 @@ class _Frame:
         self.current = self.port.known = i
         self._write_until(i)
         self._make_room(i - 1)
-        self.claimed = i + self.push_lag - 1
 
-    def claim(self, i, victim):
-        """A tile is claimed for look-up i, in the place of one whose last user is ``victim``."""
-        claim = self.claimed + 1
-        # The place may be replaced once its last user, or the one in flight of the same number
-        # modulo the sequence, has read its window.
-        if victim < 0:
-            victim = _RESET_USER
-        user = victim + (i - 1 - victim) // self.wrap * self.wrap
-        if user >= i - self.pending:
-            free = self.read.clock(user) + self.timing.retire_to_claim
-            self.interlock += max(0, free - claim)
-            claim = max(claim, free)
-        free = self.fills[0] + self.timing.fill_to_claim
-        self.credit += max(0, free - claim)
-        self.claimed = max(claim, free)
+    def _leave(self, i):
+        """Look-up i, which misses tiles, leaves the tag stage."""
+        arrived = clock = i + self.push_lag
+        for victim, _ in self.missed:
+            # The place may be replaced once its last user, or the one in flight of the same number
+            # modulo the sequence, has read its window. One that has by then had to before a
+            # look-up could come here.
+            if victim < 0:
+                victim = _RESET_USER
+            user = victim + (i - 1 - victim) // self.wrap * self.wrap
+            if user >= i - self.pending - self.timing.retire_to_replace:
+                clock = max(clock, self.read.clock(user) + self.timing.retire_to_replace)
+        self.interlock += clock - arrived
+        # Two that miss may wait for their claims while those of the one before are made.
+        leaves = max(clock, self.loads[0] + 1)
+        self.credit += sum(max(0, min(end, leaves) - max(begin, clock))
+                           for begin, end in self.waits[0])
+        self.push_lag = leaves - i
 
-    def fill(self, addresses):
+    def _claim(self, clock):
+        """The present look-up's tiles are claimed, from ``clock`` on at the earliest, and read."""
+        clock = max(clock, self.claimed + 1)
+        self.loads.append(clock - 1)
+        self.waits.append([])
+        for _, addresses in self.missed:
+            self.claimed = max(clock, self.fills[0] + self.timing.fill_to_claim)
+            self.waits[-1].append((clock, self.claimed))
+            clock = self.claimed + 1
+            self._fill(addresses)
+        self.missed = []
+
+    def _fill(self, addresses):
         """The tile claimed last is read, a command for each of its rows at ``addresses``."""
         clock = max(self.command, self.claimed + self.timing.claim_to_command)
         for address in addresses:
@@ -138,12 +159,13 @@ class _Frame:
         self.fills.append(self.last_word)
 
     def close(self):
-        """The present look-up has claimed all its tiles."""
+        """All tiles that the present look-up misses are known."""
         i = self.current
         if i < 0:
             return
+        self._leave(i)
         self._make_room(i)
-        self.push_lag = max(self.push_lag, self.claimed - i)
+        self._claim(i + self.push_lag + self.timing.push_to_claim)
         self.read.step(i, max(self.last_word + self.timing.fill_to_retire - i,
                               self.push_lag + self.timing.push_to_retire))
 
@@ -165,4 +187,5 @@ class _Frame:
     def _write_until(self, i):
         """Place what is written before look-up i could ask for a tile."""
         if self.writes is not None:
-            self.port.advance(i + self.push_lag + self.timing.claim_to_command)
+            self.port.advance(i + self.push_lag + self.timing.push_to_claim
+                              + self.timing.claim_to_command)

@@ -218,8 +218,8 @@ _FIXED = (
     Register("INTERLOCK_STALLS", 0x1F, "ro", Bits(32),
              "Cache fetcher: clocks in which a missing tile waited for the place of one in use."),
     Register("CREDIT_STALLS", 0x20, "ro", Bits(32),
-             "Cache fetcher: clocks in which a missing tile waited because as many as allowed were "
-             "under way."),
+             "Cache fetcher: clocks in which a window that misses tiles waited as those before it "
+             "were not all asked for, as many as allowed being under way."),
     Register("PENDING_STALLS", 0x21, "ro", Bits(32),
              "Cache fetcher: clocks in which a window waited because as many as allowed were "
              "pending."),

@@ -8,7 +8,7 @@ from ncdc_hdl.backend.cache.layouts import tiles_layout
 
 __all__ = ["AHEAD", "Ahead", "between_layout"]
 
-AHEAD = 4       # look-ups that may be ahead: one in each of the stages R, C, D and A
+AHEAD = 5       # look-ups that may be ahead: one in each of the stages R, L, C, D and A
 
 
 def between_layout(options):
@@ -21,11 +21,10 @@ class Ahead(wiring.Component):
 
     An entry leaves the memory when its look-up enters stage R. What a look-up ahead writes to it
     later, when it leaves stage A itself, would be missed. So each look-up that enters is compared
-    with those in the stages R, C, D and A: the nearest one that touches an entry decides whether
+    with those in the stages R, L, C, D and A: the nearest one that touches an entry decides whether
     that entry will hold the tile, and the memory is not asked.
 
-    Timing: ``touched`` and ``between`` follow ``entering`` after 2 shifts, ``known`` and ``hit``
-    after 3.
+    Timing: the outputs follow ``entering`` after 3 shifts.
 
     Parameters
     ----------
@@ -37,19 +36,22 @@ class Ahead(wiring.Component):
         All look-ups move on by one stage in this clock.
     entering : ``In(tiles_layout(options))``
         Tiles of the look-up that enters stage R with the next shift.
-    r, c, d, a : ``In(tiles_layout(options))``
+    r, l, c, d, a : ``In(tiles_layout(options))``
         Tiles of the look-ups in these stages; ``need`` is zero where there is none.
-    r_valid, c_valid, d_valid : ``In(1)``
+    r_valid, l_valid, c_valid, d_valid : ``In(1)``
         Whether there is a look-up in this stage.
+
+    Of the look-up in stage C, or of none there:
+
     touched : ``Out(tag_banks)``
-        Of the look-up in stage C: whether a look-up ahead touches the entry.
+        Whether a look-up ahead touches the entry.
     between : ``Out(between_layout())``
-        Of the look-up in stage C, where ``touched``: how many look-ups are between the two.
+        Where ``touched``: how many look-ups are between the two.
     known : ``Out(tag_banks)``
-        Of the look-up in stage D: ``hit`` holds, whatever the entry in the memory is.
+        ``hit`` holds, whatever the entry in the memory is.
     hit : ``Out(tag_banks)``
-        Of the look-up in stage D, where ``known``: it needs no tile of this bank, or its tile is
-        in the entry when it reaches stage A.
+        Where ``known``: no tile of this bank is needed, or it is in the entry when the look-up
+        reaches stage A.
     """
 
     def __init__(self, options):
@@ -59,16 +61,18 @@ class Ahead(wiring.Component):
             "shift": In(1),
             "entering": In(tiles),
             "r": In(tiles),
+            "l": In(tiles),
             "c": In(tiles),
             "d": In(tiles),
             "a": In(tiles),
             "r_valid": In(1),
+            "l_valid": In(1),
             "c_valid": In(1),
             "d_valid": In(1),
             "touched": Out(options.tag_banks),
             "between": Out(between_layout(options)),
-            "known": Out(options.tag_banks),
-            "hit": Out(options.tag_banks),
+            "known": Out(options.tag_banks, init=-1),
+            "hit": Out(options.tag_banks, init=-1),
         })
 
     def elaborate(self, platform):
@@ -83,27 +87,32 @@ class Ahead(wiring.Component):
         r_ahead = Signal(data.ArrayLayout(relation, AHEAD), reset_less=True)
         self._relate(m, r_ahead)
 
-        # C: whether `hit` does not depend on the memory, and `hit`, as of the members.
-        c_known = Signal(self.options.tag_banks)
-        c_hit = Signal(self.options.tag_banks)
+        # L: what the nearest one of them that touches the entry tells, as of the members.
+        l_touched = Signal(banks)
+        l_between = Signal.like(self.between)
+        l_known = Signal.like(self.known)
+        l_hit = Signal.like(self.hit)
         with m.If(self.shift):
-            for bank in range(self.options.tag_banks):
+            for bank in range(banks):
                 touched, present, between = self._nearest(r_ahead, bank)
+                unneeded = ~self.r_valid | ~self.r.need[bank]
                 m.d.sync += [
-                    self.touched[bank].eq(touched),
-                    self.between[bank].eq(between),
-                    c_known[bank].eq(~self.r.need[bank] | touched),
-                    c_hit[bank].eq(~self.r.need[bank] | present),
+                    l_touched[bank].eq(touched),
+                    l_between[bank].eq(between),
+                    l_known[bank].eq(unneeded | touched),
+                    l_hit[bank].eq(unneeded | present),
                 ]
-            # D: passed on, beside the comparison with the memory.
-            m.d.sync += [self.known.eq(c_known), self.hit.eq(c_hit)]
+            # C: passed on.
+            m.d.sync += [self.touched.eq(l_touched), self.between.eq(l_between),
+                         self.known.eq(l_known), self.hit.eq(l_hit)]
         return m
 
     def _relate(self, m, r_ahead):
         """Compare the look-up that enters with those in all stages."""
         nearer = []         # whether there is a look-up, of the stages gone through so far
-        for relation, other, valid in zip(r_ahead, (self.r, self.c, self.d, self.a),
-                                          (self.r_valid, self.c_valid, self.d_valid, None)):
+        for relation, other, valid in zip(
+                r_ahead, (self.r, self.l, self.c, self.d, self.a),
+                (self.r_valid, self.l_valid, self.c_valid, self.d_valid, None)):
             with m.If(self.shift):
                 m.d.sync += relation.between.eq(sum(nearer, start=Const(0)))
                 for bank in range(self.options.tag_banks):
@@ -120,7 +129,7 @@ class Ahead(wiring.Component):
     def _nearest(r_ahead, bank):
         """(Whether any look-up ahead touches the entry, ``present`` and ``between`` of the nearest
         one that does.)"""
-        touched, present, between = Const(0, 1), Const(0, 1), Const(0, 2)
+        touched, present, between = Const(0, 1), Const(0, 1), Const(0, range(AHEAD))
         for relation in reversed(list(r_ahead)):
             touches = relation.touches[bank]
             touched = touched | touches

@@ -111,7 +111,7 @@ class Cache(wiring.Component):
             self.outside.eq(fills.outside), self.empty.eq(fills.empty),
             fills.claim.eq(tags.claim), fills.tile.eq(tags.tile), tags.credit.eq(fills.credit),
             tiles.fill.eq(fills.fill), retire.filled.eq(fills.filled),
-            retire.push.eq(tags.push), retire.place.eq(tags.place), retire.misses.eq(tags.misses),
+            retire.push.eq(tags.push), retire.place.eq(tags.place), retire.missing.eq(tags.missing),
             tags.retire.eq(retire.retire),
             tiles.shift.eq(retire.shift), tiles.box.eq(retire.box),
             retire.samples.eq(tiles.samples),

@@ -104,7 +104,7 @@ class Fills(wiring.Component):
         m.d.sync += self.outside.eq(fence.moved & ~requests.beyond)
         wiring.connect(m, fence.o, commands.i)
         outstanding = Signal(range(most + 1))   # tiles claimed and not yet complete
-        complete = Signal()                     # the last word of a tile is written
+        complete = Signal()                     # the last word of a tile came a clock ago
         with m.If(self.claim != complete):
             m.d.sync += [outstanding.eq(Mux(complete, outstanding - 1, outstanding + 1)),
                          self.credit.eq(complete | self._credit(outstanding + 1, most))]
@@ -128,11 +128,13 @@ class Fills(wiring.Component):
         arrived = Signal(self.data_width, reset_less=True)  # that word
         m.d.sync += [came.eq(commands.valid), arrived.eq(commands.word)]
         beats = self.options.tile_height * self.burst
-        beat = Signal(range(beats))     # its number among the words of its tile
-        with m.If(came):
-            m.d.sync += beat.eq(beat + 1)
-        m.d.comb += [complete.eq(came & (beat == beats - 1)), slots.r_en.eq(complete)]
-        m.d.sync += self.filled.eq(complete)
+        coming = Signal(range(beats))   # the number of the next word among those of its tile
+        beat = Signal(range(beats))     # the number of the word that came
+        with m.If(commands.valid):
+            m.d.sync += coming.eq(coming + 1)
+        m.d.sync += [beat.eq(coming), complete.eq(commands.valid & (coming == beats - 1)),
+                     self.filled.eq(complete)]
+        m.d.comb += slots.r_en.eq(complete)
 
         fill, width = self.fill, 8 * self.word_bytes
         m.d.sync += [fill.slot.eq(slots.r_data), fill.row.eq(beat >> ceil_log2(self.burst))]

@@ -66,22 +66,15 @@ class Interlock(wiring.Component):
         d_touched = Signal(banks)               # a look-up ahead touches the entry
         d_between = Signal(between)             # look-ups between that one and this one
         d_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)  # by the memory
-        d_since = Signal(banks)                 # the last use is not below `retired`
-        d_before = Signal(banks)                # the last use is below `number`
-        d_wrapped = Signal()                    # `wrapped`, when the two were compared
         with m.If(self.shift):
             m.d.sync += [
                 d_touched.eq(self.touched),
                 d_between.eq(self.between),
                 d_last_use.eq(self.last_use),
-                d_wrapped.eq(self.wrapped),
             ]
             for bank, last_use in enumerate(self.last_use):
-                m.d.sync += [d_since[bank].eq(last_use >= self.retired),
-                             d_before[bank].eq(last_use < self.number)]
-        for bank in range(banks):
-            m.d.comb += self.d_busy[bank].eq(
-                d_touched[bank] | self._in_flight(d_since[bank], d_before[bank], d_wrapped))
+                m.d.sync += self.d_busy[bank].eq(self.touched[bank] | self._in_flight(
+                    last_use >= self.retired, last_use < self.number, self.wrapped))
 
         # A: the same for as long as the look-up stays.
         a_new = Signal()                        # the look-up is in its first clock in stage A

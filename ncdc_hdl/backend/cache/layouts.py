@@ -129,7 +129,8 @@ def tile_layout(options):
 def stalls_layout():
     """Why the look-up in the act stage waits.
 
-    ``interlock``: the place of a missing tile is in use. ``credit``: too many tiles are under way.
+    ``interlock``: the place of a missing tile is in use. ``credit``: it misses tiles, and those of
+    look-ups before it wait to be claimed, as too many are under way.
     ``pending``: too many look-ups are. At most one of them is high.
     """
     return data.StructLayout({"interlock": 1, "credit": 1, "pending": 1})

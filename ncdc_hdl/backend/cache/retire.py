@@ -35,8 +35,8 @@ class Retire(wiring.Component):
 
     Members
     -------
-    push, place, misses : ``In``
-        From the tag stage: a look-up is passed on, its place, and the tiles it claimed.
+    push, place, missing : ``In``
+        From the tag stage: a look-up is passed on, its place, and which tiles are claimed for it.
     filled : ``In(1)``
         A tile has arrived.
     retire : ``Out(1)``
@@ -61,7 +61,7 @@ class Retire(wiring.Component):
         super().__init__({
             "push": In(1),
             "place": In(self.place_shape),
-            "misses": In(range(options.tag_banks + 1)),
+            "missing": In(options.tag_banks),
             "filled": In(1),
             "retire": Out(1),
             "waiting": Out(1),
@@ -121,12 +121,12 @@ class Retire(wiring.Component):
         """
         push = Signal()                 # a look-up came in the clock before
         place = Signal(self.place_shape, reset_less=True)
-        owed = Signal(signed(len(self.misses) + 1))
+        owed = Signal(range(-self.options.tag_banks, 1))
         following = Signal(self.place_shape)            # the place of the look-up at the end
         following_owed = Signal(owed.shape())           # what it owes
         m.submodules.queue = queue = Fifo(width=self.place_shape.size + len(owed),
                                           depth=self.options.pending)
-        m.d.sync += [push.eq(self.push), place.eq(self.place), owed.eq(-self.misses)]
+        m.d.sync += [push.eq(self.push), place.eq(self.place), owed.eq(_owed(self.missing))]
         m.d.comb += [
             queue.w_data.eq(Cat(place, owed)), queue.w_en.eq(push), queue.r_en.eq(load),
             Cat(following, following_owed).eq(queue.r_data),
@@ -139,8 +139,8 @@ class Retire(wiring.Component):
         ``comes``: in this clock a look-up becomes the oldest that has claimed ``-owed`` tiles.
         """
         # Below 0 as long as the oldest look-up has to wait. At most the tiles of all pending
-        # look-ups and of the one in the act stage.
-        most = self.options.tag_banks * (self.options.pending + 1)
+        # look-ups.
+        most = self.options.tag_banks * self.options.pending
         balance = Signal(signed(ceil_log2(most + 1) + 1))
         m.d.comb += enough.eq(self._enough(balance))
         with m.If(comes):
@@ -203,3 +203,11 @@ class Retire(wiring.Component):
             return place.word, place.row
         lane = place.lane[0]
         return lane.x[ceil_log2(self.word_bytes):], lane.y
+
+
+def _owed(missing):
+    """The negated number of bits that are set, of four or eight, by tables instead of adders."""
+    ones = [Array(Const(n.bit_count(), 3) for n in range(16))[missing[k:k + 4]]
+            for k in range(0, len(missing), 4)]
+    counts = range(1 << 3 * len(ones))
+    return Array(Const(-(n % 8 + n // 8), 5) for n in counts)[Cat(ones)].as_signed()

@@ -15,7 +15,7 @@ from ncdc_hdl.lib.memory import block_memory
 
 __all__ = ["TagMemory", "entry_layout"]
 
-_PARTS = 3      # a comparison of two tags is cut into so many, each of few bits
+_PARTS = 2      # a comparison of two tags is cut into so many, each of few bits
 
 
 def entry_layout(options):
@@ -35,12 +35,14 @@ def entry_layout(options):
 class TagMemory(wiring.Component):
     """Banks of entries, one entry per set; each look-up reads one of each bank.
 
-    The entries of a look-up leave the memory while it is in stage R, and are compared with its
-    tiles while it is in stage C; the result is there in stage D. A look-up in stage A writes all
-    entries that it touches when it leaves. What is written while an entry is on its way from the
-    memory to stage D does not reach it: see ``Ahead``.
+    The entries of a look-up leave the memory while it is in stage R, come to registers near the
+    logic while it is in stage L, and are compared with its tiles while it is in stage C; the result
+    is there in stage D. A look-up in stage A writes all entries that it touches when it leaves.
+    What is written while an entry is on its way from the memory to stage D does not reach it: there
+    the look-ups ahead decide, see ``Ahead``.
 
-    Timing: ``last_use`` follows ``entering`` after 2 shifts, ``same`` after 3.
+    Timing: ``last_use`` follows ``entering`` after 3 shifts, ``missing`` after 4; ``missing``
+    follows ``known`` and ``hit`` after 1.
 
     Parameters
     ----------
@@ -54,6 +56,8 @@ class TagMemory(wiring.Component):
         Tiles of the look-up that enters stage R with the next shift.
     compared : ``In(tiles_layout(options))``
         Tiles of the look-up in stage C.
+    known, hit : ``In(tag_banks)``
+        Of the look-up in stage C, as of ``Ahead``.
     leaving : ``In(tiles_layout(options))``
         Tiles of the look-up in stage A; ``need`` is zero if there is none.
     number : ``In(sequence_bits)``
@@ -64,8 +68,9 @@ class TagMemory(wiring.Component):
         The entries of this set are to be made invalid in this clock, as of ``Clearing``.
     last_use : ``Out(ArrayLayout(sequence_bits, tag_banks))``
         The last user of each entry of the look-up in stage C.
-    same : ``Out(tag_banks)``
-        Whether each entry of the look-up in stage D holds its tile, as far as the memory knows.
+    missing : ``Out(tag_banks)``
+        Whether each tile of the look-up in stage D is to be claimed; of none that it does not
+        need, and none if there is no look-up.
     """
 
     def __init__(self, options):
@@ -74,13 +79,15 @@ class TagMemory(wiring.Component):
             "shift": In(1),
             "entering": In(tiles_layout(options)),
             "compared": In(tiles_layout(options)),
+            "known": In(options.tag_banks),
+            "hit": In(options.tag_banks),
             "leaving": In(tiles_layout(options)),
             "number": In(options.sequence_bits),
             "push": In(1),
             "clearing": In(1),
             "clear_set": In(set_bits(options)),
             "last_use": Out(data.ArrayLayout(options.sequence_bits, options.tag_banks)),
-            "same": Out(options.tag_banks),
+            "missing": Out(options.tag_banks),
         })
 
     def elaborate(self, platform):
@@ -119,19 +126,24 @@ class TagMemory(wiring.Component):
 
     def _compare(self, m, bank, r_entry):
         """Compare the entry of one bank with the tile that the look-up needs of it."""
-        # C: the entry of the look-up in this stage.
+        # L, C: the entry of the look-up in this stage.
+        l_entry = Signal(entry_layout(self.options), name=f"l_entry{bank}", reset_less=True)
         c_entry = Signal(entry_layout(self.options), name=f"c_entry{bank}", reset_less=True)
-        # D: whether each part of the entry's tag was that of the tile sought.
-        d_same = Signal(_PARTS, name=f"d_same{bank}")
+        # D: whether each part of the entry's tag was that of the tile sought, or need not have
+        # been; of no look-up, as after a reset, nothing is missing.
+        d_same = Signal(_PARTS, name=f"d_same{bank}", init=-1)
         sought = bank_tile(self.compared, bank)
         pairs = zip(_parts(Cat(c_entry.pair_x, c_entry.pair_y, c_entry.valid)),
                     _parts(Cat(sought.pair_x, sought.pair_y, Const(1, 1))))
         with m.If(self.shift):
             m.d.sync += [
-                c_entry.eq(r_entry),
-                d_same.eq(Cat(held == wanted for held, wanted in pairs)),
+                l_entry.eq(r_entry),
+                c_entry.eq(l_entry),
+                d_same.eq(Cat(Mux(self.known[bank], self.hit[bank], held == wanted)
+                              for held, wanted in pairs)),
             ]
-        m.d.comb += [self.last_use[bank].eq(c_entry.last_use), self.same[bank].eq(d_same.all())]
+        m.d.comb += [self.last_use[bank].eq(c_entry.last_use),
+                     self.missing[bank].eq(~d_same.all())]
 
 
 def _parts(bits):

@@ -63,8 +63,8 @@ class FillRoom(_Fills):
         claimed, slots = self.queues
         read, words = dut.bus.read, dut.bus.burstcount
         due, some, stale = (inner(fragment, "commands", name) for name in ("due", "some", "stale"))
-        beat, outstanding = inner(fragment, "beat"), inner(fragment, "outstanding")
-        claim, came = inner(fragment, "claim"), inner(fragment, "came")
+        coming, outstanding = inner(fragment, "coming"), inner(fragment, "outstanding")
+        claim, came, complete = (inner(fragment, name) for name in ("claim", "came", "complete"))
         a_valid, row, o_valid, known = (inner(fragment, "requests", name)
                                         for name in ("a_valid", "row", "o__valid", "known"))
         relayed, free, offered, aside = (inner(fragment, "fence", "relay", name)
@@ -85,14 +85,14 @@ class FillRoom(_Fills):
         always(m, free | (relayed & (aside[ADDRESS_BITS:-1] == dut.burst)), "burst_aside")
         always(m, o_valid | (row == 0), "row")
         lost = taken_away(m, self.memory_rst, (asked != 0) | self.claim)
-        always(m, lost | (asked + came + beat == (claim + slots.level) * beats),
+        always(m, lost | (asked + coming + complete * beats == (claim + slots.level) * beats),
                "a_word_for_each_beat")
         always(m, ~lost | stale, "lost_is_stale")
         always(m, claimed.level <= slots.level, "a_place_for_each_claim")
         always(m, (outstanding == claim + slots.level) & (outstanding <= most), "outstanding")
         always(m, dut.credit == (outstanding != most), "credit_flag")
         always(m, ~known.any() | claimed.r_rdy, "known_is_there")
-        always(m, beat < beats, "beat")
+        always(m, ~complete | (came & (coming == 0)), "complete_with_its_last_word")
         # Slots are as far as tiles, or as far as they can be.
         (claimed_ready, _), (claimed_read, _) = claimed.output
         (slot_ready, _), (slot_read, _) = slots.output

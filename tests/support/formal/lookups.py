@@ -10,6 +10,7 @@ from formal.wrapper import Wrapper
 from ncdc_hdl.backend.cache.layouts import lookup_layout, row_bits
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
+from ncdc_hdl.lib.relay import Relay
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.interpolation import FAST
 
@@ -28,7 +29,7 @@ class _Parts(Elaboratable):
         m = Module()
         m.submodules.tags, m.submodules.retire = tags, retire = self.tags, self.retire
         m.d.comb += [retire.push.eq(tags.push), retire.place.eq(tags.place),
-                     retire.misses.eq(tags.misses), tags.retire.eq(retire.retire)]
+                     retire.missing.eq(tags.missing), tags.retire.eq(retire.retire)]
         return m
 
 
@@ -132,10 +133,17 @@ class Places(_Lookups):
             {"x": _BITS + 1, "y": _BITS + 1, "odd_frame": 1}))
         ahead = Signal.like(outstanding)              # fills until its own, included
         claimed, replaced = Signal(), Signal()
+        # Whose tiles are claimed: the same two stages as in ``Claims``, for the frame alone.
+        m.submodules.frames = frames = Relay(1)
+        relay, odd_frame = tags.claims.relay, Signal()
+        m.d.comb += [frames.i.valid.eq(tags.act.take), frames.i.payload.eq(tags.place.first),
+                     frames.o.ready.eq(relay.o.ready)]
+        with m.If(frames.o.valid & frames.o.ready):
+            m.d.sync += odd_frame.eq(frames.o.payload)
         m.d.comb += claimed.eq(tags.claim & (tags.tile.slot == self.watch))
         with m.If(claimed):
             m.d.sync += [holds.eq(0), held.x.eq(tags.tile.x), held.y.eq(tags.tile.y),
-                         held.odd_frame.eq(tags.place.first),
+                         held.odd_frame.eq(odd_frame),
                          ahead.eq(outstanding + 1 - self.filled), replaced.eq(replaced | holds)]
         with m.Elif(self.filled & (ahead != 0)):
             m.d.sync += ahead.eq(ahead - 1)
@@ -183,9 +191,13 @@ class Tokens(_Lookups):
             inner(fragment, "retire", name) for name in
             ("balance", "push", "owed", "oldest_valid", "b_valid"))
         a_valid = inner(fragment, "tags", "a_valid")
-        a_missing, a_misses, a_hit, a_open, a_final = (
-            inner(fragment, "tags", "act", name) for name in
-            ("a_missing", "a_misses", "a_hit", "a_open", "a_final"))
+        ahead, memory = self.tags.ahead, self.tags.memory
+        l_known, l_hit = (inner(fragment, "tags", "ahead", name) for name in ("l_known", "l_hit"))
+        a_hit = inner(fragment, "tags", "act", "a_hit")
+        left, done, final = (inner(fragment, "tags", "claims", name)
+                             for name in ("left", "done", "final"))
+        o_valid, o, free, aside = (inner(fragment, "tags", "claims", "relay", name)
+                                   for name in ("o__valid", "o", "free", "aside"))
         level, room, numbers, retirals = (
             inner(fragment, "tags", "pending", name) for name in
             ("level", "room", "numbers", "retirals"))
@@ -194,16 +206,26 @@ class Tokens(_Lookups):
         always(m, level <= most, "most_pending")
         always(m, room == (level != most), "room_flag")
         always(m, (numbers - retirals)[:len(numbers)] == level, "numbers")
-        claimed = a_misses
+        # Tiles still to be claimed: `need` is at the end of a look-up's tiles.
+        banks = self.options.tag_banks
+        claiming, next_one, second = left[-banks:], o[-banks:], aside[-banks:]
+        claimed = -(Mux(done, 0, sum(claiming)) + Mux(o_valid, sum(next_one), 0)
+                    + Mux(free, 0, sum(second)))
         for number, (there, own) in enumerate([(push, owed), *(
                 (there, item[-len(owed):].as_signed()) for there, item in places(m, queue))]):
             claimed = claimed - Mux(there, own, 0)
             always(m, ~there | ((own <= 0) & (own >= -self.options.tag_banks)), f"misses{number}")
-        always(m, a_misses + sum(a_missing) <= self.options.tag_banks, "misses_at_most_all")
-        always(m, a_valid | (a_misses == 0), "misses_of_a_lookup")
-        always(m, a_hit == ~(a_valid & a_missing.any()), "hit_flag")
-        always(m, ~a_open | ~a_hit, "open_flag")
-        always(m, a_final == (a_open & (sum(a_missing) == 1)), "final_flag")
+        # An empty stage misses nothing.
+        always(m, ahead.l_valid | (l_known & l_hit).all(), "known_of_none_before")
+        always(m, ahead.c_valid | (ahead.known & ahead.hit).all(), "known_of_none")
+        always(m, ahead.d_valid | ~memory.missing.any(), "missed_by_none")
+        always(m, a_valid | ~self.tags.act.missing.any(), "claimed_for_none")
+        always(m, a_hit == ~self.tags.act.missing.any(), "hit_flag")
+        always(m, done | claiming.any(), "some_to_claim")
+        always(m, ~done | ~final, "final_one")
+        always(m, done | (final == (sum(claiming) == 1)), "final_flag")
+        always(m, ~o_valid | next_one.any(), "some_to_claim_next")
+        always(m, free | (o_valid & second.any()), "some_to_claim_then")
         # What the oldest look-up waits for is under way.
         always(m, balance >= Mux(oldest_valid, -self.options.tag_banks, 0), "most_awaited")
         always(m, balance + outstanding == claimed, "tokens_and_fills")

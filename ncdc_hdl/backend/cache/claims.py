@@ -1,0 +1,104 @@
+"""Claims the tiles that look-ups miss, behind the stages that found them missing."""
+
+from amaranth import *
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.backend.cache.layouts import row_bits, tile_layout, tiles_layout
+from ncdc_hdl.lib.relay import Relay
+
+__all__ = ["Claims"]
+
+
+class Claims(wiring.Component):
+    """Claims the missing tiles of each look-up, one per clock by ascending bank.
+
+    A tile is claimed in each clock in which there is one and there is credit. Three look-ups are
+    under way here at most: one whose tiles are claimed, and two that wait, see :class:`Relay`.
+
+    Timing: ``latency`` clocks from a look-up to its first claim; no clock is lost between two
+    look-ups. ``claim`` follows ``credit`` at once.
+
+    Parameters
+    ----------
+    options : CacheOptions
+
+    Members
+    -------
+    i : ``In(stream.Signature(tiles_layout(options)))``
+        The tiles of a look-up, ``need`` telling which are missing, one at least.
+    credit : ``In(1)``
+        A tile may be claimed.
+    claim, tile : ``Out(1)``, ``Out(tile_layout(options))``
+        A tile is claimed in this clock.
+    waiting : ``Out(1)``
+        There is a tile to claim, and no credit.
+    """
+
+    latency = Relay.latency + 1
+    """Clocks from a look-up to its first claim: the relay, ``left``."""
+
+    def __init__(self, options):
+        self.options = options
+        self.relay = Relay(tiles_layout(options))
+        super().__init__({
+            "i": In(stream.Signature(tiles_layout(options))),
+            "credit": In(1),
+            "claim": Out(1),
+            "tile": Out(tile_layout(options)),
+            "waiting": Out(1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.relay = relay = self.relay
+        wiring.connect(m, wiring.flipped(self.i), relay.i)
+        # A look-up, of which those tiles are needed that are not yet claimed.
+        left = Signal(self.i.payload.shape(), reset_less=True)
+        done = Signal(init=1)                   # there are none
+        final = Signal()                        # there is one
+        bank = Signal(self.options.tag_banks)   # the bit of the lowest one
+        m.d.comb += [
+            bank.eq(Cat(bit & ~left.need[:k].any() for k, bit in enumerate(left.need))),
+            self.claim.eq(~done & self.credit),
+            self.waiting.eq(~done & ~self.credit),
+            relay.o.ready.eq(done | (final & self.credit)),
+        ]
+        with m.If(relay.o.valid & relay.o.ready):
+            one, two, _ = _at_least(relay.o.p.need)
+            m.d.sync += [left.eq(relay.o.p), done.eq(0), final.eq(one & ~two)]
+        with m.Elif(self.claim):
+            _, two, three = _at_least(left.need)
+            m.d.sync += [left.need.eq(left.need & ~bank), done.eq(final), final.eq(two & ~three)]
+        self._tile(m, left, bank)
+        return m
+
+    def _tile(self, m, left, bank):
+        """The tile of the look-up ``left`` in ``bank``, and its slot."""
+        # The number of the bank's bit, of which that of the column is the lowest bit.
+        px, *rows = (Cat(bit for k, bit in enumerate(bank) if k >> n & 1).any()
+                     for n in range(1 + row_bits(self.options)))
+        py = Cat(rows)
+        chosen_set = Mux(px, left.set_x[1], left.set_x[0]) | _chosen(left.set_y, rows)
+        m.d.comb += [
+            self.tile.x.eq(Cat(px, Mux(px, left.pair_x[1], left.pair_x[0]))),
+            self.tile.y.eq(Cat(py, _chosen(left.pair_y, rows))),
+            self.tile.slot.eq(Cat(chosen_set, px, py)),
+        ]
+
+
+def _at_least(bits):
+    """(Whether one bit is set, whether two are, whether three are.)"""
+    parts = [(bit, Const(0), Const(0)) for bit in bits]
+    while len(parts) > 1:
+        parts = [(a | d, b | e | (a & d), c | f | (a & e) | (b & d))
+                 for (a, b, c), (d, e, f) in zip(parts[::2], parts[1::2])]
+    return parts[0]
+
+
+def _chosen(values, bits):
+    """Element of ``values`` whose number has the binary digits ``bits``, the lowest one first."""
+    values = list(values)
+    for bit in bits:
+        values = [Mux(bit, odd, even) for even, odd in zip(values[::2], values[1::2])]
+    return values[0]
