@@ -233,7 +233,7 @@ PROOFS = {
     "tokens": (Tokens, "prove", 2),
     "progress": (Progress, "prove", 11),
     "fill order": (FillOrder, "bmc", 20),
-    "places": (Places, "bmc", 14),
+    "places": (Places, "bmc", 15),
     "turns of SDRAM hosts": (TurnsCome, "prove", 2),
     "turns of a reader and a writer": (lambda: TurnsCome(reads=1), "prove", 2),
     "bursts cut at rows": (BurstsCut, "prove", 2),
@@ -251,12 +251,12 @@ LONG = {
     "SDRAM commands, words of two beats": (lambda: SdramCommands(16), "prove", 24),
     "words read from SDRAM": (lambda: WordsRead(reads=1), "bmc", 25),
     "progress, gradient": (lambda: Progress(needs=GRADIENT), "prove", 15),
-    "places, gradient": (lambda: Places(needs=GRADIENT), "bmc", 14),
+    "places, gradient": (lambda: Places(needs=GRADIENT), "bmc", 15),
     "fill order": (FillOrder, "bmc", 25),
     "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 25),
-    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 15)
+    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 16)
        for split in range(3)},
-    "places of one bank": (lambda: Places(one_bank=True), "bmc", 17),
+    "places of one bank": (lambda: Places(one_bank=True), "bmc", 18),
 }
 COVERS = {
     "commands": (Commands, 14, {"full", "dropped", "forgotten", "memory_first"}),
@@ -274,7 +274,7 @@ COVERS = {
     "tokens": (Tokens, 26, {"full", "tokens_to_come"}),
     "progress": (Progress, 25, {"full", "tokens_to_come", "waits"}),
 }
-LONG_COVERS = {"places": (Places, 24, {"replaced", "interlock", "next_frame"})}
+LONG_COVERS = {"places": (Places, 27, {"replaced", "interlock", "next_frame"})}
 # The last turn that a host may have to wait for, of each.
 _TURNS = {f"last_{host}" for host in ("video", "write", "read0", "read1")}
 COVERS |= {

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 
+from ncdc.bench.synth.board import board_core
 from ncdc.bench.synth.camera import CameraBlocks
 from ncdc_boards.sdram.chips import IS42S16320D_7, ULX3S_32MB, beside
 from ncdc_boards.sdram.controller import SdramController
@@ -27,9 +28,10 @@ from ncdc_model.hardware import Hardware
 from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_model.tansig import design_for
 
-__all__ = ["BLOCKS", "component", "traits"]
+__all__ = ["BLOCKS", "ONLY", "component", "traits"]
 
 _GEOMETRY = Geometry(1280, 1024, 1280, 1024)
+_SCREEN = Geometry(640, 480, 640, 480)     # what boards show
 _CACHE = CacheOptions.of_bytes(32 << 10)
 _GRADIENT_CACHE = CacheOptions.of_bytes(32 << 10, GRADIENT)
 _DATA_WIDTH = 32
@@ -50,15 +52,15 @@ def traits(part):
 
 
 @cache
-def _descriptor(hidden_neurons, variant, nodes=1, interpolation=FAST):
+def _descriptor(hidden_neurons, variant, nodes=1, interpolation=FAST, geometry=_GEOMETRY):
     """A descriptor of arbitrary weights: they are reset values of registers, the size is theirs
     whatever they are. Every pixel has a source."""
     rng = np.random.default_rng(hidden_neurons)
     network = FloatNetwork(rng.uniform(-2, 2, (hidden_neurons, 2)),
                            rng.uniform(-1, 1, hidden_neurons),
                            rng.uniform(-500, 500, (2, hidden_neurons)), np.array([640.0, 512.0]))
-    valid = ValidRows.of_mask(np.ones(_GEOMETRY.corrected[::-1], bool))
-    geometry = replace(_GEOMETRY, interpolation=interpolation)
+    valid = ValidRows.of_mask(np.ones(geometry.corrected[::-1], bool))
+    geometry = replace(geometry, interpolation=interpolation)
     return Descriptor.quantise(network, geometry, valid, variant=variant, nodes=nodes)
 
 
@@ -93,6 +95,10 @@ def _smallest(variant):
 def _four_lanes(variant, interpolation=FAST):
     """Four pixels per clock, for which the memory's port must be wide."""
     return _core(16, variant, _NODES, interpolation=interpolation, lanes=4, data_width=128)
+
+
+def _board(name):
+    return lambda bits: board_core(name, _descriptor(8, "table", _NODES, GRADIENT, _SCREEN))
 
 
 def _sdram(chip, data_width):
@@ -139,4 +145,7 @@ BLOCKS = {
              "HN 16, nodes, 4 lanes": _four_lanes("mmhbc"),
              "HN 16, nodes, 4 lanes, table": _four_lanes("table"),
              "HN 16, nodes, 4 lanes, table, gradient": _four_lanes("table", GRADIENT)},
+    "board": {"DE0-CV, HN 8": _board("de0-cv"), "DE2-115, HN 8": _board("de2-115")},
 }
+ONLY = {"DE0-CV, HN 8": "cyclonev", "DE2-115, HN 8": "cycloneiv"}
+"""The one target of variants that are made for it."""

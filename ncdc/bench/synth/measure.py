@@ -4,7 +4,7 @@ import inspect
 import json
 from statistics import median
 
-from ncdc.bench.synth.blocks import component, traits
+from ncdc.bench.synth.blocks import ONLY, component, traits
 from ncdc.bench.synth.ecp5_netlist import (
     adder_inputs,
     cells,
@@ -52,7 +52,7 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
     block, variant : str
         Of ``ncdc.bench.synth.blocks.BLOCKS``.
     targets : sequence of str
-        Of :data:`TARGETS`.
+        Of :data:`TARGETS`; what a variant is not made for is left out.
     seeds : int
         Placements on ECP5; the median clock counts.
     progress : callable
@@ -77,6 +77,8 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
     """
     rows = []
     for target in targets:
+        if ONLY.get(variant, target) != target:
+            continue
         progress(f"{target}: Verilog")
         bits = _MULTIPLIER_BITS[target]
         part = component(block, variant, bits)
