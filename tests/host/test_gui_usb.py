@@ -5,8 +5,8 @@ import socket
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QSettings
 from pyftdi.usbtools import UsbTools
+from PySide6.QtCore import QSettings
 
 from guis import SECONDS, announced, pixels_of, url_of
 from ncdc_host.gui.main_window import MainWindow
