@@ -4,13 +4,14 @@ from dataclasses import dataclass
 
 from litedram import modules
 from litedram.core.controller import ControllerSettings
+from litedram.frontend.dma import LiteDRAMDMAWriter
 from litedram.phy.model import SDRAMPHYModel, get_sdram_phy_settings
 from litex.build.generic_platform import Pins, Subsignal
 from litex.build.sim import SimPlatform
 from litex.gen import LiteXModule
 from litex.soc.integration.soc_core import SoCCore
 from litex.soc.interconnect import wishbone
-from migen import ClockDomain
+from migen import Cat, ClockDomain
 
 from ncdc_soc.module import NCDC
 from ncdc_soc.verilog import litex_verilog
@@ -59,12 +60,15 @@ class ModuleSoc(SoCCore):
         Whether LiteDRAM's controller changes direction less often than it does by itself: after at
         most 128 clocks of reads while a write waits, 64 of writes while a read does (its own: 32
         and 16), with queues of 16 commands (8).
+    record : bool
+        Whether LiteDRAM's DMA writes the video into memory, four bytes a pixel, blue first; else it
+        is at the pins.
     """
 
     mem_map = {**SoCCore.mem_map, "rom": 0, "sram": 0x1000_0000, "main_ram": MAIN_RAM,
                "csr": 0xF000_0000}
 
-    def __init__(self, platform, net, hardware, cpu, folder, long_turns=False):
+    def __init__(self, platform, net, hardware, cpu, folder, long_turns=False, record=False):
         SoCCore.__init__(
             self, platform, CLOCK_HZ, cpu_type=cpu, ident="", with_uart=False, with_timer=False,
             integrated_rom_size=_ROM_BYTES if cpu else 0, integrated_rom_init=[0] if cpu else [],
@@ -79,9 +83,16 @@ class ModuleSoc(SoCCore):
         self.bus.add_slave("ncdc", self.ncdc.bus, self.ncdc.region(REGISTERS))
         if self.irq.enabled:
             self.irq.add("ncdc", use_loc_if_exists=True)
-        self._pins(platform)
+        self._pins(platform, self._record() if record else self.ncdc.source)
 
-    def _pins(self, platform):
+    def _record(self):
+        source = self.ncdc.source
+        self.writer = writer = LiteDRAMDMAWriter(
+            self.sdram.crossbar.get_port(mode="write", data_width=32), with_csr=True)
+        self.comb += [writer.sink.valid.eq(source.valid), source.ready.eq(writer.sink.ready),
+                      writer.sink.data.eq(Cat(source.b, source.g, source.r))]
+
+    def _pins(self, platform, source):
         host, pins = wishbone.Interface(data_width=32, adr_width=30), platform.request("host")
         self.bus.add_master("host", host)
         self.comb += [getattr(host, name).eq(getattr(pins, name))
@@ -89,7 +100,7 @@ class ModuleSoc(SoCCore):
         self.comb += [getattr(pins, name).eq(getattr(host, name))
                       for name in ("dat_r", "ack", "err")]
         self.comb += platform.request("frame_irq").eq(self.ncdc.ev.irq)
-        video, source = platform.request("video"), self.ncdc.source
+        video = platform.request("video")
         if source is not None:
             self.comb += source.ready.eq(video.ready)
             self.comb += [getattr(video, name).eq(getattr(source, name))
@@ -114,11 +125,12 @@ class ModuleSocVerilog:
     registers: dict
 
 
-def module_soc_verilog(net, hardware, cpu, folder, long_turns=False):
+def module_soc_verilog(net, hardware, cpu, folder, long_turns=False, record=False):
     """:class:`ModuleSocVerilog` of a :class:`ModuleSoc`, whose parameters these are."""
     platform = SimPlatform("SIM", _PINS)
     soc, text = litex_verilog(
-        platform, lambda: ModuleSoc(platform, net, hardware, cpu, folder, long_turns), "ncdc_litex")
+        platform, lambda: ModuleSoc(platform, net, hardware, cpu, folder, long_turns, record),
+        "ncdc_litex")
     registers = {f"{bank}_{csr.name}": region.origin + 4 * offset
                  for bank, region in soc.csr_regions.items() if isinstance(region.obj, list)
                  for offset, csr in enumerate(region.obj)}

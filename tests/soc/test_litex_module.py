@@ -47,6 +47,10 @@ def test_frames_leave_as_litex_s_video_whatever_the_sink_does(sink):
     assert (run.clocks[0] > 4 * 64 * 48) == (sink == 60)
 
 
+def test_litex_s_dma_takes_the_video():
+    check(simulate_module(*camera(64, 48), STREAM, frames=2, record=True), 2, 64 * 48)
+
+
 @pytest.mark.regress
 def test_a_processor_that_copies_memory_costs_clocks_and_no_pixel():
     need("riscv64-unknown-elf-gcc")

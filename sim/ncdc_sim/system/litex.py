@@ -56,6 +56,8 @@ _PROGRAMS = {
         j    0b
     """}
 _COPIED = MAIN_RAM + 0x200_0000
+_RECORDED = 0x180_0000      # where in memory LiteDRAM's DMA writes the video
+_WRITTEN = 400              # clocks in which its queue is empty
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ class ModuleRun:
 
 
 def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none", frames=1,
-                    sink=256, cut=(), long_turns=False):
+                    sink=256, cut=(), long_turns=False, record=False):
     """:class:`ModuleRun` of a system that corrects the ``raw`` frame ``frames`` times.
 
     Parameters
@@ -102,7 +104,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
         How often, of 256 clocks, the sink of a stream is ready.
     cut : sequence of int
         Frames before these: the whole system is reset so many clocks after each one's start.
-    long_turns : bool
+    long_turns, record : bool
         Of :class:`ncdc_soc.module_soc.ModuleSoc`.
 
     Raises
@@ -115,7 +117,8 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         rom = None if cpu == "none" else _assembled(cpu, _rows(descriptor)["STATUS"], folder)
-        soc = module_soc_verilog(descriptor, hardware, rom and "vexriscv", folder, long_turns)
+        soc = module_soc_verilog(descriptor, hardware, rom and "vexriscv", folder, long_turns,
+                                 record)
         sources = [("ncdc_litex.v", soc.text),
                    *((Path(path).name, Path(path).read_text()) for path in soc.sources)]
         # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
@@ -125,33 +128,38 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
             (folder / "ncdc_litex_rom.init").write_text(rom)
             (folder / "ncdc_litex_sram.init").write_text("0\n")
         geometry = descriptor.geometry
-        _fill(folder, soc, descriptor, hardware, raw, (cut, frames))
+        _fill(folder, soc, descriptor, hardware, raw, (cut, frames, record))
         lines = []
         limit = 200_000 + 100 * (raw.size + frames * geometry.corrected_width
                                  * geometry.corrected_height)
         run([*command_of(program), f"+clocks={limit}", f"+sink={sink}"], folder, lines.append)
         if any(line.startswith("FAILED") for line in lines):
             raise SimulationError("\n".join(lines[-20:]))
-        output = (folder / ("video.bin" if hardware.stream else "output.bin")).read_bytes()
-    return _result(_expected(descriptor, hardware, raw), output, lines, frames, soc.registers)
+        at_the_pins = hardware.stream and not record
+        output = (folder / ("video.bin" if at_the_pins else "output.bin")).read_bytes()
+    return _result(_expected(descriptor, hardware, raw, record), output, lines, frames,
+                   soc.registers)
 
 
 def _fill(folder, soc, descriptor, hardware, raw, frames):
     """Write what the program reads: the raw frame, the operations."""
     geometry = descriptor.geometry
     places = FramePlaces.after_reset(geometry, hardware.data_width)
-    size = 0 if hardware.stream else target_bytes(geometry, hardware.data_width,
-                                                  output_format(hardware.format))
+    stored = output_format("BGRX8" if hardware.stream else hardware.format)
+    record = frames[-1]
+    size = 0 if hardware.stream and not record else target_bytes(geometry, hardware.data_width,
+                                                                 stored)
+    target = _RECORDED if record else places.target
     source = raw_image(raw, places.pitch).ljust(source_bytes(geometry, places.pitch), b"\0")
     (folder / "source.bin").write_bytes(source)
-    operations = _program(descriptor, soc.registers, places.target, size, frames)
+    operations = _program(descriptor, soc.registers, target, size, frames)
     (folder / "program.txt").write_text("\n".join(operations) + "\n")
 
 
 def _program(descriptor, csrs, target, size, frames):
     """Operations of the master on the bus, see ``litex_main.cpp``; ``frames``: the clocks after
-    which some are cut, the number of others."""
-    cut, whole = frames
+    which some are cut, the number of others, whether LiteDRAM's DMA writes them."""
+    cut, whole, record = frames
     rows, pending = _rows(descriptor), csrs["ncdc_ev_pending"]
     yield f"l {MAIN_RAM:x}"
     for clocks in cut:
@@ -160,12 +168,17 @@ def _program(descriptor, csrs, target, size, frames):
     yield f"w {csrs['ncdc_ev_enable']:x} 1"
     for _ in range(whole):
         yield from (f"w {MAIN_RAM + target + k:x} 5a5a5a5a" for k in range(0, min(size, 64), 4))
+        if record:
+            yield from (f"w {csrs[f'writer_{name}']:x} {value:x}" for name, value in (
+                ("base", target), ("length", size), ("enable", 0), ("enable", 1)))
         yield f"w {rows['CTRL']:x} {CTRL_START:x}"
         yield "i"
         yield f"r {pending:x}"
         yield f"w {rows['STATUS']:x} {STATUS_DONE:x}"
         yield f"r {pending:x}"
         yield f"r {rows['CLOCKS']:x}"
+        if record:
+            yield f"p {_WRITTEN:x}"
         if size:
             yield f"d {MAIN_RAM + target:x} {size:x}"
 
@@ -176,10 +189,12 @@ def _rows(descriptor):
     return {one.name: REGISTERS + 4 * one.address for one in table}
 
 
-def _expected(descriptor, hardware, raw):
+def _expected(descriptor, hardware, raw, record):
     """Bytes of each pixel of a frame, (pixels, bytes of one)."""
     picture = correct(descriptor, raw).picture
-    if not hardware.stream:
+    if record:
+        picture = stored_bytes(picture, output_format("BGRX8"))
+    elif not hardware.stream:
         picture = stored_bytes(picture, output_format(hardware.format))
     return picture.reshape(-1, picture.shape[-1])
 
