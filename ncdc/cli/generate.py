@@ -7,6 +7,7 @@ from ncdc.cli.common import add_json, raw_frame, write_report
 from ncdc.cli.hardware import add_bus, add_hardware, fixed_of, front_end_line, hardware_of, planned
 from ncdc_boards.catalogue import board as board_of
 from ncdc_boards.platform_designer.board import DesignerBoard
+from ncdc_boards.platform_designer.niosv import NIOSV, niosv_tcl
 from ncdc_boards.platform_designer.project import project_files
 from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.corrector import Corrector
@@ -69,6 +70,9 @@ def add_arguments(parser):
     parser.add_argument("--packetiser", action="store_true",
                         help="write ncdc_packetiser.v too, which sends frames in memory as "
                              "Ethernet packets, and its component of Platform Designer")
+    parser.add_argument("--niosv", action="store_true",
+                        help="with --system and --packetiser: also a script that joins them with a "
+                             "Nios V and Altera's MAC in Platform Designer")
     parser.add_argument("--testbench", nargs="?", const="", metavar="FRAME",
                         help="write a self-checking test bench for any simulator too, with the raw "
                              "frame and the expected picture; of FRAME, or of a pattern")
@@ -106,7 +110,10 @@ def run(args):
         if args.testbench is not None:
             files |= _bench(corrector, files, args.testbench)
     if args.packetiser:
-        files |= _packetiser_files(hardware.data_width)
+        packetiser = PacketiserTop(hardware.data_width)
+        files |= _packetiser_files(packetiser)
+        if args.niosv:
+            files[f"{NIOSV}.tcl"] = niosv_tcl(hardware.data_width, system, packetiser)
     [module] = [name.removesuffix(".v") for name in files if name in _MODULES]
     files[f"{module}_template.vh"] = instantiation(files[f"{module}.v"], module)
     if board:
@@ -139,7 +146,10 @@ def _board(name):
 
 
 def _check_parts(args, hardware):
-    """Refuse USB where there is nothing behind it."""
+    """Refuse parts where what they stand on is missing."""
+    if args.niosv and not (args.system and args.packetiser and not hardware.axi):
+        raise InputError("--niosv is given, it needs --system and --packetiser, for avalon: these "
+                         "are what it joins")
     if args.usb and not args.system:
         raise InputError(f"--usb {args.usb} is given, it needs --system: its pictures are those of "
                          f"a frame store")
@@ -150,9 +160,8 @@ def _check_parts(args, hardware):
                          "sensor's registers")
 
 
-def _packetiser_files(data_width):
+def _packetiser_files(packetiser):
     """Text of the packetiser's files, by file name."""
-    packetiser = PacketiserTop(data_width)
     return {f"{PACKETISER}.v": module_verilog(packetiser, PACKETISER),
             f"{PACKETISER}_hw.tcl": packetiser_hw_tcl(packetiser)}
 

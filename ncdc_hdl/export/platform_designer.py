@@ -152,9 +152,9 @@ def _properties(name, kind, direction, core):
     if kind == "avalon_streaming":
         symbols = Shape.cast(core.signature.members["stream_data"].shape).width // 8
         if "stream_empty" in core.signature.members:
-            # Bytes of a packet: the first one is lowest.
+            # Bytes of a packet: the first one is highest.
             return own | {"dataBitsPerSymbol": 8, "symbolsPerBeat": symbols,
-                          "firstSymbolInHighOrderBits": "false", "readyLatency": 0}
+                          "firstSymbolInHighOrderBits": "true", "readyLatency": 0}
         # Red first; of several pixels, the leftmost first, which is in the lowest bits.
         return own | {"dataBitsPerSymbol": 8, "symbolsPerBeat": symbols,
                       "firstSymbolInHighOrderBits": str(symbols == 3).lower(),

@@ -26,7 +26,7 @@ class PacketiserTop(wiring.Component):
     -------
     csr_* : Avalon-MM agent
     read_* : Avalon-MM read host
-    stream_* : Avalon-ST source, 32 bits, the first byte lowest, with ``empty``
+    stream_* : Avalon-ST source, 32 bits, the first byte highest as MACs have it, with ``empty``
     memory_rst, irq :
         As of the packetiser.
     """
@@ -50,7 +50,8 @@ class PacketiserTop(wiring.Component):
             m.d.sync += begins.eq(beat.p.last)
         m.d.comb += [
             self.stream_valid.eq(beat.valid), beat.ready.eq(self.stream_ready),
-            self.stream_data.eq(beat.p.data), self.stream_empty.eq(beat.p.empty),
+            self.stream_data.eq(Cat(beat.p.data.word_select(3 - k, 8) for k in range(4))),
+            self.stream_empty.eq(beat.p.empty),
             self.stream_startofpacket.eq(begins), self.stream_endofpacket.eq(beat.p.last),
             packetiser.memory_rst.eq(self.memory_rst), self.irq.eq(packetiser.irq)]
         return m

@@ -15,6 +15,8 @@ from ncdc_boards.catalogue import board, board_names
 from ncdc_boards.platform_designer.faka2 import BOARD as FAKA2
 from ncdc_boards.platform_designer.system import CSR_BASE
 from ncdc_model.errors import InputError
+from ncdc_model.interface.link_map import LINK_WORDS_BITS
+from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
 
 RECORDER = Path(__file__).parents[1] / "support" / "tcl" / "record.tcl"
 KINDS = {"_hw.tcl": "hw", "_qsys.tcl": "qsys", ".qsf": "qsf", ".sdc": "sdc"}
@@ -31,9 +33,9 @@ def projects(tmp_path_factory):
     return {name: folder / str(name) for name in (None, "faka2")}
 
 
-def run_tcl(path):
-    """Calls that a Tcl file makes: lists of words."""
-    kind = next(kind for ending, kind in KINDS.items() if path.name.endswith(ending))
+def run_tcl(path, kind=None):
+    """Calls that a Tcl file makes: lists of words. ``kind``: if its name does not tell."""
+    kind = kind or next(kind for ending, kind in KINDS.items() if path.name.endswith(ending))
     done = subprocess.run(["tclsh", RECORDER, kind, path], stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True, cwd=path.parent)
     assert done.returncode == 0, done.stderr
@@ -109,6 +111,84 @@ def test_system_connects_what_exists(projects):
     exports = {call[1] for call in calls if call[0] == "add_interface"}
     named = re.findall(r"^- `(\w+)`", (projects[name] / "PORTS.md").read_text(), re.M)
     assert set(named) == exports
+
+
+# Interfaces of the vendor's components, as scripts for qsys-script of other projects have them.
+VENDOR = {
+    "clock_source": "clk_in clk_in_reset clk clk_reset",
+    "intel_niosv_m": "clk reset data_manager instruction_manager platform_irq_rx timer_sw_agent "
+                     "dm_agent",
+    "altera_avalon_onchip_memory2": "clk1 reset1 s1",
+    "altera_avalon_jtag_uart": "clk reset avalon_jtag_slave irq",
+    "altera_avalon_mm_bridge": "clk reset s0 m0",
+    "altera_eth_tse": "control_port_clock_connection reset_connection transmit_clock_connection "
+                      "receive_clock_connection control_port transmit receive "
+                      "pcs_mac_tx_clock_connection pcs_mac_rx_clock_connection "
+                      "mac_rgmii_connection mac_mdio_connection mac_status_connection "
+                      "mac_misc_connection",
+    "altera_msgdma": "clock reset_n csr csr_irq descriptor_slave response mm_read mm_write "
+                     "st_source st_sink",
+    "multiplexer": "clk reset in0 in1 out",
+    "altera_avalon_st_channel_stripper": "clk reset in out"}
+
+
+@pytest.fixture(scope="module")
+def niosv(projects, tmp_path_factory):
+    """Calls of the Nios V's script; interfaces of each of its instances, ours by their files."""
+    folder = tmp_path_factory.mktemp("niosv")
+    assert main(["generate", str(projects["faka2"].parent / "net.toml"), "-o", str(folder),
+                 "--system", "--packetiser", "--niosv"]) == 0
+    calls = run_tcl(folder / "ncdc_niosv.tcl", "qsys")
+    found = {}
+    for _, name, kind in (call for call in calls if call[0] == "add_instance"):
+        if kind in VENDOR:
+            found[name] = set(VENDOR[kind].split())
+        else:
+            found[name] = {call[1] for call in run_tcl(folder / f"{kind}_hw.tcl")
+                           if call[0] == "add_interface"}
+    return calls, found
+
+
+def test_niosv_joins_what_exists(niosv):
+    calls, found = niosv
+    ends = [end for call in calls if call[0] == "add_connection" for end in call[1:3]]
+    ends += [call[3] for call in calls if call[0] == "set_interface_property"]
+    used = {name: set() for name in found}
+    for instance, interface in (end.split(".") for end in ends):
+        assert interface in found[instance], (instance, interface)
+        used[instance].add(interface)
+    for ours in ("ncdc_0", "packets_0"):
+        assert used[ours] == found[ours], "an interface is neither connected nor exported"
+    sinks = [call[2] for call in calls if call[0] == "add_connection"]
+    for instance in set(found) - {"clk_0"}:
+        assert any(sink.startswith(f"{instance}.") and "reset" in sink for sink in sinks)
+
+
+def test_niosv_s_addresses_do_not_overlap(niosv):
+    calls, _ = niosv
+    bases = {call[1]: int(call[3], 16) for call in calls
+             if call[0] == "set_connection_parameter_value" and call[2] == "baseAddress"}
+    sizes = {"ram_0.s1": 128 << 10, "cpu_0.dm_agent": 64 << 10, "cpu_0.timer_sw_agent": 64,
+             "uart_0.avalon_jtag_slave": 8, "mac_0.control_port": 1 << 10, "receive_0.csr": 32,
+             "receive_0.descriptor_slave": 32, "receive_0.response": 8, "send_0.csr": 32,
+             "send_0.descriptor_slave": 32, "packets_0.csr": 4 << LINK_WORDS_BITS,
+             "ncdc_0.csr": 4 << SYSTEM_WORDS_BITS, "memory_0.s0": 1 << 28}
+    for host in ("cpu_0.data_manager", "cpu_0.instruction_manager"):
+        spans = sorted((base, base + sizes[name.partition("/")[2]]) for name, base in bases.items()
+                       if name.startswith(f"{host}/"))
+        assert all(base % (end - base) == 0 for base, end in spans)
+        assert all(end <= base for (_, end), (base, _) in zip(spans, spans[1:]))
+    assert {base for name, base in bases.items() if not name.startswith("cpu_0")} == {0}
+    numbers = [call[3] for call in calls
+               if call[0] == "set_connection_parameter_value" and call[2] == "irqNumber"]
+    assert sorted(numbers) == [str(k) for k in range(5)]
+
+
+def test_niosv_needs_what_it_joins(projects, tmp_path, capsys):
+    net = projects["faka2"].parent / "net.toml"
+    assert main(["generate", str(net), "-o", str(tmp_path / "out"), "--niosv"]) == 2
+    assert "--niosv is given, it needs --system and --packetiser" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_board_without_published_pins_says_so(projects):

@@ -6,11 +6,14 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from amaranth import Module
+from amaranth.sim import Simulator
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
 from ncdc_hdl.export.platform_designer import packetiser_hw_tcl
 from ncdc_hdl.export.verilog import module_verilog
+from ncdc_hdl.link.packetiser import Packetiser
 from ncdc_hdl.link.top import PACKETISER, PacketiserTop
 
 RECORDER = Path(__file__).parents[1] / "support" / "tcl" / "record.tcl"
@@ -96,12 +99,12 @@ def test_a_camera_system_has_what_a_board_connects(system_folder):
         "csr", "read0", "read1", "write"}
 
 
-def test_packets_have_their_first_byte_lowest(folder):
+def test_packets_have_their_first_byte_highest(folder):
     calls = calls_of(folder / "ncdc_packetiser_hw.tcl")
     properties = {call[2]: call[3] for call in calls
                   if call[0] == "set_interface_property" and call[1] == "stream"}
     assert properties["symbolsPerBeat"] == "4"
-    assert properties["firstSymbolInHighOrderBits"] == "false"
+    assert properties["firstSymbolInHighOrderBits"] == "true"
 
 
 def test_a_port_that_the_verilog_lacks_is_found(folder):
@@ -121,3 +124,22 @@ def test_what_does_not_go_together(net, capsys, options, text):
     target = net.parent / "nothing"
     assert main(["generate", str(net), "-o", str(target), *options]) == 2
     assert text in capsys.readouterr().err and not target.exists()
+
+
+def test_first_byte_of_a_packet_is_highest(monkeypatch):
+    """As Altera's MAC and DMAs have it, so that they can be joined."""
+    monkeypatch.setattr(Packetiser, "elaborate", lambda self, platform: Module())
+    top = PacketiserTop()
+    packets = top.packetiser.o
+
+    async def bench(ctx):
+        ctx.set(packets.p.data, int.from_bytes(b"\x11\x22\x33\x44", "little"))
+        ctx.set(packets.p.empty, 1)         # the last byte is none
+        await ctx.delay(1e-9)
+        assert ctx.get(top.stream_data).to_bytes(4, "big")[:3] == b"\x11\x22\x33"
+        assert ctx.get(top.stream_empty) == 1
+
+    simulator = Simulator(top)
+    simulator.add_clock(1e-8)
+    simulator.add_testbench(bench)
+    simulator.run()

@@ -1,6 +1,7 @@
 """The processor in Platform Designer, and bridges to it, as a script for ``qsys-script``."""
 
 from ncdc_boards.hps_board.ports import BURST_WORDS, PORTS, SYSTEM
+from ncdc_boards.platform_designer.script import connect, exported, header, instance
 
 __all__ = ["EXPORTS", "system_tcl"]
 
@@ -20,16 +21,12 @@ def system_tcl(board):
     The registers are at the beginning of the lightweight bridge. The processor's own pins
     (Ethernet, card, serial port) are left out: whoever boots it, U-Boot, has set them up.
     """
-    lines = [
-        f"# Makes {SYSTEM}.qsys: qsys-script --script={SYSTEM}.tcl",
-        "package require -exact qsys 16.1", "", f"create_system {SYSTEM}",
-        f"set_project_property DEVICE_FAMILY {{{board.family}}}",
-        f"set_project_property DEVICE {board.device}", ""]
-    lines += _instance("clk_0", "clock_source", {
+    lines = header(SYSTEM, board.family, board.device)
+    lines += instance("clk_0", "clock_source", {
         "clockFrequency": round(board.core_mhz * 1e6), "clockFrequencyKnown": 1,
         "resetSynchronousEdges": "DEASSERT"})
     kinds = " ".join(kind.replace(" ", "\\ ") for _, kind in PORTS.values())
-    lines += _instance("hps_0", "altera_hps", {
+    lines += instance("hps_0", "altera_hps", {
         "F2S_Width": 0, "S2F_Width": 0, "LWH2F_Enable": "true", "F2SINTERRUPT_Enable": 1,
         "MPU_EVENTS_Enable": 0, "F2SDRAM_Type": f"{{{kinds}}}",
         "F2SDRAM_Width": f"{{{' '.join(str(width) for width, _ in PORTS.values())}}}",
@@ -42,29 +39,17 @@ def system_tcl(board):
         clocked += [f"hps_0.f2h_sdram{k}_clock", f"{name}_0.clk"]
     lines += [f"add_connection clk_0.clk {name}" for name in clocked]
     lines += [f"add_connection clk_0.clk_reset {name}_0.reset" for name in ("csr", *PORTS)]
-    lines += _connect("hps_0.h2f_lw_axi_master", "csr_0.s0")
+    lines += connect("hps_0.h2f_lw_axi_master", "csr_0.s0", 0)
     for k, name in enumerate(PORTS):
-        lines += _connect(f"{name}_0.m0", f"hps_0.f2h_sdram{k}_data")
+        lines += connect(f"{name}_0.m0", f"hps_0.f2h_sdram{k}_data", 0)
     lines.append("")
     for name, (kind, inner) in EXPORTS.items():
-        lines += [f"add_interface {name} {kind}",
-                  f"set_interface_property {name} EXPORT_OF {inner}"]
+        lines += exported(name, kind, inner)
     return "\n".join([*lines, "", f"save_system {SYSTEM}.qsys", ""])
 
 
 def _bridge(name, width, address_bits, burst):
-    return _instance(name, "altera_avalon_mm_bridge", {
+    return instance(name, "altera_avalon_mm_bridge", {
         "DATA_WIDTH": width, "ADDRESS_WIDTH": address_bits, "ADDRESS_UNITS": "SYMBOLS",
         "MAX_BURST_SIZE": burst, "MAX_PENDING_RESPONSES": 64 if burst > 1 else 1,
         "LINEWRAPBURSTS": 0, "PIPELINE_COMMAND": 1, "PIPELINE_RESPONSE": 1})
-
-
-def _instance(name, kind, parameters):
-    return [f"add_instance {name} {kind}",
-            *(f"set_instance_parameter_value {name} {key} {value}"
-              for key, value in parameters.items()), ""]
-
-
-def _connect(host, agent):
-    return [f"add_connection {host} {agent}",
-            f"set_connection_parameter_value {host}/{agent} baseAddress 0x00000000"]

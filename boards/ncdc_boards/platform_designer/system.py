@@ -1,5 +1,6 @@
 """The Platform Designer system around the corrector, as a script for ``qsys-script``."""
 
+from ncdc_boards.platform_designer.script import connect, exported, header, instance
 from ncdc_hdl.export.platform_designer import COMPONENT, interfaces
 
 __all__ = ["CSR_BASE", "SYSTEM", "exports", "system_tcl"]
@@ -15,17 +16,13 @@ def system_tcl(board, corrector):
     all memory traffic passes. One reset is that of the corrector, of the bridge and of all that
     is between them: the corrector's ``memory_reset`` tells it that what it asked for is forgotten.
     """
-    lines = [
-        f"# Makes {SYSTEM}.qsys: qsys-script --script={SYSTEM}.tcl --search-path=.,$",
-        "package require -exact qsys 16.1", "", f"create_system {SYSTEM}",
-        f"set_project_property DEVICE_FAMILY {{{board.family}}}",
-        f"set_project_property DEVICE {board.device}", ""]
-    lines += _instance("clk_0", "clock_source", {
+    lines = header(SYSTEM, board.family, board.device, " --search-path=.,$")
+    lines += instance("clk_0", "clock_source", {
         "clockFrequency": round(board.core_mhz * 1e6), "clockFrequencyKnown": 1,
         "resetSynchronousEdges": "DEASSERT"})
-    lines += _instance("master_0", "altera_jtag_avalon_master", {})
-    lines += _instance("ncdc_0", COMPONENT, {})
-    lines += _instance("memory_0", "altera_avalon_mm_bridge", {
+    lines += instance("master_0", "altera_jtag_avalon_master", {})
+    lines += instance("ncdc_0", COMPONENT, {})
+    lines += instance("memory_0", "altera_avalon_mm_bridge", {
         "DATA_WIDTH": board.data_width, "ADDRESS_WIDTH": 28, "ADDRESS_UNITS": "SYMBOLS",
         "MAX_BURST_SIZE": 64, "MAX_PENDING_RESPONSES": 64, "LINEWRAPBURSTS": 0,
         "PIPELINE_COMMAND": 1, "PIPELINE_RESPONSE": 1})
@@ -38,12 +35,11 @@ def system_tcl(board, corrector):
     hosts = ["master_0.master"] + [f"ncdc_0.{name}" for name, (kind, direction, _) in ports.items()
                                    if (kind, direction) == ("avalon", "start")]
     for host in hosts:
-        lines += _connect(host, "memory_0.s0", 0)
-    lines += _connect("master_0.master", "ncdc_0.csr", CSR_BASE)
+        lines += connect(host, "memory_0.s0", 0)
+    lines += connect("master_0.master", "ncdc_0.csr", CSR_BASE)
     lines.append("")
     for name, kind, inner in exports(corrector):
-        lines += [f"add_interface {name} {kind}",
-                  f"set_interface_property {name} EXPORT_OF {inner}"]
+        lines += exported(name, kind, inner)
     return "\n".join([*lines, "", f"save_system {SYSTEM}.qsys", ""])
 
 
@@ -57,14 +53,3 @@ def exports(corrector):
     if "stream" in interfaces(corrector):
         found.append(("video", "avalon_streaming source", "ncdc_0.stream"))
     return found
-
-
-def _instance(name, kind, parameters):
-    return [f"add_instance {name} {kind}",
-            *(f"set_instance_parameter_value {name} {key} {value}"
-              for key, value in parameters.items()), ""]
-
-
-def _connect(host, agent, base):
-    return [f"add_connection {host} {agent}",
-            f"set_connection_parameter_value {host}/{agent} baseAddress 0x{base:08x}"]
