@@ -125,4 +125,6 @@ def test_hardware_without_colour_has_nothing_of_it():
     text = corrector_verilog(camera(), Hardware())
     assert not any(name in text for name in ("gain_red", "tone0", "red_sum", "balanced0"))
     assert "gain_red" in corrector_verilog(camera(), Hardware(colour=True))
-    assert Corrector(camera()).interpolator.queued == 32
+    plain, coloured = (Corrector(camera(), Hardware(colour=colour)).interpolator
+                       for colour in (False, True))
+    assert coloured.queued - plain.queued == coloured.latency - plain.latency == 10

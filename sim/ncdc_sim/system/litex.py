@@ -89,7 +89,7 @@ class ModuleRun:
 
 
 def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none", frames=1,
-                    sink=256, cut=(), long_turns=False, record=False):
+                    sink=256, cut=(), long_turns=False):
     """:class:`ModuleRun` of a system that corrects the ``raw`` frame ``frames`` times.
 
     Parameters
@@ -100,11 +100,12 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
     cpu : str
         One of ``CPUS``.
     frames : int
-    sink : int
-        How often, of 256 clocks, the sink of a stream is ready.
+    sink : int or None
+        How often, of 256 clocks, the sink of a stream is ready; None: it is LiteDRAM's DMA, which
+        writes into memory.
     cut : sequence of int
         Frames before these: the whole system is reset so many clocks after each one's start.
-    long_turns, record : bool
+    long_turns : bool
         Of :class:`ncdc_soc.module_soc.ModuleSoc`.
 
     Raises
@@ -114,6 +115,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
     SimulationError
         If the system does not compile or the frames do not end in time.
     """
+    record = sink is None
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         rom = None if cpu == "none" else _assembled(cpu, _rows(descriptor)["STATUS"], folder)
@@ -132,7 +134,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
         lines = []
         limit = 200_000 + 100 * (raw.size + frames * geometry.corrected_width
                                  * geometry.corrected_height)
-        run([*command_of(program), f"+clocks={limit}", f"+sink={sink}"], folder, lines.append)
+        run([*command_of(program), f"+clocks={limit}", f"+sink={sink or 0}"], folder, lines.append)
         if any(line.startswith("FAILED") for line in lines):
             raise SimulationError("\n".join(lines[-20:]))
         at_the_pins = hardware.stream and not record
