@@ -7,6 +7,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.lib import pipeline
+from ncdc_hdl.lib.choice import chosen
 from ncdc_hdl.lib.pipeline import delay
 from ncdc_model.interface.white_balance import GAIN_BITS, GAIN_F_BITS, UNITY
 from ncdc_model.tone import LINEAR, NODE_BITS, NODE_PLACES
@@ -108,17 +109,9 @@ class Colour(wiring.Component):
         """
         nodes = [self.colour.tone[k] for k in range(len(NODE_PLACES))]
         odd, octave = piece[0], piece[1:]
-        first, middle, last = (_chosen(ones, octave)
+        first, middle, last = (chosen(ones, octave)
                                for ones in (nodes[:-1:2], nodes[1::2], nodes[2::2]))
         return Mux(odd, middle, first), Mux(odd, last, middle)
-
-
-def _chosen(values, index):
-    """The one of ``values``, a power of two of them, that ``index`` counts to; as a tree, of which
-    synthesis makes half the LUTs that it makes of an ``Array``."""
-    for bit in index:
-        values = [Mux(bit, b, a) for a, b in zip(values[::2], values[1::2])]
-    return values[0]
 
 
 class ColourSums(wiring.Component):

@@ -123,15 +123,15 @@ class _Frame:
         arrived = clock = i + self.push_lag
         for victim, _ in self.missed:
             # The place may be replaced once its last user, or the one in flight of the same number
-            # modulo the sequence, has read its window. One that has by then had to before a
-            # look-up could come here.
+            # modulo the sequence, has read its window. Of older ones that was so long ago that
+            # i waits for nothing: i - pending has read its window before i is pushed.
             if victim < 0:
                 victim = _RESET_USER
             user = victim + (i - 1 - victim) // self.wrap * self.wrap
             if user >= i - self.pending - self.timing.retire_to_replace:
                 clock = max(clock, self.read.clock(user) + self.timing.retire_to_replace)
         self.interlock += clock - arrived
-        # Two that miss may wait for their claims while those of the one before are made.
+        # Two may wait for their claims while those of a third are made.
         leaves = max(clock, self.loads[0] + 1)
         self.credit += sum(max(0, min(end, leaves) - max(begin, clock))
                            for begin, end in self.waits[0])

@@ -1,18 +1,24 @@
 """What ``ncdc bench synth`` measures of whole boards: all but clocks and pins."""
 
+from dataclasses import replace
+
 from ncdc.cli.board_design import board_named
 from ncdc_boards.camera_board.core import BoardCore
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_hdl.video.modes import mode_for
+from ncdc_model.fetch.cache_options import CacheOptions
 
 __all__ = ["board_core"]
 
 _SENSOR = "mt9p031"
+_CACHE_BYTES = 32 << 10
 
 
 def board_core(name, descriptor):
     """The :class:`BoardCore` of board ``name``: one lens, the D5M's sensor, the smallest mode that
     holds the picture, a tile cache of 32 KB."""
     board, geometry = board_named(name), descriptor.geometry
+    hardware = replace(hardware_for(board),
+                       cache=CacheOptions.of_bytes(_CACHE_BYTES, geometry.interpolation))
     return BoardCore(design_of(board, [("lens", descriptor)], sensor_for(_SENSOR, geometry),
-                               mode_for(*geometry.corrected), hardware=hardware_for(board)))
+                               mode_for(*geometry.corrected), hardware=hardware))

@@ -7,6 +7,7 @@ from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.tiles import COLUMNS, samples_layout
 from ncdc_hdl.backend.layouts import edges
+from ncdc_hdl.lib.choice import chosen
 from ncdc_model.fetch.cache_options import TILE_WIDTH
 
 __all__ = ["align_for"]
@@ -120,32 +121,32 @@ class AlignMirrored(_Align):
         column, row = Signal(bits + ceil_log2(across)), Signal(bits)
         m.d.comb += [column.eq(self.x - needs.margin), row.eq(self.y - needs.margin)]
         # Stage 1: of both words, the columns from the window's first one on; rows by one or not.
-        chosen = [[] for _ in self.samples]
+        bytes_of = [[] for _ in self.samples]
         for k in range(ring):
             # Which ring has the window's column that is k modulo 8.
             which = Signal(ceil_log2(across), name=f"which{k}")
             m.d.comb += which.eq(column[bits:] + (column[:bits] > k if k < ring - 1 else 0))
             for j in range(ring):
-                values = [_chosen(list(samples)[k::ring], which)
+                values = [chosen(list(samples)[k::ring], which)
                           for samples in (self.samples[j], self.samples[(j + 1) % ring])]
-                chosen[j].append(register(f"w_{j}{k}", _chosen(values, row[:1])))
+                bytes_of[j].append(register(f"w_{j}{k}", chosen(values, row[:1])))
         w_rows = places("w_row", row, self.edge_y)
         w_column, w_edge = register("w_column", column[:bits]), register("w_edge", self.edge_x)
         # Stage 2: the rows.
-        rows = [register(f"r_{j}", _chosen([Cat(each) for each in chosen[j % 2::2]], place))
+        rows = [register(f"r_{j}", chosen([Cat(each) for each in bytes_of[j % 2::2]], place))
                 for j, place in enumerate(w_rows)]
         r_column, r_edge = register("r_column", w_column), register("r_edge", w_edge)
         # Stage 3: columns by one or not.
         turned = []
         for j, value in enumerate(rows):
             samples = [value.word_select(k, 8) for k in range(ring)]
-            turned.append([register(f"c_{j}{k}", _chosen(
+            turned.append([register(f"c_{j}{k}", chosen(
                 [samples[k], samples[(k + 1) % ring]], r_column[:1])) for k in range(ring)])
         c_columns = places("c_column", r_column, r_edge)
         # Stage 4: the columns.
         for k, (j, i) in enumerate(needs.samples):
             with m.If(self.shift & self.take):
-                m.d.sync += self.o[k].eq(_chosen(turned[j][i % 2::2], c_columns[i]))
+                m.d.sync += self.o[k].eq(chosen(turned[j][i % 2::2], c_columns[i]))
         return m
 
     def _inside(self, k, edge):
@@ -159,10 +160,3 @@ class AlignMirrored(_Align):
                 value = Mux((edge.missing == missing) & edge.behind, 2 * (last - missing) - k,
                             value)
         return value
-
-
-def _chosen(values, index):
-    """Element ``index`` of ``values``, which are a power of two."""
-    for bit in index:
-        values = [Mux(bit, odd, even) for even, odd in zip(values[::2], values[1::2])]
-    return values[0]

@@ -5,6 +5,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.cache.layouts import row_bits, tile_layout, tiles_layout
+from ncdc_hdl.lib.choice import chosen
 from ncdc_hdl.lib.relay import Relay
 
 __all__ = ["Claims"]
@@ -79,10 +80,10 @@ class Claims(wiring.Component):
         px, *rows = (Cat(bit for k, bit in enumerate(bank) if k >> n & 1).any()
                      for n in range(1 + row_bits(self.options)))
         py = Cat(rows)
-        chosen_set = Mux(px, left.set_x[1], left.set_x[0]) | _chosen(left.set_y, rows)
+        chosen_set = Mux(px, left.set_x[1], left.set_x[0]) | chosen(left.set_y, rows)
         m.d.comb += [
             self.tile.x.eq(Cat(px, Mux(px, left.pair_x[1], left.pair_x[0]))),
-            self.tile.y.eq(Cat(py, _chosen(left.pair_y, rows))),
+            self.tile.y.eq(Cat(py, chosen(left.pair_y, rows))),
             self.tile.slot.eq(Cat(chosen_set, px, py)),
         ]
 
@@ -94,11 +95,3 @@ def _at_least(bits):
         parts = [(a | d, b | e | (a & d), c | f | (a & e) | (b & d))
                  for (a, b, c), (d, e, f) in zip(parts[::2], parts[1::2])]
     return parts[0]
-
-
-def _chosen(values, bits):
-    """Element of ``values`` whose number has the binary digits ``bits``, the lowest one first."""
-    values = list(values)
-    for bit in bits:
-        values = [Mux(bit, odd, even) for even, odd in zip(values[::2], values[1::2])]
-    return values[0]
