@@ -16,7 +16,9 @@ HOST = {"host_rst": 1}
 
 GOOD = [FIRST | STALL, FIRST, TAKE | {"data": 3} | STALL, TAKE | {"data": 3}, {}, LAST,
         FIRST | LAST, FIRST, LAST,
-        FIRST, TAKE | STALL | HOST, {}, FIRST, LAST]            # the source is reset
+        # The source is reset, at once and a clock later.
+        FIRST, TAKE | STALL | HOST, {}, FIRST, LAST,
+        FIRST, TAKE | STALL | HOST, TAKE | {"data": 3} | STALL, FIRST, LAST]
 
 BREACHES = [
     ("held", [FIRST | STALL, {}]),
@@ -26,6 +28,7 @@ BREACHES = [
     ("packet-start", [TAKE]),
     ("packet-start", [FIRST, FIRST]),
     ("packet-start", [FIRST, LAST, LAST]),
+    ("packet-start", [FIRST, TAKE | STALL | HOST, {}, TAKE]),
 ]
 UNKNOWN = [("unknown", [{"valid": Logic("X")}]), ("unknown", [FIRST | {"data": None}])]
 
@@ -45,7 +48,7 @@ async def play(dut, steps):
 async def good_traffic(dut):
     """No breach; the counters count."""
     assert await play(dut, GOOD) == 0
-    assert [int(getattr(dut, name).value) for name in ("beats", "packets", "waits")] == [9, 4, 3]
+    assert [int(getattr(dut, name).value) for name in ("beats", "packets", "waits")] == [12, 5, 5]
 
 
 @cocotb.test()

@@ -13,7 +13,9 @@ module stream_checker #(
 ) (
     input  wire             clk,
     input  wire             rst,
-    input  wire             host_rst,   // the source is being reset: a packet may break off
+    // The source is being reset. A packet may break off then, and, as the source's reset may come
+    // from a register, a clock later.
+    input  wire             host_rst,
     input  wire             valid,
     input  wire             ready,
     input  wire [WIDTH-1:0] data,
@@ -27,6 +29,8 @@ module stream_checker #(
     reg             was_waiting;
     reg [WIDTH+1:0] was_payload;
     reg             in_packet;
+    reg             host_rst_before;
+    wire            breaking = host_rst || host_rst_before;
 
     task breach(input [8*16-1:0] rule);
         begin
@@ -44,6 +48,7 @@ module stream_checker #(
             waits = 0;
             was_waiting = 0;
             in_packet = 0;
+            host_rst_before = 0;
         end else begin
             if (^valid === 1'bx)
                 breach("unknown");
@@ -52,7 +57,7 @@ module stream_checker #(
             if (valid && !was_waiting) begin
                 if (^{startofpacket, endofpacket, data} === 1'bx)
                     breach("unknown");
-                if (startofpacket == in_packet)
+                if (startofpacket == in_packet && !breaking)
                     breach("packet-start");
             end
             if (valid && ready) begin
@@ -63,10 +68,11 @@ module stream_checker #(
             end
             if (valid && !ready)
                 waits = waits + 1;
-            if (host_rst)
+            if (breaking)
                 in_packet = 0;
-            was_waiting = valid && !ready && !host_rst;
+            was_waiting = valid && !ready && !breaking;
             was_payload = {startofpacket, endofpacket, data};
+            host_rst_before = host_rst;
         end
     end
 endmodule
