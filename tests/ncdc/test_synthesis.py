@@ -179,6 +179,28 @@ def test_a_memory_that_would_not_fill_its_block_rams_is_of_mlabs():
     assert 4 * 51 < row["alut"] < 2 * 4 * 51
 
 
+class Halves(wiring.Component):
+    """A memory, its second half at first as the first; both may be written."""
+    place: In(9)
+    i: In(20)
+    write: In(1)
+    o: Out(20)
+
+    def elaborate(self, platform):
+        m = Module()
+        half = [k * k & 0xFFFFF for k in range(100)] + 156 * [7]
+        m.submodules.words = words = Memory(shape=20, depth=512, init=half + half)
+        read, write = words.read_port(), words.write_port()
+        m.d.comb += [read.addr.eq(self.place), self.o.eq(read.data), write.addr.eq(self.place),
+                     write.data.eq(self.i), write.en.eq(self.write)]
+        return m
+
+
+def test_a_memory_whose_halves_are_alike_is_block_ram():
+    row = cyclone_v(module_verilog(Halves(), "halves"), "halves")
+    assert (row["m10k"], row["alm_ff"]) == (1, 0)
+
+
 def test_logic_elements_hold_a_lut_and_the_flip_flop_behind_it():
     """Eight exclusive-ors with a flip-flop each, four flip-flops alone, two exclusive-ors alone."""
     row = cyclone_iv("""

@@ -32,38 +32,41 @@ def memory_lines(module, write):
 
 
 def _initial(name, memory, i):
-    """An initial block: loops of ``i`` over words that are equal or that repeat an earlier half."""
+    """An initial block: words that are equal in loops of ``i``, a second half that repeats the first
+    beside it.
+
+    No word is read there: synthesis makes registers of a memory that is, not block RAM.
+    """
     if memory.init is None:
         return []
     words = [memory.init[at:at + memory.width]
              for at in range(len(memory.init) - memory.width, -1, -memory.width)]
     words += ["0" * memory.width] * (memory.size - len(words))
-    half, copied = memory.size // 2, []
+    half, offsets = memory.size // 2, [0]
     if memory.size % 2 == 0 and half > _RUN and words[:half] == words[half:] and set(words) != {
             words[0]}:
-        copied = [f"    for ({i} = 0; {i} < {half}; {i} = {i} + 1) "
-                  f"{name}[{i} + {half}] = {name}[{i}];"]
-        words = words[:half]
+        words, offsets = words[:half], [0, half]
     lines, line, at = [], "", 0
     while at < len(words):
         end = at
         while end < len(words) and words[end] == words[at]:
             end += 1
+        value = constant(words[at])
         if end - at >= _RUN:
             lines += [f"    {line.strip()}"] if line else []
-            lines.append(f"    for ({i} = {at}; {i} < {end}; {i} = {i} + 1) {name}[{i}] = "
-                         f"{constant(words[at])};")
             line = ""
+            lines += [f"    for ({i} = {at + offset}; {i} < {end + offset}; {i} = {i} + 1) "
+                      f"{name}[{i}] = {value};" for offset in offsets]
         else:
-            for place in range(at, end):
-                item = f" {name}[{place}] = {constant(words[place])};"
+            for place in (k + offset for k in range(at, end) for offset in offsets):
+                item = f" {name}[{place}] = {value};"
                 if len(line) + len(item) > 96:
                     lines.append(f"    {line.strip()}")
                     line = ""
                 line += item
         at = end
     lines += [f"    {line.strip()}"] if line else []
-    return ["  initial begin", *lines, *copied, "  end"]
+    return ["  initial begin", *lines, "  end"]
 
 
 def _edge(cell, write):
