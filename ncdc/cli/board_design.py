@@ -18,8 +18,9 @@ _BAYER_SENSOR = "mt9p031"
 
 def add_mode(parser):
     """Declare the option --mode."""
-    parser.add_argument("--mode", metavar="WxH",
-                        help="video mode (default: the smallest that holds the picture)")
+    parser.add_argument("--mode", metavar="WxH[@24]",
+                        help="video mode (default: the smallest that holds the picture); @24: of "
+                             "24 pictures a second")
 
 
 def board_named(name):
@@ -59,7 +60,7 @@ def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, No
     geometry = named[0][1].geometry
     least = mode_for(*geometry.corrected)
     wanted = mode_named(mode) if mode else least
-    if least.size > wanted.size:
+    if not wanted.holds(*geometry.corrected):
         raise InputError(f"the picture has {geometry.corrected_width}x"
                          f"{geometry.corrected_height} pixels, the mode {mode} does not hold "
                          f"it: {least.name} does")

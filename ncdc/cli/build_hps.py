@@ -59,7 +59,7 @@ def _designed(args, board, named):
     geometry = descriptor.geometry
     least = mode_for(*geometry.corrected)
     mode = mode_named(args.mode) if args.mode else least
-    if any(have < want for have, want in zip(mode.size, geometry.corrected)):
+    if not mode.holds(*geometry.corrected):
         raise InputError(f"the picture has {geometry.corrected_width}x{geometry.corrected_height} "
                          f"pixels, the mode {args.mode} does not hold it: {least.name} does")
     clocks = board.clock_plan(mode, board.core_mhz)

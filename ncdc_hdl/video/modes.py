@@ -1,4 +1,4 @@
-"""Video modes of VESA's "Display Monitor Timing" that the boards put out."""
+"""Video modes that the boards put out: those of VESA's "Display Monitor Timing", and slow ones."""
 
 from dataclasses import dataclass
 
@@ -20,11 +20,14 @@ class VideoMode:
     ratio : (int, int)
         Pixel clock over 50 MHz, within 0.15 % of the standard's, with an oscillator of the
         phase-locked loop below 1.3 GHz.
+    suffix : str
+        Of the name, if it is not the mode of its size with about 60 pictures a second.
     """
     horizontal: tuple
     vertical: tuple
     high: bool
     ratio: tuple
+    suffix: str = ""
 
     @property
     def size(self):
@@ -34,7 +37,11 @@ class VideoMode:
     @property
     def name(self):
         """As on the command line."""
-        return f"{self.size[0]}x{self.size[1]}"
+        return f"{self.size[0]}x{self.size[1]}{self.suffix}"
+
+    def holds(self, width, height):
+        """Whether a picture of this size fits."""
+        return width <= self.size[0] and height <= self.size[1]
 
     @property
     def pixel_mhz(self):
@@ -47,6 +54,9 @@ MODES = (
     VideoMode((800, 40, 128, 88), (600, 1, 4, 23), True, (4, 5)),
     VideoMode((1024, 24, 136, 160), (768, 3, 6, 29), False, (13, 10)),
     VideoMode((1280, 110, 40, 220), (720, 5, 5, 20), True, (89, 60)),
+    # The blanking of VESA's "Coordinated Video Timings" with reduced blanking, at a rate where that
+    # has none: what memories of 16 bits carry. Slower still, DVI's least clock of 25 MHz is missed.
+    VideoMode((1280, 48, 32, 80), (720, 3, 5, 6), True, (101, 200), "@24"),
     VideoMode((1280, 48, 112, 248), (1024, 1, 3, 38), True, (54, 25)),
     VideoMode((1920, 88, 44, 148), (1080, 4, 5, 36), True, (89, 30)),
 )
@@ -64,7 +74,7 @@ def mode_named(name):
 def mode_for(width, height):
     """The smallest mode that shows ``width`` x ``height`` pixels; :class:`InputError` if none."""
     for mode in MODES:
-        if mode.size[0] >= width and mode.size[1] >= height:
+        if mode.holds(width, height):
             return mode
     raise InputError(f"the corrected picture has {width}x{height} pixels, the largest video mode "
                      f"has {MODES[-1].size[0]}x{MODES[-1].size[1]}")

@@ -207,6 +207,7 @@ def the_sentence(capsys):
     ((1024, 768), ["--board", "de1-soc"], "the memory carries 120 MB/s"),
     ((1280, 1024), ["--board", "de2-115"], "the memory carries 225 MB/s"),
     ((64, 24), ["--board", "de0-cv", "--mode", "1280x720"], "takes 65 MHz at most: a smaller"),
+    ((1024, 760), ["--board", "de2-115", "--mode", "1280x720"], "does not hold it: 1024x768 does"),
     ((64, 24), ["--board", "de1-soc", "--pixels-per-clock", "2"], "120 MB/s: 1 fits"),
     ((64, 24), ["--board", "de2-115", "--rate", "2000"], "2000 are asked for: the sensor sends"),
     ((64, 24), ["--board", "de1-soc", "--to", "stream"], "the board has its own"),

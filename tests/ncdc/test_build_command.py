@@ -55,7 +55,7 @@ def net(tmp_path):
     ((64, 48), ["--sensor", "none"], "the sensor is 'none', known are mt9p031"),
     ((648, 480), ["--mode", "640x480"], "648x480 pixels, the mode 640x480 does not hold it: "
      "800x600 does"),
-    ((1024, 768), [], "1024x768 has a pixel clock of 65.00 MHz, .* 640x480 and 800x600 fit"),
+    ((1024, 768), [], "1024x768 has a pixel clock of 65.00 MHz, .* fit: 640x480, 800x600, 1280x720@24"),
 ])
 def test_what_does_not_fit_is_refused_in_a_sentence(size, options, said, tmp_path, capsys):
     path = tmp_path / "net.toml"
@@ -113,7 +113,8 @@ def test_the_raw_lens_follows_its_inputs():
         assert lens.valid.spans.any()
 
 
-@pytest.mark.parametrize("mode", MODES[:2], ids=lambda mode: mode.name)
+@pytest.mark.parametrize("mode", [*MODES[:2], mode_named("1280x720@24")],
+                         ids=lambda mode: mode.name)
 def test_clocks_are_within_the_data_sheets_limits(mode):
     plan = clock_plan(mode)
     for loop in (plan.core, plan.video):

@@ -5,6 +5,7 @@ from fractions import Fraction
 
 from amaranth import *
 
+from ncdc_hdl.video.modes import MODES
 from ncdc_model.errors import InputError
 
 __all__ = ["CORE_MHZ", "DOMAINS", "Clocks", "ClockPlan", "Pll", "clock_plan"]
@@ -112,9 +113,9 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
         raise InputError(f"the core's clock is {core_mhz} MHz, multiples of 12.5 MHz can be made")
     wanted = mode.pixel_mhz
     if 5 * wanted > _SHIFT_MHZ:
-        raise InputError(f"the mode {mode.size[0]}x{mode.size[1]} has a pixel clock of "
-                         f"{wanted:.2f} MHz, the ULX3S's output {_SHIFT_MHZ / 5:.0f} MHz at most: "
-                         f"640x480 and 800x600 fit")
+        fit = ", ".join(each.name for each in MODES if 5 * each.pixel_mhz <= _SHIFT_MHZ)
+        raise InputError(f"the mode {mode.name} has a pixel clock of {wanted:.2f} MHz, the ULX3S's "
+                         f"output {_SHIFT_MHZ / 5:.0f} MHz at most: these fit: {fit}")
     # The second loop compares an output of the first one, of a divider that suits.
     loops = [(abs(loop.outputs_mhz[1] - wanted), loop.reference, fed, loop.dividers, loop)
              for fed in range(4, 17) for loop in _loops(core.oscillator_mhz / fed, wanted)]
