@@ -38,6 +38,8 @@ class Board:
         "open": ``ncdc build`` makes the bitstream; "quartus": it writes a Quartus project.
     sources : tuple of str
         Where the pins are published.
+    jtag : bool
+        The registers are reached through the scan chain that configures the device as well.
     """
     name: str
     title: str
@@ -52,3 +54,4 @@ class Board:
     multiplier_bits: int
     tools: str
     sources: tuple
+    jtag: bool = False

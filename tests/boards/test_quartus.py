@@ -16,7 +16,7 @@ from ncdc.cli import main
 from ncdc_boards.camera_board.design import design_of, sensor_for
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
-from ncdc_boards.quartus.sdc import FREE
+from ncdc_boards.quartus.sdc import CHAIN_PORTS, FREE
 from ncdc_hdl.video.modes import mode_named
 
 TCL = Path(__file__).parents[1] / "support" / "tcl"
@@ -71,7 +71,9 @@ def directions(folder, name):
     """Direction of each port, as the board's resources have them."""
     ports = {bit.partition("[")[0] for bit in pins_of(folder, name)[0]}
     bidirectional = {"sdram_0__dq__io", "camera_0__scl__io", "camera_0__sda__io"}
-    inputs = ("clk50*", "button*", "uart_0__rx*", "camera_0__[dflp]*")
+    ports |= set(CHAIN_PORTS)
+    inputs = ("clk50*", "button*", "uart_0__rx*", "camera_0__[dflp]*",
+              "altera_reserved_t[cdm][kis]")
     return {port: "inout" if port in bidirectional else
             "input" if any(fnmatchcase(port, pattern) for pattern in inputs) else "output"
             for port in ports}
@@ -87,7 +89,7 @@ def test_every_port_is_constrained_or_free(folders, name):
     assert complaints(calls, directions(folder, name), FREE, LOOPS) == []
     clocks = {call[call.index("-name") + 1] for call in calls if "clock" in call[0] and
               "-name" in call}
-    assert clocks == {"clk50_0__io", "sensor", "sdram_pin", "sensor_reference_pin"} | (
+    assert clocks == {"clk50_0__io", "sensor", "sdram_pin", "sensor_reference_pin", "jtag"} | (
         {"vga_pin"} if board(name).dac else set())
 
 
@@ -101,6 +103,8 @@ def test_every_port_is_constrained_or_free(folders, name):
     ("camera_0__lval", "camera_0__lvl", "no port is called camera_0__lvl__io*"),
     ("derive_pll_clocks\n", "set_clock_groups -asynchronous\n", "groups of clocks are cut"),
     ("{*altera_std_synchronizer:*|din_s1}]\n", "{*|queue|*}]\n", "paths to *|queue|* are cut"),
+    ("*:jtag|request*", "*:jtag|*", "paths from *:jtag|* are cut"),
+    ("[get_ports {altera_reserved_tck}]", "", "altera_reserved_tck has no delays"),
     ("set_output_delay -clock vga_pin -min", "#", "vga_0__r__io has no delays"),
 ])
 def test_the_checker_finds_what_is_planted(whole, tmp_path, old, new, said):
@@ -159,7 +163,7 @@ def quartus(folder, tmp_path, slack, clocks):
 
 
 def test_the_script_fails_on_negative_slack(whole, tmp_path):
-    clocks = "clk50_0__io sensor sdram_pin sensor_reference_pin vga_pin"
+    clocks = "clk50_0__io sensor sdram_pin sensor_reference_pin vga_pin jtag"
     good = quartus(whole, tmp_path, "0.1", clocks)
     assert good.returncode == 0 and "the least slack is 0.1 ns" in good.stdout, good.stdout
     bad = quartus(whole, tmp_path, "-0.25", clocks)

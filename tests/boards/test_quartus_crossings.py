@@ -19,6 +19,8 @@ pytestmark = pytest.mark.regress
 DOMAINS = {"pixel_clk": "pixel_clk", "pixel_rst": "pixel_clk",
            **dict.fromkeys(("sensor_clock", "sensor__frame_valid", "sensor__line_valid",
                             "sensor__data"), "sensor_clock"),
+           "jtag_clk": "jtag_clk", **dict.fromkeys(
+               (f"scan__{name}" for name in ("tdi", "capture", "shift", "update")), "jtag_clk"),
            **dict.fromkeys(("scl", "sda", "receive", *BUTTONS), "")}
 
 
@@ -60,9 +62,9 @@ def test_every_crossing_is_named(design):
     left = {(source, sink) for source, sink in left if not (
         source == "rst" and sink.endswith(("stage0", "stage1"))
         or source.endswith(".storage") and sink.endswith(".r_data")
-        or sink == "picture" or "consume_buffered_cdc" in sink)}
+        or sink in ("picture", "scan__tdo") or "consume_buffered_cdc" in sink)}
     assert left == set()
     # Without the constraints on settings and counters they are found.
     less = re.sub(r"set_(max_skew|false_path -from).*\n", "", sdc)
     assert {c.source.split(".")[-1] for c in unnamed(crossings, less)} >= {
-        "values", "produce_w_gry", "consume_r_gry"}
+        "values", "produce_w_gry", "consume_r_gry", "request", "answer"}

@@ -55,7 +55,7 @@ def net(tmp_path):
     ((64, 48), ["--sensor", "none"], "the sensor is 'none', known are mt9p031"),
     ((648, 480), ["--mode", "640x480"], "648x480 pixels, the mode 640x480 does not hold it: "
      "800x600 does"),
-    ((1024, 768), [], "1024x768 has a pixel clock of 65.00 MHz, .* fit: 640x480, 800x600, 1280x720@24"),
+    ((1024, 768), [], "1024x768 has a pixel clock of 65.00 MHz, .* 640x480, 800x600, 1280x720@24"),
 ])
 def test_what_does_not_fit_is_refused_in_a_sentence(size, options, said, tmp_path, capsys):
     path = tmp_path / "net.toml"

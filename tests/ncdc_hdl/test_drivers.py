@@ -190,39 +190,38 @@ def test_python_driver_names_errors(folder):
         "1 the frame was aborted"]
 
 
-CONSOLE = """
-import sys
-words = {}
-for line in sys.stdin:
-    if line.startswith("exit"):
-        break
-    if "master_read_32" in line:
-        print("noise\\n% NCDC", hex(words.get(int(line.split()[4], 0), 0)), flush=True)
-    else:
-        if "master_write_32" in line:
-            _, _, address, value, *_ = line.replace(";", "").split()
-            words[int(address, 0)] = int(value, 0)
-        print("% NCDC 0", flush=True)
-"""
 BACKENDS = """
-import sys
-from ncdc_backends import Mapped, SystemConsole
-for backend in (Mapped("registers.bin"), SystemConsole(command=(sys.executable, "console.py"))):
+from ncdc_backends import Mapped, ScanChain, SystemConsole
+for backend in (Mapped("registers.bin"), SystemConsole(command=("tclsh", "{tcl}")),
+                ScanChain(command=("tclsh", "{tcl}"))):
     read, write = backend
     write(0x10, 0xFFFFFFFE)
     write(0xFFFC, 7)
     print(read(0x10), read(0xFFFC), read(0x14))
-backend.close()
+    if not isinstance(backend, Mapped):
+        backend.close()
+for options in ({{"device": "MAX"}}, {{"cable": 3}}):
+    try:
+        ScanChain(command=("tclsh", "{tcl}"), **options)
+    except OSError as error:
+        print(error)
+chain = ScanChain(command=("tclsh", "{tcl}"))
+try:
+    chain.read(0x20000)
+except OSError as error:
+    print(error)
 """
 
 
 def test_back_ends_reach_the_registers(folder):
-    """A file stands for the mapped device, a script for System Console."""
+    """A file stands for the mapped device, a script for Quartus's programs, which repeats what it
+    is told; where the chain answers nothing, or there is none, the reason is told."""
     (folder / "registers.bin").write_bytes(bytes(1 << 16))
-    (folder / "console.py").write_text(CONSOLE)
-    done = subprocess.run([sys.executable, "-c", BACKENDS], cwd=folder, text=True,
-                          capture_output=True)
-    assert done.stdout.splitlines() == [f"{0xFFFFFFFE} 7 0"] * 2, done.stderr
+    done = subprocess.run([sys.executable, "-c", BACKENDS.format(tcl=TCL / "programs.tcl")],
+                          cwd=folder, text=True, capture_output=True, timeout=60)
+    assert done.stdout.splitlines() == [
+        *[f"{0xFFFFFFFE} 7 0"] * 3, "no such device is in the chain", "no such cable",
+        "no answer came from the scan chain in 50 scans"], done.stderr
     assert (folder / "registers.bin").read_bytes()[0x10:0x14] == b"\xfe\xff\xff\xff"
 
 

@@ -9,18 +9,19 @@ import ncdc_boards.camera_board.core as core
 from cameras import barrel_descriptor
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_boards.catalogue import board
-from ncdc_boards.quartus.top import QuartusTop
+from ncdc_boards.quartus import top as quartus_top
 from ncdc_hdl.export.registers.host.ncdc_backends import Serial
 from ncdc_hdl.video.modes import VideoMode, mode_named
 from ncdc_model.corrector import correct
+from ncdc_model.interface.jtag_link import READ, WRITE, jtag_message
 from ncdc_model.raw_lens import raw_lens
 from ncdc_model.sensors.level import levelled
-from ncdc_sim.board.run import request_at, simulate_board
+from ncdc_sim.board.run import request_at, scans_at, simulate_board
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light
 from ncdc_sim.tools import SimulationError
 
-ID_OFFSET = 0           # of the register ID
+ID, ID_OFFSET = int.from_bytes(b"NCDC", "big"), 0
 QUARTUS = ("de1-soc", "de2-115", "de0-cv")
 WIDTH, HEIGHT = 64, 24
 SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
@@ -123,9 +124,19 @@ def test_the_screen_shows_the_golden_models_frames(name, request):
     bench = request.getfixturevalue("small") if name == "ulx3s" else \
         Bench(name, SMALL, (WIDTH, HEIGHT))
     host = Host()
-    run = bench.run(9000, optimise="-O1", events=request_at(7500, host.request(ID_OFFSET)))
+    events = request_at(7500, host.request(ID_OFFSET))
+    enable = next(r.address for r in bench.design.system.table if r.name == "CAMERA_IRQ_ENABLE")
+    accesses = ((READ, 0, 0, ID), (WRITE, enable, 0x15, 0x15), (READ, enable, 0, 0x15))
+    if name in QUARTUS:     # and a host at the scan chain, which writes one too
+        events |= scans_at(7500, [scan for tag, (kind, address, word, _) in enumerate(accesses)
+                                  for scan in (jtag_message(kind, tag, address, word), 0, 0)])
+    run = bench.run(9000, optimise="-O1", events=events)
     check(bench, run)
-    assert host.answer(run.serial) == int.from_bytes(b"NCDC", "big")
+    assert host.answer(run.serial) == ID
+    if name in QUARTUS:
+        assert [out for out in run.scans if out] == [
+            jtag_message(kind, tag, address, word)
+            for tag, (kind, address, _, word) in enumerate(accesses)]
     numbers = bench.shown(run)
     first = next(k for k, number in enumerate(numbers) if number is not None)
     assert None not in numbers[first:], "black after the first frame"
@@ -166,10 +177,10 @@ def test_data_taken_a_clock_too_early_are_seen(small, monkeypatch):
     ("screen", "inputs change")])
 def test_a_clock_at_the_wrong_time_is_seen(fault, said, monkeypatch):
     """The SDRAM's clock in phase with the core's; the converter's with the colours."""
-    rising = QuartusTop._clock_out
+    rising = quartus_top.clock_out
     if fault == "screen":
-        monkeypatch.setattr(QuartusTop, "_clock_out", staticmethod(
-            lambda m, domain, port, falling=False: rising(m, domain, port)))
+        monkeypatch.setattr(quartus_top, "clock_out", lambda m, domain, port, falling=False: rising(
+            m, domain, port))
     bench = Bench("de1-soc", SMALL, (WIDTH, HEIGHT))
     with pytest.raises((AssertionError, SimulationError), match=said):
         run = bench.run(9000, optimise="-O1", edit=in_phase if fault == "memory" else None)
@@ -196,12 +207,14 @@ def test_pins_may_be_fast_or_slow(out_ps, back_ps):
 
 
 @pytest.mark.regress
-@pytest.mark.parametrize("name", ["ulx3s", *QUARTUS[:2]])
-def test_640x480(name):
-    """The whole picture at 60 Hz, beside a camera and a corrector at work."""
-    bench = Bench(name, mode_named("640x480"), (640, 480), frames=4,
+@pytest.mark.parametrize("name,mode,run_ms", [
+    *((name, "640x480", 190) for name in ("ulx3s", *QUARTUS[:2])), ("ulx3s", "1280x720@24", 900)])
+def test_a_whole_screen(name, mode, run_ms):
+    """As large as the mode, beside a camera and a corrector at work."""
+    mode = mode_named(mode)
+    bench = Bench(name, mode, mode.size, frames=4,
                   hardware=replace(hardware_for(board(name)), strip=256))
-    run = bench.run(190_000, optimise="-O2")
+    run = bench.run(1000 * run_ms, optimise="-O2")
     check(bench, run)
     numbers = bench.shown(run)
     first = next(k for k, number in enumerate(numbers) if number is not None)

@@ -7,9 +7,9 @@ __all__ = ["complaints"]
 
 _COLLECTION = re.compile(r"<(\w+) ([^>]*)>")
 # What a false path may end at, besides the ports without timing: first registers of synchronisers,
-# the resets of such. And what it may begin at, if it ends at the sensor's clock.
+# the resets of such. And what it may begin at, if it ends at a clock.
 _CUT_TO = ("*altera_std_synchronizer:*|din_s1", "*altera_std_synchronizer*|clrn")
-_CUT_FROM = ("*:page|values*",)
+_CUT_FROM = ("*:page|values*", "*:jtag|request*", "*:jtag|answer*")
 
 
 class _Sdc:
@@ -136,6 +136,6 @@ def _cuts(sdc, free):
                 if pattern not in free:
                     said.append(f"{pattern} is cut, and is not named as free")
             elif not (pattern in _CUT_TO and end == "-to" or pattern in _CUT_FROM
-                      or pattern == "sensor" and "-from" in words):
+                      or kind == "clocks" and "-from" in words):
                 said.append(f"paths {end[1:]} {pattern} are cut")
     return cut, said

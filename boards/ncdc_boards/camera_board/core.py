@@ -15,6 +15,7 @@ from ncdc_hdl.avalon.bus import Agent, WriteHost
 from ncdc_hdl.camera.layouts import PINS
 from ncdc_hdl.lib.ports import ports_as
 from ncdc_hdl.registers.access import RegisterAccess
+from ncdc_hdl.registers.jtag_bridge import JtagBridge, Scan
 from ncdc_hdl.registers.program import ProgramRunner
 from ncdc_hdl.registers.serial_bridge import SerialBridge
 from ncdc_hdl.system import System
@@ -67,9 +68,9 @@ class Design:
 
 
 class BoardCore(wiring.Component):
-    """Joins sensor, memory, corrector, screen, buttons and a serial port.
+    """Joins sensor, memory, corrector, screen, buttons, a serial port, and a scan chain.
 
-    It lives in the domain ``sync``, its picture in ``pixel``.
+    It lives in the domain ``sync``, its picture in ``pixel``, its scan chain in ``jtag``.
 
     Parameters
     ----------
@@ -87,6 +88,8 @@ class BoardCore(wiring.Component):
     picture : ``Out(PICTURE)``
     receive, send : ``In(1)``, ``Out(1)``
         A serial port.
+    scan : ``In(Scan())``
+        If the board has ``jtag``.
     following, previous, raw : ``In(1)``
         Buttons, high while pressed, at any time.
     lights : ``Out(8)``
@@ -106,7 +109,7 @@ class BoardCore(wiring.Component):
             "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1),
             "sdram": Out(SdramPins(board.chip)), "picture": Out(PICTURE),
             "receive": In(1), "send": Out(1), **dict.fromkeys(BUTTONS, In(1)),
-            "lights": Out(LIGHTS)})
+            "lights": Out(LIGHTS), **({"scan": In(Scan())} if board.jtag else {})})
 
     @property
     def _width(self):
@@ -166,9 +169,9 @@ class BoardCore(wiring.Component):
         return waited == 2 * wait
 
     def _registers(self, m, ready):
-        """Who writes registers: the programs, and a host at the serial port."""
+        """Who writes registers: the programs, and hosts at the serial port and at the chain."""
         design, system = self.design, self.design.system
-        m.submodules.access = access = RegisterAccess(SYSTEM_WORDS_BITS, 2)
+        m.submodules.access = access = RegisterAccess(SYSTEM_WORDS_BITS, 2 + design.board.jtag)
         m.submodules.bridge = bridge = SerialBridge(design.core_hz // design.board.baud,
                                                     SYSTEM_WORDS_BITS)
         # Until the sensor may be talked to the programs are in reset.
@@ -178,6 +181,10 @@ class BoardCore(wiring.Component):
             design.programs, SYSTEM_WORDS_BITS, patience=design.core_hz // 10))
         connect(m, programs.access, access.hosts[0])
         connect(m, bridge.access, access.hosts[1])
+        if design.board.jtag:
+            m.submodules.jtag = jtag = JtagBridge(SYSTEM_WORDS_BITS)
+            connect(m, flipped(self.scan), jtag.scan)
+            connect(m, jtag.access, access.hosts[2])
         bus = ports_as(system, "csr", Agent(SYSTEM_WORDS_BITS))
         for name, member in Agent(SYSTEM_WORDS_BITS).members.items():
             ours, theirs = getattr(access.bus, name), getattr(bus, name)

@@ -20,3 +20,4 @@ class QuartusBoard(Board):
     """
     family: str = ""
     dac: bool = False
+    jtag: bool = True

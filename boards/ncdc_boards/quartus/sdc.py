@@ -3,7 +3,8 @@
 from ncdc_boards.quartus.names import CYCLONE_IV, LOOPS
 from ncdc_model.errors import InputError
 
-__all__ = ["FREE", "SDRAM_NS", "TRACE", "check_sensor", "constraints", "generated", "ports_like"]
+__all__ = ["CHAIN_PORTS", "FREE", "SDRAM_NS", "TRACE", "check_sensor", "constraints", "generated",
+           "ports_like"]
 
 # Pin of output k of a loop, as Quartus names it; `derive_pll_clocks` gives its clock that name.
 _CYCLONE_IV_PIN = "*{loop}|auto_generated|pll1|clk[{k}]"
@@ -18,6 +19,7 @@ _DAC_LESS_NS = 10   # a resistor network has no clock: its pins shall change wit
 # MT9P031/D, I/O timing: PIXCLK's falling edge to data, frame valid, line valid; rounded outwards,
 # and not checked again with the data sheet.
 _SENSOR_LEAST, _SENSOR_MOST = 0, 6
+_CHAIN_NS = 33.333  # 30 MHz: Intel, USB-Blaster II has 24 MHz
 _INPUT = 1.5        # ns: set-up of an input of the device behind its clock, about
 
 FREE = {
@@ -30,10 +32,15 @@ FREE = {
     "camera_0__reset_n__io": (("to",), "changes once"),
     "camera_0__standby__io": (("to",), "constant"),
     "vga_0__sync_n__io": (("to",), "constant"),
+    **{f"altera_reserved_{name}": ((way,), "timed by the cable")
+       for name, way in (("tdi", "from"), ("tms", "from"), ("tdo", "to"))},
     "hdmi_0__scl__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
     "hdmi_0__sda__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
 }
 """Ports without timing: whether paths begin or end there, and why they have none."""
+
+CHAIN_PORTS = tuple(f"altera_reserved_{name}" for name in ("tck", "tdi", "tms", "tdo"))
+"""Ports of the scan chain, which Quartus adds to the top."""
 
 _CLOCKS = {"sync": "core", "memory": "memory", "sensor_reference": "reference", "pixel": "pixel"}
 
@@ -70,7 +77,7 @@ def constraints(design, sensor_mhz, ports, groups=None):
     ports : sequence of str
         Of the top.
     groups : sequence of str, optional
-        Lines in place of those of an SDRAM and of a VGA port.
+        Lines in place of those of an SDRAM, of a VGA port and of the scan chain.
     """
     board, core_ns = design.board, 1000 / design.clocks.core_mhz
     period = min(core_ns, 1000 / sensor_mhz, 1000 / design.clocks.pixel_mhz)
@@ -84,12 +91,13 @@ def constraints(design, sensor_mhz, ports, groups=None):
         "derive_pll_clocks", "derive_clock_uncertainty",
         *(f"set {name} {{{text}}}" for name, text in pins.items()),
         *_sensor(),
-        *([*_sdram(), *_screen(board, design.clocks.pixel_mhz)] if groups is None else groups),
+        *([*_sdram(), *_screen(board, design.clocks.pixel_mhz), *_chain()]
+          if groups is None else groups),
         _SYNCHRONISERS + "\n".join(
             f"set_max_skew -from [get_registers {{*|{counter}*}}] "
             f"-to [get_registers {{*:{crossing}|*din_s1}}] {period:.3f}" for counter, crossing in
             (("produce_w_gry", "produce_cdc"), ("consume_r_gry", "consume_cdc")))]
-    lines += _free(ports)
+    lines += _free([*ports, *(CHAIN_PORTS if groups is None else ())])
     return "\n".join(lines) + "\n"
 
 
@@ -148,6 +156,17 @@ def _screen(board, pixel_mhz):
         f"set_output_delay -clock [get_clocks $pixel] -max {1000 / pixel_mhz - _DAC_LESS_NS:.3f} "
         f"{outputs}",
         f"set_output_delay -clock [get_clocks $pixel] -min 0 {outputs}"]
+
+
+def _chain():
+    """The scan chain that configures the device, whose ports Quartus adds."""
+    return [
+        "# Scan chain, with the fastest cable and some more.",
+        f"create_clock -name jtag -period {_CHAIN_NS} [get_ports {{altera_reserved_tck}}]",
+        "# A request lies still from before the core is told of it until it is answered, the",
+        "# answer from before the chain is told of it.",
+        "set_false_path -from [get_registers {*:jtag|request*}] -to [get_clocks $core]",
+        "set_false_path -from [get_registers {*:jtag|answer*}] -to [get_clocks {jtag}]"]
 
 
 def _free(ports):

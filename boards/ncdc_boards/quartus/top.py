@@ -15,6 +15,7 @@ from ncdc_boards.camera_board.pins import (
 )
 from ncdc_boards.quartus.names import USER
 from ncdc_boards.quartus.plls import Clocks
+from ncdc_hdl.registers.jtag_bridge import DOMAIN as CHAIN
 from ncdc_hdl.video.scan_out import PICTURE
 
 __all__ = ["BUTTONS", "PINS_DOMAIN", "QuartusTop", "RESTART", "clock_out", "user"]
@@ -71,7 +72,21 @@ class QuartusTop(Elaboratable):
         join_uart(m, platform, core)
         join_buttons(m, platform, core, BUTTONS)
         join_lights(m, platform, lights)
+        self._scan(m, core.scan)
         return m
+
+    @staticmethod
+    def _scan(m, scan):
+        """The core at a virtual TAP, which Quartus joins to the chain that configures the device.
+
+        Of its virtual instruction there is one bit, which nobody reads: 1 is this register.
+        """
+        m.domains += ClockDomain(CHAIN, reset_less=True)
+        m.submodules.virtual_tap = Instance(
+            "sld_virtual_jtag", p_sld_auto_instance_index="NO", p_sld_instance_index=0,
+            p_sld_ir_width=1, i_ir_out=Const(0, 1), o_tck=ClockSignal(CHAIN), o_tdi=scan.tdi,
+            i_tdo=scan.tdo, o_virtual_state_cdr=scan.capture, o_virtual_state_sdr=scan.shift,
+            o_virtual_state_udr=scan.update)
 
     def _vga(self, m, platform, picture):
         """Registers in the cells of the VGA pins."""

@@ -32,8 +32,8 @@ def memory_lines(module, write):
 
 
 def _initial(name, memory, i):
-    """An initial block: words that are equal in loops of ``i``, a second half that repeats the first
-    beside it.
+    """An initial block: words that are equal in loops of ``i``, a second half that repeats the
+    first one beside it.
 
     No word is read there: synthesis makes registers of a memory that is, not block RAM.
     """

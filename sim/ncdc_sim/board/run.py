@@ -13,11 +13,11 @@ from ncdc_sim.sdram import chip_parameters
 from ncdc_sim.sensor.verilog import sensor_sources
 from ncdc_sim.tools import SimulationError
 
-__all__ = ["BoardRun", "request_at", "simulate_board"]
+__all__ = ["BoardRun", "request_at", "scans_at", "simulate_board"]
 
 # The bench comes first.
 _ULX3S = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v")
-_QUARTUS = ("quartus_bench.v", "altera_cells.v")
+_QUARTUS = ("quartus_bench.v", "altera_cells.v", "virtual_jtag.v")
 _SHARED = ("sdram_board.v", "board_run.v", "uart_host.v", "sdram_chip.v")
 # Rules of Verilator that the netlist of a whole top does not keep: signals of no bits, outputs of
 # cells that nobody reads, comparisons that are constant for some lens; and delays that plusargs
@@ -38,11 +38,14 @@ class BoardRun:
         Period that the monitor measured.
     serial : bytes
         What came out of the serial port.
+    scans : list of int
+        What came out of the scan chain, a number for each scan.
     """
     screen: Screen = None
     results: dict = field(default_factory=dict)
     pixel_clock_ps: float = 0.0
     serial: bytes = b""
+    scans: list = field(default_factory=list)
 
     def take(self, line):
         """Keep what a line of the bench tells; SimulationError if that is an error."""
@@ -53,6 +56,8 @@ class BoardRun:
             self.pixel_clock_ps = float(values[1])
         elif kind == "UART":
             self.serial += bytes.fromhex(values[0])
+        elif kind == "JTAG":
+            self.scans.append(int(values[0], 16))
         elif kind in ("SENSOR-ERROR", "BOARD-ERROR", "MONITOR-ERROR"):
             raise SimulationError(f"simulation failed: {line}")
 
@@ -70,7 +75,8 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, on_
         What falls on it.
     run_us : int
     events : dict, optional
-        Plusargs of ``hdl/board_run.v``, buttons that are pressed, and of :func:`request_at`.
+        Plusargs of ``hdl/board_run.v``, buttons that are pressed, of :func:`request_at` and of
+        :func:`scans_at`.
     edit : callable, optional
         Changes the Verilog of the top: to see a test fail.
     on_line : callable, optional
@@ -118,6 +124,12 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, on_
 def request_at(microsecond, data):
     """Events: bytes are sent to the board's serial port."""
     return {"uart_at_us": microsecond, "uart_bytes": data.hex(), "uart_count": len(data)}
+
+
+def scans_at(microsecond, values):
+    """Events: numbers of 64 bits are scanned into the chain of a Quartus board, one by one."""
+    return {"jtag_at_us": microsecond, "jtag_scans": "".join(f"{value:016x}" for value in values),
+            "jtag_count": len(values)}
 
 
 def _top(design):

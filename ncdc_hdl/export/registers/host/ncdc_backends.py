@@ -1,5 +1,5 @@
-"""Ways to the registers for ncdc_driver.Corrector: memory that is mapped, a serial port, and System
-Console."""
+"""Ways to the registers for ncdc_driver.Corrector: memory that is mapped, a serial port, System
+Console, and the scan chain that configures a board."""
 
 import mmap
 import os
@@ -7,7 +7,7 @@ import struct
 import subprocess
 import time
 
-__all__ = ["Mapped", "Serial", "SystemConsole"]
+__all__ = ["Mapped", "ScanChain", "Serial", "SystemConsole"]
 
 _BYTES = 1 << 16        # of the registers
 
@@ -111,7 +111,35 @@ class Serial:
         raise OSError("no right answer came from the serial port")
 
 
-class SystemConsole:
+class _Tcl:
+    """A program of Quartus' that takes Tcl at its standard input."""
+
+    def __init__(self, command, begin):
+        self.program = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        text=True, bufsize=1)
+        self._ask(begin)
+
+    def __iter__(self):
+        return iter((self.read, self.write))
+
+    def close(self):
+        """End the program."""
+        self.program.communicate("exit\n")
+
+    def _ask(self, command):
+        """What a command gives; OSError with what it said if it fails."""
+        # Where the program repeats what it is told, that is no answer: there the C is not spelled.
+        self.program.stdin.write(f"if {{[catch {{{command}}} said]}} "
+                                 '{puts "NCD\\x43-ERROR $said"} else {puts "NCD\\x43 $said"}\n')
+        for line in self.program.stdout:
+            if "NCDC-ERROR" in line:
+                raise OSError(line.split("NCDC-ERROR")[1].strip())
+            if "NCDC" in line:
+                return line.split("NCDC")[1].strip()
+        raise OSError(f"{self.program.args[0]} ended without an answer")
+
+
+class SystemConsole(_Tcl):
     """Registers behind a JTAG host, through Quartus' System Console.
 
     Parameters
@@ -127,30 +155,74 @@ class SystemConsole:
 
     def __init__(self, base=0x1000_0000, command=("system-console", "--cli"), master=0):
         self.base = base
-        self.console = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        text=True, bufsize=1)
-        self._ask(f"set ncdc [claim_service master [lindex [get_service_paths master] {master}] "
-                  f"ncdc]; puts {{NCDC 0}}")
-
-    def __iter__(self):
-        return iter((self.read, self.write))
+        super().__init__(command, "set ncdc [claim_service master "
+                                  f"[lindex [get_service_paths master] {master}] ncdc]")
 
     def read(self, offset):
         """The word at a byte offset."""
-        return int(self._ask(f'puts "NCDC [master_read_32 $ncdc {self.base + offset:#x} 1]"'), 0)
+        return int(self._ask(f"master_read_32 $ncdc {self.base + offset:#x} 1"), 0)
 
     def write(self, offset, value):
         """Write the word at a byte offset."""
-        self._ask(f"master_write_32 $ncdc {self.base + offset:#x} {value:#x}; puts {{NCDC 0}}")
+        self._ask(f"master_write_32 $ncdc {self.base + offset:#x} {value:#x}")
+
+
+class ScanChain(_Tcl):
+    """Registers of a board of ``ncdc build`` with Quartus, through the cable that configures it.
+
+    Parameters
+    ----------
+    command : sequence of str
+        Quartus' program for the cable; its standard input takes Tcl.
+    cable : int
+        Which of the computer's cables.
+    device : str
+        Regular expression of the device's name, as ``jtagconfig`` prints it: the first Cyclone IV
+        or V if absent, not the hard processor in the same chain.
+    tries : int
+        Scans after which a request without an answer is given up.
+    """
+
+    _KINDS = {"read": 1, "write": 2}
+
+    def __init__(self, command=("quartus_stp", "-s"), cable=0, device="[ /](5C|EP4C)", tries=50):
+        self.tries, self.tag = tries, 0
+        super().__init__(command, f"""
+            set cable [lindex [get_hardware_names] {cable}]
+            set devices [get_device_names -hardware_name $cable]
+            set device [lsearch -inline -regexp $devices {{{device}}}]
+            if {{$device eq {{}}}} {{ error {{no such device is in the chain}} }}
+            open_device -hardware_name $cable -device_name $device
+            device_lock -timeout 10000
+            device_virtual_ir_shift -instance_index 0 -ir_value 1 -no_captured_ir_value
+            """.replace("\n", ";"))
 
     def close(self):
-        """End the console."""
-        self.console.communicate("exit\n")
+        """Leave the chain to others, and end the program."""
+        self._ask("device_unlock; close_device")
+        super().close()
 
-    def _ask(self, command):
-        """Run Tcl that prints a line with NCDC and an answer; the answer."""
-        self.console.stdin.write(command + "\n")
-        for line in self.console.stdout:
-            if "NCDC " in line:
-                return line.split("NCDC ")[1].split()[0]
-        raise OSError("System Console ended without an answer")
+    def read(self, offset):
+        """The word at a byte offset."""
+        return self._access("read", offset, 0)
+
+    def write(self, offset, value):
+        """Write the word at a byte offset."""
+        self._access("write", offset, value)
+
+    def _access(self, kind, offset, word):
+        """Scan a request in, and on until its answer comes: the word in it."""
+        self.tag = (self.tag + 1) % 256
+        kind = self._KINDS[kind]
+        request = kind << 56 | self.tag << 48 | offset // 4 << 32
+        self._scan(request | word)
+        for _ in range(self.tries):
+            answer = self._scan(0)
+            if answer >> 32 == request >> 32:
+                return answer & 0xFFFF_FFFF
+        raise OSError(f"no answer came from the scan chain in {self.tries} scans")
+
+    def _scan(self, value):
+        """What comes out of the register as a value goes in."""
+        return int(self._ask("device_virtual_dr_shift -instance_index 0 -length 64 "
+                             f"-dr_value {value:016X} -value_in_hex"), 16)
