@@ -7,6 +7,7 @@
 #include "sensor.h"
 #include "stream.h"
 #include "uart.h"
+#include "watchdog.h"
 #include "words.h"
 
 struct setting {
@@ -31,7 +32,7 @@ static void camera_start(void)
 		uart_text("sensor: started\n");
 }
 
-/* Called at an exception, behind which the processor stands still. */
+/* Called at an exception, behind which the processor stands still until the watchdog resets all. */
 void trapped(uint32_t cause, uint32_t at);
 
 void trapped(uint32_t cause, uint32_t at)
@@ -49,7 +50,10 @@ int main(void)
 	camera_start();
 	gvcp_begin();
 	net_begin();
+	/* Not before: the sensor's waits may be long, and its bus has limits of its own. */
+	watchdog_begin();
 	for (;;) {
+		watchdog_feed();
 		net_poll();
 		stream_poll();
 		gvcp_poll();

@@ -6,7 +6,8 @@ _start:
 	j begin
 
 	/* Where the processor goes at an exception, of which there must be none. */
-	.org 0x20
+	.balign 4
+exception:
 	la sp, stack_end
 	csrr a0, mcause
 	csrr a1, mepc
@@ -15,6 +16,8 @@ _start:
 
 begin:
 	la sp, stack_end
+	la a0, exception
+	csrw mtvec, a0
 	la a0, data_begin
 	la a1, data_end
 	la a2, data_image

@@ -28,6 +28,7 @@ MAP = {"rom": 0x0000_0000, "sram": 0x1000_0000, "ncdc": 0x9000_0000, "ethmac_rx"
 _ROM_BYTES = 0x20000
 _SRAM_BYTES = 0x10000
 _RX_SLOTS, _TX_SLOTS = 4, 2
+_WATCHDOG_DELAY = 1             # clocks from its end to the reset; of 0 its timer makes no sense
 _WORD_ADDRESS_BITS = 30         # of the core's ports
 
 _PINS = [
@@ -64,10 +65,13 @@ class SocVerilog:
 
 
 class _Reset(LiteXModule):
+    """Clock and reset; the watchdog drives ``rst``."""
+
     def __init__(self, platform):
         self.cd_sys = ClockDomain()
+        self.rst = Signal()
         self.comb += [self.cd_sys.clk.eq(platform.request("sys_clk")),
-                      self.cd_sys.rst.eq(platform.request("sys_rst"))]
+                      self.cd_sys.rst.eq(platform.request("sys_rst") | self.rst)]
 
 
 class _Soc(SoCCore):
@@ -81,6 +85,7 @@ class _Soc(SoCCore):
             integrated_rom_size=_ROM_BYTES, integrated_rom_init=[0],
             integrated_sram_size=_SRAM_BYTES, uart_name="sim", ident="", with_timer=True)
         self.crg = _Reset(platform)
+        self.add_watchdog("watchdog", reset_delay=_WATCHDOG_DELAY)
         self._memory()
         self.ethphy = ModelPhy(platform.request("eth"))
         self.ethmac = Mac(self.ethphy, _RX_SLOTS)

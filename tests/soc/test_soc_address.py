@@ -90,3 +90,5 @@ def test_a_link_local_address_if_nobody_answers(model):
         done = run.network.run(["ip", "addr", "add", f"{_LINK_LOCAL}/16", "dev", TAP], timeout=10)
         assert not done.returncode, done.stderr
         assert own_address(run, address) == address != CLIENT
+        # Seconds of lwIP's later the watchdog has not begun anything anew.
+        assert run.screen.count("NCDC ") == 1
