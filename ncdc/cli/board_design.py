@@ -18,9 +18,9 @@ _BAYER_SENSOR = "mt9p031"
 
 def add_mode(parser):
     """Declare the option --mode."""
-    parser.add_argument("--mode", metavar="WxH[@24]",
-                        help="video mode (default: the smallest that holds the picture); @24: of "
-                             "24 pictures a second")
+    parser.add_argument("--mode", metavar="WxH[@20]",
+                        help="video mode (default: the smallest that holds the picture); @20: of "
+                             "20 pictures a second")
 
 
 def board_named(name):

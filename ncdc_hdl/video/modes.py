@@ -54,9 +54,9 @@ MODES = (
     VideoMode((800, 40, 128, 88), (600, 1, 4, 23), True, (4, 5)),
     VideoMode((1024, 24, 136, 160), (768, 3, 6, 29), False, (13, 10)),
     VideoMode((1280, 110, 40, 220), (720, 5, 5, 20), True, (89, 60)),
-    # The blanking of VESA's "Coordinated Video Timings" with reduced blanking, at a rate where that
-    # has none: what memories of 16 bits carry. Slower still, DVI's least clock of 25 MHz is missed.
-    VideoMode((1280, 48, 32, 80), (720, 3, 5, 6), True, (101, 200), "@24"),
+    # Nobody's standard: what a memory of 16 bits carries, line by line, with a pixel clock just
+    # above DVI's least, 25 MHz. Pulses and lines are those of VESA's reduced blanking.
+    VideoMode((1280, 48, 32, 340), (720, 3, 5, 6), True, (101, 200), "@20"),
     VideoMode((1280, 48, 112, 248), (1024, 1, 3, 38), True, (54, 25)),
     VideoMode((1920, 88, 44, 148), (1080, 4, 5, 36), True, (89, 30)),
 )

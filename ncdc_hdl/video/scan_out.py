@@ -17,6 +17,7 @@ PICTURE = data.StructLayout({"b": 8, "g": 8, "r": 8, "visible": 1, "hsync": 1, "
 """What a screen gets with each pixel clock."""
 
 _WORD = 32
+_READ_AHEAD = 128       # words asked for and not yet there, at least
 
 
 class ScanOut(wiring.Component):
@@ -74,7 +75,8 @@ class ScanOut(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.reader = reader = FrameReader(_WORD, self.words, max_burst=self.max_burst)
+        m.submodules.reader = reader = FrameReader(
+            _WORD, self.words, depth=max(_READ_AHEAD, 4 * self.max_burst), max_burst=self.max_burst)
         m.submodules.queue = queue = AsyncFIFOBuffered(
             width=_WORD + 1, depth=self.depth, r_domain="pixel", w_domain="sync")
         m.submodules.beam = beam = Beam(self.mode)

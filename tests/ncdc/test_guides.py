@@ -3,14 +3,18 @@
 import re
 import shlex
 import subprocess
+from collections import Counter
 from pathlib import Path
 from textwrap import dedent
 
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.cli import main
+from ncdc.bitstream.flow import Clock, Placement
+from ncdc.cli import build, main
 from ncdc.report.guide_diagrams import DRAWINGS, draw_all
+from ncdc_model.example import BAYER, example_camera, target_photo
+from ncdc_model.images import demosaic, write_image
 from ncdc_sim.tools import environment, tool
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -44,6 +48,45 @@ def test_the_commands_of_a_guide_write_what_it_names(guide, tmp_path, monkeypatc
         assert main(shlex.split(line)) == 0, line
     written = {path.name for path in tmp_path.glob("*/*")}
     assert named(page) and named(page) - written == set()
+
+
+ROS_CAMERA = """\
+image_width: 1280
+image_height: 720
+camera_matrix: {rows: 3, cols: 3, data: [760.0, 0, 646.0, 0, 760.0, 355.0, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [-0.31, 0.10, 0.001, -0.0005, -0.015]}
+"""
+BOARD_FILES = {"ulx3s": {"ncdc_ulx3s.bit", "ncdc_ulx3s.v", "ncdc_registers.py"},
+               "boards": {"ncdc_user.v", "build.sh", "check_timing.tcl", "PORTS.md",
+                          "ncdc_registers.py"}}
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("page", BOARD_FILES)
+def test_the_commands_of_a_board_s_page(page, tmp_path, monkeypatch, capsys):
+    """From a photo of dots on; without synthesis and placement, of which tests of their own run
+    small ones, and which take an hour here. What ``ncdc plan`` prints is what the page says."""
+    text = (DOCS / f"{page}.md").read_text()
+    write_image(tmp_path / "photo.png", demosaic(target_photo(example_camera()), BAYER))
+    (tmp_path / "camera.yaml").write_text(ROS_CAMERA)
+    barrel_descriptor((640, 480), (640, 480), hidden_neurons=8).save(tmp_path / "net.toml")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(build, "synthesise_board", lambda rtlil, top, folder: {})
+    monkeypatch.setattr(build, "clock_nets", lambda netlist, cells: {})
+    monkeypatch.setattr(build, "clock_preferences", lambda nets, targets: "")
+    monkeypatch.setattr(build, "place", lambda folder, preferences, nets, seed: Placement(
+        seed, (Clock("sync", 62.5, 70.0),), Counter()))
+    monkeypatch.setattr(build, "pack", lambda folder, seed: b"bits")
+    lines = commands(text, "ncdc")
+    assert len(lines) > 2
+    for line in lines:
+        assert main(shlex.split(line)) == 0, line
+        printed = capsys.readouterr().out.splitlines()
+        if line.startswith("plan"):
+            [quoted] = re.findall(rf"^    \$ ncdc {line}\n((?:    .*\n)+)", text, re.MULTILINE)
+            assert [said for said in dedent(quoted).splitlines() if said != "..."] == printed[:3]
+    assert BOARD_FILES[page] <= {path.name for path in tmp_path.glob("*/*")}
 
 
 @pytest.mark.regress

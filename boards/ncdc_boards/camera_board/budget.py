@@ -2,16 +2,26 @@
 
 from dataclasses import dataclass
 
+from ncdc_boards.sdram.chips import clocks_of
+from ncdc_boards.sdram.layouts import Place
+from ncdc_boards.sdram.sequencer import Sequencer
+from ncdc_hdl.video.modes import MODES
 from ncdc_model.errors import InputError
 from ncdc_model.hardware import LANES
 from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.system_values import memory_bytes
 
-__all__ = ["Budget", "budget_of", "check_lanes", "check_memory"]
+__all__ = ["Budget", "budget_of", "check_lanes", "check_memory", "screen_burst"]
 
 # Of the clocks, those with data, for chips with so many bits; docs/sdram.md measures 84 and 79 % of
 # corrector, camera and video together.
 _EFFICIENCY = {16: .8, 32: .75}
+# Of a round in which all hosts wait: turns of the screen, the writer and the corrector, words of
+# the latter two, clocks that a change from one host to the next costs. A read waits for the bursts
+# written before it: the screen has no second turn before the writer's.
+_TURNS, _WRITTEN, _READ, _CHANGE = (3, 2, 1), 16, 4, 14
+_SPARE = 1.05           # what the screen can have, over what it needs, at least
+_BURSTS = 32, 64        # words that the screen may read at once
 _FETCHED = 1.3          # bytes that the cache reads, per byte of the raw frame, at most
 
 
@@ -40,6 +50,72 @@ class Budget:
     def corrected_per_second(self):
         """Frames that the corrector has the memory for; those of the sensor at most."""
         return min(self.frames_per_second, (self.carried - self.screen - self.camera) / self.frame)
+
+
+def screen_burst(board, mode, clocks, hardware, width):
+    """Words that the screen has to read at once so that no line comes late while all wait.
+
+    Parameters
+    ----------
+    board : Board
+    mode : VideoMode
+    clocks : object
+        Of the board, as of its ``clock_plan``.
+    hardware : Hardware
+    width : int
+        Pixels of a line of the picture.
+
+    Raises
+    ------
+    InputError
+        If a line comes late in any case.
+    """
+    words, needed, most = _screen_burst(board, mode, clocks, hardware, width)
+    if words is None:
+        fit = [each.name for each in MODES if _fits(board, each, hardware)]
+        raise InputError(
+            f"the screen needs {100 * needed:.0f} % of the clocks of the memory of {board.name} "
+            f"for the mode {mode.name}, and can have {100 * most:.0f} %: whole pictures of the "
+            f"modes {', '.join(fit)} fit")
+    return words
+
+
+def _fits(board, mode, hardware):
+    """Whether board and memory carry pictures that fill a mode."""
+    try:
+        clocks = board.clock_plan(mode, board.core_mhz)
+    except InputError:
+        return False
+    return _screen_burst(board, mode, clocks, hardware, mode.size[0])[0] is not None
+
+
+def _screen_burst(board, mode, clocks, hardware, width):
+    """Words of a burst, or None; what of the memory's clocks the screen needs, and can have."""
+    beats = hardware.data_width // board.chip.data_bits         # clocks of a word
+    line_clocks = sum(mode.horizontal) / clocks.pixel_mhz * clocks.core_mhz
+    line_bytes = width * output_format(hardware.format).pixel_bytes
+    needed = line_bytes / (board.chip.data_bits // 8) / line_clocks
+    most = 0
+    for words in _BURSTS:
+        screen, written, read = (turns * beats * length for turns, length in zip(
+            _TURNS, (words, _WRITTEN, _READ)))
+        had = screen / (screen + written + read + sum(_TURNS) * _CHANGE) / _SPARE
+        if not _leaves_refreshes(board, clocks, hardware.data_width, words):
+            continue
+        most = had
+        if had >= needed:
+            return words, needed, most
+    return None, needed, most
+
+
+def _leaves_refreshes(board, clocks, data_width, words):
+    """Whether the controller takes bursts of so many words: a refresh waits for two of them."""
+    try:
+        Sequencer(Place(board.chip, data_width, words),
+                  clocks_of(board.chip, 1e6 * clocks.core_mhz), tag_bits=1)
+    except InputError:
+        return False
+    return True
 
 
 def budget_of(design, setup):

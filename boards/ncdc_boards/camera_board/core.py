@@ -22,9 +22,8 @@ from ncdc_hdl.system import System
 from ncdc_hdl.video.scan_out import PICTURE, ScanOut
 from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
 
-__all__ = ["BUTTONS", "LIGHTS", "SCREEN_BURST", "BoardCore", "Design"]
+__all__ = ["BUTTONS", "LIGHTS", "BoardCore", "Design"]
 
-SCREEN_BURST = 32       # words
 BUTTONS = ("following", "previous", "raw")
 LIGHTS = 8
 _WIRES_LATE = 2         # a register each in the pins' cells, on the way to the SDRAM and back
@@ -48,6 +47,8 @@ class Design:
         Of :class:`ProgramRunner`: the set-up first, then one for each lens, the raw picture's last.
     lenses : int
         That the buttons choose from, without the raw picture.
+    screen_burst : int
+        Words that the screen reads at once, at most.
     power_up_us : int
         Microseconds from the clocks' lock until the sensor's reset ends, and from there until
         the set-up begins.
@@ -59,6 +60,7 @@ class Design:
     clocks: object
     programs: tuple
     lenses: int
+    screen_burst: int
     power_up_us: int = 2000
 
     @property
@@ -101,9 +103,9 @@ class BoardCore(wiring.Component):
         self.design, board = design, design.board
         g = design.system.descriptor.geometry
         self.screen = ScanOut(design.mode, *g.corrected, pixel_bytes=design.pixel_bytes,
-                              max_burst=SCREEN_BURST)
+                              max_burst=design.screen_burst)
         self.memory = SdramController(board.chip, design.core_hz, self._width, reads=2,
-                                      max_burst=SCREEN_BURST, late=_WIRES_LATE)
+                                      max_burst=design.screen_burst, late=_WIRES_LATE)
         super().__init__({
             "sensor_clock": In(1), "sensor": In(PINS), "sensor_reset_n": Out(1),
             "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1),

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from ncdc_boards.camera_board.budget import screen_burst
 from ncdc_boards.camera_board.core import Design
 from ncdc_boards.camera_board.set_up import lens_program, set_up_program
 from ncdc_hdl.export.registers.lenses import check_lens
@@ -69,6 +70,8 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, **mor
     lenses = [one for _, one in named] + [raw_lens(descriptor)]
     programs = [set_up_program(system, *sensor, round(core_mhz * 1e6), waits),
                 *(lens_program(system, lens) for lens in lenses)]
-    design = Design(board, system, mode, output_format(hardware.format).pixel_bytes, clocks,
-                    tuple(programs), len(named))
+    pixel_bytes = output_format(hardware.format).pixel_bytes
+    design = Design(board, system, mode, pixel_bytes, clocks, tuple(programs), len(named),
+                    screen_burst(board, mode, clocks, hardware,
+                                 descriptor.geometry.corrected_width))
     return replace(design, **more)

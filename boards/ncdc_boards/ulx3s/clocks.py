@@ -5,7 +5,6 @@ from fractions import Fraction
 
 from amaranth import *
 
-from ncdc_hdl.video.modes import MODES
 from ncdc_model.errors import InputError
 
 __all__ = ["CORE_MHZ", "DOMAINS", "Clocks", "ClockPlan", "Pll", "clock_plan"]
@@ -113,9 +112,9 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
         raise InputError(f"the core's clock is {core_mhz} MHz, multiples of 12.5 MHz can be made")
     wanted = mode.pixel_mhz
     if 5 * wanted > _SHIFT_MHZ:
-        fit = ", ".join(each.name for each in MODES if 5 * each.pixel_mhz <= _SHIFT_MHZ)
-        raise InputError(f"the mode {mode.name} has a pixel clock of {wanted:.2f} MHz, the ULX3S's "
-                         f"output {_SHIFT_MHZ / 5:.0f} MHz at most: these fit: {fit}")
+        raise InputError(f"the mode {mode.name} has a pixel clock of {wanted:.2f} MHz, the "
+                         f"ULX3S's output takes {_SHIFT_MHZ / 5:.0f} MHz at most: a smaller --mode "
+                         "fits, or one of fewer pictures a second")
     # The second loop compares an output of the first one, of a divider that suits.
     loops = [(abs(loop.outputs_mhz[1] - wanted), loop.reference, fed, loop.dividers, loop)
              for fed in range(4, 17) for loop in _loops(core.oscillator_mhz / fed, wanted)]
