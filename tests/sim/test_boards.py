@@ -208,7 +208,7 @@ def test_pins_may_be_fast_or_slow(out_ps, back_ps):
 
 @pytest.mark.regress
 @pytest.mark.parametrize("name,mode,run_ms", [
-    *((name, "640x480", 190) for name in ("ulx3s", *QUARTUS[:2])), ("de2-115", "1280x720", 250),
+    *((name, "640x480", 190) for name in ("ulx3s", *QUARTUS[:2])), ("de2-115", "1280x720", 350),
     ("ulx3s", "1280x720@20", 700)])
 def test_a_whole_screen(name, mode, run_ms):
     """As large as the mode, beside a camera and a corrector at work."""
