@@ -6,6 +6,7 @@
 #include "net.h"
 #include "sensor.h"
 #include "stream.h"
+#include "table.h"
 #include "uart.h"
 #include "watchdog.h"
 #include "words.h"
@@ -57,5 +58,6 @@ int main(void)
 		net_poll();
 		stream_poll();
 		gvcp_poll();
+		table_poll();
 	}
 }

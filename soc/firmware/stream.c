@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "frames.h"
 #include "hw.h"
 #include "ip.h"
 #include "words.h"
@@ -23,7 +24,7 @@ uint32_t stream_frames, stream_resends;
 static struct receiver to;
 static int state = IDLE;
 static bool single, sent_one;
-static int reader;		/* that holds the frame sent last, 0 or 1 */
+static enum frame_reader reader;	/* that holds the frame sent last */
 static uint32_t block;		/* number of the picture sent last, 1..65535 */
 static uint32_t blocks;		/* pictures of this stream that can be sent again, at most 2 */
 static uint32_t began;		/* clock of its beginning */
@@ -40,11 +41,6 @@ uint32_t stream_packet_size(uint32_t size)
 bool stream_ended(void)
 {
 	return single && sent_one;
-}
-
-static void release(int which)
-{
-	reg_write(NCDC_READER0 + 4 * (uint32_t)which, NCDC_READER0_RELEASE);
 }
 
 void stream_start(const struct receiver *target, bool one)
@@ -74,8 +70,8 @@ void stream_stop(void)
 	while (reg_read(LINK_STATUS) & LINK_STATUS_RESENDING)
 		;
 	ranges_out = ranges_in;
-	release(0);
-	release(1);
+	frame_release(FRAMES_STREAM0);
+	frame_release(FRAMES_STREAM1);
 	state = IDLE;
 }
 
@@ -141,18 +137,12 @@ static void put_headers(const struct view *view, uint64_t time_ns, uint32_t pack
 /* Claims the newest frame and sends it; false if there is none. */
 static bool send(const struct view *view)
 {
-	int next = !reader;
-	uint32_t claim = view->raw ? NCDC_READER0_CLAIM_RAW : NCDC_READER0_CLAIM_CORRECTED;
-	uint32_t at, held, buffer, part = to.packet_size - STREAM_HEADERS, packets;
-	uint64_t time;
+	enum frame_reader next = reader == FRAMES_STREAM0 ? FRAMES_STREAM1 : FRAMES_STREAM0;
+	uint32_t part = to.packet_size - STREAM_HEADERS, packets;
+	struct frame frame;
 
-	reg_write(NCDC_READER0 + 4 * (uint32_t)next, claim);
-	held = reg_read(NCDC_READER0 + 4 * (uint32_t)next);
-	if (!(held & NCDC_READER0_HELD))
+	if (!frame_claim(next, view->raw, &frame))
 		return false;
-	buffer = held >> NCDC_READER0_BUFFER_SHIFT & 15;
-	at = (view->raw ? NCDC_RAW0_BASE : NCDC_CORRECTED0_BASE) + 16 * buffer;
-	time = (uint64_t)reg_read(at + 12) << 32 | reg_read(at + 8);
 	packets = (view->bytes + part - 1) / part;
 	block = block % 0xffff + 1;
 	reg_write(LINK_PAYLOAD, part);
@@ -161,8 +151,8 @@ static bool send(const struct view *view)
 	reg_write(LINK_FIRST_NUMBER, 1);
 	reg_write(LINK_NUMBER_FIELD, NUMBER_AT | NUMBER_BYTES << 8);
 	reg_write(LINK_DELAY, to.delay_clocks);
-	reg_write(LINK_BASE, reg_read(at));
-	put_headers(view, time * (1000000000u / CLOCK_HZ), packets, part,
+	reg_write(LINK_BASE, frame.address);
+	put_headers(view, frame.clock * (1000000000u / CLOCK_HZ), packets, part,
 		    view->bytes - (packets - 1) * part);
 	reg_write(LINK_STATUS, LINK_STATUS_DONE);
 	reg_write(LINK_CONTROL, LINK_CONTROL_SEND);

@@ -1,19 +1,28 @@
 #include "table.h"
 
+#include <string.h>
+
 #include "hw.h"
 #include "lwip/tcp.h"
+#include "mraw.h"
 #include "words.h"
 
 #define READ 0x80
 #define WRITE 0x81
 #define RESERVED 0x82		/* says nothing, is answered nothing */
 #define UNKNOWN 0xff
+#define MRAW 0x83
 #define REQUEST 5		/* bytes of READ and WRITE, and of their answers */
+#define LATER 60		/* bytes of requests that may wait behind a package */
 
 struct user {
 	struct tcp_pcb *pcb;	/* 0: the place is free */
 	uint8_t bytes[REQUEST];	/* of a request that is not complete */
 	uint8_t count;
+	uint8_t later[LATER];	/* what came while a package was asked for or sent */
+	uint8_t waiting;	/* bytes of it */
+	bool ends;		/* it will send nothing more */
+	struct mraw mraw;
 };
 
 uint32_t table_commands;
@@ -23,6 +32,7 @@ static void leave(struct user *user)
 {
 	struct tcp_pcb *pcb = user->pcb;
 
+	mraw_forget(&user->mraw);
 	user->pcb = 0;
 	tcp_arg(pcb, 0);
 	tcp_recv(pcb, 0);
@@ -30,6 +40,16 @@ static void leave(struct user *user)
 	tcp_poll(pcb, 0, 0);
 	if (tcp_close(pcb) != ERR_OK)
 		tcp_abort(pcb);
+}
+
+/* The word as this user sees it. */
+static uint32_t seen(const struct user *user, uint32_t address)
+{
+	if (address == WORD_NUMBER_UPPER)
+		return user->mraw.number >> 16;
+	if (address == WORD_NUMBER_LOWER)
+		return user->mraw.number & 0xffff;
+	return word_read(address);
 }
 
 /* Answers the request; false if the connection is to be closed behind it. */
@@ -44,8 +64,12 @@ static bool answer(struct user *user)
 	if (bytes[0] == WRITE)
 		word_write(address, get16(bytes + 3));
 	if (bytes[0] == READ || bytes[0] == WRITE) {
-		put16(bytes + 3, word_read(address));
+		put16(bytes + 3, seen(user, address));
 		return tcp_write(user->pcb, bytes, REQUEST, TCP_WRITE_FLAG_COPY) == ERR_OK;
+	}
+	if (bytes[0] == MRAW) {
+		user->mraw.state = MRAW_ASKED;
+		return true;
 	}
 	tcp_write(user->pcb, refused, sizeof refused, TCP_WRITE_FLAG_COPY);
 	return false;
@@ -54,6 +78,12 @@ static bool answer(struct user *user)
 /* Takes a byte; false if the connection is to be closed. */
 static bool take(struct user *user, uint8_t byte)
 {
+	if (user->mraw.state != MRAW_NONE) {
+		if (user->waiting == LATER)
+			return false;
+		user->later[user->waiting++] = byte;
+		return true;
+	}
 	if (!user->count && byte == RESERVED)
 		return true;
 	user->bytes[user->count++] = byte;
@@ -65,7 +95,7 @@ static bool take(struct user *user, uint8_t byte)
 static err_t received(void *argument, struct tcp_pcb *pcb, struct pbuf *chain, err_t error)
 {
 	struct user *user = argument;
-	bool stays = chain != 0;
+	bool stays = true;
 
 	(void)error;
 	for (struct pbuf *part = chain; part && stays; part = part->next)
@@ -76,15 +106,19 @@ static err_t received(void *argument, struct tcp_pcb *pcb, struct pbuf *chain, e
 		pbuf_free(chain);
 	}
 	tcp_output(pcb);
-	if (!stays)
+	user->ends |= !chain;
+	if (!stays || (user->ends && user->mraw.state == MRAW_NONE))
 		leave(user);
 	return ERR_OK;
 }
 
 static void failed(void *argument, err_t error)
 {
+	struct user *user = argument;
+
 	(void)error;
-	((struct user *)argument)->pcb = 0;
+	mraw_forget(&user->mraw);
+	user->pcb = 0;
 }
 
 static err_t accepted(void *argument, struct tcp_pcb *pcb, err_t error)
@@ -104,6 +138,52 @@ static err_t accepted(void *argument, struct tcp_pcb *pcb, err_t error)
 		}
 	tcp_abort(pcb);
 	return ERR_ABRT;
+}
+
+/* Takes what has waited, up to the next request for a package. */
+static bool take_waiting(struct user *user)
+{
+	uint8_t bytes[LATER], count = user->waiting, k = 0;
+
+	memcpy(bytes, user->later, count);
+	user->waiting = 0;
+	for (; k < count; ++k)
+		if (!take(user, bytes[k]))
+			return false;
+	return true;
+}
+
+/* Sends the user's package, and answers what has waited behind it; false if the connection is to be
+ * closed. */
+static bool serve(struct user *user)
+{
+	if (user->mraw.state == MRAW_SENDS && !mraw_send(&user->mraw, user->pcb))
+		return false;
+	if (user->mraw.state != MRAW_NONE || !user->waiting)
+		return user->mraw.state != MRAW_NONE || !user->ends;
+	if (!take_waiting(user))
+		return false;
+	tcp_output(user->pcb);
+	return true;
+}
+
+void table_poll(void)
+{
+	static unsigned next;
+	struct user *user = &users[next];
+	bool asked = false;
+
+	for (unsigned k = 0; k < TABLE_USERS; ++k)
+		asked |= users[k].mraw.state == MRAW_ASKED;
+	/* Who asks while a frame is sent waits until it is, and all who have waited begin together:
+	 * a frame that new users joined again and again would be held for ever. */
+	if (asked && mraw_claim())
+		for (unsigned k = 0; k < TABLE_USERS; ++k)
+			if (users[k].mraw.state == MRAW_ASKED)
+				mraw_begin(&users[k].mraw);
+	next = (next + 1) % TABLE_USERS;
+	if (user->pcb && !serve(user))
+		leave(user);
 }
 
 int table_begin(void)

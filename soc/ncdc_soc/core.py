@@ -4,6 +4,7 @@ from amaranth import *
 from amaranth.back import verilog
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
+from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.bus import PENDING
 from ncdc_hdl.avalon.native import NativePort, NativeReader, NativeWriter
@@ -11,14 +12,18 @@ from ncdc_hdl.avalon.wishbone import Wishbone, WishboneAgent
 from ncdc_hdl.lib.ports import ports_as
 from ncdc_hdl.link.packetiser import Packetiser
 from ncdc_hdl.system import System
+from ncdc_model.errors import InputError
 from ncdc_model.interface.link_map import LINK_WORDS_BITS
 from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
 
-__all__ = ["ADDRESS_BITS", "LINK_BASE", "SocCore", "core_verilog", "memory_reader",
-           "memory_writer"]
+__all__ = ["ADDRESS_BITS", "FRAMES_BITS", "LINK_BASE", "READERS", "SocCore", "core_verilog",
+           "memory_reader", "memory_writer"]
 
 ADDRESS_BITS = SYSTEM_WORDS_BITS + 1    # of a register, in words
 LINK_BASE = 1 << SYSTEM_WORDS_BITS      # word address of the packetiser's
+READERS = 3                             # of frames: two for streams, one for MRAW packages
+FRAMES_BITS = 26                        # of a word's address in the memory of frames: 256 MB
+_WORD = 32          # bits of the memory ports, and of the processor
 _PINS = ("sensor_clock", "sensor_frame_valid", "sensor_line_valid", "sensor_data", "scl", "sda",
          "scl_low", "sda_low")
 
@@ -37,12 +42,20 @@ class SocCore(wiring.Component):
     capacity : int
         Bytes that the packetiser reads ahead.
 
+    Raises
+    ------
+    InputError
+        If the memory has another width than the processor.
+
     Members
     -------
     bus : ``In(Wishbone(ADDRESS_BITS))``
         Registers of the system, and from ``LINK_BASE`` on those of the packetiser.
+    frames : ``In(Wishbone(FRAMES_BITS))``
+        The memory of the frames, to be read a word at a time; what is written is lost.
     port0, port1, .. : native ports
-        That of the writes, that of the packetiser, those of the corrector's reads.
+        That of the writes, that of the packetiser, that of ``frames``, those of the corrector's
+        reads.
     frame_valid, frame_ready, frame_data, frame_empty, frame_last
         Ethernet frames without check sequence, as of :class:`Packetiser`.
     irq : ``Out(1)``
@@ -50,15 +63,18 @@ class SocCore(wiring.Component):
         As of :class:`System`.
     """
 
-    def __init__(self, descriptor, hardware, readers=2, capacity=4096):
+    def __init__(self, descriptor, hardware, readers=READERS, capacity=4096):
+        if hardware.data_width != _WORD:
+            raise InputError(f"the memory has {hardware.data_width} bits, {_WORD} are needed: the "
+                             "processor reads frames from it")
         self.system = System(descriptor, hardware, readers)
         self.packetiser = Packetiser(hardware.data_width, capacity=capacity)
         self.reads = [name.partition("_")[0] for name in self.system.signature.members
                       if name.startswith("read") and name.endswith("_readdata")]
-        self.ports = 2 + len(self.reads)
+        self.ports = 3 + len(self.reads)
         members = self.system.signature.members
         super().__init__({
-            "bus": In(Wishbone(ADDRESS_BITS)), "irq": Out(1),
+            "bus": In(Wishbone(ADDRESS_BITS)), "frames": In(Wishbone(FRAMES_BITS)), "irq": Out(1),
             **{f"port{k}": Out(NativePort(hardware.data_width)) for k in range(self.ports)},
             **{name: members[name] for name in _PINS},
             "frame_valid": Out(1), "frame_ready": In(1), "frame_data": Out(32),
@@ -106,8 +122,21 @@ class SocCore(wiring.Component):
         m.submodules.reader0 = reader
         connect(m, packets, reader.bus)
         connect(m, reader.port, flipped(self.port1))
+        self._frames(m)
         for k, name in enumerate(self.reads):
-            memory_reader(m, system, name, getattr(self, f"port{k + 2}"))
+            memory_reader(m, system, name, getattr(self, f"port{k + 3}"))
+
+    def _frames(self, m):
+        """The processor's window to the memory."""
+        m.submodules.window = window = WishboneAgent(FRAMES_BITS)
+        m.submodules.window_reader = reader = NativeReader(_WORD, max_burst=1)
+        connect(m, flipped(self.frames), window.host)
+        connect(m, reader.port, flipped(self.port2))
+        agent, bus = window.agent, reader.bus
+        m.d.comb += [
+            bus.address.eq(agent.address << exact_log2(_WORD // 8)), bus.burstcount.eq(1),
+            bus.read.eq(agent.read), agent.waitrequest.eq(bus.waitrequest & agent.read),
+            agent.readdata.eq(bus.readdata), agent.readdatavalid.eq(bus.readdatavalid)]
 
 
 def memory_writer(m, host, port):

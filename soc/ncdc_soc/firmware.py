@@ -32,7 +32,7 @@ _I2C_QUARTER = 8            # clocks, the least: in simulation nobody waits for 
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
 _SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
-            "gvcp_write.c", "stream.c", "words.c", "sensor.c",
+            "gvcp_write.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
             "ip.c", "eth.c", "uart.c", "memory.c")
 _ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
@@ -102,6 +102,7 @@ def _hardware(core, soc):
     return {
         **{f"CSR_{name}": _hex(address) for name, address in soc.registers.items()},
         "CLOCK_HZ": f"{CLOCK_HZ}u", "NCDC_BASE": _hex(MAP["ncdc"]),
+        "FRAMES_BASE": _hex(MAP["frames"]), "FIRST_READER": "0u",
         "ETHMAC_RX_BASE": _hex(MAP["ethmac_rx"]), "ETHMAC_TX_BASE": _hex(MAP["ethmac_tx"]),
         "ETHMAC_SLOT_BYTES": f"{SLOT_BYTES}u",
         "LINK_CAPACITY": f"{core.packetiser.capacity}u",

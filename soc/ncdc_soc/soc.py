@@ -13,7 +13,7 @@ from litex.soc.integration.soc_core import SoCCore
 from litex.soc.interconnect import wishbone
 from migen import ClockDomain, Instance, Mux, Signal
 
-from ncdc_soc.core import ADDRESS_BITS
+from ncdc_soc.core import ADDRESS_BITS, FRAMES_BITS
 from ncdc_soc.mac import SLOT_BYTES, Mac, ModelPhy
 from ncdc_soc.verilog import litex_verilog
 
@@ -22,7 +22,7 @@ __all__ = ["CLOCK_HZ", "MAP", "SocVerilog", "soc_verilog"]
 CLOCK_HZ = 100_000_000
 
 MAP = {"rom": 0x0000_0000, "sram": 0x1000_0000, "ncdc": 0x9000_0000, "ethmac_rx": 0x9010_0000,
-       "ethmac_tx": 0x9011_0000, "csr": 0xF000_0000}
+       "ethmac_tx": 0x9011_0000, "frames": 0xA000_0000, "csr": 0xF000_0000}
 """Byte addresses of what the processor sees."""
 
 _ROM_BYTES = 0x20000
@@ -109,6 +109,9 @@ class _Soc(SoCCore):
         bus = wishbone.Interface(data_width=32, adr_width=30)
         self.bus.add_slave("ncdc", bus, SoCRegion(origin=MAP["ncdc"], size=4 << ADDRESS_BITS,
                                                   cached=False))
+        window = wishbone.Interface(data_width=32, adr_width=30)
+        self.bus.add_slave("frames", window, SoCRegion(origin=MAP["frames"], size=4 << FRAMES_BITS,
+                                                       cached=False))
         pins = platform.request("sensor")
         scl_low, sda_low = Signal(), Signal()
         frames, empty = self.ethmac.frames, Signal(2)
@@ -132,7 +135,10 @@ class _Soc(SoCCore):
             i_bus__adr=bus.adr[:ADDRESS_BITS], i_bus__dat_w=bus.dat_w, i_bus__sel=bus.sel,
             i_bus__cyc=bus.cyc, i_bus__stb=bus.stb, i_bus__we=bus.we, o_bus__dat_r=bus.dat_r,
             o_bus__ack=bus.ack,
-            o_bus__err=bus.err, i_sensor_clock=pins.clock,
+            o_bus__err=bus.err, i_frames__adr=window.adr[:FRAMES_BITS],
+            i_frames__dat_w=window.dat_w, i_frames__sel=window.sel, i_frames__cyc=window.cyc,
+            i_frames__stb=window.stb, i_frames__we=window.we, o_frames__dat_r=window.dat_r,
+            o_frames__ack=window.ack, o_frames__err=window.err, i_sensor_clock=pins.clock,
             i_sensor_frame_valid=pins.frame_valid, i_sensor_line_valid=pins.line_valid,
             i_sensor_data=pins.data, i_scl=pins.scl, i_sda=pins.sda, o_scl_low=scl_low,
             o_sda_low=sda_low, o_irq=irq, o_frame_valid=frames.valid, i_frame_ready=frames.ready,

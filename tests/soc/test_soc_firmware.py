@@ -44,9 +44,10 @@ def program(soc, tmp_path_factory):
     return host_program(soc[1], tmp_path_factory.mktemp("host"))
 
 
-def reached(frames, answers, commands, pictures, resends):
+def reached(frames, answers, commands, pictures, resends, requests, packages):
     """Whether a run reached what it is there for."""
-    return answers > frames // 4 and commands > frames // 4 and pictures > 0
+    return (answers > frames // 4 and commands > frames // 4 and pictures > 0
+            and requests > frames // 500 and packages > frames // 2000)
 
 
 def test_any_frames(program):

@@ -9,7 +9,10 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc_model.corrector import correct
+from ncdc_model.interface.frames import output_format
+from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.table_one import TCP_PORT
+from ncdc_model.interface.table_two import HEADER_BYTES
 from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun
 from peers import need
 
@@ -176,3 +179,51 @@ def test_single_pictures(model, tmp_path):
     with SocRun(model) as run:
         taken = peer(run, script, tmp_path)
     assert matches(tmp_path, len(taken), [model.golden().picture]) == [0, 0]
+
+
+_PACKAGES = """
+import json, sys
+import numpy as np
+from concurrent.futures import ThreadPoolExecutor
+from ncdc_host.client.table import Connection
+from ncdc_model.interface.features import system_word
+folder, formats = sys.argv[2], json.loads(sys.argv[3])
+address, port = "{address}", {port}
+users = [Connection(address, port, 300) for _ in range(3)]
+told = []
+def take(user):
+    package = user.picture(300)
+    number = user.read(system_word("NUMBER_UPPER")) << 16 | user.read(system_word("NUMBER_LOWER"))
+    return package, number
+for form in formats:
+    users[0].write(system_word("FORMAT"), form)
+    with ThreadPoolExecutor(3) as pool:
+        for package, number in pool.map(take, users):
+            header = package.header
+            np.save(f"{folder}/{len(told)}.npy", np.frombuffer(package.data, np.uint8))
+            told.append([header.width, header.height, header.pixel_format.mraw, header.address,
+                         header.port, header.time_us, number])
+# Requests behind a package are answered behind it, also when no more will come.
+users[1]._socket.sendall(bytes([0x83, 0x80, 0xF0, 0x01, 0, 0]))
+users[1]._socket.shutdown(1)
+rest = b""
+while part := users[1]._socket.recv(65536):
+    rest += part
+print(json.dumps([told, len(rest), list(rest[-5:])]))
+"""
+
+
+def test_packages_over_tcp(model, tmp_path):
+    """Raw and corrected, to three users at once; what is asked behind one waits for its end."""
+    script = _PACKAGES.replace("{address}", ADDRESS).replace("{port}", str(TCP_PORT))
+    raw, corrected = raw_format(model.descriptor.geometry), output_format("BGR8").sent
+    with SocRun(model) as run:
+        told, length, last = peer(run, script, tmp_path, [raw.mraw, corrected.mraw])
+        assert "exception" not in run.screen
+    goldens = [model.raw(model.setup), model.golden().picture[..., ::-1]]      # BGR
+    for k, (width, height, form, address, port, time_us, number) in enumerate(told):
+        assert (width, height) == _SIZE and (address, port) == (ADDRESS, TCP_PORT)
+        assert form == (raw, corrected)[k // 3].mraw and time_us > 0 and number > 0
+        assert np.array_equal(np.load(tmp_path / f"{k}.npy"), goldens[k // 3].ravel())
+    assert length == HEADER_BYTES + goldens[1].size + 5
+    assert last == [0x80, 0xF0, 0x01, 0, _SIZE[0]]

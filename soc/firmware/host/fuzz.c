@@ -2,7 +2,8 @@
  * right and half random. Built with sanitizers, which end the program at the first fault.
  *
  * Arguments: number of frames, seed. Prints how many frames came, how many were answered, how many
- * commands and pictures there were: a run that reached nothing would show it. */
+ * commands and pictures there were, of GVCP and of Tables I and II: a run that reached nothing would
+ * show it. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 #include "../eth.h"
 #include "../gvcp.h"
 #include "../hw.h"
+#include "../mraw.h"
 #include "../net.h"
 #include "../stream.h"
 #include "../table.h"
@@ -17,6 +19,17 @@
 #include "../words.h"
 
 #define WORDS 0x20000		/* of each region of registers */
+#define PEERS 10		/* of Table I; more than it has places for */
+#define PEER_PORT 40000
+
+enum tcp_flag { FIN = 1, SYN = 2, RST = 4, PSH = 8, ACK = 16 };
+
+/* What a connection's other side knows of it. */
+static struct peer {
+	bool open;
+	uint32_t port;			/* 0: it has yet to choose one */
+	uint32_t next, expected;	/* byte that it sends next, that it awaits */
+} peers[PEERS], stray;			/* who is gone, and still gets segments */
 
 static uint32_t core[WORDS], csr[0x4000], slot[ETHMAC_SLOT_BYTES / 4], out[2 * ETHMAC_SLOT_BYTES / 4];
 static uint32_t length, pending, answers, clocks;
@@ -30,7 +43,7 @@ static uint32_t random32(void)
 
 uint32_t reg_read(uint32_t address)
 {
-	clocks += 10;
+	clocks += 2000;
 	switch (address) {
 	case NCDC_TIME_LOW: return clocks;
 	case NCDC_TIME_HIGH: return 0;
@@ -38,7 +51,8 @@ uint32_t reg_read(uint32_t address)
 	case NCDC_CAMERA_STATUS: return NCDC_CAMERA_STATUS_CORRECTED_FRAME |
 					NCDC_CAMERA_STATUS_RAW_FRAME;
 	case NCDC_READER0: case NCDC_READER0 + 4:
-		return NCDC_READER0_HELD | (random32() % 4) << NCDC_READER0_BUFFER_SHIFT;
+	case NCDC_READER0 + 8:
+		return (random32() % 256 ? NCDC_READER0_HELD : 0) | (random32() % 4) << NCDC_READER0_BUFFER_SHIFT;
 	case LINK_STATUS: return random32() & LINK_STATUS_DONE;
 	case CSR_ETHMAC_SRAM_WRITER_EV_PENDING: return pending;
 	case CSR_ETHMAC_SRAM_WRITER_LENGTH: return length;
@@ -49,12 +63,36 @@ uint32_t reg_read(uint32_t address)
 	}
 	if (address - ETHMAC_RX_BASE < sizeof slot)
 		return slot[(address - ETHMAC_RX_BASE) / 4];
+	if (address - FRAMES_BASE < 0x10000000)
+		return address;
 	if (address - NCDC_BASE < sizeof core)
 		return core[(address - NCDC_BASE) / 4];
 	if (address - CSR_CTRL_RESET < sizeof csr)
 		return csr[(address - CSR_CTRL_RESET) / 4];
 	fprintf(stderr, "nothing to read at %#x\n", address);
 	abort();
+}
+
+/* Looks at a frame that was sent: where its connection is. */
+static void answered(const uint8_t *frame)
+{
+	const uint8_t *ip = frame + ETH_HEADER, *tcp = ip + IP_HEADER;
+	uint32_t port = get16(tcp + 2), k = port % PEERS, flags = tcp[13];
+
+	++answers;
+	if (get16(frame + 12) != ETH_IP || ip[9] != 6 || get16(tcp) != TABLE_PORT)
+		return;
+	if (port != peers[k].port) {
+		stray = (struct peer){!(flags & RST), port, get32(tcp + 8), 0};
+		return;
+	}
+	peers[k].open = !(flags & (RST | FIN));
+	if (!peers[k].open)
+		peers[k].port = 0;		/* the present one is not free at once */
+	if (flags & ACK)
+		peers[k].next = get32(tcp + 8);
+	peers[k].expected = get32(tcp + 4) + get16(ip + 2) - IP_HEADER - (tcp[12] >> 4) * 4 +
+			    !!(flags & (SYN | FIN));
 }
 
 void reg_write(uint32_t address, uint32_t value)
@@ -66,7 +104,8 @@ void reg_write(uint32_t address, uint32_t value)
 	if (address == CSR_ETHMAC_SRAM_WRITER_EV_PENDING)
 		pending = 0;
 	else if (address == CSR_ETHMAC_SRAM_READER_START)
-		++answers;
+		answered((const uint8_t *)out +
+			 csr[(CSR_ETHMAC_SRAM_READER_SLOT - CSR_CTRL_RESET) / 4] * ETHMAC_SLOT_BYTES);
 	else if (address - ETHMAC_TX_BASE < sizeof out)
 		out[(address - ETHMAC_TX_BASE) / 4] = value;
 	else if (address - NCDC_BASE < sizeof core)
@@ -164,6 +203,100 @@ static uint32_t other(uint8_t *frame)
 	return ETH_HEADER + size;
 }
 
+/* Ethernet and IPv4 headers before so many bytes for the device; where those begin. */
+static uint8_t *ip_header(uint8_t *frame, uint32_t protocol, uint32_t size)
+{
+	uint8_t *ip = frame + ETH_HEADER;
+
+	put16(frame + 12, ETH_IP);
+	put16(ip, 0x4500);
+	put16(ip + 2, IP_HEADER + size);
+	put32(ip + 4, 0);
+	put16(ip + 8, 64 << 8 | protocol);
+	put16(ip + 10, 0);
+	put32(ip + 12, CONFIG_IP ^ 1);
+	put32(ip + 16, CONFIG_IP);
+	put16(ip + 10, ~ip_sum(ip, IP_HEADER, 0));
+	return ip + IP_HEADER;
+}
+
+/* A segment of a user of Table I, who mostly keeps TCP's rules; its length. */
+static uint32_t user(uint8_t *frame)
+{
+	static const uint8_t CODES[] = {0x80, 0x81, 0x81, 0x82, 0x83, 0x83, 0x84};
+	uint32_t k = random32() % PEERS, size = 0, flags = ACK, segment;
+	struct peer *peer = &peers[k];
+	bool ends = false;
+	uint8_t *tcp = frame + ETH_HEADER + IP_HEADER, *data = tcp + 20;
+
+	if (stray.open) {
+		peer = &stray;
+		flags = RST;
+		ends = true;
+	} else if (!peer->open) {
+		flags = SYN;
+		if (!peer->port) {
+			peer->port = PEER_PORT + k + PEERS * (random32() % 1000);
+			peer->next = random32();
+		}
+	} else if (random32() % 4 == 0) {
+		flags |= PSH;
+		for (uint32_t n = random32() % 8 ? 1 : random32() % 20; n; --n) {
+			uint32_t code = CODES[random32() % (random32() % 8 ? 6 : sizeof CODES)];
+
+			data[size++] = (uint8_t)code;
+			if (code < 0x82) {
+				put16(data + size, random32() % 2 ? 0xf000 + random32() % 24
+								  : random32() % 256);
+				put16(data + size + 2, random32() % 4 ? random32() % 4 : random32());
+				size += 4;
+			}
+		}
+	} else if (random32() % 32 == 0) {
+		/* Also what gets a connection going again that a wrong number has stopped. */
+		flags |= random32() % 2 ? FIN : RST;
+		ends = true;
+	}
+	segment = 20 + size;
+	memset(tcp, 0, 20);
+	put16(tcp, peer->port);
+	put16(tcp + 2, TABLE_PORT);
+	put32(tcp + 4, peer->next + (random32() % 64 ? 0 : random32() % 5000));
+	put32(tcp + 8, flags == SYN ? 0 : peer->expected - (random32() % 64 ? 0 : 100));
+	put16(tcp + 12, 0x5000 | flags);
+	put16(tcp + 14, random32() % 16 ? 0xffff : random32() % 600);
+	if (ends)
+		*peer = (struct peer){0};
+	ip_header(frame, 6, segment);
+	put16(tcp + 16, ~ip_sum(tcp, segment, ip_sum(tcp - 8, 8, 6 + segment)));
+	return ETH_HEADER + IP_HEADER + segment;
+}
+
+/* An answer of ARP, without which TCP's answers wait. */
+static uint32_t neighbour(uint8_t *frame)
+{
+	uint8_t *arp = frame + ETH_HEADER;
+
+	put16(frame + 12, ETH_ARP);
+	put32(arp, 0x00010800);
+	put32(arp + 4, 0x06040002);
+	memcpy(arp + 8, "\x02\0\0\0\0\x01", 6);
+	put32(arp + 14, CONFIG_IP ^ 1);
+	memcpy(arp + 18, ETH_OWN.bytes, 6);
+	put32(arp + 24, CONFIG_IP);
+	return ETH_HEADER + 28;
+}
+
+static uint32_t any(uint8_t *frame)
+{
+	switch (random32() % 6) {
+	case 0: case 1: return command(frame);
+	case 2: return other(frame);
+	case 3: return random32() % 4 ? user(frame) : neighbour(frame);
+	}
+	return user(frame);
+}
+
 int main(int count, char **arguments)
 {
 	uint32_t frames = count > 1 ? (uint32_t)strtoul(arguments[1], 0, 10) : 1000;
@@ -175,7 +308,7 @@ int main(int count, char **arguments)
 	net_begin();
 	for (uint32_t k = 0; k < frames; ++k) {
 		memset(slot, 0, sizeof slot);
-		length = random32() % 3 ? command(frame) : other(frame);
+		length = any(frame);
 		memcpy(frame, random32() % 8 ? ETH_OWN.bytes : (const uint8_t *)"\xff\xff\xff\xff\xff\xff", 6);
 		memcpy(frame + 6, "\x02\0\0\0\0\x01", 6);
 		/* One of four frames is damaged: a byte, or its length. */
@@ -187,11 +320,13 @@ int main(int count, char **arguments)
 		net_poll();
 		stream_poll();
 		gvcp_poll();
+		table_poll();
 		if (pending) {
 			fprintf(stderr, "frame %u stays\n", k);
 			return 1;
 		}
 	}
-	printf("%u %u %u %u %u\n", frames, answers, gvcp_commands, stream_frames, stream_resends);
+	printf("%u %u %u %u %u %u %u\n", frames, answers, gvcp_commands, stream_frames,
+	       stream_resends, table_commands, mraw_packages);
 	return 0;
 }

@@ -24,7 +24,7 @@
 #else
 #define MEM_ALIGNMENT 4
 #endif
-#define MEM_SIZE (16 * 1024)
+#define MEM_SIZE (28 * 1024)	/* three segments under way to each user */
 #define MEMP_NUM_TCP_PCB (TABLE_USERS + 2)	/* users, and one that is refused */
 #define MEMP_NUM_TCP_SEG 32
 #define MEMP_NUM_PBUF 16
@@ -34,8 +34,13 @@
 #define TCP_WND (2 * TCP_MSS)
 #define TCP_SND_BUF (4 * TCP_MSS)
 #define TCP_SND_QUEUELEN 12
+#define TCP_OVERSIZE 256
 #define LWIP_NETIF_TX_SINGLE_PBUF 1
 #define LWIP_TCP_KEEPALIVE 1
+/* Who is gone without a word gives a place free in two minutes. */
+#define TCP_KEEPIDLE_DEFAULT 60000UL
+#define TCP_KEEPINTVL_DEFAULT 10000UL
+#define TCP_KEEPCNT_DEFAULT 6U
 
 #include "config.h"
 

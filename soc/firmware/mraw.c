@@ -1,0 +1,98 @@
+#include "mraw.h"
+
+#include <string.h>
+
+#include "frames.h"
+#include "hw.h"
+#include "ip.h"
+#include "lwip/sys.h"
+#include "words.h"
+
+#define HEADER 28
+#define PIECE 256		/* bytes at a time: the rest of the loop must not wait for long */
+#define FLYING (2 * TCP_MSS)	/* not yet acknowledged; two whole segments are, at once */
+#define PATIENCE_MS 10000
+#define CLOCKS_PER_US (CLOCK_HZ / 1000000)
+
+uint32_t mraw_packages;
+static struct frame frame;	/* that is sent, to `users` */
+static struct view view;
+static unsigned users;
+
+bool mraw_claim(void)
+{
+	if (users)
+		return false;
+	view = words_view();
+	return frame_claim(FRAMES_MRAW, view.raw, &frame);
+}
+
+void mraw_begin(struct mraw *mraw)
+{
+	++users;
+	mraw->state = MRAW_SENDS;
+	mraw->sent = 0;
+	mraw->moved_ms = sys_now();
+	mraw->number = frame.number;
+}
+
+void mraw_forget(struct mraw *mraw)
+{
+	if (mraw->state == MRAW_SENDS && !--users)
+		frame_release(FRAMES_MRAW);
+	mraw->state = MRAW_NONE;
+}
+
+static void put_header(uint8_t *p)
+{
+	memset(p, 0, HEADER);
+	put32(p, view.width);
+	put32(p + 4, view.height);
+	p[8] = (uint8_t)view.mraw;
+	put32(p + 12, view.bytes);
+	put32(p + 16, ip_own);
+	put32(p + 20, TABLE_PORT);
+	put32(p + 24, (uint32_t)(frame.clock / CLOCKS_PER_US));
+}
+
+/* The package's next bytes; how many. */
+static uint32_t piece(const struct mraw *mraw, uint32_t *words)
+{
+	uint32_t at = mraw->sent - HEADER, length;
+
+	if (!mraw->sent) {
+		put_header((uint8_t *)words);
+		return HEADER;
+	}
+	length = view.bytes - at < PIECE ? view.bytes - at : PIECE;
+	for (uint32_t k = 0; k < length; k += 4)
+		words[k / 4] = reg_read(FRAMES_BASE + frame.address + at + k);
+	return length;
+}
+
+bool mraw_send(struct mraw *mraw, struct tcp_pcb *pcb)
+{
+	uint32_t words[PIECE / 4], length;
+
+	if (!frame_held(FRAMES_MRAW) || sys_now() - mraw->moved_ms > PATIENCE_MS)
+		return false;
+	if (TCP_SND_BUF - tcp_sndbuf(pcb) > FLYING)
+		return true;
+	length = piece(mraw, words);
+	/* A frame that was taken away meanwhile is not what was read. */
+	if (!frame_held(FRAMES_MRAW))
+		return false;
+	/* Short segments wait for the next piece, except the last one. */
+	tcp_nagle_enable(pcb);
+	if (tcp_write(pcb, words, (uint16_t)length, TCP_WRITE_FLAG_COPY) == ERR_OK) {
+		mraw->sent += length;
+		mraw->moved_ms = sys_now();
+	}
+	if (mraw->sent == HEADER + view.bytes) {
+		++mraw_packages;
+		mraw_forget(mraw);
+		tcp_nagle_disable(pcb);
+	}
+	tcp_output(pcb);
+	return true;
+}

@@ -1,0 +1,33 @@
+/* Table II: the newest picture with a header in front, over TCP. */
+#ifndef MRAW_H
+#define MRAW_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "lwip/tcp.h"
+
+/* A connection's package. */
+struct mraw {
+	enum { MRAW_NONE, MRAW_ASKED, MRAW_SENDS } state;
+	uint32_t sent;		/* bytes that lwIP has taken */
+	uint32_t moved_ms;	/* when it took the last of them */
+	uint32_t number;	/* of the frame that was sent last */
+};
+
+extern uint32_t mraw_packages;		/* sent to their end */
+
+/* Claims the newest frame; false if there is none, or one is being sent. */
+bool mraw_claim(void);
+
+/* Begins a package that was asked for, of the frame that was claimed. */
+void mraw_begin(struct mraw *mraw);
+
+/* Nobody wants it any more. */
+void mraw_forget(struct mraw *mraw);
+
+/* Gives lwIP some bytes; false if the connection has to be closed: it takes none for too long, or
+ * the frame was taken away. */
+bool mraw_send(struct mraw *mraw, struct tcp_pcb *pcb);
+
+#endif
