@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+from ncdc_hdl.link.processor import LINK_BASE
 from ncdc_model.errors import InputError
 from ncdc_model.interface import gvcp
 from ncdc_model.interface.features import FEATURES, feature
@@ -19,10 +20,9 @@ from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.system_map import system_registers
 from ncdc_model.interface.table_one import SYSTEM_WORDS, TCP_PORT
 from ncdc_model.sensors import mt9p031
-from ncdc_soc.core import LINK_BASE
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
-from ncdc_soc.soc import CLOCK_HZ, MAP
+from ncdc_soc.processor import MAP
 
 __all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
 
@@ -68,7 +68,7 @@ def config(core, soc, setup, corner, identity=Identity()):
     Parameters
     ----------
     core : SocCore
-    soc : SocVerilog
+    soc : ProcessorVerilog
     setup : Setup
         Of the sensor.
     corner : (int, int)
@@ -78,7 +78,7 @@ def config(core, soc, setup, corner, identity=Identity()):
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
         **_hardware(core, soc), **_registers(core), **_pictures(core, setup), **_sensor(setup),
-        **_protocols(identity)}.items()]
+        **_protocols(identity, soc.clock_hz)}.items()]
     lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in _features())
                  + "};")
     lines += [f"#define CONFIG_CHOICES {_choices()}", f"#define CONFIG_FEATURES {_table()}",
@@ -101,7 +101,7 @@ def _braced(values):
 def _hardware(core, soc):
     return {
         **{f"CSR_{name}": _hex(address) for name, address in soc.registers.items()},
-        "CLOCK_HZ": f"{CLOCK_HZ}u", "NCDC_BASE": _hex(MAP["ncdc"]),
+        "CLOCK_HZ": f"{soc.clock_hz}u", "NCDC_BASE": _hex(MAP["ncdc"]),
         "FRAMES_BASE": _hex(MAP["frames"]), "FIRST_READER": "0u",
         "ETHMAC_RX_BASE": _hex(MAP["ethmac_rx"]), "ETHMAC_TX_BASE": _hex(MAP["ethmac_tx"]),
         "ETHMAC_SLOT_BYTES": f"{SLOT_BYTES}u",
@@ -160,7 +160,7 @@ def _sensor(setup):
         "SENSOR_GAIN": _hex(mt9p031.GLOBAL_GAIN), "SENSOR_PATTERN": _hex(mt9p031.TEST_PATTERN)}
 
 
-def _protocols(identity):
+def _protocols(identity, clock_hz):
     # Packed it takes an eighth of the ROM, and of the time that a client needs to read it.
     xml = _zipped(gvcp.XML_NAME, genicam_xml())
     url = f"Local:{Path(gvcp.XML_NAME).stem}.zip;{gvcp.XML_BASE:X};{len(xml):X}"
@@ -178,7 +178,7 @@ def _protocols(identity):
         "GVCP_DISCOVERY_BYTES": _hex(gvcp.DISCOVERY_BYTES),
         "TABLE_PORT": f"{TCP_PORT}u", "TABLE_USERS": f"{_USERS}",
         "HEARTBEAT_MS": f"{gvcp.HEARTBEAT_MS}u",
-        "MILLISECOND_CLOCKS": f"{CLOCK_HZ // 1000 // identity.hurry}u",
+        "MILLISECOND_CLOCKS": f"{clock_hz // 1000 // identity.hurry}u",
         "PACKET_DO_NOT_FRAGMENT": _hex(gvcp.SCPS_DO_NOT_FRAGMENT),
         "CONFIG_VERSION": _text(version("ncdc")), "CONFIG_IP": _hex(_address(identity.ip)),
         "CONFIG_MASK": _hex(_address(identity.mask)),

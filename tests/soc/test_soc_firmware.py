@@ -17,7 +17,7 @@ _CODE_BYTES, _RAM_BYTES = 64 * 1024, 56 * 1024
 
 @pytest.fixture(scope="module")
 def soc():
-    """(SocVerilog, text of config.h)."""
+    """(ProcessorVerilog, text of config.h)."""
     descriptor = barrel_descriptor()
     core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"))
     verilog = soc_verilog(core)

@@ -1,4 +1,4 @@
-"""The clocks of the Quartus boards: two phase-locked loops of the device."""
+"""The clocks of the Quartus boards: phase-locked loops of the device."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,10 @@ __all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "Clocks", "clock_plan"]
 REFERENCE_MHZ = 50                  # the boards' oscillator
 CORE_MHZ = 75
 SENSOR_MHZ = 25
-DOMAINS = ("sync", "memory", "sensor_reference", "pixel")
+ETHERNET_MHZ = 125                  # of RGMII, whatever the line's speed
+_ETHERNET_LATE_PS = 2000            # of the clock at RGMII's pin: a quarter of its period
+DOMAINS = ("sync", "memory", "sensor_reference", "pixel", "ethernet", "ethernet_late")
+_LOOP_OF = {"pixel": LOOPS[1], "ethernet": LOOPS[2], "ethernet_late": LOOPS[2]}
 # Intel, Cyclone IV Device Handbook, volume 3 (CYIV-53001), and Cyclone V Device Datasheet
 # (CV-51002), PLL specifications: MHz of the oscillator that the slowest of our devices has.
 _OSCILLATOR = (600, 1300)
@@ -33,14 +36,15 @@ class ClockPlan:
         By how much the SDRAM's clock is late behind the core's.
     ratio : (int, int)
         Pixel clock over the oscillator's.
-    sdram : bool
-        Whether there is a clock for an SDRAM at the device's pins.
+    sdram, ethernet : bool
+        Whether there is a clock for an SDRAM at the device's pins, and one for Ethernet.
     """
     family: str
     core_mhz: float
     phase_ps: int
     ratio: tuple
     sdram: bool = True
+    ethernet: bool = False
 
     @property
     def pixel_mhz(self):
@@ -48,10 +52,23 @@ class ClockPlan:
         return REFERENCE_MHZ * self.ratio[0] / self.ratio[1]
 
     def targets(self):
-        """MHz of each domain, by its name; the pixels' last, those of the core's loop before."""
+        """MHz of each domain, by its name."""
         mhz = {"sync": self.core_mhz, "memory": self.core_mhz, "sensor_reference": SENSOR_MHZ,
-               "pixel": self.pixel_mhz}
-        return {name: mhz[name] for name in DOMAINS if name != "memory" or self.sdram}
+               "pixel": self.pixel_mhz, "ethernet": ETHERNET_MHZ, "ethernet_late": ETHERNET_MHZ}
+        absent = ["memory"] * (not self.sdram) + list(DOMAINS[-2:]) * (not self.ethernet)
+        return {name: mhz[name] for name in DOMAINS if name not in absent}
+
+    def loops(self):
+        """Names of the domains that each loop drives, in the order of its outputs."""
+        found = {}
+        for name in self.targets():
+            found.setdefault(_LOOP_OF.get(name, LOOPS[0]), []).append(name)
+        return found
+
+    def output(self, domain):
+        """(MHz or a ratio to the oscillator's, ps behind the loop's first output)."""
+        late = {"memory": self.phase_ps, "ethernet_late": _ETHERNET_LATE_PS}
+        return (self.ratio if domain == "pixel" else self.targets()[domain]), late.get(domain, 0)
 
 
 def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz, sdram=True):
@@ -90,7 +107,7 @@ def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz, sdram=True):
 class Clocks(Elaboratable):
     """Drives the clocks of the plan's domains, which its parent defines, and their resets.
 
-    All domains are in reset until both loops are locked.
+    Core and pixels are in reset until all loops are locked.
 
     Parameters
     ----------
@@ -104,20 +121,20 @@ class Clocks(Elaboratable):
 
     def elaborate(self, platform):
         m = Module()
-        plan, targets = self.plan, self.plan.targets()
-        core = [(mhz, plan.phase_ps * (name == "memory"))
-                for name, mhz in list(targets.items())[:-1]]
-        loop = self._cyclone_iv if plan.family == CYCLONE_IV else self._cyclone_v
-        outputs, core_locked = loop(m, LOOPS[0], core)
-        pixel, pixel_locked = loop(m, LOOPS[1], [(plan.ratio, 0)])
-        for domain, output in zip(targets, (*outputs, *pixel)):
-            m.d.comb += ClockSignal(domain).eq(output)
+        loop = self._cyclone_iv if self.plan.family == CYCLONE_IV else self._cyclone_v
+        locks = []
+        for name, domains in self.plan.loops().items():
+            outputs, locked = loop(m, name, [self.plan.output(domain) for domain in domains])
+            locks.append(locked)
+            m.d.comb += [ClockSignal(domain).eq(output)
+                         for domain, output in zip(domains, outputs)]
         unlocked = Signal()
-        m.d.comb += unlocked.eq(~(core_locked & pixel_locked))
-        for domain in ("sync", "pixel"):
-            m.submodules[f"{domain}_reset"] = ResetSynchronizer(unlocked, domain=domain)
-        for domain in list(targets)[1:-1]:
-            m.d.comb += ResetSignal(domain).eq(0)
+        m.d.comb += unlocked.eq(~Cat(locks).all())
+        for domain in self.plan.targets():
+            if domain in ("sync", "pixel"):
+                m.submodules[f"{domain}_reset"] = ResetSynchronizer(unlocked, domain=domain)
+            else:
+                m.d.comb += ResetSignal(domain).eq(0)
         return m
 
     def _cyclone_iv(self, m, name, outputs):

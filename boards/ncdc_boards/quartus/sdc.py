@@ -42,7 +42,8 @@ FREE = {
 CHAIN_PORTS = tuple(f"altera_reserved_{name}" for name in ("tck", "tdi", "tms", "tdo"))
 """Ports of the scan chain, which Quartus adds to the top."""
 
-_CLOCKS = {"sync": "core", "memory": "memory", "sensor_reference": "reference", "pixel": "pixel"}
+_CLOCKS = {"sync": "core", "memory": "memory", "sensor_reference": "reference", "pixel": "pixel",
+           "ethernet": "ethernet", "ethernet_late": "ethernet_late"}
 
 _SYNCHRONISERS = """\
 # Only the first register of each synchroniser may be reached from another clock.
@@ -82,9 +83,8 @@ def constraints(design, sensor_mhz, ports, groups=None):
     board, core_ns = design.board, 1000 / design.clocks.core_mhz
     period = min(core_ns, 1000 / sensor_mhz, 1000 / design.clocks.pixel_mhz)
     pin = _CYCLONE_IV_PIN if board.family == CYCLONE_IV else _CYCLONE_V_PIN
-    outputs = [_CLOCKS[name] for name in design.clocks.targets()]
-    pins = {name: pin.format(loop=LOOPS[0], k=k) for k, name in enumerate(outputs[:-1])}
-    pins[outputs[-1]] = pin.format(loop=LOOPS[1], k=0)
+    pins = {_CLOCKS[name]: pin.format(loop=loop, k=k)
+            for loop, names in design.clocks.loops().items() for k, name in enumerate(names)}
     lines = [
         f"create_clock -name sensor -period {1000 / sensor_mhz:.3f} "
         "[get_ports {camera_0__pixclk__io}]",

@@ -13,8 +13,9 @@ from ncdc_hdl.avalon.native import NativeReader, NativeWriter
 from ncdc_hdl.avalon.wishbone import WishboneAgent
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.packetiser import Packetiser
+from ncdc_hdl.link.processor import ADDRESS_BITS
 from ncdc_model.hardware import Hardware
-from ncdc_soc.core import ADDRESS_BITS, SocCore, core_verilog
+from ncdc_soc.core import SocCore, core_verilog
 from ncdc_soc.mac import Mac, ModelPhy
 from ncdc_soc.soc import soc_verilog
 
@@ -52,7 +53,7 @@ def _parts(descriptor):
         yield name, "part", module_verilog(component, "part")
     yield "MAC with its frames", "mac", _mac()
     core = SocCore(descriptor, hardware)
-    yield "processor", "VexRiscv", Path(soc_verilog(core).processor).read_text()
+    yield "processor", "VexRiscv", Path(soc_verilog(core).core).read_text()
     yield "camera, corrector, packetiser, bridges", "ncdc_core", core_verilog(core)
 
 

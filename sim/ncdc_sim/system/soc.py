@@ -96,7 +96,7 @@ def _build(core_text, soc):
     """The program. It reads the firmware when it starts: new firmware needs no new program."""
     sources = [("soc_bench.v", (HDL / "soc_bench.v").read_text()), *sensor_sources(),
                ("ncdc_core.v", core_text), ("ncdc_soc.v", soc.text),
-               ("VexRiscv.v", Path(soc.processor).read_text())]
+               ("VexRiscv.v", Path(soc.core).read_text())]
     # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
     return build("soc", "soc_bench", sources, defines={"NCDC_SENSOR": f'"{_SENSOR}"'},
                  main=HDL / "soc_main.cpp",

@@ -1,0 +1,126 @@
+"""The processor around the camera system: VexRiscv, its memories, a MAC."""
+
+from dataclasses import dataclass
+
+from litex.soc.integration.soc import SoCRegion
+from litex.soc.integration.soc_core import SoCCore
+from litex.soc.interconnect import wishbone
+from migen import Mux, Signal
+
+from ncdc_hdl.link.processor import ADDRESS_BITS, FRAMES_BITS
+from ncdc_soc.mac import SLOT_BYTES, Mac
+
+__all__ = ["MAP", "Processor", "ProcessorVerilog", "described"]
+
+MAP = {"rom": 0x0000_0000, "sram": 0x1000_0000, "ncdc": 0x9000_0000, "ethmac_rx": 0x9010_0000,
+       "ethmac_tx": 0x9011_0000, "frames": 0xA000_0000, "csr": 0xF000_0000}
+"""Byte addresses of what the processor sees."""
+
+_SRAM_BYTES = 0x10000
+_RX_SLOTS, _TX_SLOTS = 4, 2
+_WATCHDOG_DELAY = 1             # clocks from its end to the reset; of 0 its timer makes no sense
+
+
+@dataclass(frozen=True)
+class ProcessorVerilog:
+    """A processor, and what the firmware must know of it.
+
+    Parameters
+    ----------
+    text : str
+        Its module; it instantiates ``VexRiscv``.
+    core : str
+        Path of VexRiscv's Verilog.
+    registers : dict
+        Byte address of each of LiteX's registers, by name.
+    memories : dict
+        First byte and size of each region, by name.
+    clock_hz : int
+    """
+    text: str
+    core: str
+    registers: dict
+    memories: dict
+    clock_hz: int
+
+
+class Processor(SoCCore):
+    """VexRiscv, its ROM and memory, a watchdog, a MAC, and the bus to the camera system.
+
+    Parameters
+    ----------
+    platform : LiteX platform
+    clock_hz : int
+    phy : LiteX PHY
+        Of the MAC.
+    rom_bytes : int
+    uart : str
+        As LiteX names it; "stub": nobody listens.
+    clocks : LiteXModule
+        With the domain ``sys`` and a signal ``rst``, of the watchdog.
+
+    Attributes
+    ----------
+    port : dict
+        Migen signals of :class:`~ncdc_hdl.link.processor.ProcessorPort`, by their names in the
+        Verilog of a component's member ``processor``; and which of them the processor drives.
+    """
+
+    mem_map = {**SoCCore.mem_map, **MAP}
+
+    def __init__(self, platform, clock_hz, phy, *, rom_bytes, uart, clocks):
+        SoCCore.__init__(
+            self, platform, clock_hz, cpu_type="vexriscv", cpu_variant="standard",
+            integrated_rom_size=rom_bytes, integrated_rom_init=[0],
+            integrated_sram_size=_SRAM_BYTES, uart_name=uart, ident="", with_timer=True)
+        self.crg = clocks
+        self.add_watchdog("watchdog", reset_delay=_WATCHDOG_DELAY)
+        self.ethphy = phy
+        self.ethmac = Mac(phy, _RX_SLOTS)
+        self.irq.add("ethmac", use_loc_if_exists=True)
+        for name, bus, slots in (("rx", self.ethmac.bus_rx, _RX_SLOTS),
+                                 ("tx", self.ethmac.bus_tx, _TX_SLOTS)):
+            self.bus.add_slave(f"ethmac_{name}", bus, SoCRegion(
+                origin=MAP[f"ethmac_{name}"], size=slots * SLOT_BYTES, cached=False))
+        self.port = {**self._bus("ncdc", "registers", ADDRESS_BITS),
+                     **self._bus("frames", "frames", FRAMES_BITS), **self._packets()}
+
+    def _bus(self, region, name, address_bits):
+        """A bus to the system: its signals, and whether the processor drives them."""
+        bus = wishbone.Interface(data_width=32, adr_width=30)
+        self.bus.add_slave(region, bus, SoCRegion(origin=MAP[region], size=4 << address_bits,
+                                                  cached=False))
+        driven = {"adr": bus.adr[:address_bits], "dat_w": bus.dat_w, "sel": bus.sel,
+                  "cyc": bus.cyc, "stb": bus.stb, "we": bus.we}
+        read = {"dat_r": bus.dat_r, "ack": bus.ack, "err": bus.err}
+        return {f"processor__{name}__{member}": (signal, members is driven)
+                for members in (driven, read) for member, signal in members.items()}
+
+    def _packets(self):
+        """Ethernet frames to the MAC, likewise; the interrupt has no use as yet."""
+        frames, empty = self.ethmac.frames, Signal(2)
+        self.comb += frames.last_be.eq(Mux(frames.last, 0b1000 >> empty, 0))
+        return {"processor__packet_valid": (frames.valid, False),
+                "processor__packet_ready": (frames.ready, True),
+                "processor__packet_data": (frames.data, False),
+                "processor__packet_empty": (empty, False),
+                "processor__packet_last": (frames.last, False),
+                "processor__irq": (Signal(), False)}
+
+
+def described(soc, platform, text):
+    """The :class:`ProcessorVerilog` of a :class:`Processor` and of its Verilog."""
+    core = next(source[0] for source in platform.sources if "VexRiscv" in source[0])
+    registers = {f"{bank}_{csr.name}".upper(): region.origin + 4 * offset
+                 for bank, region in soc.csr_regions.items()
+                 for offset, csr in _places(region.obj)}
+    memories = {name: (region.origin, region.size) for name, region in soc.bus.regions.items()}
+    return ProcessorVerilog(text, core, registers, memories, int(soc.sys_clk_freq))
+
+
+def _places(csrs):
+    """(word, register) of a bank's registers; one of more than 32 bits takes several."""
+    offset = 0
+    for csr in csrs if isinstance(csrs, list) else []:
+        yield offset, csr
+        offset += -(-csr.size // 32)
