@@ -40,6 +40,9 @@ class Board:
         Where the pins are published.
     jtag : bool
         The registers are reached through the scan chain that configures the device as well.
+    ethernet : str
+        How its Ethernet chip, which ``ncdc build --system`` uses, is wired: "rgmii"; "": there is
+        none.
     """
     name: str
     title: str
@@ -55,3 +58,4 @@ class Board:
     tools: str
     sources: tuple
     jtag: bool = False
+    ethernet: str = ""

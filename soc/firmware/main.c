@@ -1,9 +1,12 @@
 /* The firmware: one loop, no operating system. */
+#include <stdbool.h>
+
 #include "eth.h"
 #include "gvcp.h"
 #include "hw.h"
 #include "ip.h"
 #include "net.h"
+#include "phy.h"
 #include "sensor.h"
 #include "stream.h"
 #include "table.h"
@@ -11,6 +14,7 @@
 #include "watchdog.h"
 #include "words.h"
 
+#if SETS_UP
 struct setting {
 	uint32_t address, value;
 };
@@ -33,6 +37,25 @@ static void camera_start(void)
 		uart_text("sensor: started\n");
 }
 
+static void camera_poll(void)
+{
+}
+#else
+static void camera_start(void)
+{
+}
+
+/* Others set the sensor up; its first frame tells that they have, and that its bus is free. */
+static void camera_poll(void)
+{
+	static bool begun;
+
+	if (begun || !(reg_read(NCDC_CAMERA_STATUS) & NCDC_CAMERA_STATUS_RAW_FRAME))
+		return;
+	begun = !words_begin();
+}
+#endif
+
 /* Called at an exception, behind which the processor stands still until the watchdog resets all. */
 void trapped(uint32_t cause, uint32_t at);
 
@@ -48,6 +71,7 @@ void trapped(uint32_t cause, uint32_t at)
 int main(void)
 {
 	uart_text("NCDC " CONFIG_VERSION "\n");
+	stream_begin();
 	camera_start();
 	gvcp_begin();
 	net_begin();
@@ -59,5 +83,7 @@ int main(void)
 		stream_poll();
 		gvcp_poll();
 		table_poll();
+		phy_poll();
+		camera_poll();
 	}
 }

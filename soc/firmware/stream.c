@@ -58,20 +58,29 @@ void stream_start(const struct receiver *target, bool one)
 	state = WAITING;
 }
 
+/* The packetiser stands still, and the frames are given back. */
+static void halt(void)
+{
+	reg_write(LINK_CONTROL, LINK_CONTROL_ABORT);
+	while (reg_read(LINK_STATUS) & (LINK_STATUS_BUSY | LINK_STATUS_RESENDING))
+		;
+	frame_release(FRAMES_STREAM0);
+	frame_release(FRAMES_STREAM1);
+}
+
+void stream_begin(void)
+{
+	/* Before a watchdog's reset of the processor alone there may have been a stream. */
+	halt();
+	frame_release(FRAMES_MRAW);
+}
+
 void stream_stop(void)
 {
 	if (state == IDLE)
 		return;
-	if (state == SENDING) {
-		reg_write(LINK_CONTROL, LINK_CONTROL_ABORT);
-		while (reg_read(LINK_STATUS) & LINK_STATUS_BUSY)
-			;
-	}
-	while (reg_read(LINK_STATUS) & LINK_STATUS_RESENDING)
-		;
+	halt();
 	ranges_out = ranges_in;
-	frame_release(FRAMES_STREAM0);
-	frame_release(FRAMES_STREAM1);
 	state = IDLE;
 }
 

@@ -21,6 +21,7 @@ extern uint32_t stream_frames, stream_resends;
 /* Largest size of a packet up to `size` that the hardware can make. */
 uint32_t stream_packet_size(uint32_t size);
 
+void stream_begin(void);
 void stream_start(const struct receiver *to, bool single);
 void stream_stop(void);
 bool stream_ended(void);	/* it was to be one picture, which has gone */

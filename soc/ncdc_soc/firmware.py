@@ -33,7 +33,7 @@ _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
 _SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
             "gvcp_write.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
-            "ip.c", "eth.c", "uart.c", "memory.c")
+            "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
 _ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
             "-ffreestanding", "-fbuiltin", "-fno-tree-loop-distribute-patterns",
@@ -62,23 +62,28 @@ class Identity:
     hurry: int = 1
 
 
-def config(core, soc, setup, corner, identity=Identity()):
+def config(core, soc, setup, corner, identity=Identity(), *, sets_up=True, first_reader=0):
     """Text of ``config.h``: all that the C does not know of itself.
 
     Parameters
     ----------
-    core : SocCore
+    core : SocCore, or a board's BoardCore
     soc : ProcessorVerilog
     setup : Setup
         Of the sensor.
     corner : (int, int)
         Column and row of the sensor's frame at which raw frames begin.
     identity : Identity
+    sets_up : bool
+        The firmware sets up camera and sensor; else somebody else has.
+    first_reader : int
+        Of the readers of frames, the first that is the firmware's.
     """
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
         **_hardware(core, soc), **_registers(core), **_pictures(core, setup), **_sensor(setup),
-        **_protocols(identity, soc.clock_hz)}.items()]
+        **_protocols(identity, soc.clock_hz),
+        "SETS_UP": int(sets_up), "FIRST_READER": f"{first_reader}u"}.items()]
     lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in _features())
                  + "};")
     lines += [f"#define CONFIG_CHOICES {_choices()}", f"#define CONFIG_FEATURES {_table()}",
@@ -102,7 +107,7 @@ def _hardware(core, soc):
     return {
         **{f"CSR_{name}": _hex(address) for name, address in soc.registers.items()},
         "CLOCK_HZ": f"{soc.clock_hz}u", "NCDC_BASE": _hex(MAP["ncdc"]),
-        "FRAMES_BASE": _hex(MAP["frames"]), "FIRST_READER": "0u",
+        "FRAMES_BASE": _hex(MAP["frames"]),
         "ETHMAC_RX_BASE": _hex(MAP["ethmac_rx"]), "ETHMAC_TX_BASE": _hex(MAP["ethmac_tx"]),
         "ETHMAC_SLOT_BYTES": f"{SLOT_BYTES}u",
         "LINK_CAPACITY": f"{core.packetiser.capacity}u",

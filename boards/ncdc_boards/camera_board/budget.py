@@ -21,6 +21,7 @@ _EFFICIENCY = {16: .8, 32: .75}
 # ran dry had 54 % of the clocks of 16 bits). A read waits for the bursts written before it: the
 # screen has no second turn before the writer's.
 _TURNS, _WRITTEN, _READ, _CHANGE = (3, 2, 1), 16, 4, 14
+_SENT = 16              # words that the packetiser reads at once, in the corrector's place
 _SPARE = 1.05           # what the screen can have, over what it needs, at least
 _BURSTS = 32, 64        # words that the screen may read at once
 _FETCHED = 1.3          # bytes that the cache reads, per byte of the raw frame, at most
@@ -37,7 +38,7 @@ class Budget:
     screen, camera : float
         While a line is shown; while the sensor sends.
     frame : float
-        Bytes that the corrector moves for a frame.
+        Bytes that the corrector moves for a frame, and with a processor those that it sends.
     frames_per_second : float
         Of the sensor.
     """
@@ -53,7 +54,7 @@ class Budget:
         return min(self.frames_per_second, (self.carried - self.screen - self.camera) / self.frame)
 
 
-def screen_burst(board, mode, clocks, hardware, width):
+def screen_burst(board, mode, clocks, hardware, width, processor=False):
     """Words that the screen has to read at once so that no line comes late while all wait.
 
     Parameters
@@ -65,15 +66,17 @@ def screen_burst(board, mode, clocks, hardware, width):
     hardware : Hardware
     width : int
         Pixels of a line of the picture.
+    processor : bool
+        It sends pictures, which it reads from the same memory.
 
     Raises
     ------
     InputError
         If a line comes late in any case.
     """
-    words, needed, most = _screen_burst(board, mode, clocks, hardware, width)
+    words, needed, most = _screen_burst(board, mode, clocks, hardware, width, processor)
     if words is None:
-        fit = [each.name for each in MODES if _fits(board, each, hardware)]
+        fit = [each.name for each in MODES if _fits(board, each, hardware, processor)]
         raise InputError(
             f"the screen needs {100 * needed:.0f} % of the clocks of the memory of {board.name} "
             f"for the mode {mode.name}, and can have {100 * most:.0f} %: whole pictures of the "
@@ -81,16 +84,16 @@ def screen_burst(board, mode, clocks, hardware, width):
     return words
 
 
-def _fits(board, mode, hardware):
+def _fits(board, mode, hardware, processor):
     """Whether board and memory carry pictures that fill a mode."""
     try:
         clocks = board.clock_plan(mode, board.core_mhz)
     except InputError:
         return False
-    return _screen_burst(board, mode, clocks, hardware, mode.size[0])[0] is not None
+    return _screen_burst(board, mode, clocks, hardware, mode.size[0], processor)[0] is not None
 
 
-def _screen_burst(board, mode, clocks, hardware, width):
+def _screen_burst(board, mode, clocks, hardware, width, processor):
     """Words of a burst, or None; what of the memory's clocks the screen needs, and can have."""
     beats = hardware.data_width // board.chip.data_bits         # clocks of a word
     line_clocks = sum(mode.horizontal) / clocks.pixel_mhz * clocks.core_mhz
@@ -99,7 +102,7 @@ def _screen_burst(board, mode, clocks, hardware, width):
     most = 0
     for words in _BURSTS:
         screen, written, read = (turns * beats * length for turns, length in zip(
-            _TURNS, (words, _WRITTEN, _READ)))
+            _TURNS, (words, _WRITTEN, _SENT if processor else _READ)))
         had = screen / (screen + written + read + sum(_TURNS) * _CHANGE) / _SPARE
         if not _leaves_refreshes(board, clocks, hardware.data_width, words):
             continue
@@ -130,7 +133,8 @@ def budget_of(design, setup):
         carried=_carried(design.board, design.core_hz),
         screen=g.corrected_width * pixel / line_s,
         camera=raw * setup.timing.frames_per_second,
-        frame=_FETCHED * raw + pixel * g.corrected_width * g.corrected_height,
+        frame=_FETCHED * raw + (1 + design.processor) * pixel * g.corrected_width
+        * g.corrected_height,
         frames_per_second=setup.timing.frames_per_second)
 
 

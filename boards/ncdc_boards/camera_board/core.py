@@ -14,7 +14,9 @@ from ncdc_boards.sdram.layouts import SdramPins
 from ncdc_hdl.avalon.bus import Agent, WriteHost
 from ncdc_hdl.camera.layouts import PINS
 from ncdc_hdl.lib.ports import ports_as
+from ncdc_hdl.link.processor import ProcessorLink, ProcessorPort
 from ncdc_hdl.registers.access import RegisterAccess
+from ncdc_hdl.registers.agent_access import AgentAccess
 from ncdc_hdl.registers.jtag_bridge import JtagBridge, Scan
 from ncdc_hdl.registers.program import ProgramRunner
 from ncdc_hdl.registers.serial_bridge import SerialBridge
@@ -26,6 +28,7 @@ __all__ = ["BUTTONS", "LIGHTS", "BoardCore", "Design"]
 
 BUTTONS = ("following", "previous", "raw")
 LIGHTS = 8
+_CAPACITY = 4096        # bytes that the packetiser reads ahead
 _WIRES_LATE = 2         # a register each in the pins' cells, on the way to the SDRAM and back
 
 
@@ -52,6 +55,8 @@ class Design:
     power_up_us : int
         Microseconds from the clocks' lock until the sensor's reset ends, and from there until
         the set-up begins.
+    processor : bool
+        There is a processor with Ethernet.
     """
     board: Board
     system: System
@@ -62,6 +67,7 @@ class Design:
     lenses: int
     screen_burst: int
     power_up_us: int = 2000
+    processor: bool = False
 
     @property
     def core_hz(self):
@@ -70,7 +76,7 @@ class Design:
 
 
 class BoardCore(wiring.Component):
-    """Joins sensor, memory, corrector, screen, buttons, a serial port, and a scan chain.
+    """Joins sensor, memory, corrector, screen, buttons, a serial port, a scan chain, a processor.
 
     It lives in the domain ``sync``, its picture in ``pixel``, its scan chain in ``jtag``.
 
@@ -92,6 +98,8 @@ class BoardCore(wiring.Component):
         A serial port.
     scan : ``In(Scan())``
         If the board has ``jtag``.
+    processor : ``In(ProcessorPort())``
+        If the design has a ``processor``.
     following, previous, raw : ``In(1)``
         Buttons, high while pressed, at any time.
     lights : ``Out(8)``
@@ -104,14 +112,27 @@ class BoardCore(wiring.Component):
         g = design.system.descriptor.geometry
         self.screen = ScanOut(design.mode, *g.corrected, pixel_bytes=design.pixel_bytes,
                               max_burst=design.screen_burst)
-        self.memory = SdramController(board.chip, design.core_hz, self._width, reads=2,
+        self.link = ProcessorLink(self._width, _CAPACITY) if design.processor else None
+        self.memory = SdramController(board.chip, design.core_hz, self._width,
+                                      reads=2 + 2 * design.processor,
                                       max_burst=design.screen_burst, late=_WIRES_LATE)
         super().__init__({
             "sensor_clock": In(1), "sensor": In(PINS), "sensor_reset_n": Out(1),
             "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1),
             "sdram": Out(SdramPins(board.chip)), "picture": Out(PICTURE),
             "receive": In(1), "send": Out(1), **dict.fromkeys(BUTTONS, In(1)),
-            "lights": Out(LIGHTS), **({"scan": In(Scan())} if board.jtag else {})})
+            "lights": Out(LIGHTS), **({"scan": In(Scan())} if board.jtag else {}),
+            **({"processor": In(ProcessorPort())} if design.processor else {})})
+
+    @property
+    def system(self):
+        """The :class:`System`."""
+        return self.design.system
+
+    @property
+    def packetiser(self):
+        """The :class:`Packetiser`, of a design with a processor."""
+        return self.link.packetiser
 
     @property
     def _width(self):
@@ -123,6 +144,10 @@ class BoardCore(wiring.Component):
         m.submodules.system = system = self.design.system
         m.submodules.screen = screen = self.screen
         m.submodules.memory = self.memory
+        if self.link:
+            m.submodules.link = link = self.link
+            connect(m, flipped(self.processor), link.processor)
+            m.d.comb += link.irq.eq(system.irq)
         m.d.comb += [
             screen.screen.held.eq(system.screen_held), screen.screen.base.eq(system.screen_base),
             system.screen_claim.eq(screen.screen.claim),
@@ -137,10 +162,11 @@ class BoardCore(wiring.Component):
         return m
 
     def _ports(self, m):
-        """System and screen at the controller's ports."""
+        """System, processor and screen at the controller's ports; the screen's is the last."""
         memory, system = self.memory, self.design.system
-        for bus, port in ((ports_as(system, "read0", system.corrector.fetch.bus0.signature),
-                           memory.reads[0]), (self.screen.bus, memory.reads[1])):
+        readers = [ports_as(system, "read0", system.corrector.fetch.bus0.signature)]
+        readers += [self.link.packets, self.link.window] if self.link else []
+        for bus, port in zip((*readers, self.screen.bus), memory.reads):
             m.d.comb += [
                 port.address.eq(bus.address), port.read.eq(bus.read),
                 port.burstcount.eq(bus.burstcount), bus.waitrequest.eq(port.waitrequest),
@@ -171,9 +197,11 @@ class BoardCore(wiring.Component):
         return waited == 2 * wait
 
     def _registers(self, m, ready):
-        """Who writes registers: the programs, and hosts at the serial port and at the chain."""
+        """Who writes registers: the programs, hosts at the serial port and at the chain, and the
+        processor."""
         design, system = self.design, self.design.system
-        m.submodules.access = access = RegisterAccess(SYSTEM_WORDS_BITS, 2 + design.board.jtag)
+        m.submodules.access = access = RegisterAccess(
+            SYSTEM_WORDS_BITS, 2 + design.board.jtag + design.processor)
         m.submodules.bridge = bridge = SerialBridge(design.core_hz // design.board.baud,
                                                     SYSTEM_WORDS_BITS)
         # Until the sensor may be talked to the programs are in reset.
@@ -187,6 +215,10 @@ class BoardCore(wiring.Component):
             m.submodules.jtag = jtag = JtagBridge(SYSTEM_WORDS_BITS)
             connect(m, flipped(self.scan), jtag.scan)
             connect(m, jtag.access, access.hosts[2])
+        if self.link:
+            m.submodules.agent = agent = AgentAccess(SYSTEM_WORDS_BITS)
+            connect(m, self.link.system, agent.bus)
+            connect(m, agent.access, access.hosts[-1])
         bus = ports_as(system, "csr", Agent(SYSTEM_WORDS_BITS))
         for name, member in Agent(SYSTEM_WORDS_BITS).members.items():
             ours, theirs = getattr(access.bus, name), getattr(bus, name)

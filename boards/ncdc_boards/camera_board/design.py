@@ -6,6 +6,7 @@ from ncdc_boards.camera_board.budget import screen_burst
 from ncdc_boards.camera_board.core import Design
 from ncdc_boards.camera_board.set_up import lens_program, set_up_program
 from ncdc_hdl.export.registers.lenses import check_lens
+from ncdc_hdl.link.processor import READERS
 from ncdc_hdl.system import System
 from ncdc_model.errors import InputError
 from ncdc_model.hardware import Hardware
@@ -13,11 +14,11 @@ from ncdc_model.interface.frames import BGR8, output_format
 from ncdc_model.raw_lens import raw_lens
 from ncdc_model.sensors.framing import setup_around
 
-__all__ = ["design_of", "hardware_for", "sensor_for"]
+__all__ = ["READER_OF_HOST", "design_of", "hardware_for", "sensor_for"]
 
 _DATA_WIDTH = 32        # of the memory ports
 _SENSOR_CLOCK_HZ = 25_000_000
-_READERS = 1            # by registers: a host at the serial port
+READER_OF_HOST = 0      # by registers: of a host at the serial port; a processor's come behind it
 
 
 def hardware_for(board, lanes=1):
@@ -33,7 +34,8 @@ def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
                         pixel_clock_hz=pixel_clock_hz or _SENSOR_CLOCK_HZ, **settings)
 
 
-def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, **more):
+def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, processor=False,
+              **more):
     """The :class:`Design` that shows the first lens, and the others by push button.
 
     Parameters
@@ -47,19 +49,27 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, **mor
         That of :func:`hardware_for` if absent.
     core_mhz : number, optional
         The board's if absent.
+    processor : bool
+        With a processor and Ethernet.
     more :
         Of :class:`Design`; ``waits`` of :func:`set_up_program`.
 
     Raises
     ------
     InputError
-        If a lens does not fit the first one's corrector, or shows another size.
+        If a lens does not fit the first one's corrector, or shows another size; if the board has no
+        Ethernet for a processor.
     """
+    if processor and not board.ethernet:
+        raise InputError(f"the board {board.name} has no Ethernet chip, which --system needs: "
+                         "the de2-115 has one")
     descriptor = named[0][1]
     hardware = hardware or hardware_for(board)
     core_mhz, waits = core_mhz or board.core_mhz, more.pop("waits", True)
     clocks = board.clock_plan(mode, core_mhz)
-    system = System(descriptor, hardware, readers=_READERS, screens=1)
+    if processor:
+        clocks = replace(clocks, ethernet=True)
+    system = System(descriptor, hardware, readers=1 + processor * READERS, screens=1)
     for path, other in named[1:]:
         check_lens(system.corrector, path, other)
         for what in ("corrected", "distorted"):
@@ -73,5 +83,6 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, **mor
     pixel_bytes = output_format(hardware.format).pixel_bytes
     design = Design(board, system, mode, pixel_bytes, clocks, tuple(programs), len(named),
                     screen_burst(board, mode, clocks, hardware,
-                                 descriptor.geometry.corrected_width))
+                                 descriptor.geometry.corrected_width, processor),
+                    processor=processor)
     return replace(design, **more)

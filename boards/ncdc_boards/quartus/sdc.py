@@ -1,6 +1,6 @@
 """Timing constraints of a Quartus board, for the Timing Analyzer."""
 
-from ncdc_boards.quartus.names import CYCLONE_IV, LOOPS
+from ncdc_boards.quartus.names import CYCLONE_IV
 from ncdc_model.errors import InputError
 
 __all__ = ["CHAIN_PORTS", "FREE", "SDRAM_NS", "TRACE", "check_sensor", "constraints", "generated",

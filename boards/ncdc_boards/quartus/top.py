@@ -13,6 +13,7 @@ from ncdc_boards.camera_board.pins import (
     join_uart,
     request,
 )
+from ncdc_boards.quartus.ethernet import join_processor
 from ncdc_boards.quartus.names import USER
 from ncdc_boards.quartus.plls import Clocks
 from ncdc_hdl.registers.jtag_bridge import DOMAIN as CHAIN
@@ -73,6 +74,8 @@ class QuartusTop(Elaboratable):
         join_buttons(m, platform, core, BUTTONS)
         join_lights(m, platform, lights)
         self._scan(m, core.scan)
+        if self.design.processor:
+            join_processor(m, platform, core)
         return m
 
     @staticmethod

@@ -5,7 +5,9 @@ from litex.gen import LiteXModule
 from migen import ClockDomain
 from migen.genlib.resetsync import AsyncResetSynchronizer
 
-__all__ = ["PhyClocks"]
+__all__ = ["RESET_CLOCKS", "PhyClocks"]
+
+RESET_CLOCKS = 256      # of the system, as LiteEth has it
 
 
 class PhyClocks(LiteXModule):
@@ -17,12 +19,14 @@ class PhyClocks(LiteXModule):
         Their clocks.
     pads : Record
         With ``rst_n`` if the chip's reset is wired.
+    reset_clocks : int
+        That the chip's reset takes, of the system's clock.
     """
 
-    def __init__(self, receive, transmit, pads):
+    def __init__(self, receive, transmit, pads, reset_clocks=RESET_CLOCKS):
         self.cd_eth_rx = ClockDomain()
         self.cd_eth_tx = ClockDomain()
-        self.hw_reset = LiteEthPHYHWReset()
+        self.hw_reset = LiteEthPHYHWReset(reset_clocks)
         self.comb += [self.cd_eth_rx.clk.eq(receive), self.cd_eth_tx.clk.eq(transmit)]
         if hasattr(pads, "rst_n"):
             self.comb += pads.rst_n.eq(~self.hw_reset.reset)

@@ -7,7 +7,7 @@ from litex.soc.interconnect.csr import CSRField, CSRStatus, CSRStorage
 from migen import Array, ClockSignal, If, Signal
 from migen.genlib.cdc import MultiReg
 
-from ncdc_soc.phy.clocks import PhyClocks
+from ncdc_soc.phy.clocks import RESET_CLOCKS, PhyClocks
 from ncdc_soc.phy.nibbles import SPEEDS, Receiver, Sender
 
 __all__ = ["RgmiiPhy"]
@@ -36,6 +36,8 @@ class RgmiiPhy(LiteXModule):
         Whether the device's input cell gives a rising edge's bit together with that of the falling
         edge behind it, as ECP5's IDDRX1F does; Altera's ALTDDIO_IN gives it with that of the
         falling edge before.
+    reset_clocks : int
+        Of :class:`PhyClocks`.
 
     Attributes
     ----------
@@ -50,8 +52,9 @@ class RgmiiPhy(LiteXModule):
     tx_clk_freq = rx_clk_freq = 1e6 * _MHZ
     integrated_ifg_inserter = True
 
-    def __init__(self, clock_pads, pads, transmit, transmit_late=None, *, paired):
-        self.clocks = PhyClocks(clock_pads.rx, transmit, pads)
+    def __init__(self, clock_pads, pads, transmit, transmit_late=None, *, paired,
+                 reset_clocks=RESET_CLOCKS):
+        self.clocks = PhyClocks(clock_pads.rx, transmit, pads, reset_clocks)
         self.speed = CSRStorage(2, reset=SPEEDS.index(1000), name="speed",
                                 description="Line's speed: 0, 1, 2 are 10, 100, 1000 Mbit/s.")
         self.status = CSRStatus(name="status", fields=[

@@ -1,0 +1,65 @@
+"""The processor of a board: a module of its own, between the board's core and an Ethernet chip."""
+
+from litex.build.altera import AlteraPlatform
+from litex.build.generic_platform import Pins, Subsignal
+from litex.gen import LiteXModule
+from migen import ClockDomain, Signal
+
+from ncdc_boards.quartus.ethernet import MODULE
+from ncdc_soc.mdio import Mdio
+from ncdc_soc.phy import RgmiiPhy
+from ncdc_soc.processor import Processor, described
+from ncdc_soc.verilog import litex_verilog
+
+__all__ = ["board_processor"]
+
+_ROM_BYTES = 0x10000
+_RESET_MS = 10              # Marvell, 88E1111: of its pin, at least
+_CLOCKS = {"sys": 1, "reset": 1, "transmit": 1, "late": 1, "rx": 1, "tx": 1}
+_PINS = {"rx_data": 4, "rx_ctl": 1, "tx_data": 4, "tx_ctl": 1, "rst_n": 1}
+_MDIO = {"mdc": 1, "data": 1, "enable": 1, "pin": 1}
+
+
+def _signals(name, members):
+    return name, 0, *(Subsignal(member, Pins(" ".join(f"{name}{member}{k}" for k in range(bits))))
+                      for member, bits in members.items())
+
+
+class _Clocks(LiteXModule):
+    """The core's clock and reset, and the watchdog's."""
+
+    def __init__(self, pads):
+        self.cd_sys = ClockDomain()
+        self.rst = Signal()
+        self.comb += [self.cd_sys.clk.eq(pads.sys), self.cd_sys.rst.eq(pads.reset | self.rst)]
+
+
+class _BoardProcessor(Processor):
+    """A :class:`Processor` whose port and wires are the module's."""
+
+    def __init__(self, platform, clock_hz):
+        clocks, pins = platform.request("clock"), platform.request("eth")
+        phy = RgmiiPhy(clocks, pins, clocks.transmit, clocks.late, paired=False,
+                       reset_clocks=clock_hz * _RESET_MS // 1000)
+        super().__init__(platform, clock_hz, phy, rom_bytes=_ROM_BYTES, uart="stub",
+                         clocks=_Clocks(clocks))
+        self.mdio, wires = Mdio(), platform.request("mdio")
+        self.comb += [wires.mdc.eq(self.mdio.mdc), wires.data.eq(self.mdio.data),
+                      wires.enable.eq(self.mdio.enable), self.mdio.pin.eq(wires.pin)]
+        platform.add_extension([(name, 0, Pins(" ".join(f"{name}{k}" for k in range(len(signal)))))
+                                for name, (signal, _) in self.port.items()])
+        for name, (signal, driven) in self.port.items():
+            pad = platform.request(name)
+            self.comb += pad.eq(signal) if driven else signal.eq(pad)
+
+
+def board_processor(board, clock_hz):
+    """:class:`~ncdc_soc.processor.ProcessorVerilog` of the module
+    :data:`~ncdc_boards.quartus.ethernet.MODULE` for a Quartus board with RGMII.
+
+    It reads its program from ``<module>_rom.init`` when the device is configured.
+    """
+    platform = AlteraPlatform(board.device, [_signals("clock", _CLOCKS), _signals("eth", _PINS),
+                                             _signals("mdio", _MDIO)], toolchain="quartus")
+    soc, text = litex_verilog(platform, lambda: _BoardProcessor(platform, clock_hz), MODULE)
+    return described(soc, platform, text)
