@@ -10,15 +10,25 @@
 #define READ 2u
 #define WRITE 1u
 #define TURN 2u			/* two bits before the data of a write */
+#define HALF_CLOCKS (CLOCK_HZ / 5000000 + 1)	/* MDC is 2.5 MHz at most */
+
+static void wires(uint32_t value)
+{
+	uint32_t from = now32();
+
+	reg_write(CSR_MDIO_WIRES, value);
+	while (now32() - from < HALF_CLOCKS)
+		;
+}
 
 /* A bit, which the chip takes with the rising clock; MDIO's level just before. */
 static uint32_t bit(uint32_t enable, uint32_t data)
 {
-	uint32_t wires = (enable ? ENABLE : 0) | data << DATA_SHIFT, level;
+	uint32_t value = (enable ? ENABLE : 0) | data << DATA_SHIFT, level;
 
-	reg_write(CSR_MDIO_WIRES, wires);
+	wires(value);
 	level = reg_read(CSR_MDIO_LEVEL) & 1;
-	reg_write(CSR_MDIO_WIRES, wires | MDC);
+	wires(value | MDC);
 	return level;
 }
 

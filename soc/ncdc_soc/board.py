@@ -1,18 +1,27 @@
 """The processor of a board: a module of its own, between the board's core and an Ethernet chip."""
 
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
 from litex.build.altera import AlteraPlatform
 from litex.build.generic_platform import Pins, Subsignal
 from litex.gen import LiteXModule
 from migen import ClockDomain, Signal
 
+from ncdc_boards.camera_board.core import CAPACITY
+from ncdc_boards.camera_board.design import READER_OF_HOST
 from ncdc_boards.quartus.ethernet import MODULE
+from ncdc_model.errors import InputError
+from ncdc_soc.firmware import Identity, config, firmware_image
 from ncdc_soc.mdio import Mdio
 from ncdc_soc.phy import RgmiiPhy
 from ncdc_soc.processor import Processor, described
 from ncdc_soc.verilog import litex_verilog
 
-__all__ = ["board_processor"]
+__all__ = ["ProcessorFiles", "board_processor", "processor_files"]
 
+_SENSOR = "mt9p031"
 _ROM_BYTES = 0x10000
 _RESET_MS = 10              # Marvell, 88E1111: of its pin, at least
 _CLOCKS = {"sys": 1, "reset": 1, "transmit": 1, "late": 1, "rx": 1, "tx": 1}
@@ -63,3 +72,51 @@ def board_processor(board, clock_hz):
                                              _signals("mdio", _MDIO)], toolchain="quartus")
     soc, text = litex_verilog(platform, lambda: _BoardProcessor(platform, clock_hz), MODULE)
     return described(soc, platform, text)
+
+
+@dataclass(frozen=True)
+class ProcessorFiles:
+    """What a design with a processor has besides its top.
+
+    Parameters
+    ----------
+    verilog : dict
+        Text of the processor's Verilog, by the files' names.
+    memories : dict
+        Text of what its memories begin with, which its Verilog reads, likewise.
+    code_bytes, ram_bytes : int
+        Of the firmware.
+    """
+    verilog: dict
+    memories: dict
+    code_bytes: int
+    ram_bytes: int
+
+
+def processor_files(design, sensor, identity=Identity()):
+    """The :class:`ProcessorFiles` of a design with a processor.
+
+    Parameters
+    ----------
+    design : ncdc_boards.camera_board.core.Design
+    sensor : (Setup, (int, int))
+        As of :func:`~ncdc_boards.camera_board.design.sensor_for`; an MT9P031.
+    identity : Identity
+
+    Raises
+    ------
+    InputError
+        If the sensor is another one, or the firmware cannot be compiled.
+    """
+    if sensor[0].sensor.name != _SENSOR:
+        raise InputError(f"the sensor is {sensor[0].sensor.name}, the processor's firmware knows "
+                         f"the {_SENSOR}")
+    processor = board_processor(design.board, design.core_hz)
+    text = config(design.system, CAPACITY, processor, *sensor, identity, sets_up=False,
+                  first_reader=READER_OF_HOST + 1)
+    with TemporaryDirectory(prefix="ncdc-") as folder:
+        words, code, ram = firmware_image(text, processor, folder)
+    return ProcessorFiles(
+        {f"{MODULE}.v": processor.text, "VexRiscv.v": Path(processor.core).read_text()},
+        {f"{MODULE}_rom.init": "".join(f"{word:08x}\n" for word in words),
+         f"{MODULE}_sram.init": "0\n"}, code, ram)

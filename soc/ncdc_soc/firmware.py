@@ -62,12 +62,15 @@ class Identity:
     hurry: int = 1
 
 
-def config(core, soc, setup, corner, identity=Identity(), *, sets_up=True, first_reader=0):
+def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up=True,
+           first_reader=0):
     """Text of ``config.h``: all that the C does not know of itself.
 
     Parameters
     ----------
-    core : SocCore, or a board's BoardCore
+    system : System
+    capacity : int
+        Bytes that the packetiser reads ahead.
     soc : ProcessorVerilog
     setup : Setup
         Of the sensor.
@@ -81,13 +84,13 @@ def config(core, soc, setup, corner, identity=Identity(), *, sets_up=True, first
     """
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
-        **_hardware(core, soc), **_registers(core), **_pictures(core, setup), **_sensor(setup),
+        **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup), **_sensor(setup),
         **_protocols(identity, soc.clock_hz),
         "SETS_UP": int(sets_up), "FIRST_READER": f"{first_reader}u"}.items()]
     lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in _features())
                  + "};")
     lines += [f"#define CONFIG_CHOICES {_choices()}", f"#define CONFIG_FEATURES {_table()}",
-              f"#define SYSTEM_SETTINGS {_settings(core, setup, corner)}"]
+              f"#define SYSTEM_SETTINGS {_settings(system, setup, corner)}"]
     return "\n".join([*lines, "#endif"]) + "\n"
 
 
@@ -103,21 +106,21 @@ def _braced(values):
     return "{" + ", ".join(values) + "}"
 
 
-def _hardware(core, soc):
+def _hardware(capacity, soc):
     return {
         **{f"CSR_{name}": _hex(address) for name, address in soc.registers.items()},
         "CLOCK_HZ": f"{soc.clock_hz}u", "NCDC_BASE": _hex(MAP["ncdc"]),
         "FRAMES_BASE": _hex(MAP["frames"]),
         "ETHMAC_RX_BASE": _hex(MAP["ethmac_rx"]), "ETHMAC_TX_BASE": _hex(MAP["ethmac_tx"]),
         "ETHMAC_SLOT_BYTES": f"{SLOT_BYTES}u",
-        "LINK_CAPACITY": f"{core.packetiser.capacity}u",
+        "LINK_CAPACITY": f"{capacity}u",
         "LINK_TEMPLATES": _hex(MAP["ncdc"] + 4 * (LINK_BASE + TEMPLATES))}
 
 
-def _registers(core):
+def _registers(system):
     """Byte address of each register, and the flags of those that have some."""
     found = {}
-    for prefix, base, table in (("NCDC_", 0, system_registers(core.system.stores)),
+    for prefix, base, table in (("NCDC_", 0, system_registers(system.stores)),
                                 ("", LINK_BASE, LINK)):
         for register in table:
             found[prefix + register.name] = _hex(MAP["ncdc"] + 4 * (base + register.address))
@@ -129,9 +132,9 @@ def _registers(core):
     return found
 
 
-def _pictures(core, setup):
-    geometry = core.system.descriptor.geometry
-    form = output_format(core.system.hardware.format).sent
+def _pictures(system, setup):
+    geometry = system.descriptor.geometry
+    form = output_format(system.hardware.format).sent
     raw = raw_format(geometry)
     width, height = geometry.corrected
     timing = setup.timing
@@ -238,13 +241,13 @@ def _table():
     return _braced(rows)
 
 
-def _settings(core, setup, corner):
+def _settings(system, setup, corner):
     """Registers of the camera, before the sensor is set up."""
     values = {
         "SENT_WIDTH": setup.timing.width, "SENT_HEIGHT": setup.timing.height,
         "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
         "CLOCK_LIMIT": 2 * setup.timing.frame_clocks, "I2C_QUARTER": _I2C_QUARTER}
-    places = {r.name: r.address for r in system_registers(core.system.stores)}
+    places = {r.name: r.address for r in system_registers(system.stores)}
     return _braced(_braced([_hex(MAP["ncdc"] + 4 * places[name]), _hex(value)])
                    for name, value in values.items())
 

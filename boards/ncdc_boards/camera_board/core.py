@@ -24,11 +24,11 @@ from ncdc_hdl.system import System
 from ncdc_hdl.video.scan_out import PICTURE, ScanOut
 from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
 
-__all__ = ["BUTTONS", "LIGHTS", "BoardCore", "Design"]
+__all__ = ["BUTTONS", "CAPACITY", "LIGHTS", "BoardCore", "Design"]
 
 BUTTONS = ("following", "previous", "raw")
 LIGHTS = 8
-_CAPACITY = 4096        # bytes that the packetiser reads ahead
+CAPACITY = 4096         # bytes that the packetiser reads ahead
 _WIRES_LATE = 2         # a register each in the pins' cells, on the way to the SDRAM and back
 
 
@@ -112,7 +112,7 @@ class BoardCore(wiring.Component):
         g = design.system.descriptor.geometry
         self.screen = ScanOut(design.mode, *g.corrected, pixel_bytes=design.pixel_bytes,
                               max_burst=design.screen_burst)
-        self.link = ProcessorLink(self._width, _CAPACITY) if design.processor else None
+        self.link = ProcessorLink(self._width, CAPACITY) if design.processor else None
         self.memory = SdramController(board.chip, design.core_hz, self._width,
                                       reads=2 + 2 * design.processor,
                                       max_burst=design.screen_burst, late=_WIRES_LATE)
@@ -123,16 +123,6 @@ class BoardCore(wiring.Component):
             "receive": In(1), "send": Out(1), **dict.fromkeys(BUTTONS, In(1)),
             "lights": Out(LIGHTS), **({"scan": In(Scan())} if board.jtag else {}),
             **({"processor": In(ProcessorPort())} if design.processor else {})})
-
-    @property
-    def system(self):
-        """The :class:`System`."""
-        return self.design.system
-
-    @property
-    def packetiser(self):
-        """The :class:`Packetiser`, of a design with a processor."""
-        return self.link.packetiser
 
     @property
     def _width(self):

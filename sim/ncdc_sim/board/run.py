@@ -7,6 +7,7 @@ from pathlib import Path
 from ncdc_boards.quartus.project import project_name, top_verilog
 from ncdc_boards.quartus.user import user_module
 from ncdc_boards.ulx3s.build import NAME, prepared
+from ncdc_sim.board.ethernet import passed
 from ncdc_sim.board.screen import Screen, screen_of
 from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_sim.sdram import chip_parameters
@@ -40,12 +41,15 @@ class BoardRun:
         What came out of the serial port.
     scans : list of int
         What came out of the scan chain, a number for each scan.
+    sent : list of Passed
+        Ethernet frames that were sent, without preamble and check sequence.
     """
     screen: Screen = None
     results: dict = field(default_factory=dict)
     pixel_clock_ps: float = 0.0
     serial: bytes = b""
     scans: list = field(default_factory=list)
+    sent: list = field(default_factory=list)
 
     def take(self, line):
         """Keep what a line of the bench tells; SimulationError if that is an error."""
@@ -62,8 +66,8 @@ class BoardRun:
             raise SimulationError(f"simulation failed: {line}")
 
 
-def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, on_line=None,
-                   optimise=None):
+def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, optimise=None,
+                   ethernet=None):
     """Run a :class:`~ncdc_boards.camera_board.core.Design` for so many microseconds.
 
     Parameters
@@ -79,10 +83,10 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, on_
         :func:`scans_at`.
     edit : callable, optional
         Changes the Verilog of the top: to see a test fail.
-    on_line : callable, optional
-        Gets each line that the simulation prints.
     optimise : str, optional
         As of :func:`ncdc_sim.runner.build`.
+    ethernet : Ethernet, optional
+        Of a design with a processor.
 
     Raises
     ------
@@ -92,32 +96,33 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, on_
     """
     name, verilog, files = _top(design)
     verilog = edit(verilog) if edit else verilog
+    processor = ethernet.files.verilog if ethernet else {}
     board, chip = design.board, chip_parameters(design.board.chip, design.core_hz)
     defines = {"NCDC_CHIP": ", ".join(f".{key}({_number(value)})" for key, value in chip.items()),
                "NCDC_SENSOR": f'"{sensor}"', "NCDC_TOP": name, "NCDC_DQ": board.chip.data_bits,
-               "NCDC_BAUD": board.baud, **_screen(design)}
+               "NCDC_BAUD": board.baud, **_screen(design),
+               **({"NCDC_ETHERNET": 1} if ethernet else {})}
     header = "".join(f"`define {key} {value}\n" for key, value in defines.items())
-    files = (*files, *_SHARED)
-    sources = [(f"{name}.v", header + verilog),
+    files = (*files, *_SHARED, *(["rgmii_chip.v"] if ethernet else []))
+    sources = [(f"{name}.v", header + verilog), *processor.items(),
                *((file, (HDL / file).read_text()) for file in files), *sensor_sources()]
     bench = files[0].removesuffix(".v")
     program = build(name, bench, sources, optimise=optimise, options=(
         "--timing", "--main", "-CFLAGS", "-std=c++20 -fcoroutines",
-        *(f"-Wno-{rule}" for rule in _RULES)))
+        # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
+        *(["-Wno-fatal"] if ethernet else []), *(f"-Wno-{rule}" for rule in _RULES)))
     result = BoardRun()
-
-    def keep(line):
-        result.take(line)
-        if on_line:
-            on_line(line)
-
     plusargs = {"run_us": run_us} | (events or {})
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         (folder / "sensor.bin").write_bytes(light.data())
+        if ethernet:
+            ethernet.fill(folder)
         run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items()),
-             *light.plusargs("sensor.bin")], folder, keep)
+             *light.plusargs("sensor.bin")], folder, result.take)
         result.screen = screen_of((folder / "screen.bin").read_bytes())
+        if ethernet:
+            result.sent = passed((folder / "tx.bin").read_bytes())
     return result
 
 

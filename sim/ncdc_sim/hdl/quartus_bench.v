@@ -1,6 +1,8 @@
 // A Quartus board from the sensor's pins to the monitor's: the generated top `NCDC_TOP, its SDRAM of
 // `NCDC_DQ bits, a sensor, a monitor, behind a video converter if there is `NCDC_DAC, buttons.
 //
+// With `NCDC_ETHERNET there is an Ethernet chip, see rgmii_chip.v.
+//
 // Plusargs: those of board_run.v, uart_host.v and of the sensor.
 //
 // Results: lines "RESULT <name> <value>"; screen.bin, see vga_monitor.v and vga_wire_monitor.v.
@@ -43,6 +45,15 @@ module quartus_bench;
         .hsync(hsync), .vsync(vsync), .r(r), .g(g), .b(b));
 `endif
 
+`ifdef NCDC_ETHERNET
+    wire rst_n, mdc, mdio, tx_clk, tx_ctl, rx_clk, rx_ctl;
+    wire [3:0] tx_data, rx_data;
+    pullup (mdio);
+    rgmii_chip chip (
+        .rst_n(rst_n), .mdc(mdc), .mdio(mdio), .tx_clk(tx_clk), .tx_ctl(tx_ctl), .tx_data(tx_data),
+        .rx_clk(rx_clk), .rx_ctl(rx_ctl), .rx_data(rx_data));
+`endif
+
     wire following, raw, over;
     board_run script (.following(following), .raw(raw), .over(over));
     wire [7:0] led;
@@ -55,6 +66,12 @@ module quartus_bench;
         .sdram_0__dqm__io(dqm), .sdram_0__dq__io(dq),
 `ifdef NCDC_DAC
         .vga_0__clk__io(vga_clk), .vga_0__blank_n__io(blank_n), .vga_0__sync_n__io(sync_n),
+`endif
+`ifdef NCDC_ETHERNET
+        .eth_rgmii_0__rst__io(rst_n), .eth_rgmii_0__mdc__io(mdc), .eth_rgmii_0__mdio__io(mdio),
+        .eth_rgmii_0__tx_clk__io(tx_clk), .eth_rgmii_0__tx_ctl__io(tx_ctl),
+        .eth_rgmii_0__tx_data__io(tx_data), .eth_rgmii_0__rx_clk__io(rx_clk),
+        .eth_rgmii_0__rx_ctl__io(rx_ctl), .eth_rgmii_0__rx_data__io(rx_data),
 `endif
         .vga_0__hs__io(hsync), .vga_0__vs__io(vsync), .vga_0__r__io(r), .vga_0__g__io(g), .vga_0__b__io(b),
         .camera_0__pixclk__io(pixclk), .camera_0__fval__io(fval), .camera_0__lval__io(lval),
@@ -72,6 +89,13 @@ module quartus_bench;
         $display("RESULT shown %0d", dut.core.screen.shown);
         $display("RESULT failures %0d", dut.core.programs.failures);
         $display("RESULT led %0d", led);
+`ifdef NCDC_ETHERNET
+        $display("RESULT ethernet_errors %0d", chip.errors);
+        $display("RESULT ethernet_resets %0d", chip.resets);
+        $display("RESULT ethernet_received %0d", chip.frames);
+        $display("RESULT ethernet_sent %0d", chip.sent);
+        chip.close;
+`endif
         $fflush;
         monitor.close;
         $finish;

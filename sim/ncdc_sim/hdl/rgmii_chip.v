@@ -1,0 +1,199 @@
+// An Ethernet chip at RGMII, 1000 Mbit/s: a Marvell 88E1111 as far as the firmware knows it, its
+// registers by MDIO (IEEE 802.3, clause 22), from Linux's driver of it and the pins' times from RGMII 1.3
+// and 2.0. What comes on the cable is in rx.bin, frames with their check sequence, each behind four bytes
+// with its microsecond and two with its length, big endian; what was sent goes to tx.bin, likewise,
+// with its preamble.
+//
+// Until its reset pin is released and its software reset is over it is silent, and so it is unless
+// RGMII is its mode.
+
+`timescale 1ps/1ps
+
+module rgmii_chip #(parameter ADDRESS = 16) (
+    input  wire       rst_n, mdc,
+    inout  wire       mdio,
+    input  wire       tx_clk, tx_ctl,
+    input  wire [3:0] tx_data,
+    output wire       rx_clk,
+    output reg        rx_ctl,
+    output reg  [3:0] rx_data
+);
+    localparam RESET_US = 20, LINK_US = 200;    // less than a chip takes
+    localparam MDC_PS = 400000;                 // 2.5 MHz
+    localparam HOLD_PS = 1000;                  // RGMII 1.3: set-up and hold at a receiver
+
+    // Registers. Those behind "next" count from the software reset on.
+    reg [15:0] offered = 16'h01e1, offered_1000 = 16'h0300, control = 16'h1140;
+    reg [15:0] next_extended = 16'h0c60, extended = 16'h0c60;
+    reg [15:0] next_mode = 16'h848f, mode = 16'h848f;      // GMII
+    reg link = 0;
+    wire [15:0] status = {2'b10, 1'b1, 1'b0, link, link, 10'b0};
+    integer resets = 0;
+
+    function [15:0] value_of(input [4:0] which);
+        case (which)
+            0: value_of = control;
+            2: value_of = 16'h0141;
+            3: value_of = 16'h0cc2;
+            4: value_of = offered;
+            9: value_of = offered_1000;
+            17: value_of = status;
+            20: value_of = next_extended;
+            27: value_of = next_mode;
+            default: value_of = 0;
+        endcase
+    endfunction
+
+    task write(input [4:0] which, input [15:0] value);
+        case (which)
+            0: if (value[15]) restart; else control = value;
+            4: offered = value;
+            9: offered_1000 = value;
+            20: next_extended = value;
+            27: next_mode = value;
+            default: $display("BOARD-ERROR the Ethernet chip's register %0d is written", which);
+        endcase
+    endtask
+
+    task restart;
+        fork begin
+            control = 16'h9140;
+            link = 0;
+            resets = resets + 1;
+            #(RESET_US * 1000000.0);
+            extended = next_extended;
+            mode = next_mode;
+            control = 16'h1140;
+            // Half duplex is not what the processor's side can do.
+            if (offered[5] || offered[7] || offered_1000[8])
+                $display("BOARD-ERROR half duplex is offered");
+            #(LINK_US * 1000000.0) link = rst_n;
+        end join_none
+    endtask
+
+    // MDIO: 32 ones, 01, operation, chip, register, turn, data.
+    reg [31:0] in = 0;
+    reg [15:0] out = 0;
+    integer ones = 0, bits = -1;
+    reg driven = 0, level = 0;
+    assign mdio = driven ? level : 1'bz;
+    reg reads = 0;
+    real risen = 0;
+    always @(posedge mdc) begin
+        if ($realtime - risen < MDC_PS) $display("BOARD-ERROR MDC is too fast");
+        risen = $realtime;
+        in = {in[30:0], mdio};
+        if (bits < 0) begin
+            if (mdio !== 1'b0) ones = ones + 1;
+            else begin
+                if (ones >= 32 && rst_n) bits = 1;
+                ones = 0;
+            end
+        end else begin
+            bits = bits + 1;
+            if (bits == 14 && in[11:10] == 2'b10 && in[9:5] == ADDRESS) out = value_of(in[4:0]);
+            if (bits == 32) begin
+                if (in[29:28] == 2'b01 && in[27:23] == ADDRESS && in[17:16] == 2'b10)
+                    write(in[22:18], in[15:0]);
+                bits = -1;
+                driven <= #300000 0;
+            end else if (bits >= 15 && reads) begin
+                // The second bit of the turn is 0, then come the data.
+                driven <= #300000 1;
+                level <= #300000 (bits == 15 ? 1'b0 : out[31 - bits]);
+            end
+        end
+        if (bits == 14) reads = in[11:10] == 2'b10 && in[9:5] == ADDRESS;
+    end
+
+    wire works = rst_n && link && mode[3:0] == 4'hb;
+
+    // To the device: the clock with the data or 2 ns behind.
+    reg clock = 0, late = 0;
+    always #4000 clock = !clock;
+    always @(clock) late <= #2000 clock;
+    assign rx_clk = extended[7] ? late : clock;
+
+    integer file, us, length, k, frames = 0;
+    reg [7:0] octet;
+    task send(input [7:0] value);
+        begin
+            @(posedge clock) rx_data = value[3:0];
+            rx_ctl = 1;
+            @(negedge clock) rx_data = value[7:4];
+        end
+    endtask
+    initial begin
+        rx_ctl = 0;
+        rx_data = 0;
+        file = $fopen("rx.bin", "rb");
+        octet = $fgetc(file);
+        while (!$feof(file)) begin
+            us = octet;
+            repeat (3) us = us << 8 | $fgetc(file);
+            length = $fgetc(file);
+            length = length << 8 | $fgetc(file);
+            while ($time < us * 1000000.0) #1000000;
+            repeat (7) send(8'h55);
+            send(8'hd5);
+            for (k = 0; k < length; k = k + 1) begin
+                octet = $fgetc(file);
+                send(octet);
+            end
+            // What comes while nobody listens is lost, as on a cable.
+            @(posedge clock) rx_ctl = 0;
+            rx_data = 4'b1101;                  // link, 1000 Mbit/s, full duplex
+            frames = frames + 1;
+            repeat (12) @(posedge clock);
+            octet = $fgetc(file);
+        end
+    end
+
+    // From the device: bytes of a frame are kept until it is over.
+    integer log, sent = 0, errors = 0;
+    reg [7:0] frame [0:16383];
+    reg [3:0] low;
+    reg busy = 0;
+    real changed = 0, edged = 0, begun = 0;
+    initial begin
+        log = $fopen("tx.bin", "wb");
+        if (!log) $display("BOARD-ERROR tx.bin cannot be written");
+    end
+    integer n = 0;
+    always @(tx_data or tx_ctl) begin
+        changed = $realtime;
+        if (works && busy && changed - edged < HOLD_PS) errors = errors + 1;
+    end
+    always @(tx_clk) begin
+        edged = $realtime;
+        if (works && busy && edged - changed < HOLD_PS) errors = errors + 1;
+    end
+    always @(posedge tx_clk) if (works) begin
+        low <= tx_data;
+        if (tx_ctl && !busy) begin
+            begun = $realtime;
+            n = 0;
+        end
+        if (!tx_ctl && busy) begin
+            put(begun / 1000000.0, 4);
+            put(n, 2);
+            for (j = 0; j < n; j = j + 1) put(frame[j], 1);
+            sent = sent + 1;
+        end
+        busy <= tx_ctl;
+    end
+    integer j;
+    task put(input [31:0] value, input integer bytes);
+        repeat (bytes) begin
+            bytes = bytes - 1;
+            $fwrite(log, "%c", value[8 * bytes +: 8]);
+        end
+    endtask
+    task close; $fclose(log); endtask
+    always @(negedge tx_clk) if (works && busy) begin
+        frame[n] = {tx_data, low};
+        n = n + 1;
+        // Both halves of a byte: an error is told by a change between them.
+        if (!tx_ctl) errors = errors + 1;
+    end
+endmodule
