@@ -36,8 +36,9 @@ def board_named(name):
 
 
 def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, None), lanes=1,
-             pixel_clock_hz=0, exposure_us=10_000.0):
-    """A board's design, the sensor's set-up, the memory's budget, a line on the tile cache.
+             settings=None, processor=False):
+    """A board's design, the sensor's set-up and place, the memory's budget, a line on the tile
+    cache.
 
     Parameters
     ----------
@@ -49,8 +50,10 @@ def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, No
         What is fixed of the tile cache.
     lanes : int
         Pixels per clock.
-    pixel_clock_hz, exposure_us : number
-        Of the sensor.
+    settings : dict, optional
+        Of the sensor, ``exposure_us`` and ``pixel_clock_hz``; 10 ms, and its clock undivided.
+    processor : bool
+        With a processor and Ethernet.
 
     Raises
     ------
@@ -66,12 +69,12 @@ def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, No
                          f"it: {least.name} does")
     # The clocks first: they are checked at once, and what follows takes seconds.
     board.clock_plan(wanted, board.core_mhz)
-    setup = sensor_for(sensor or _BAYER_SENSOR, geometry, exposure_us=exposure_us,
-                       pixel_clock_hz=pixel_clock_hz)
+    placed = sensor_for(sensor or _BAYER_SENSOR, geometry,
+                        **{"exposure_us": 10_000.0} | (settings or {}))
     check_lanes(board, hardware_for(board), lanes)
     hardware, line = planned(hardware_for(board, lanes), fixed, named[0][1])
-    design = design_of(board, named, setup, wanted, hardware=hardware)
-    return design, setup[0], check_memory(design, setup[0]), line
+    design = design_of(board, named, placed, wanted, hardware=hardware, processor=processor)
+    return design, placed, check_memory(design, placed[0]), line
 
 
 def rates(budget):

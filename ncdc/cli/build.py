@@ -2,6 +2,7 @@
 
 import tempfile
 import time
+from ipaddress import IPv4Address
 from pathlib import Path
 
 from ncdc.bench.synth.flows import SynthesisError, check_tools
@@ -51,6 +52,11 @@ def add_arguments(parser):
                              "without)")
     parser.add_argument("--exposure-us", type=float, default=10_000.0, metavar="X",
                         help="of the sensor, in microseconds (default: 10000)")
+    parser.add_argument("--system", action="store_true",
+                        help="with a processor and its Ethernet: pictures and settings over the "
+                             "network as well (de2-115)")
+    parser.add_argument("--address", default="0.0.0.0", metavar="IPV4",
+                        help="of the processor (default: asked of DHCP, or link-local)")
     parser.add_argument("--seeds", type=int, default=3, metavar="N",
                         help="placements to try; the best is taken (default: 3; not for Quartus)")
     parser.add_argument("-o", "--output", metavar="DIR",
@@ -68,6 +74,8 @@ def run(args):
     named = [(path, Descriptor.load(path)) for path in args.descriptor]
     output = Path(args.output or board.name)
     if isinstance(board, HpsBoard):
+        if args.system:
+            raise InputError(f"the {board.name} has a processor of its own, --system is not for it")
         build_hps(args, board, named, output)
         return
     if board.tools == "quartus":
@@ -76,7 +84,7 @@ def run(args):
     check_tools()
     # Half an hour later would be late to say so.
     check_outputs([output / f"{NAME}.bit"], args.descriptor)
-    design, setup, budget = _design(args, board, named)
+    design, _, budget = _design(args, board, named)
     began, steps = time.monotonic(), Steps("ncdc build", quiet=args.json == "-")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
@@ -113,9 +121,10 @@ def _quartus(args, board, named, output):
     """Write the project for Quartus; the user's file only if it is not there."""
     check_outputs([output / f"{project_name(board)}.v"], args.descriptor)
     check_sensor(args.pixel_clock_mhz)
-    design, setup, budget = _design(args, board, named)
-    files = project_files(design, setup) | driver_files(design.system.corrector, named,
-                                                        design.system.table)
+    design, sensor, budget = _design(args, board, named)
+    more = _processor(args, design, sensor) if args.system else {}
+    files = project_files(design, sensor[0], [name for name in more if name.endswith(".v")])
+    files |= more | driver_files(design.system.corrector, named, design.system.table)
     kept = (output / USER_FILE).exists()
     if kept:
         del files[USER_FILE]
@@ -138,11 +147,26 @@ def _quartus(args, board, named, output):
 
 
 def _design(args, board, named):
-    """Design, the sensor's set-up and the memory's budget; InputError for what does not fit."""
-    design, setup, budget, _ = designed(
-        board, named, sensor=args.sensor, mode=args.mode, exposure_us=args.exposure_us,
-        pixel_clock_hz=round(args.pixel_clock_mhz * 1e6))
-    return design, setup, budget
+    """Design, the sensor's set-up and where raw frames begin on it, the memory's budget; InputError
+    for what does not fit."""
+    design, sensor, budget, _ = designed(
+        board, named, sensor=args.sensor, mode=args.mode, processor=args.system,
+        settings={"exposure_us": args.exposure_us,
+                  "pixel_clock_hz": round(args.pixel_clock_mhz * 1e6)})
+    return design, sensor, budget
+
+
+def _processor(args, design, sensor):
+    """Files of the processor, by name."""
+    # LiteX takes a second to load, and is an extra.
+    from ncdc_soc.board import processor_files
+    from ncdc_soc.firmware import Identity
+    try:
+        address = str(IPv4Address(args.address))
+    except ValueError as error:
+        raise InputError(f"the address {args.address!r} is no IPv4 address") from error
+    files = processor_files(design, sensor, Identity(ip=address))
+    return files.verilog | files.memories
 
 
 def _check_clocks(best, seeds):

@@ -40,6 +40,8 @@ def add_arguments(parser):
                         help="whether a board of ncdc build carries the picture on its memory and "
                              "its screen, beside --camera (default: mt9p031)")
     add_mode(parser)
+    parser.add_argument("--system", action="store_true",
+                        help="the board with a processor, which sends each corrected picture")
     parser.add_argument("--memory", default="ddr3", metavar="NAME",
                         help="ideal, sdram, ddr3 (default) or fixed:LATENCY:BYTES, a latency in "
                              "clocks and bytes per clock")
@@ -70,6 +72,8 @@ def run(args):
         return
     if args.mode:
         raise InputError(f"--mode {args.mode} is of a board: --board NAME is needed")
+    if args.system:
+        raise InputError("--system is of a board: --board NAME is needed")
     args.clock = CLOCK_MHZ if args.clock is None else args.clock
     if not 1 <= args.clock <= 1000:
         raise InputError(f"the clock is {args.clock:g} MHz, the limits are 1 and 1000")

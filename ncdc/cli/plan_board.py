@@ -19,9 +19,9 @@ def plan_board(args, descriptor):
             raise InputError(f"--{name.replace('_', '-')} and --board {args.board} are given, the "
                              f"board has its own")
     board = board_named(args.board)
-    design, setup, budget, line = designed(
+    design, (setup, _), budget, line = designed(
         board, [(args.descriptor, descriptor)], sensor=args.camera, mode=args.mode,
-        fixed=fixed_of(args), lanes=args.pixels_per_clock)
+        fixed=fixed_of(args), lanes=args.pixels_per_clock, processor=args.system)
     if args.rate and budget.corrected_per_second < args.rate:
         raise InputError(
             f"{budget.corrected_per_second:.1f} frames per second are corrected on {board.name} "

@@ -84,7 +84,8 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
     """
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
-        **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup), **_sensor(setup),
+        **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup),
+        **_sensor(setup),
         **_protocols(identity, soc.clock_hz),
         "SETS_UP": int(sets_up), "FIRST_READER": f"{first_reader}u"}.items()]
     lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in _features())

@@ -4,8 +4,6 @@ import json
 import os
 import re
 import subprocess
-from fnmatch import fnmatchcase
-from pathlib import Path
 
 import pytest
 from amaranth.back import verilog
@@ -16,10 +14,10 @@ from ncdc.cli import main
 from ncdc_boards.camera_board.design import design_of, sensor_for
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
-from ncdc_boards.quartus.sdc import CHAIN_PORTS, FREE
+from ncdc_boards.quartus.sdc import FREE
 from ncdc_hdl.video.modes import mode_named
+from quartus_files import TCL, directions, pins_of, recorded
 
-TCL = Path(__file__).parents[1] / "support" / "tcl"
 BOARDS = ("de0-cv", "de1-soc", "de2-115")
 
 
@@ -50,33 +48,6 @@ def folders(tmp_path_factory, whole):
             for file, text in project_files(design, sensor[0]).items():
                 (found[name] / file).write_text(text)
     return found
-
-
-def recorded(kind, path):
-    """Calls that a Tcl file makes: lists of words."""
-    done = subprocess.run(["tclsh", TCL / "record.tcl", kind, path], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True)
-    assert done.returncode == 0, done.stderr
-    return [line.split("\x1f") for line in done.stdout.splitlines()]
-
-
-def pins_of(folder, name):
-    """{bit of a port: pin} of a project."""
-    calls = recorded("qsf", folder / f"{project_name(board(name))}.qsf")
-    return {to: pin for command, _, to, pin in (
-        call for call in calls if call[0] == "set_location_assignment")}, calls
-
-
-def directions(folder, name):
-    """Direction of each port, as the board's resources have them."""
-    ports = {bit.partition("[")[0] for bit in pins_of(folder, name)[0]}
-    bidirectional = {"sdram_0__dq__io", "camera_0__scl__io", "camera_0__sda__io"}
-    ports |= set(CHAIN_PORTS)
-    inputs = ("clk50*", "button*", "uart_0__rx*", "camera_0__[dflp]*",
-              "altera_reserved_t[cdm][kis]")
-    return {port: "inout" if port in bidirectional else
-            "input" if any(fnmatchcase(port, pattern) for pattern in inputs) else "output"
-            for port in ports}
 
 
 LOOPS = {"core_loop": 3, "pixel_loop": 1}

@@ -23,7 +23,11 @@ NAMES = {
         ("r", "R"), ("g", "G"), ("b", "B"))},
     **{f"camera.{ours}": f"D5M_{theirs}" for ours, theirs in (
         ("pixclk", "PIXLCLK"), ("xclk", "XCLKIN"), ("reset_n", "RESET_N"), ("standby", "TRIGGER"),
-        ("lval", "LVAL"), ("fval", "FVAL"), ("sda", "SDATA"), ("scl", "SCLK"), ("d", "D"))}}
+        ("lval", "LVAL"), ("fval", "FVAL"), ("sda", "SDATA"), ("scl", "SCLK"), ("d", "D"))},
+    **{f"eth_rgmii.{ours}": f"ENET0_{theirs}" for ours, theirs in (
+        ("tx_clk", "GTX_CLK"), ("tx_ctl", "TX_EN"), ("tx_data", "TX_DATA"), ("rx_clk", "RX_CLK"),
+        ("rx_ctl", "RX_DV"), ("rx_data", "RX_DATA"), ("rst", "RST_N"), ("mdc", "MDC"),
+        ("mdio", "MDIO"))}}
 
 
 def theirs(name):
@@ -76,8 +80,9 @@ def test_a_pin_is_where_others_have_it(name):
     assert [(key, pins) for key, pins, expected in rows if pins != expected] == []
     # Everything that the top asks for is there: sdram, vga, camera, uart, buttons, lights, clock.
     kinds = {re.split(r"[.\d]", key)[0] for key, *_ in rows}
-    assert kinds == {"clk", "uart", "button", "led", "sdram", "vga", "camera"}
-    assert sum(len(pins) for _, pins, _ in rows) == {"de2-115": 121, "de1-soc": 103,
+    assert kinds == {"clk", "uart", "button", "led", "sdram", "vga", "camera"} | (
+        {"eth_rgmii"} if board(name).ethernet else set())
+    assert sum(len(pins) for _, pins, _ in rows) == {"de2-115": 136, "de1-soc": 103,
                                                      "de0-cv": 88}[name]
 
 

@@ -21,7 +21,8 @@ def soc():
     descriptor = barrel_descriptor()
     core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"))
     verilog = soc_verilog(core)
-    return verilog, config(core.system, core.packetiser.capacity, verilog, *setup_around("mt9p031", descriptor.geometry))
+    return verilog, config(core.system, core.packetiser.capacity, verilog,
+                           *setup_around("mt9p031", descriptor.geometry))
 
 
 def test_it_fits(soc, tmp_path):

@@ -8,7 +8,9 @@ __all__ = ["complaints"]
 _COLLECTION = re.compile(r"<(\w+) ([^>]*)>")
 # What a false path may end at, besides the ports without timing: first registers of synchronisers,
 # the resets of such. And what it may begin at, if it ends at a clock.
-_CUT_TO = ("*altera_std_synchronizer:*|din_s1", "*altera_std_synchronizer*|clrn")
+_CUT_TO = ("*altera_std_synchronizer:*|din_s1", "*altera_std_synchronizer*|clrn",
+           "*ncdc_processor:processor|*multiregimpl*_regs0*",
+           "*ncdc_processor:processor|*ars_cd_eth_*")
 _CUT_FROM = ("*:page|values*", "*:jtag|request*", "*:jtag|answer*")
 
 

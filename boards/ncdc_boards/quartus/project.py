@@ -82,7 +82,7 @@ def top_verilog(design):
     return _prepared(design.board, design.board.top(design))["v"]
 
 
-def project_files(design, setup):
+def project_files(design, setup, sources=()):
     """Text of each file of the project, by name.
 
     ``ncdc_<board>.v`` (the top and all below it), ``.qpf``, ``.qsf`` (device, sources, pins),
@@ -94,9 +94,12 @@ def project_files(design, setup):
         Of a :class:`~ncdc_boards.quartus.board.QuartusBoard`.
     setup : Setup
         Of the sensor.
+    sources : sequence of str
+        Names of more Verilog files, of a processor.
     """
+    settings = "".join(f"set_global_assignment -name VERILOG_FILE {name}\n" for name in sources)
     return assembled(design.board, design.board.top(design), lambda ports: constraints(
-        design, setup.timing.pixel_clock_hz / 1e6, ports))
+        design, setup.timing.pixel_clock_hz / 1e6, ports), settings=settings)
 
 
 def assembled(board, top, timing, *, settings="", before="", mapped=""):

@@ -19,6 +19,9 @@ _DAC_LESS_NS = 10   # a resistor network has no clock: its pins shall change wit
 # MT9P031/D, I/O timing: PIXCLK's falling edge to data, frame valid, line valid; rounded outwards,
 # and not checked again with the data sheet.
 _SENSOR_LEAST, _SENSOR_MOST = 0, 6
+# RGMII 1.3: set-up and hold at a receiver; 2.0: at the pins of a chip that sends its clock late.
+_RGMII_NS = {"sent": 1.0, "received": 1.2}
+_RGMII_EDGES = 4    # ns between them, at 1000 Mbit/s
 _CHAIN_NS = 33.333  # 30 MHz: Intel, USB-Blaster II has 24 MHz
 _INPUT = 1.5        # ns: set-up of an input of the device behind its clock, about
 
@@ -34,6 +37,9 @@ FREE = {
     "vga_0__sync_n__io": (("to",), "constant"),
     **{f"altera_reserved_{name}": ((way,), "timed by the cable")
        for name, way in (("tdi", "from"), ("tms", "from"), ("tdo", "to"))},
+    "eth_rgmii_0__mdc__io": (("to",), "2.5 MHz at most, bit by bit by the processor"),
+    "eth_rgmii_0__mdio__io": (("from", "to"), "with it; behind a synchroniser"),
+    "eth_rgmii_0__rst__io": (("to",), "changes once"),
     "hdmi_0__scl__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
     "hdmi_0__sda__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
 }
@@ -91,8 +97,8 @@ def constraints(design, sensor_mhz, ports, groups=None):
         "derive_pll_clocks", "derive_clock_uncertainty",
         *(f"set {name} {{{text}}}" for name, text in pins.items()),
         *_sensor(),
-        *([*_sdram(), *_screen(board, design.clocks.pixel_mhz), *_chain()]
-          if groups is None else groups),
+        *([*_sdram(), *_screen(board, design.clocks.pixel_mhz), *_chain(),
+           *(_ethernet() if design.processor else [])] if groups is None else groups),
         _SYNCHRONISERS + "\n".join(
             f"set_max_skew -from [get_registers {{*|{counter}*}}] "
             f"-to [get_registers {{*:{crossing}|*din_s1}}] {period:.3f}" for counter, crossing in
@@ -167,6 +173,32 @@ def _chain():
         "# answer from before the chain is told of it.",
         "set_false_path -from [get_registers {*:jtag|request*}] -to [get_clocks $core]",
         "set_false_path -from [get_registers {*:jtag|answer*}] -to [get_clocks {jtag}]"]
+
+
+def _ethernet():
+    """RGMII, whose clock comes 2 ns behind the data in both directions, and the MAC's crossings."""
+    inputs = ports_like(f"eth_rgmii_0__{name}__io*" for name in ("rx_ctl", "rx_data"))
+    outputs = ports_like(f"eth_rgmii_0__{name}__io*" for name in ("tx_ctl", "tx_data"))
+    sent, changed = _RGMII_NS["sent"], _RGMII_NS["received"]
+    received, lines = "eth_rgmii_0__rx_clk__io", [
+        "# Ethernet: both edges of a clock, each with its data.",
+        generated("ethernet_pin", "ethernet_late", "eth_rgmii_0__tx_clk__io")]
+    for edge in ("", "-clock_fall -add_delay "):
+        lines += [
+            # Data change behind an edge, and are stable before the next one.
+            f"set_input_delay -clock {received} {edge}-max "
+            f"{_RGMII_EDGES - changed + TRACE:.2f} {inputs}",
+            f"set_input_delay -clock {received} {edge}-min {changed - TRACE:.2f} {inputs}",
+            f"set_output_delay -clock ethernet_pin {edge}-max {sent + TRACE} {outputs}",
+            f"set_output_delay -clock ethernet_pin {edge}-min {-sent - TRACE} {outputs}"]
+    return [*lines,
+            "# The first registers of LiteX's synchronisers, and both of those that end a reset.",
+            "set_false_path -to [get_registers {*ncdc_processor:processor|*multiregimpl*_regs0*}]",
+            "set_false_path -to [get_registers {*ncdc_processor:processor|*ars_cd_eth_*}]",
+            "# Gray counters of its queues: their bits differ by less than the shortest period.",
+            "set_max_skew -from [get_registers {*ncdc_processor:processor|*graycounter*_q*}] "
+            "-to [get_registers {*ncdc_processor:processor|*multiregimpl*_regs0*}] "
+            f"{2 * _RGMII_EDGES}.000"]
 
 
 def _free(ports):

@@ -60,7 +60,8 @@ class SocModel:
                               nominal=self.setup.exposure_clocks)
         with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
             self._rom, self.code_bytes, self.ram_bytes = firmware_image(
-                config(core.system, core.packetiser.capacity, soc, self.setup, self._corner, self.identity), soc, folder)
+                config(core.system, core.packetiser.capacity, soc, self.setup, self._corner,
+                       self.identity), soc, folder)
         self.program = _build(core_verilog(core), soc)
 
     def fill(self, folder):

@@ -1,0 +1,104 @@
+"""A Quartus board with a processor and Ethernet: its project, and what is refused."""
+
+import re
+
+import pytest
+from amaranth.back import verilog
+
+from cameras import barrel_descriptor
+from constraints import complaints
+from ncdc.cli import main
+from ncdc_boards.camera_board.design import design_of, sensor_for
+from ncdc_boards.catalogue import board
+from ncdc_boards.quartus.ethernet import MODULE
+from ncdc_boards.quartus.project import project_files
+from ncdc_boards.quartus.sdc import FREE
+from ncdc_hdl.video.modes import mode_named
+from peers import need
+from quartus_files import directions, pins_of, recorded
+
+BOARD = "de2-115"
+LOOPS = {"core_loop": 3, "pixel_loop": 1, "ethernet_loop": 2}
+
+
+def small():
+    return barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, strength=.4)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """That of the project, without the Verilog of the core."""
+    found, sensor = tmp_path_factory.mktemp("ethernet"), sensor_for("mt9p031", small().geometry)
+    design = design_of(board(BOARD), [("a", small())], sensor, mode_named("640x480"),
+                       processor=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(verilog, "_convert_rtlil_text", lambda text, **other: "// none\n")
+        for file, text in project_files(design, sensor[0], [f"{MODULE}.v"]).items():
+            (found / file).write_text(text)
+    return found
+
+
+def ways(folder):
+    """Direction of each port."""
+    found = directions(folder, BOARD)
+    found |= {port: "input" for port in found if port.startswith("eth_rgmii_0__rx")}
+    return found | {"eth_rgmii_0__mdio__io": "inout"}
+
+
+def test_every_port_is_constrained_or_free(folder):
+    calls = recorded("sdc", folder / "ncdc_de2_115.sdc")
+    assert complaints(calls, ways(folder), FREE, LOOPS) == []
+    clocks = {call[call.index("-name") + 1] for call in calls if "clock" in call[0]
+              and "-name" in call}
+    assert {"eth_rgmii_0__rx_clk__io", "ethernet_pin"} <= clocks
+
+
+@pytest.mark.parametrize("old,new,said", [
+    ("ethernet_loop|auto_generated|pll1|clk[1]", "ethernet_loop|auto_generated|pll1|clk[2]",
+     "comes of output 2 of ethernet_loop, which has 2"),
+    ("eth_rgmii_0__tx_data__io*", "", "eth_rgmii_0__tx_data__io has no delays"),
+    ("eth_rgmii_0__mdio__io", "eth_rgmii_0__mdi__io", "eth_rgmii_0__mdio__io has no delays"),
+    ("|*multiregimpl*_regs0*}]\n", "|*multiregimpl*}]\n", "are cut"),
+])
+def test_the_checker_finds_what_is_planted(folder, tmp_path, old, new, said):
+    text = (folder / "ncdc_de2_115.sdc").read_text()
+    assert old in text
+    (tmp_path / "planted.sdc").write_text(text.replace(old, new))
+    found = complaints(recorded("sdc", tmp_path / "planted.sdc"), ways(folder), FREE, LOOPS)
+    assert any(said in sentence for sentence in found), found
+
+
+def test_every_pin_has_its_own_port_and_the_sources_are_named(folder):
+    pins, calls = pins_of(folder, BOARD)
+    assert len(set(pins.values())) == len(pins)
+    assert sum(port.startswith("eth_rgmii") for port in pins) == 15
+    assert [MODULE + ".v"] in [call[3:4] for call in calls
+                               if call[:3] == ["set_global_assignment", "-name", "VERILOG_FILE"]]
+
+
+@pytest.mark.parametrize("arguments,said", [
+    (["--board", "de1-soc", "--system"], "has no Ethernet chip, which --system needs"),
+    (["--board", "ulx3s", "--system"], "has no Ethernet chip, which --system needs"),
+    (["--board", "de10-nano", "--system"], "has a processor of its own"),
+    (["--board", BOARD, "--system", "--address", "10.0.0"], "'10.0.0' is no IPv4 address"),
+    (["--board", BOARD, "--system", "--sensor", "ov5640"], "the processor's firmware knows"),
+])
+def test_what_does_not_fit_is_refused(tmp_path, capsys, arguments, said):
+    small().save(tmp_path / "net.toml")
+    assert main(["build", str(tmp_path / "net.toml"), *arguments, "-o", str(tmp_path / "o")]) == 2
+    assert said in capsys.readouterr().err and not (tmp_path / "o").exists()
+
+
+def test_the_command_writes_processor_and_firmware(tmp_path, monkeypatch):
+    need("riscv64-unknown-elf-gcc")
+    monkeypatch.setattr(verilog, "_convert_rtlil_text", lambda text, **other: "// none\n")
+    small().save(tmp_path / "net.toml")
+    assert main(["build", str(tmp_path / "net.toml"), "--board", BOARD, "--system", "--address",
+                 "10.1.2.3", "-o", str(tmp_path / "o")]) == 0
+    text = (tmp_path / "o" / f"{MODULE}.v").read_text()
+    memories = re.findall(r'readmemh\("([^"]+)"', text)
+    assert len(memories) == 2 and all((tmp_path / "o" / name).read_text() for name in memories)
+    words = (tmp_path / "o" / f"{MODULE}_rom.init").read_text().split()
+    assert 1000 < len(words) <= 16384
+    settings = (tmp_path / "o" / "ncdc_de2_115.qsf").read_text()
+    assert f"VERILOG_FILE {MODULE}.v" in settings and "VERILOG_FILE VexRiscv.v" in settings
