@@ -6,75 +6,18 @@ import numpy as np
 import pytest
 
 import ncdc_boards.camera_board.core as core
-from cameras import barrel_descriptor
-from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
+from board_bench import HEIGHT, SMALL, WIDTH, Bench
+from ncdc_boards.camera_board.design import hardware_for
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus import top as quartus_top
 from ncdc_hdl.export.registers.host.ncdc_backends import Serial
-from ncdc_hdl.video.modes import VideoMode, mode_named
-from ncdc_model.corrector import correct
+from ncdc_hdl.video.modes import mode_named
 from ncdc_model.interface.jtag_link import READ, WRITE, jtag_message
-from ncdc_model.raw_lens import raw_lens
-from ncdc_model.sensors.level import levelled
-from ncdc_sim.board.run import request_at, scans_at, simulate_board
-from ncdc_sim.sensor.twin import raw_frames
-from ncdc_sim.sensor.verilog import Light
+from ncdc_sim.board.run import request_at, scans_at
 from ncdc_sim.tools import SimulationError
 
 ID, ID_OFFSET = int.from_bytes(b"NCDC", "big"), 0
 QUARTUS = ("de1-soc", "de2-115", "de0-cv")
-WIDTH, HEIGHT = 64, 24
-SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
-
-
-class Bench:
-    """A design for two lenses, the light on its sensor, and the golden pictures of that."""
-
-    def __init__(self, name, mode, size, *, frames=6, **more):
-        self.mode, self.size = mode, size
-        self.kept = 0xF0 if name == "de0-cv" else 0xFF      # bits of a colour that the board shows
-        lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
-        self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100)
-        setup, (left, top) = self.sensor
-        self.design = design_of(board(name), [("a", lenses[0]), ("b", lenses[1])], self.sensor,
-                                mode, power_up_us=20, waits=False, **more)
-        noise = np.random.default_rng(1).integers(0, 4096, (frames, size[1] + 4, size[0] + 4),
-                                                  dtype=np.uint16)
-        self.light = Light(noise)
-        raw = levelled(raw_frames(setup, self.light), setup.sensor.black)
-        self.raw = raw[:, top:top + size[1], left:left + size[0]]
-        self.lenses = [*lenses, raw_lens(lenses[0])]
-
-    def run(self, run_us, **more):
-        return simulate_board(self.design, "mt9p031", self.light, run_us=run_us, **more)
-
-    def golden(self, lens):
-        """Pictures of all raw frames."""
-        strip = self.design.system.hardware.strip
-        return [correct(self.lenses[lens], raw, strip=strip).picture & self.kept
-                for raw in self.raw]
-
-    def inside(self, frame):
-        """The picture in a screen's frame, after a check that all around it is black."""
-        (width, height), (wide, high) = self.size, self.mode.size
-        left, top = (wide - width) // 2, (high - height) // 2
-        inner = frame[top:top + height, left:left + width]
-        assert frame.shape == (high, wide, 3)
-        assert int(frame.sum()) == int(inner.sum())
-        return inner
-
-    def shown(self, run, lens=0):
-        """Number of the raw frame that each frame of the screen shows whole, None if black.
-
-        A frame that is neither fails.
-        """
-        golden, numbers = self.golden(lens), []
-        for frame in run.screen.frames:
-            inner = self.inside(frame)
-            same = [k for k, picture in enumerate(golden) if np.array_equal(inner, picture)]
-            assert same or not inner.any(), "a frame of the screen is no frame of the sensor"
-            numbers.append(same[0] if same else None)
-        return numbers
 
 
 def check(bench, run):

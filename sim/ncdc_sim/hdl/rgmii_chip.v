@@ -20,6 +20,7 @@ module rgmii_chip #(parameter ADDRESS = 16) (
 );
     localparam RESET_US = 20, LINK_US = 200;    // less than a chip takes
     localparam MDC_PS = 400000;                 // 2.5 MHz
+    localparam SKEW_PS = 500;
     localparam HOLD_PS = 1000;                  // RGMII 1.3: set-up and hold at a receiver
 
     // Registers. Those behind "next" count from the software reset on.
@@ -108,19 +109,20 @@ module rgmii_chip #(parameter ADDRESS = 16) (
 
     wire works = rst_n && link && mode[3:0] == 4'hb;
 
-    // To the device: the clock with the data or 2 ns behind.
+    // To the device: the clock 2 ns behind the data, or with them, which may be half a nanosecond
+    // before.
     reg clock = 0, late = 0;
     always #4000 clock = !clock;
-    always @(clock) late <= #2000 clock;
+    always @(clock) late <= #(SKEW_PS + 2000) clock;
     assign rx_clk = extended[7] ? late : clock;
 
     integer file, us, length, k, frames = 0;
     reg [7:0] octet;
     task send(input [7:0] value);
         begin
-            @(posedge clock) rx_data = value[3:0];
-            rx_ctl = 1;
-            @(negedge clock) rx_data = value[7:4];
+            @(posedge clock) rx_data <= #SKEW_PS value[3:0];
+            rx_ctl <= #SKEW_PS 1;
+            @(negedge clock) rx_data <= #SKEW_PS value[7:4];
         end
     endtask
     initial begin
@@ -141,8 +143,8 @@ module rgmii_chip #(parameter ADDRESS = 16) (
                 send(octet);
             end
             // What comes while nobody listens is lost, as on a cable.
-            @(posedge clock) rx_ctl = 0;
-            rx_data = 4'b1101;                  // link, 1000 Mbit/s, full duplex
+            @(posedge clock) rx_ctl <= #SKEW_PS 0;
+            rx_data <= #SKEW_PS 4'b1101;                  // link, 1000 Mbit/s, full duplex
             frames = frames + 1;
             repeat (12) @(posedge clock);
             octet = $fgetc(file);
