@@ -158,9 +158,12 @@ def _design(args, board, named):
 
 def _processor(args, design, sensor):
     """Files of the processor, by name."""
-    # LiteX takes a second to load, and is an extra.
-    from ncdc_soc.board import processor_files
-    from ncdc_soc.firmware import Identity
+    try:
+        from ncdc_soc.board import processor_files
+        from ncdc_soc.firmware import Identity
+    except ModuleNotFoundError as error:
+        raise InputError(f"{error.name} is not installed, which a processor needs: "
+                         "pip install 'ncdc[soc]'") from error
     try:
         address = str(IPv4Address(args.address))
     except ValueError as error:

@@ -35,6 +35,17 @@ DRAWINGS = {    # file: boxes, arrows, note
          (9.5, 12.4, 2.3, "i2c", "to both"),
          (9.5, 12.4, 1.0, "picture", "24 bits, clock, syncs")),
         "100 MHz for core, ports and bridge; sensor and screen have their own clocks"),
+    "board-system.png": (
+        ((0, 1.3, 2.3, 2.0, "88E1111\n\ncable to a PC"),
+         (5.4, 0, 3.0, 4.6, "processor\n\nVexRiscv, firmware\n\nMAC, RGMII"),
+         (11.7, 0, 3.0, 4.6, "board's core\n\ncamera, corrector\n\nSDRAM, scan-out\n\npacketiser")),
+        ((2.3, 5.4, 2.9, "RGMII", "4 wires each way, 125 MHz"),
+         (5.4, 2.3, 1.9, "MDIO", "set-up, speed"),
+         (11.7, 8.4, 3.9, "packets", "whole Ethernet frames"),
+         (8.4, 11.7, 2.6, "registers", "settings, lens, claims"),
+         (11.7, 8.4, 1.3, "frames", "word by word, Table II")),
+        "without --system there is no packetiser, and the registers are reached by serial port and "
+        "scan chain alone"),
     "guide-zynq.png": (
         ((0, 0, 2.9, 4.6, "processing system\nof a Zynq or Kria\n\nLinux, /dev/uio0\n\n"
           "DDR memory"),
