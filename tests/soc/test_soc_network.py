@@ -1,6 +1,7 @@
 """The whole system in simulation, seen by Debian's Aravis: every pixel is the golden model's."""
 
 import json
+import re
 import sys
 
 import cv2
@@ -13,7 +14,9 @@ from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.table_one import TCP_PORT
 from ncdc_model.interface.table_two import HEADER_BYTES
+from ncdc_sim.link.namespaces import TAP
 from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun
+from ncdc_soc.firmware import Identity
 from peers import need
 
 pytestmark = pytest.mark.regress        # compiling the model takes more than a minute
@@ -227,3 +230,73 @@ def test_packages_over_tcp(model, tmp_path):
         assert np.array_equal(np.load(tmp_path / f"{k}.npy"), goldens[k // 3].ravel())
     assert length == HEADER_BYTES + goldens[1].size + 5
     assert last == [0x80, 0xF0, 0x01, 0, _SIZE[0]]
+
+
+_FLOOD = _OPEN + """
+import random, socket, struct, time
+from ncdc_model.interface import gvcp
+count, mac = arguments
+random.seed(1)
+wire = socket.socket(socket.AF_PACKET, socket.SOCK_RAW)
+wire.bind(("{tap}", 0))
+wire.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 16)
+to = bytes(int(part, 16) for part in mac.split(":"))
+def checked(header, at):
+    total = sum(struct.unpack(f">{len(header) // 2}H", header))
+    while total >> 16:
+        total = (total & 0xFFFF) + (total >> 16)
+    return header[:at] + struct.pack(">H", 0xFFFF ^ total) + header[at + 2:]
+def ip(protocol, payload, source):
+    length = 20 + len(payload) if random.random() < .95 else random.getrandbits(16)
+    header = struct.pack(">BBHHHBBH4s4s", 0x45, 0, length, 0, 0, 64, protocol, 0, source,
+                         bytes([10, 77, 0, 11]))
+    return b"\\x08\\x00" + checked(header, 10) + payload
+def udp(port, payload):
+    return struct.pack(">HHHH", random.getrandbits(16), port, 8 + len(payload), 0) + payload
+def frame():
+    source = bytes([10, 77, 0, random.choice([1, 2, 77])])
+    kind = random.randrange(8)
+    junk = random.randbytes(random.choice([4, 8, 20, 60, 200, random.randrange(1400)]))
+    if kind < 3:
+        code = random.choice([2, 0x40, 0x80, 0x82, 0x84, 0x86, 0x88, random.getrandbits(16)])
+        body = ip(17, udp(gvcp.PORT, gvcp.command_packet(code, 1 + random.getrandbits(8), junk)),
+                  source)
+    elif kind == 3:
+        body = ip(17, udp(random.getrandbits(16), junk), source)
+    elif kind == 4:
+        flags = random.choice([2, 2, 16, 24, 17, 4, random.getrandbits(8)])
+        body = ip(6, struct.pack(">HHIIBBHHH", random.randrange(1024, 65536), {port},
+                                 random.getrandbits(32), random.getrandbits(32), 0x50, flags,
+                                 random.getrandbits(16), random.getrandbits(16), 0) + junk, source)
+    elif kind == 5:
+        body = ip(1, junk, source)
+    elif kind == 6:
+        body = b"\\x08\\x06" + b"\\0\\1\\x08\\0\\6\\4\\0" + random.randbytes(21)
+    else:
+        body = random.randbytes(2) + junk
+    whom = random.choice([to, to, to, b"\\xff" * 6])
+    return whom + b"\\2\\0\\0\\0\\0" + random.randbytes(1) + body
+sent = 0
+while sent < count:
+    try:
+        wire.send(frame())
+        sent += 1
+    except OSError:                     # the queue to the simulation is full
+        time.sleep(.002)
+with device.stream() as stream:         # it still does what it is there for
+    for _ in range(2):
+        take(stream)
+print(json.dumps([sent, len(taken)]))
+"""
+
+
+def test_a_flood_of_frames_of_any_kind(model, tmp_path):
+    """100,000 frames as fast as the wire takes them: none stops it or wakes the watchdog."""
+    script = _FLOOD.replace("{tap}", TAP).replace("{port}", str(TCP_PORT))
+    with SocRun(model) as run:
+        sent, taken = peer(run, script, tmp_path, 100_000, Identity().mac)
+        screen, said = run.screen, run.end()
+    received = int(re.search(r"(\d+) in,", said)[1])
+    assert sent == 100_000 and received > 90_000 and taken == 2
+    assert screen.count("NCDC ") == 1 and "exception" not in screen and " 0 broken" in said
+    assert matches(tmp_path, taken, [model.golden().picture]) == [0] * taken
