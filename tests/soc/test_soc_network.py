@@ -276,13 +276,17 @@ def frame():
         body = random.randbytes(2) + junk
     whom = random.choice([to, to, to, b"\\xff" * 6])
     return whom + b"\\2\\0\\0\\0\\0" + random.randbytes(1) + body
-sent = 0
-while sent < count:
-    try:
-        wire.send(frame())
-        sent += 1
-    except OSError:                     # the queue to the simulation is full
+def gone():                             # that the simulation has fetched
+    line = next(line for line in open("/proc/net/dev") if line.strip().startswith("{tap}:"))
+    return int(line.split(":")[1].split()[9])
+sent, before = 0, gone()
+while gone() - before < count:
+    if sent - (gone() - before) > 300:      # more would be dropped by the kernel
         time.sleep(.002)
+        continue
+    for _ in range(50):
+        wire.send(frame())
+    sent += 50
 with device.stream() as stream:         # it still does what it is there for
     for _ in range(2):
         take(stream)
@@ -297,6 +301,6 @@ def test_a_flood_of_frames_of_any_kind(model, tmp_path):
         sent, taken = peer(run, script, tmp_path, 100_000, Identity().mac)
         screen, said = run.screen, run.end()
     received = int(re.search(r"(\d+) in,", said)[1])
-    assert sent == 100_000 and received > 90_000 and taken == 2
+    assert sent >= 100_000 and received >= 100_000 and taken == 2
     assert screen.count("NCDC ") == 1 and "exception" not in screen and " 0 broken" in said
     assert matches(tmp_path, taken, [model.golden().picture]) == [0] * taken

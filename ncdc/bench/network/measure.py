@@ -55,7 +55,16 @@ class _Bench:
 
     def ask(self, run, task):
         """The report on a task of :mod:`ncdc.bench.network.peer`."""
-        return _report(run, self.start(run, task))
+        return self.report(run, self.start(run, task))
+
+    def report(self, run, process, timeout=900):
+        """The report of a peer's process, once it has ended."""
+        out, _ = process.communicate(timeout=timeout)
+        if process.returncode:
+            said = (self.folder / "peer.txt").read_text().splitlines()[-1:]
+            raise SimulationError(f"a peer failed: {' '.join(said)}; the system said: "
+                                  f"{run.screen[-500:]}")
+        return json.loads(out.splitlines()[-1])
 
     def start(self, run, task):
         """The peer's process that works on a task."""
@@ -99,13 +108,6 @@ class _Bench:
 
 def _exposures(size):
     return _SMALL_EXPOSURES_US if size[0] < _SMALL else _EXPOSURES_US
-
-
-def _report(run, process, timeout=900):
-    out, _ = process.communicate(timeout=timeout)
-    if process.returncode:
-        raise SimulationError(f"a peer failed; the system said: {run.screen[-500:]}")
-    return json.loads(out.splitlines()[-1])
 
 
 def different(pictures, goldens):
@@ -179,7 +181,8 @@ def _streaming(bench, run, step, goldens):
     if process.poll() is not None:
         raise SimulationError("the stream ended before the commands")
     yield from rows
-    yield bench.picture_row("commands meanwhile", run, task, _report(run, process), goldens[:1])
+    yield bench.picture_row("commands meanwhile", run, task, bench.report(run, process),
+                            goldens[:1])
 
 
 def _changes(bench, run, step, goldens, other):
