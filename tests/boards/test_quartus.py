@@ -188,6 +188,8 @@ def the_sentence(capsys):
     ((64, 24), ["--board", "de2-115", "--rate", "2000"], "2000 are asked for: the sensor sends"),
     ((64, 24), ["--board", "de1-soc", "--to", "stream"], "the board has its own"),
     ((64, 24), ["--mode", "640x480"], "--board NAME is needed"),
+    ((64, 24), ["--system"], "--system is of a board: --board NAME is needed"),
+    ((64, 24), ["--board", "de0-cv", "--system"], "has no Ethernet chip, which --system needs"),
 ])
 def test_plan_refuses_in_a_sentence(tmp_path, capsys, size, options, said):
     barrel_descriptor(size, (64, 24), hidden_neurons=2).save(tmp_path / "net.toml")
@@ -202,3 +204,14 @@ def test_plan_tells_what_a_board_carries(tmp_path, capsys):
     assert report["mode"] == "640x480" and report["memory_mb_per_second"] == 225
     assert report["memory_bytes"] < report["memory_bytes_there"] == 128 << 20
     assert report["corrected_frames_per_second"] == report["sensor_frames_per_second"] > 90
+
+
+def test_plan_counts_what_a_processor_sends(tmp_path, capsys):
+    barrel_descriptor((1024, 768), (1024, 768), hidden_neurons=2).save(tmp_path / "net.toml")
+    rates = []
+    for options in ([], ["--system"]):
+        assert main(["plan", str(tmp_path / "net.toml"), "--board", "de2-115", *options, "--json",
+                     "-"]) == 0
+        rates.append(json.loads(capsys.readouterr().out)["corrected_frames_per_second"])
+    # 1.3 bytes of a raw pixel, 3 that are written, 3 that are sent.
+    assert rates[1] / rates[0] == pytest.approx(4.3 / 7.3, rel=.01)
