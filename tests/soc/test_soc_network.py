@@ -3,12 +3,14 @@
 import json
 import re
 import sys
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
+from ncdc.report.soc_window import window_on
 from ncdc_model.corrector import correct
 from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.pixel_formats import raw_format
@@ -161,6 +163,23 @@ def test_eight_users_of_table_one(model, tmp_path):
     # The rows of the sensor's frame are the firmware's: what is read back is what was there.
     assert refused == [0x81, 3, model.setup.settings.height - 1]
     assert unknown == [0xFF, 0x55]
+
+
+def test_the_window_and_the_command_on_one_simulation(model, tmp_path):
+    golden = model.golden().picture
+    with SocRun(model) as run:
+        assert window_on(run, tmp_path) == ""
+        done = run.network.run([str(Path(sys.executable).with_name("ncdc")), "client", "grab",
+                                "2", "-o", str(tmp_path / "grabbed"), "--device",
+                                f"aravis://{ADDRESS}"], timeout=600)
+    assert not done.returncode, done.stderr
+    assert np.array_equal(np.load(tmp_path / "shown.npy"), golden)
+    window = cv2.imread(str(tmp_path / "window.png"))
+    assert window.shape[0] == 760 and len(np.unique(window)) > 50
+    grabbed = sorted((tmp_path / "grabbed").glob("*.png"))
+    assert len(grabbed) == 2
+    for path in grabbed:
+        assert np.array_equal(cv2.imread(str(path))[..., ::-1], golden)
 
 
 _SINGLE = _OPEN + """
