@@ -5,6 +5,7 @@ What the cable brings and what comes back is made and read by scapy and tshark."
 import struct
 import subprocess
 from collections import defaultdict
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,10 @@ from scapy.packet import Raw
 from scapy.utils import wrpcap
 
 from board_bench import SMALL, Bench
+from ncdc_boards.camera_board.design import hardware_for
+from ncdc_boards.catalogue import board
 from ncdc_boards.quartus import plls
+from ncdc_hdl.video.modes import mode_named
 from ncdc_model.interface import gvcp
 from ncdc_model.interface.features import feature
 from ncdc_sim.board.ethernet import Ethernet, Passed
@@ -153,3 +157,23 @@ def test_a_clock_that_is_sent_with_the_data_is_seen(monkeypatch):
     bench = Bench("de2-115", SMALL, (64, 24), processor=True)
     result = run(bench, BEGINS_US + 1000, asked()[:2])
     assert result.results["ethernet_errors"] > 0
+
+
+def test_a_whole_screen_and_the_network_at_once():
+    """640x480 at the sensor's own rate: memory serves camera, corrector, screen and packets."""
+    mode = mode_named("640x480")
+    bench = Bench("de2-115", mode, mode.size, frames=4, processor=True,
+                  hardware=replace(hardware_for(board("de2-115")), strip=256))
+    files = soc_board.processor_files(bench.design, bench.sensor)
+    result = bench.run(190_000, optimise="-O2", ethernet=Ethernet(files, asked()))
+    results = result.results
+    assert results["violations"] == results["underruns"] == results["ethernet_errors"] == 0
+    goldens = bench.golden(0)
+    sent = [Ether(passed.data) for passed in result.sent]
+    taken = pictures([packet for packet in sent if UDP in packet and packet[UDP].dport == GVSP_TO],
+                     bench.size)
+    assert len(taken) >= 3
+    for picture in taken:
+        assert any(np.array_equal(picture[..., ::-1], golden) for golden in goldens)
+    numbers = [number for number in bench.shown(result) if number is not None]
+    assert len(set(numbers)) >= 3
