@@ -1,6 +1,7 @@
 """A Quartus board with a processor and Ethernet: its project, and what is refused."""
 
 import re
+from pathlib import Path
 
 import pytest
 from amaranth.back import verilog
@@ -14,8 +15,10 @@ from ncdc_boards.quartus.ethernet import MODULE
 from ncdc_boards.quartus.project import project_files
 from ncdc_boards.quartus.sdc import FREE
 from ncdc_hdl.video.modes import mode_named
+from ncdc_soc.board import board_processor
 from peers import need
 from quartus_files import directions, pins_of, recorded
+from verilog_crossings import crossings
 
 BOARD = "de2-115"
 LOOPS = {"core_loop": 3, "pixel_loop": 1, "ethernet_loop": 2}
@@ -102,3 +105,25 @@ def test_the_command_writes_processor_and_firmware(tmp_path, monkeypatch):
     assert 1000 < len(words) <= 16384
     settings = (tmp_path / "o" / "ncdc_de2_115.qsf").read_text()
     assert f"VERILOG_FILE {MODULE}.v" in settings and "VERILOG_FILE VexRiscv.v" in settings
+
+
+def unnamed(found):
+    """Crossings that do not end where a false path of the constraints does."""
+    return [one for one in found
+            if not re.search(r"multiregimpl\d+_regs0|ars_cd_eth_|^eth_[rt]x_rst$", one[2])]
+
+
+def test_every_crossing_of_the_processor_is_one_that_the_constraints_name(tmp_path):
+    made = board_processor(board(BOARD), 75_000_000)
+    texts = {"processor.v": made.text, "core.v": Path(made.core).read_text()}
+    found = crossings(texts, [f"{MODULE}_{name}.init" for name in ("rom", "sram")], MODULE,
+                      tmp_path)
+    # Three clocks: the core's, which the processor's copies, and those of RGMII.
+    assert {"clock_rx", "clock_transmit"} < {clock for _, there, _, here in found
+                                             for clock in (there, here)}
+    assert len(found) > 10
+    assert unnamed(found) == []
+    # One synchroniser fewer is seen.
+    text = made.text.replace("text_multiregimpl0_regs1;", "design_speed_storage;")
+    assert text != made.text
+    assert unnamed(crossings(texts | {"processor.v": text}, [], MODULE, tmp_path))

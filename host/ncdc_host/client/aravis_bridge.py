@@ -126,9 +126,6 @@ class _Bridge:
     def start(self, packet_size):
         if packet_size:
             self._camera.gv_set_packet_size(packet_size)
-        # A packet socket, which root has, hands packets on by the block, late and not one by one.
-        self._camera.gv_set_stream_options(
-            self._aravis.GvStreamOption.PACKET_SOCKET_DISABLED)
         self._stream = self._camera.create_stream(None, None)
         for name, value in (("frame-retention", _RETENTION_US),
                             ("packet-request-ratio", _REQUEST_RATIO),
