@@ -120,11 +120,12 @@ print(json.dumps([taken, again]))
 """
 
 
-def test_packets_that_are_lost_are_sent_again(model, tmp_path):
-    with SocRun(model, loss=50) as run:
-        taken, again = peer(run, _GRAB, tmp_path, True, 8)
+@pytest.mark.parametrize("loss,frames", ((50, 8), (10, 20)))
+def test_packets_that_are_lost_are_sent_again(model, tmp_path, loss, frames):
+    with SocRun(model, loss=loss) as run:
+        taken, again = peer(run, _GRAB, tmp_path, True, frames)
         said = run.end()
-    assert matches(tmp_path, len(taken), [model.golden().picture]) == [0] * 8
+    assert matches(tmp_path, len(taken), [model.golden().picture]) == [0] * frames
     assert again > 0 and " 0 lost" not in said
 
 
@@ -251,10 +252,10 @@ def test_packages_over_tcp(model, tmp_path):
     assert last == [0x80, 0xF0, 0x01, 0, _SIZE[0]]
 
 
-_FLOOD = _OPEN + """
-import random, socket, struct, time
+_FLOOD = """
+import json, random, socket, struct, sys, time
 from ncdc_model.interface import gvcp
-count, mac = arguments
+count, mac = map(json.loads, sys.argv[3:])
 random.seed(1)
 wire = socket.socket(socket.AF_PACKET, socket.SOCK_RAW)
 wire.bind(("{tap}", 0))
@@ -306,6 +307,7 @@ while gone() - before < count:
     for _ in range(50):
         wire.send(frame())
     sent += 50
+""" + _OPEN + """
 with device.stream() as stream:         # it still does what it is there for
     for _ in range(2):
         take(stream)
