@@ -15,7 +15,7 @@ from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.packetiser import Packetiser
 from ncdc_hdl.link.processor import ADDRESS_BITS
 from ncdc_model.hardware import Hardware
-from ncdc_soc.core import SocCore, core_verilog
+from ncdc_soc.core import SocCore
 from ncdc_soc.mac import Mac, ModelPhy
 from ncdc_soc.soc import soc_verilog
 
@@ -54,7 +54,7 @@ def _parts(descriptor):
     yield "MAC with its frames", "mac", _mac()
     core = SocCore(descriptor, hardware)
     yield "processor", "VexRiscv", Path(soc_verilog(core).core).read_text()
-    yield "camera, corrector, packetiser, bridges", "ncdc_core", core_verilog(core)
+    yield "camera, corrector, packetiser, bridges", "ncdc_core", module_verilog(core, "ncdc_core")
 
 
 def _mac():
