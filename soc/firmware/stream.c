@@ -5,6 +5,7 @@
 #include "frames.h"
 #include "hw.h"
 #include "ip.h"
+#include "watchdog.h"
 #include "words.h"
 
 #define LEADER_BYTES 44
@@ -13,6 +14,7 @@
 #define NUMBER_AT (ETH_HEADER + IP_HEADER + UDP_HEADER + 5)
 #define NUMBER_BYTES 3
 #define RANGES 8		/* that may wait to be sent again, a power of two */
+#define HALT_CLOCKS (10 * CLOCK_HZ)
 
 enum { IDLE, WAITING, SENDING };
 
@@ -61,9 +63,13 @@ void stream_start(const struct receiver *target, bool one)
 /* The packetiser stands still, and the frames are given back. */
 static void halt(void)
 {
+	uint32_t from = now32();
+
 	reg_write(LINK_CONTROL, LINK_CONTROL_ABORT);
+	/* At 10 Mbit/s a range that is sent again may take seconds, more than the watchdog allows. */
 	while (reg_read(LINK_STATUS) & (LINK_STATUS_BUSY | LINK_STATUS_RESENDING))
-		;
+		if (now32() - from < HALT_CLOCKS)
+			watchdog_feed();
 	frame_release(FRAMES_STREAM0);
 	frame_release(FRAMES_STREAM1);
 }
