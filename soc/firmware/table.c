@@ -167,10 +167,15 @@ static bool serve(struct user *user)
 	return true;
 }
 
+/* Something is to be done for the user without a byte of theirs. */
+static bool wanting(const struct user *user)
+{
+	return user->pcb && (user->mraw.state == MRAW_SENDS || user->waiting || user->ends);
+}
+
 void table_poll(void)
 {
 	static unsigned next;
-	struct user *user = &users[next];
 	bool asked = false;
 
 	for (unsigned k = 0; k < TABLE_USERS; ++k)
@@ -181,9 +186,16 @@ void table_poll(void)
 		for (unsigned k = 0; k < TABLE_USERS; ++k)
 			if (users[k].mraw.state == MRAW_ASKED)
 				mraw_begin(&users[k].mraw);
-	next = (next + 1) % TABLE_USERS;
-	if (user->pcb && !serve(user))
-		leave(user);
+	for (unsigned k = 0; k < TABLE_USERS; ++k) {
+		struct user *user = &users[next];
+
+		next = (next + 1) % TABLE_USERS;
+		if (wanting(user)) {
+			if (!serve(user))
+				leave(user);
+			return;
+		}
+	}
 }
 
 int table_begin(void)
