@@ -5,7 +5,6 @@
 #include "frames.h"
 #include "hw.h"
 #include "ip.h"
-#include "watchdog.h"
 #include "words.h"
 
 #define LEADER_BYTES 44
@@ -14,9 +13,8 @@
 #define NUMBER_AT (ETH_HEADER + IP_HEADER + UDP_HEADER + 5)
 #define NUMBER_BYTES 3
 #define RANGES 8		/* that may wait to be sent again, a power of two */
-#define HALT_CLOCKS (10 * CLOCK_HZ)
 
-enum { IDLE, WAITING, SENDING };
+enum { IDLE, WAITING, SENDING, ENDING };
 
 struct range {
 	uint32_t block, first, last;
@@ -26,6 +24,7 @@ uint32_t stream_frames, stream_resends;
 static struct receiver to;
 static int state = IDLE;
 static bool single, sent_one;
+static bool wanted;		/* a stream begins when the last one has ended */
 static enum frame_reader reader;	/* that holds the frame sent last */
 static uint32_t block;		/* number of the picture sent last, 1..65535 */
 static uint32_t blocks;		/* pictures of this stream that can be sent again, at most 2 */
@@ -45,12 +44,8 @@ bool stream_ended(void)
 	return single && sent_one;
 }
 
-void stream_start(const struct receiver *target, bool one)
+static void begin(void)
 {
-	stream_stop();
-	to = *target;
-	single = one;
-	sent_one = false;
 	block = 0;
 	blocks = 0;
 	/* Pictures that were ready before somebody wanted them are not sent. */
@@ -60,39 +55,44 @@ void stream_start(const struct receiver *target, bool one)
 	state = WAITING;
 }
 
-/* The packetiser stands still, and the frames are given back. */
+/* No more packets of the frame. Those that are sent again may take seconds on a slow line, for which
+ * nothing else waits: stream_poll sees the end. */
 static void halt(void)
 {
-	uint32_t from = now32();
-
 	reg_write(LINK_CONTROL, LINK_CONTROL_ABORT);
-	/* At 10 Mbit/s a range that is sent again may take seconds, more than the watchdog allows. */
-	while (reg_read(LINK_STATUS) & (LINK_STATUS_BUSY | LINK_STATUS_RESENDING))
-		if (now32() - from < HALT_CLOCKS)
-			watchdog_feed();
-	frame_release(FRAMES_STREAM0);
-	frame_release(FRAMES_STREAM1);
+	ranges_out = ranges_in;
+	state = ENDING;
 }
 
 void stream_begin(void)
 {
 	/* Before a watchdog's reset of the processor alone there may have been a stream. */
-	halt();
 	frame_release(FRAMES_MRAW);
+	halt();
+}
+
+void stream_start(const struct receiver *target, bool one)
+{
+	stream_stop();
+	to = *target;
+	single = one;
+	sent_one = false;
+	wanted = state == ENDING;
+	if (!wanted)
+		begin();
 }
 
 void stream_stop(void)
 {
-	if (state == IDLE)
-		return;
-	halt();
-	ranges_out = ranges_in;
-	state = IDLE;
+	wanted = false;
+	if (state == WAITING || state == SENDING)
+		halt();
 }
 
 void stream_resend(uint32_t of, uint32_t first, uint32_t last)
 {
-	if (state == IDLE || last < first || ranges_in - ranges_out >= RANGES)
+	if ((state != WAITING && state != SENDING) || last < first ||
+	    ranges_in - ranges_out >= RANGES)
 		return;
 	ranges[ranges_in++ % RANGES] = (struct range){of, first, last};
 }
@@ -199,6 +199,17 @@ void stream_poll(void)
 	if (state == IDLE)
 		return;
 	status = reg_read(LINK_STATUS);
+	if (state == ENDING) {
+		if (status & (LINK_STATUS_BUSY | LINK_STATUS_RESENDING))
+			return;
+		frame_release(FRAMES_STREAM0);
+		frame_release(FRAMES_STREAM1);
+		state = IDLE;
+		if (wanted)
+			begin();
+		wanted = false;
+		return;
+	}
 	if (state == SENDING && !(status & LINK_STATUS_BUSY)) {
 		++stream_frames;
 		sent_one = true;

@@ -53,7 +53,9 @@ uint32_t reg_read(uint32_t address)
 	case NCDC_READER0: case NCDC_READER0 + 4:
 	case NCDC_READER0 + 8:
 		return (random32() % 256 ? NCDC_READER0_HELD : 0) | (random32() % 4) << NCDC_READER0_BUFFER_SHIFT;
-	case LINK_STATUS: return random32() & LINK_STATUS_DONE;
+	case LINK_STATUS:
+		return random32() & (random32() % 4 ? LINK_STATUS_DONE : LINK_STATUS_DONE |
+				     LINK_STATUS_BUSY | LINK_STATUS_RESENDING);
 	case CSR_ETHMAC_SRAM_WRITER_EV_PENDING: return pending;
 	case CSR_ETHMAC_SRAM_WRITER_LENGTH: return length;
 	case CSR_ETHMAC_SRAM_WRITER_SLOT: return 0;
