@@ -27,6 +27,7 @@ struct user {
 
 uint32_t table_commands;
 static struct user users[TABLE_USERS];
+static unsigned connected;	/* of them */
 
 static void leave(struct user *user)
 {
@@ -34,6 +35,7 @@ static void leave(struct user *user)
 
 	mraw_forget(&user->mraw);
 	user->pcb = 0;
+	--connected;
 	tcp_arg(pcb, 0);
 	tcp_recv(pcb, 0);
 	tcp_err(pcb, 0);
@@ -119,6 +121,7 @@ static void failed(void *argument, err_t error)
 	(void)error;
 	mraw_forget(&user->mraw);
 	user->pcb = 0;
+	--connected;
 }
 
 static err_t accepted(void *argument, struct tcp_pcb *pcb, err_t error)
@@ -129,6 +132,7 @@ static err_t accepted(void *argument, struct tcp_pcb *pcb, err_t error)
 	for (unsigned k = 0; k < TABLE_USERS; ++k)
 		if (!users[k].pcb) {
 			users[k] = (struct user){.pcb = pcb};
+			++connected;
 			tcp_arg(pcb, &users[k]);
 			tcp_recv(pcb, received);
 			tcp_err(pcb, failed);
@@ -178,6 +182,9 @@ void table_poll(void)
 	static unsigned next;
 	bool asked = false;
 
+	/* A GVCP command waits for the loop: no time for users who are not there. */
+	if (!connected)
+		return;
 	for (unsigned k = 0; k < TABLE_USERS; ++k)
 		asked |= users[k].mraw.state == MRAW_ASKED;
 	/* Who asks while a frame is sent waits until it is, and all who have waited begin together:
