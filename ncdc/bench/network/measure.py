@@ -44,6 +44,8 @@ class _Bench:
         # Frames until a change is seen: those of a small size wait in the client by the dozen.
         small = model.descriptor.geometry.corrected[0] < _SMALL
         self.until_changed = 16 if small else 4
+        # A lens is some hundred registers, each a command that the client waits for: more frames.
+        self.until_lens = 16 if small else 12
         self.beside_commands = 12 if small else 6
 
     def _row(self, what, peer, **figures):
@@ -198,6 +200,6 @@ def _changes(bench, run, step, goldens, other):
     other.save(path)
     raw = bench.model.raw_at(bench.exposures[-1])
     after = correct(other, raw).picture
-    task = bench.pictures("aravis", bench.until_changed, [("lens", str(path))])
+    task = bench.pictures("aravis", bench.until_lens, [("lens", str(path))])
     yield bench.picture_row("lens changed", run, task, bench.ask(run, task),
                             [goldens[-1], after])
