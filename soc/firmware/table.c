@@ -27,15 +27,20 @@ struct user {
 
 uint32_t table_commands;
 static struct user users[TABLE_USERS];
-static unsigned connected;	/* of them */
+static unsigned connected;	/* places that are taken */
+
+static void vacate(struct user *user)
+{
+	mraw_forget(&user->mraw);
+	user->pcb = 0;
+	--connected;
+}
 
 static void leave(struct user *user)
 {
 	struct tcp_pcb *pcb = user->pcb;
 
-	mraw_forget(&user->mraw);
-	user->pcb = 0;
-	--connected;
+	vacate(user);
 	tcp_arg(pcb, 0);
 	tcp_recv(pcb, 0);
 	tcp_err(pcb, 0);
@@ -116,12 +121,8 @@ static err_t received(void *argument, struct tcp_pcb *pcb, struct pbuf *chain, e
 
 static void failed(void *argument, err_t error)
 {
-	struct user *user = argument;
-
 	(void)error;
-	mraw_forget(&user->mraw);
-	user->pcb = 0;
-	--connected;
+	vacate(argument);
 }
 
 static err_t accepted(void *argument, struct tcp_pcb *pcb, err_t error)

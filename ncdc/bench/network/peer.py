@@ -19,13 +19,15 @@ __all__ = ["main"]
 
 _PATIENCE_S = 300
 _WIDTH_WORD = 0xF001
+# Frames after a change: twelve may wait in Aravis' client, some are under way, one is to show it.
+_AFTER_CHANGE = 16
 
 
 def main(task):
     """The report on a ``task``: a dict with
 
     - do: "gvcp" or "table", to ask ``count`` times at ``address``; or "pictures": with
-    - url: of the device; folder: for pictures; frames: after each change;
+    - url: of the device; folder: for pictures; frames: before the changes;
     - changes: (feature, value), or ("lens", file of a descriptor).
     """
     if task["do"] == "pictures":
@@ -74,7 +76,7 @@ def _pictures(task):
                 device.load_lens(Descriptor.load(value))
             else:
                 device.set(name, value)
-            take(task["frames"])
+            take(_AFTER_CHANGE)
         counted = stream.statistics
     return {"frames": frames, "resent": counted.resent, "lost": counted.lost}
 
