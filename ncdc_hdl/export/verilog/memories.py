@@ -1,5 +1,7 @@
 """Memories of a netlist: what they hold after configuration, and their ports."""
 
+from itertools import chain, count
+
 from ncdc_hdl.export.verilog.expressions import constant
 from ncdc_hdl.export.verilog.rtlil import bits_of, part_of, width_of
 
@@ -17,8 +19,7 @@ def memory_lines(module, write):
         If a port is of a kind that Amaranth does not make.
     """
     taken = {*module.wires, *module.memories, *(cell.name for cell in module.cells)}
-    i = next(name for name in ("i", "k", *(f"i{n}" for n in range(1, 1 << 16)))
-             if name not in taken)
+    i = next(name for name in chain("ik", (f"i{n}" for n in count(1))) if name not in taken)
     lines = [line for name, memory in module.memories.items()
              for line in _initial(name, memory, i)]
     if lines:
