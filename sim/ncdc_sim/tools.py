@@ -79,6 +79,8 @@ def environment():
     env["MAKEFLAGS"] = "CFG_CXXFLAGS_PCH_I=-include"
     if shutil.which("ccache"):
         env["OBJCACHE"] = "ccache"
+        # What a source includes is told by the compiler; else it is preprocessed twice.
+        env["CCACHE_DEPEND"] = "1"
     return env
 
 
