@@ -94,7 +94,7 @@ def test_calibrate_from_this_picture(qtbot, dots, tmp_path):
     raw, camera = dots
     size = raw.shape[1], raw.shape[0]
     rough = barrel_descriptor(size, size, hidden_neurons=3, bayer=BAYER, fill=(1, 2, 3))
-    with announced(descriptors=[rough], image=raw, fps=10.0) as [one]:
+    with announced(descriptors=[rough], image=raw, fps=2.0) as [one]:
         with open_device(url_of(one, "tcp")) as other:
             other.set("ReverseX", True)         # the lens is that of the frame as it is
             with tab_on(qtbot, url_of(one, "gige")) as tab:

@@ -124,7 +124,8 @@ def charuco(columns=7, rows=5, family="DICT_5X5_100", marker=0.7, step=60):
 
 
 @pytest.mark.parametrize("columns,rows,family,marker", [
-    (7, 5, "DICT_5X5_100", 0.7), (8, 6, "DICT_4X4_50", 0.8), (5, 7, "DICT_6X6_250", 0.6)])
+    (7, 5, "DICT_5X5_100", 0.7), *(pytest.param(*case, marks=regress) for case in (
+        (8, 6, "DICT_4X4_50", 0.8), (5, 7, "DICT_6X6_250", 0.6)))])
 def test_charuco_boards(columns, rows, family, marker):
     picture = charuco(columns, rows, family, marker)
     assert find_any_charuco(picture) == (columns, rows)

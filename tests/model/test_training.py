@@ -63,8 +63,9 @@ def test_more_neurons_fit_an_analytic_lens_better():
 
 
 @pytest.mark.parametrize("name,neurons,goal", [
-    ("PC105", 4, .155), ("PC105", 5, .041), ("PC105", 6, .016),
-    ("PC120", 4, .047), ("PC120", 5, .0050), ("PC120", 6, .0014)])
+    ("PC105", 5, .041), ("PC120", 5, .0050), *(
+        pytest.param(*case, marks=pytest.mark.regress) for case in (
+            ("PC105", 4, .155), ("PC105", 6, .016), ("PC120", 4, .047), ("PC120", 6, .0014)))])
 def test_goal_on_the_papers_lens_class(name, neurons, goal):
     dots, dense = reference_lens(name)
     network, _ = train_levenberg(dots, neurons, starts=48, rounds=2)

@@ -121,6 +121,7 @@ def test_network_trained_on_dots_finds_nearly_the_true_region():
     assert (mask != truth).mean() < .004
 
 
+@pytest.mark.regress
 def test_extrapolation_of_a_real_lens_network_is_cut_off():
     dots, _ = reference_lens("120kb")
     geometry = dots.geometry

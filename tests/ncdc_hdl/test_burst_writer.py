@@ -190,7 +190,8 @@ def test_a_word_per_clock(form):
 
 @pytest.mark.parametrize("strip,lanes,data_width", [(0, 1, 32), (32, 1, 64), (32, 2, 128),
                                                     (0, 4, 32)])
-@pytest.mark.parametrize("upto", [4, 8, 36, 100])
+@pytest.mark.parametrize("upto", [
+    4, 100, *(pytest.param(upto, marks=pytest.mark.regress) for upto in (8, 36))])
 def test_a_frame_that_ends_early(strip, lanes, data_width, upto):
     """The last pixel may come anywhere; the next frame is whole. In each format."""
     rng, size, done = np.random.default_rng(upto), (44, 6), []
@@ -253,7 +254,8 @@ def test_nothing_is_left_of_a_frame_begun_before(before, form, data_width, lanes
     np.testing.assert_array_equal(content, expected)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [
+    0, *(pytest.param(seed, marks=pytest.mark.regress) for seed in (1, 2, 3))])
 @pytest.mark.parametrize("data_width,strip,form", [(32, 0, BGRX8), (64, 32, BGR8),
                                                    (128, 32, BGRX8), (32, 32, MONO8)])
 def test_reset_completes_the_burst(data_width, strip, form, seed):

@@ -47,7 +47,8 @@ def parts(x0, y0, blank, lanes, needs, size, word):
 
 @pytest.mark.parametrize("needs,lanes", [(FAST, 2), (FAST, 4), (GRADIENT, 1), (GRADIENT, 2),
                                          (GRADIENT, 4)])
-@pytest.mark.parametrize("gap,stall", [(0, 0), (.3, .5)])
+@pytest.mark.parametrize("gap,stall", [
+    (.3, .5), pytest.param(0, 0, marks=pytest.mark.regress)])
 def test_groups_become_boxes(needs, lanes, gap, stall):
     rng, count, size = np.random.default_rng(lanes), 400, 61
     word = 16 if (needs, lanes) == (GRADIENT, 4) else 8

@@ -143,8 +143,10 @@ def test_an_abort_blanks_what_would_wait(lanes):
             assert result["blank"] == (pixel["blank"] or not there)
 
 
-@pytest.mark.parametrize("lanes", [1, 2])
-@pytest.mark.parametrize("needs", [FAST, GRADIENT], ids=lambda each: each.name)
+@pytest.mark.parametrize("needs,lanes", [
+    (GRADIENT, 1), *(pytest.param(*case, marks=pytest.mark.regress) for case in (
+        (GRADIENT, 2), (FAST, 1), (FAST, 2)))],
+    ids=lambda each: getattr(each, "name", each))
 def test_no_group_passes_before_its_rows_are_there(lanes, needs, tmp_path):
     """Proved for all time, all requests and all ways that the counter may go."""
     assert sby.run(Rows(lanes, needs=needs), tmp_path, mode="prove", depth=3) == (sby.PASS, set())

@@ -192,7 +192,7 @@ def test_reset_at_any_moment(fetcher, data_width, hidden, seed):
 
 
 @pytest.mark.parametrize("lanes,data_width,output,hidden,share,strip,memory", [
-    (2, 128, "stream", "multiply", 1, 0, "ddr3"),
+    pytest.param(2, 128, "stream", "multiply", 1, 0, "ddr3", marks=pytest.mark.regress),
     pytest.param(2, 64, "memory", "multiply", 1, 32, "hostile", marks=pytest.mark.regress),
     pytest.param(2, 32, "memory", "raster", 2, 0, "sdram", marks=pytest.mark.regress),
     pytest.param(4, 128, "memory", "raster", 1, 64, "hostile", marks=pytest.mark.regress),

@@ -90,7 +90,7 @@ def test_a_committed_word_refuses_writes(r):
 
 
 @pytest.mark.parametrize("share,seed", [
-    (2, 1), (3, 2), *(pytest.param(2, seed, marks=pytest.mark.regress) for seed in (3, 4))])
+    (3, 2), *(pytest.param(2, seed, marks=pytest.mark.regress) for seed in (1, 3, 4))])
 def test_random_host_against_the_contract(share, seed):
     """What a frame sees is constant while it runs and a whole set as it was when committed, word by
     word in every clock; the host's set is what it wrote, whatever is copied meanwhile."""
@@ -124,7 +124,7 @@ def test_random_host_against_the_contract(share, seed):
 
 
 @pytest.mark.parametrize("moment", [1, 2, 5, 30, 31, 32, 33, 34, 40])
-@pytest.mark.parametrize("clocks", [1, 7])
+@pytest.mark.parametrize("clocks", [1, pytest.param(7, marks=pytest.mark.regress)])
 def test_a_reset_in_the_middle_of_a_copy(moment, clocks):
     """Every word is then that of configuration: the host's, the frames', and after a commit too."""
     dut = Dut(2)

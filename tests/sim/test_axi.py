@@ -136,7 +136,8 @@ def test_a_planted_error_is_found(error, rule, monkeypatch):
                             simulator="icarus", memory="hostile", more=("+axi_answer=60",))
 
 
-@pytest.mark.parametrize("port", ["write", pytest.param("read", marks=regress)])
+@regress
+@pytest.mark.parametrize("port", ["write", "read"])
 def test_an_error_of_the_memory_is_told(port):
     """FAULT.MEMORY, with the answer that is the fifth; 0 without one."""
     corrector, verilog = built("memory")

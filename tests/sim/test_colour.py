@@ -56,8 +56,8 @@ def test_verilog_equals_golden(settings, memory, options):
     assert (result.picture != plain.picture).mean() > .5
 
 
-@pytest.mark.parametrize("interpolation,fetcher", [
-    pytest.param(GRADIENT, "cache", marks=regress), (FAST, "multiport")])
+@regress
+@pytest.mark.parametrize("interpolation,fetcher", [(GRADIENT, "cache"), (FAST, "multiport")])
 def test_without_a_host_the_picture_is_as_without_colour(interpolation, fetcher):
     """At reset values; and each pixel comes later by the part's latency, no more."""
     d = camera(interpolation=interpolation)
@@ -70,6 +70,7 @@ def test_without_a_host_the_picture_is_as_without_colour(interpolation, fetcher)
     assert with_colour.counters["CLOCKS"] - plain.counters["CLOCKS"] == later[1] - later[0] > 0
 
 
+@regress
 def test_a_grey_sensor_has_equal_sums():
     d = camera("MONO")
     hardware = Hardware(colour=True)
@@ -82,7 +83,8 @@ def test_a_grey_sensor_has_equal_sums():
 
 @pytest.mark.parametrize("right,wrong,pixels,sums", [
     ("gain_p1_1[7]", "gain_p1_1[6]", True, False),                      # rounds elsewhere
-    ("issue & ~i__payload_blank;", "issue;", False, True)])             # blank pixels count
+    pytest.param("issue & ~i__payload_blank;", "issue;", False, True,   # blank pixels count
+                 marks=regress)])
 def test_a_planted_error_is_found(right, wrong, pixels, sums):
     d, hardware = camera(), Hardware(colour=True)
     verilog = corrector_verilog(d, hardware)

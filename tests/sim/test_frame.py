@@ -77,7 +77,8 @@ def test_seed_changes_the_timing():
     assert clocks[0] != clocks[1]
 
 
-@pytest.mark.parametrize("simulator", SIMULATORS)
+@pytest.mark.parametrize("simulator", [
+    "icarus", pytest.param("verilator", marks=pytest.mark.regress)])
 @pytest.mark.parametrize("fault,stream,message", [
     (1, False, "AVALON-ERROR write held"), (2, False, "FAILED clock-limit 4000 clocks"),
     (3, False, "AVALON-ERROR read0 aligned"), (4, True, "AVALON-ERROR stream held")])

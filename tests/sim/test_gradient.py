@@ -37,6 +37,7 @@ def test_a_frame_is_that_of_the_golden_model():
     check(camera(), Hardware(output="stream"), simulator="icarus")
 
 
+@pytest.mark.regress
 def test_hardware_made_for_colours_corrects_a_grey_frame():
     hardware = Hardware(output="stream")
     grey = camera(bayer="MONO")

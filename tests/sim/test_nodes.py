@@ -30,10 +30,10 @@ def noise(d, seed=1):
 
 
 @pytest.mark.parametrize("simulator,memory,nodes,hardware", [
-    ("verilator", "hostile", 8, Hardware(strip=32)),
     ("verilator", "hostile", 8, Hardware(data_width=64, strip=64, lanes=2, share=3)),
-    ("icarus", "sdram", 16, Hardware(output="stream", multiplier_bits=18)),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
+        ("verilator", "hostile", 8, Hardware(strip=32)),
+        ("icarus", "sdram", 16, Hardware(output="stream", multiplier_bits=18)),
         ("verilator", "ddr3", 16, Hardware(data_width=64, output="stream", lanes=4)),
         ("verilator", "sdram", 16, Hardware(fetcher="multiport", share=2)),
         ("icarus", "ddr3", 8, Hardware(data_width=128, lanes=4))))])
@@ -46,6 +46,7 @@ def test_verilog_equals_golden(simulator, memory, nodes, hardware):
     assert result.blank.any() and not result.blank.all()
 
 
+@pytest.mark.regress
 def test_verilog_with_a_skip_path():
     plain = at_nodes(16)
     network = replace(plain.network, skip_weights=np.array([[3.25, -4.5], [1.0625, -7.75]]))

@@ -118,8 +118,9 @@ def test_the_latency_is_that_of_the_network(variant, neurons, choices):
 
 
 @pytest.mark.parametrize("nodes,neurons,choices", [
-    (16, 12, {}), (8, 4, {"lanes": 2}),
+    (16, 12, {}),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
+        (8, 4, {"lanes": 2}),
         (16, 8, {"lanes": 4}), (32, 5, {"share": 5}), (8, 6, {"output": "memory"})))],
     ids=["one unit", "two pixels", "four", "far", "memory"])
 def test_the_latency_is_that_of_the_network_at_nodes(nodes, neurons, choices):

@@ -50,7 +50,7 @@ def test_mirrored():
 
 SMALL = {"width": 36, "height": 20, "left": 100, "top": 60, "exposure_us": 200}
 EVERY = [(sensor.name, pattern) for sensor in SENSORS for pattern in sensor.test_patterns]
-CHEAP = [("mt9p031", "ColorField"), ("ov5640", "ColorBar")]
+CHEAP = [("mt9p031", "ColorField")]
 
 
 @pytest.mark.parametrize("name,pattern", [
@@ -61,17 +61,17 @@ def test_patterns(name, pattern):
     run_sensor(name, "verilator", SMALL | {"test_pattern": pattern, "mirror_rows": True}, light)
 
 
-@pytest.mark.parametrize("kind", ["glitch", "clock_stop", *(
+@pytest.mark.parametrize("kind", ["glitch", *(
     pytest.param(kind, marks=pytest.mark.regress) for kind in (
-        "short_line", "long_line", "cut_frame"))])
+        "clock_stop", "short_line", "long_line", "cut_frame"))])
 def test_a_fault_is_in_its_row_and_the_next_frame_is_right(kind):
     light = random_light((3, 20, 36), 2, 100, 60)
     run_sensor("mt9p031", "verilator", SMALL, light, count=3, fault=Fault(kind, 1, 6, clocks=3000))
 
 
 @pytest.mark.parametrize("name,fault", [
-    ("mt9p031", "nack"), ("mt9p031", "stuck_sda"), ("ov5640", ""),
-    pytest.param("mt9d111", "", marks=pytest.mark.regress)])
+    ("mt9p031", "nack"), *(pytest.param(*case, marks=pytest.mark.regress) for case in (
+        ("mt9p031", "stuck_sda"), ("ov5640", ""), ("mt9d111", "")))])
 def test_our_controller_sets_it_up(name, fault):
     # The chip id takes two STARTs a register.
     plusargs = Fault(fault, start=2).plusargs() if fault else []
