@@ -1,26 +1,25 @@
 """A board's own memory and its gigabit line: how many pictures a second go through both."""
 
-from dataclasses import replace
-
 from ncdc.bench.throughput.lenses import Lens, trained
+from ncdc.cli.hardware import planned
 from ncdc_boards.camera_board.design import hardware_for
 from ncdc_model.errors import InputError
+from ncdc_model.fetch.plan import Fixed
 from ncdc_model.interpolation import DEFAULT
-from ncdc_sim.board.network import CORE_HZ, NetworkModel
+from ncdc_sim.board.network import CORE_MHZ, NetworkModel
 from ncdc_sim.board.rates import SETTLE, corrected_rates, replayed_rates
 
-__all__ = ["FULL", "board_rows", "shortfalls"]
+__all__ = ["CORE_MHZ", "FULL", "board_rows", "shortfalls"]
 
 FULL = (1280, 1024)
 _GOALS = {"corrected": 28, "raw, from memory": 90}      # frames per second of that size
 _VIEW = 105             # degrees of the lens
-_STRIP = 256            # columns
 _SENSOR_FPS = 30        # of that size; smaller pictures come as often as the exposure allows
 _FRAMES = 5             # of which time is taken
 _MTU = 1500
 
 
-def board_rows(board, size, step, screen=False):
+def board_rows(board, size, step, core_mhz=CORE_MHZ, screen=False):
     """Rows for pictures of that size, (width, height), on a board with Ethernet at RGMII.
 
     Parameters
@@ -29,6 +28,8 @@ def board_rows(board, size, step, screen=False):
     size : (int, int)
     step : callable
         ``step(text)`` is told what is measured.
+    core_mhz : number
+        Clock of the board's core and its SDRAM.
     screen : bool
         Whether to let a screen show the pictures in one more run.
 
@@ -53,8 +54,9 @@ def board_rows(board, size, step, screen=False):
     step("a lens")
     lens = trained(Lens(_VIEW, size, interpolation=DEFAULT.name))
     step("compiling")
-    model = NetworkModel(board, lens, _SENSOR_FPS if size == FULL else 0,
-                         hardware=replace(hardware_for(board), strip=_STRIP))
+    hardware, _ = planned(hardware_for(board), Fixed(None, None, None), lens)
+    model = NetworkModel(board, lens, _SENSOR_FPS if size == FULL else 0, hardware=hardware,
+                         core_mhz=core_mhz)
     sensor = model.setup.timing.frames_per_second
     step("corrected pictures")
     rows = [_row(model, "corrected", corrected_rates(model, SETTLE + _FRAMES), sensor)]
@@ -77,11 +79,11 @@ def _refresh(design):
 
 def _row(model, what, rates, sensor=None):
     """A row on what a run has shown; ``sensor``: its frames per second, None if it is off."""
-    geometry, steady = model.descriptor.geometry, rates.steady
-    width, height = geometry.corrected
+    steady, design = rates.steady, model.design
+    width, height = model.descriptor.geometry.corrected
     return {
         "what": what, "peer": "golden model", "mtu": _MTU, "width": width, "height": height,
-        "link": f"RGMII, 1000 Mbit/s, {model.design.board.name} at {CORE_HZ / 1e6:g} MHz",
+        "link": f"RGMII, 1000 Mbit/s, {design.board.name} at {design.core_hz / 1e6:g} MHz",
         "format": rates.format, "frames": steady.frames,
         "pixels_different": steady.pixels_different,
         "megabytes_per_second": round(steady.megabytes_per_second, 2),

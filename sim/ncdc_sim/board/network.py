@@ -26,9 +26,10 @@ from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
 
-__all__ = ["CORE_HZ", "HEADERS", "LINE_HZ", "NetworkModel", "NetworkRun"]
+__all__ = ["CORE_MHZ", "HEADERS", "LINE_HZ", "NetworkModel", "NetworkRun"]
 
-CORE_HZ, LINE_HZ = 100_000_000, 125_000_000
+CORE_MHZ = 100                          # of the core and its SDRAM, if nothing else is asked for
+LINE_HZ = 125_000_000
 HEADERS = LINK_BASE + TEMPLATES         # word address of the packetiser's headers
 _SENSOR = "mt9p031"
 _PIXEL_CLOCK_HZ = 80_000_000            # of the sensor; its PLL makes it of the boards' 25 MHz
@@ -51,6 +52,8 @@ class NetworkModel:
         Of the sensor.
     hardware : Hardware, optional
         That of :func:`hardware_for` if absent.
+    core_mhz : number
+        Clock of the core and its SDRAM.
     frames : int
         Different ones that the sensor sees, of noise, in turn.
     optimise : str, optional
@@ -67,8 +70,8 @@ class NetworkModel:
         Word address of each register, by name.
     """
 
-    def __init__(self, board, descriptor, frames_per_second=0.0, *, hardware=None, frames=4,
-                 optimise=None):
+    def __init__(self, board, descriptor, frames_per_second=0.0, *, hardware=None,
+                 core_mhz=CORE_MHZ, frames=4, optimise=None):
         geometry = descriptor.geometry
         sensor = sensor_for(_SENSOR, geometry, pixel_clock_hz=_PIXEL_CLOCK_HZ,
                             exposure_us=_EXPOSURE_US, frames_per_second=frames_per_second)
@@ -76,7 +79,7 @@ class NetworkModel:
         self.descriptor = descriptor
         self.design = design_of(
             board, [("lens", descriptor)], sensor, _slow(geometry.corrected),
-            hardware=hardware or hardware_for(board), core_mhz=CORE_HZ / 1e6, processor=True,
+            hardware=hardware or hardware_for(board), core_mhz=core_mhz, processor=True,
             power_up_us=20, waits=False)
         width, height = geometry.distorted
         sent = (frames, self.setup.timing.height, self.setup.timing.width)
@@ -89,7 +92,7 @@ class NetworkModel:
 
     def _build(self, optimise):
         chip = self.design.board.chip
-        parameters = chip_parameters(chip, CORE_HZ)
+        parameters = chip_parameters(chip, self.design.core_hz)
         defines = {"NCDC_SENSOR": f'"{_SENSOR}"', "NCDC_DQ": chip.data_bits,
                    "NCDC_MASKS": chip.data_bits // 8,
                    "NCDC_CHIP": ", ".join(f".{name}({value})" for name, value
@@ -144,7 +147,7 @@ class NetworkRun:
         folder, model = Path(self._folder.name), self.model
         (folder / "sensor.bin").write_bytes(model.light.data())
         settings = {
-            "clk_period": 10**12 // CORE_HZ, "line_period": 10**12 // LINE_HZ,
+            "clk_period": 10**12 // model.design.core_hz, "line_period": 10**12 // LINE_HZ,
             "extclk_period": 10**12 // _PIXEL_CLOCK_HZ,
             "pixel_period": round(1e6 / model.design.clocks.pixel_mhz) if self._screen else 0,
             "pace": _PACE, "poll": _POLL, "patience": _PATIENCE}

@@ -30,8 +30,8 @@ class LineFrame:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of GVSP: its number, the line's clock behind its last byte, its bytes; None if
-    packets are missing, come twice or in another order."""
+    """A picture of GVSP: its number, the line's clock behind its last byte that came, its bytes;
+    None if packets are missing, come twice or in another order."""
     block: int
     end: int
     data: bytes | None
@@ -58,21 +58,22 @@ def line_frames(record):
 
 
 def pictures_of(frames):
-    """List of :class:`Picture` of frames that are all a GVSP stream's; one that is not over is left
-    out."""
-    pictures, parts, block, sound = [], [], None, True
+    """List of :class:`Picture` of frames that are all a GVSP stream's, those that are not whole
+    being dropped, as a receiver does."""
+    parts = {}              # (format, packet number) and the frame, by the picture's number
     for frame in frames:
-        _, number, word = _PART.unpack_from(frame.data, _HEADERS)
-        kind, packet = word >> 24, word & 0xFFFFFF
-        if kind == gvsp.LEADER:
-            parts, block, sound = [], number, packet == 0
-            continue
-        sound = sound and frame.whole and number == block and packet == len(parts) + 1
-        if kind == gvsp.PAYLOAD:
-            parts.append(_payload(frame.data))
-        else:
-            pictures.append(Picture(number, frame.end, b"".join(parts) if sound else None))
-            sound = False           # up to the next leader
+        if frame.whole:
+            _, block, word = _PART.unpack_from(frame.data, _HEADERS)
+            parts.setdefault(block, []).append(((word >> 24, word & 0xFFFFFF), frame))
+    pictures = []
+    for block, received in parts.items():
+        last = len(received) - 1
+        complete = [(gvsp.LEADER, 0), *((gvsp.PAYLOAD, k) for k in range(1, last)),
+                    (gvsp.TRAILER, last)]
+        data = None
+        if [key for key, _ in received] == complete:
+            data = b"".join(_payload(frame.data) for _, frame in received[1:-1])
+        pictures.append(Picture(block, received[-1][1].end, data))
     return pictures
 
 

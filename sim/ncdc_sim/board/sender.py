@@ -7,7 +7,7 @@ from ncdc_model.interface.link_headers import Endpoint, gvsp_headers
 from ncdc_model.interface.link_map import CONTROL_SEND, STATUS_BUSY, STATUS_DONE, TEMPLATE_WORDS
 from ncdc_model.interface.pixel_formats import format_of_name, raw_format
 from ncdc_model.interface.system_map import EVENTS
-from ncdc_sim.board.network import CORE_HZ, HEADERS
+from ncdc_sim.board.network import HEADERS
 from ncdc_sim.tools import SimulationError
 
 __all__ = ["Claimed", "PictureSender", "Sent"]
@@ -95,7 +95,7 @@ class PictureSender:
         form = format_of_name(format_name)
         size = geometry.corrected if format_name == "BGR8" else geometry.distorted
         headers = gvsp_headers(_DEVICE, _CLIENT, (form, *size), self._block,
-                               frame.clock * 10**9 // CORE_HZ, self.payload)
+                               frame.clock * 10**9 // run.model.design.core_hz, self.payload)
         for name, value in (
                 ("LINK_PAYLOAD", headers.payload_bytes), ("LINK_PACKETS", headers.packets),
                 ("LINK_LAST", headers.last_bytes), ("LINK_FIRST_NUMBER", headers.first),
