@@ -34,7 +34,7 @@ HEADERS = LINK_BASE + TEMPLATES         # word address of the packetiser's heade
 _SENSOR = "mt9p031"
 _PIXEL_CLOCK_HZ = 80_000_000            # of the sensor; its PLL makes it of the boards' 25 MHz
 _EXPOSURE_US = 1000
-# The firmware's: 4,300 clocks for a picture, of which it makes some 85 accesses; and its loop.
+# The firmware's: 4,300 clocks for a picture, in which it makes some 84 accesses; and its loop.
 _PACE, _POLL = 50, 1000
 _PATIENCE = 20_000_000                  # clocks for which nothing may come
 _END, _WRITE, _READ, _WAIT, _UNTIL, _COUNTS = range(6)
