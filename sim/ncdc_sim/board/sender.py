@@ -16,7 +16,6 @@ _READERS = READER_OF_HOST + 1, READER_OF_HOST + 2       # that claim in turn
 _CLAIM_RAW, _CLAIM_CORRECTED, _HELD, _BUFFER_AT = 1, 2, 0x100, 11
 _DEVICE = Endpoint(b"\x02\x4e\x0a\x4d\x00\x0b", bytes([10, 77, 0, 11]), 49152)
 _CLIENT = Endpoint(b"\x02\x00\x00\x00\x00\x01", bytes([10, 77, 0, 10]), 50001)
-_ALL = 0xFFFFFFFF
 
 
 @dataclass(frozen=True)
