@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from ncdc.bench.network.board import FULL, board_rows, shortfalls
 from ncdc.bench.network.command import failures, table
 from ncdc.bench.network.measure import different
+from ncdc.cli import main
+from ncdc_boards.catalogue import board
 
 _BLACK, _GREY, _WHITE = (np.full((4, 5, 3), value, np.uint8) for value in (0, 128, 255))
 
@@ -41,3 +44,32 @@ def test_failures_are_told(bad, word):
     found = failures([row(**bad)])
     assert len(found) == 1 and word in found[0]
     assert "GVCP" in table([row(**bad)])
+
+
+@pytest.mark.parametrize("what,goal", (("corrected", 28), ("raw, from memory", 90)))
+def test_rates_below_their_goals_are_told(what, goal):
+    good = {"what": what, "width": FULL[0], "height": FULL[1], "frames_per_second": goal,
+            "lost": 0}
+    assert shortfalls([good, good | {"width": 64, "frames_per_second": 1}]) == []
+    found = shortfalls([good | {"frames_per_second": goal - .01}, good | {"lost": 3}])
+    assert len(found) == 2 and f"{goal} are the goal" in found[0] and "3 frames" in found[1]
+
+
+@pytest.mark.parametrize("options,said", (
+    (["--screen"], "--screen is given without --board"),
+    (["--core-mhz", "75"], "--core-mhz is given without --board"),
+    (["--board", "de1-soc"], "de1-soc has no Ethernet chip at RGMII"),
+    (["--board", "faka2"], "faka2 has no Ethernet chip at RGMII"),
+    (["--board", "nobody"], "board is 'nobody'")))
+def test_a_board_without_a_network_is_refused(options, said, capsys):
+    assert main(["bench", "network", *options]) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.regress
+def test_goals_of_the_de2_115():
+    """28 corrected pictures of 1280x1024 a second from the sensor, 90 raw ones from memory."""
+    rows = board_rows(board("de2-115"), FULL, lambda text: None)
+    assert failures(rows) == shortfalls(rows) == []
+    assert [row["pixels_different"] for row in rows] == [0, 0]
+    assert all(row["frames"] >= 4 for row in rows)
