@@ -14,7 +14,7 @@ EXAMPLE = "ncdc bench network --quick --json -"
 _SIZE, _QUICK_SIZE = (640, 480), (64, 48)
 _LIMITS = {"GVCP": 3000, "Table I": 25000}      # clocks per command; twice that while streaming
 _COLUMNS = ("peer", "what", "frames", "pixels_different", "megabytes_per_second", "underruns",
-            "resent", "clocks_per_command", "most_clocks_per_command")
+            "resent", "clocks_per_command", "most_clocks_per_command", "clocks_per_pixel")
 _SIZES = ("part", "target", "alm", "lut", "ff", "dsp", "ram_blocks")
 
 
