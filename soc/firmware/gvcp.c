@@ -20,6 +20,7 @@ enum {
 #define FORCEIP_BYTES 56
 #define HEADERS (ETH_HEADER + IP_HEADER + UDP_HEADER + HEADER)
 #define PENDING_BYTES 4
+#define ANSWER_WORDS ((HEADERS + 4 + MEMORY_MAX + 7) / 4)
 
 uint32_t gvcp_commands;
 
@@ -40,7 +41,7 @@ static struct command waiting;
 static struct udp_path waiting_peer;
 static bool waits;
 static uint8_t waiting_data[4 + MEMORY_MAX];
-static uint32_t answers[2][(HEADERS + 4 + MEMORY_MAX + 7) / 4];
+static uint32_t one_answer[ANSWER_WORDS], other_answer[ANSWER_WORDS];
 
 static uint8_t *to(const struct command *command)
 {
@@ -248,7 +249,7 @@ bool gvcp_frame(const uint8_t *frame, uint32_t length)
 	} else if (same(&command)) {
 		put_off(&waiting);		/* the client has lost patience, or our word */
 	} else {
-		command.answer = answers[waits && waiting.answer == answers[0]];
+		command.answer = waits && waiting.answer == one_answer ? other_answer : one_answer;
 		status = carry_out(&command);
 		if (status == UNFINISHED)
 			keep(&command);
