@@ -1,12 +1,15 @@
 #include "gvcp.h"
 
+#include <string.h>
+
 #include "gvcp_control.h"
 #include "hw.h"
+#include "net.h"
 #include "stream.h"
 
 enum {
-	DISCOVERY = 0x02, PACKETRESEND = 0x40, READREG = 0x80, WRITEREG = 0x82, READMEM = 0x84,
-	WRITEMEM = 0x86
+	DISCOVERY = 0x02, FORCEIP = 0x04, PACKETRESEND = 0x40, READREG = 0x80, WRITEREG = 0x82,
+	READMEM = 0x84, WRITEMEM = 0x86, PENDING = 0x88
 };
 
 #define KEY 0x42
@@ -14,134 +17,262 @@ enum {
 #define ANSWER 1			/* flag: the sender wants an acknowledge */
 #define MEMORY_MAX 536
 #define REGISTERS_MAX 135
+#define FORCEIP_BYTES 56
+#define HEADERS (ETH_HEADER + IP_HEADER + UDP_HEADER + HEADER)
+#define PENDING_BYTES 4
+#define ANSWER_WORDS ((HEADERS + 4 + MEMORY_MAX + 7) / 4)
 
 uint32_t gvcp_commands;
 
-static uint32_t answer_words[(ETH_HEADER + IP_HEADER + UDP_HEADER + HEADER + 4 + MEMORY_MAX + 7) / 4];
+/* A command, and how far it has been carried out. */
+struct command {
+	const struct udp_path *peer;
+	const uint8_t *data;
+	uint32_t code, request, length;
+	uint32_t done;			/* bytes of its words that were read or written */
+	uint32_t *answer;		/* the frame, with room for the headers */
+	uint32_t size;			/* bytes of the answer behind its header */
+	bool answered;
+};
+
+/* The command that waits for the sensor's bus, its data, and its answer so far; others that come
+ * meanwhile have the other answer. */
+static struct command waiting;
+static struct udp_path waiting_peer;
+static bool waits;
+static uint8_t waiting_data[4 + MEMORY_MAX];
+static uint32_t one_answer[ANSWER_WORDS], other_answer[ANSWER_WORDS];
+
+static uint8_t *to(const struct command *command)
+{
+	return (uint8_t *)command->answer + HEADERS;
+}
 
 /* Commands: each takes its data, writes those of its answer, and gives a status. */
 
-static uint32_t read_registers(const uint8_t *data, uint32_t length, uint8_t *to, uint32_t *size)
+static uint32_t read_registers(struct command *command)
 {
+	uint32_t length = command->length;
+
 	if (!length || length % 4 || length > 4 * REGISTERS_MAX)
 		return INVALID_HEADER;
-	for (uint32_t k = 0; k < length; k += 4) {
-		uint32_t value = 0, status = gvcp_read_word(get32(data + k), &value);
+	for (; command->done < length; command->done += 4) {
+		uint32_t value = 0, status = gvcp_read_word(get32(command->data + command->done), &value);
 
 		if (status)
 			return status;
-		put32(to + k, value);
+		put32(to(command) + command->done, value);
 	}
-	*size = length;
+	command->size = length;
 	return SUCCESS;
 }
 
-static uint32_t write_registers(const uint8_t *data, uint32_t length, const struct udp_path *peer,
-				uint8_t *to, uint32_t *size)
+static uint32_t write_registers(struct command *command)
 {
+	uint32_t length = command->length;
+
 	if (!length || length % 8 || length > 4 * REGISTERS_MAX)
 		return INVALID_HEADER;
-	for (uint32_t k = 0; k < length; k += 8) {
-		uint32_t status = gvcp_write_word(get32(data + k), get32(data + k + 4), peer);
+	for (; command->done < length; command->done += 8) {
+		const uint8_t *data = command->data + command->done;
+		uint32_t status = gvcp_write_word(get32(data), get32(data + 4), command->peer);
 
 		if (status)
 			return status;
 	}
-	put32(to, length / 8);
-	*size = 4;
+	put32(to(command), length / 8);
+	command->size = 4;
 	return SUCCESS;
 }
 
-static uint32_t read_block(const uint8_t *data, uint32_t length, uint8_t *to, uint32_t *size)
+static uint32_t read_block(struct command *command)
 {
-	uint32_t count, status;
+	uint32_t address, count;
 
-	if (length != 8)
+	if (command->length != 8)
 		return INVALID_HEADER;
-	count = get16(data + 6);
+	address = get32(command->data);
+	count = get16(command->data + 6);
 	if (count < 4 || count > MEMORY_MAX)
 		return INVALID_PARAMETER;
 	if (count % 4)
 		return BAD_ALIGNMENT;
-	put32(to, get32(data));
-	status = gvcp_read_memory(get32(data), count, to + 4);
-	*size = 4 + count;
-	return status;
+	put32(to(command), address);
+	command->size = 4 + count;
+	return gvcp_read_memory(address, count, to(command) + 4, &command->done);
 }
 
-static uint32_t write_block(const uint8_t *data, uint32_t length, const struct udp_path *peer,
-			    uint8_t *to, uint32_t *size)
+static uint32_t write_block(struct command *command)
 {
+	uint32_t length = command->length;
+
 	if (length < 8 || length > 4 + MEMORY_MAX || length % 4)
 		return INVALID_HEADER;
-	for (uint32_t k = 4; k < length; k += 4) {
-		uint32_t status = gvcp_write_word(get32(data) + k - 4, get32(data + k), peer);
+	for (; command->done < length - 4; command->done += 4) {
+		uint32_t status = gvcp_write_word(get32(command->data) + command->done,
+						  get32(command->data + 4 + command->done),
+						  command->peer);
 
 		if (status)
 			return status;
 	}
-	put32(to, length - 4);
-	*size = 4;
+	put32(to(command), length - 4);
+	command->size = 4;
 	return SUCCESS;
 }
 
-static void send_again(const uint8_t *data, uint32_t length, const struct udp_path *peer)
+/* Nobody asks whose MAC address it is not; it is not answered then. */
+static uint32_t force_ip(struct command *command)
 {
+	const uint8_t *data = command->data;
+
+	if (command->length != FORCEIP_BYTES)
+		return INVALID_HEADER;
+	if (memcmp(data + 2, ETH_OWN.bytes, sizeof ETH_OWN.bytes)) {
+		command->answered = false;
+		return SUCCESS;
+	}
+	if (control.controlled)
+		return ACCESS_DENIED;
+	return net_force(get32(data + 20), get32(data + 36), get32(data + 52)) ? SUCCESS
+									       : INVALID_PARAMETER;
+}
+
+static void send_again(const struct command *command)
+{
+	const uint8_t *data = command->data;
+
 	/* A receiver asks from a port of its own, perhaps, but from the controller's machine. */
-	if (length < 12 || !control.controlled || peer->ip != control.controller.ip)
+	if (command->length < 12 || !control.controlled ||
+	    command->peer->ip != control.controller.ip)
 		return;
 	stream_resend(get16(data + 2), get32(data + 4) & 0xffffff, get32(data + 8) & 0xffffff);
 }
 
-static uint32_t carry_out(uint32_t code, const uint8_t *data, uint32_t length,
-			  const struct udp_path *peer, uint8_t *to, uint32_t *size)
+static uint32_t carry_out(struct command *command)
 {
-	switch (code) {
+	switch (command->code) {
 	case DISCOVERY:
-		*size = GVCP_DISCOVERY_BYTES;
-		return gvcp_read_memory(0, GVCP_DISCOVERY_BYTES, to);
-	case READREG: return read_registers(data, length, to, size);
-	case WRITEREG: return write_registers(data, length, peer, to, size);
-	case READMEM: return read_block(data, length, to, size);
-	case WRITEMEM: return write_block(data, length, peer, to, size);
+		command->size = GVCP_DISCOVERY_BYTES;
+		return gvcp_read_memory(0, GVCP_DISCOVERY_BYTES, to(command), &command->done);
+	case FORCEIP: return force_ip(command);
+	case READREG: return read_registers(command);
+	case WRITEREG: return write_registers(command);
+	case READMEM: return read_block(command);
+	case WRITEMEM: return write_block(command);
 	}
 	return NOT_IMPLEMENTED;
+}
+
+/* Sends an acknowledge to a command with `size` bytes behind its header in the frame. */
+static void acknowledge(const struct command *command, uint32_t *frame, uint32_t code,
+			uint32_t status, uint32_t size)
+{
+	uint8_t *header = (uint8_t *)frame + HEADERS - HEADER;
+
+	if (!command->answered)
+		return;
+	put16(header, status);
+	put16(header + 2, code + 1);
+	put16(header + 4, size);
+	put16(header + 6, command->request);
+	udp_header((uint8_t *)frame, command->peer, HEADER + size);
+	eth_send(frame, HEADERS + size);
+}
+
+static void end(const struct command *command, uint32_t status)
+{
+	acknowledge(command, command->answer, command->code, status, status ? 0 : command->size);
+}
+
+/* Tells a client that understands it that the answer comes later. */
+static void put_off(const struct command *command)
+{
+	uint32_t frame[(HEADERS + PENDING_BYTES + 3) / 4];
+
+	if (!(control.configuration & GVCP_CONFIGURATION) || !control_is(command->peer))
+		return;
+	put32((uint8_t *)frame + HEADERS, GVCP_PENDING_MS);
+	acknowledge(command, frame, PENDING, SUCCESS, PENDING_BYTES);
+}
+
+/* Keeps a command until the sensor's bus is done; one at a time. The controller's takes the place of
+ * somebody else's, who may ask again. */
+static void keep(const struct command *command)
+{
+	if (waits && (control_is(waiting.peer) || !control_is(command->peer))) {
+		end(command, BUSY);
+		return;
+	}
+	if (waits)
+		end(&waiting, BUSY);
+	memcpy(waiting_data, command->data, command->length);
+	waiting_peer = *command->peer;
+	waiting = *command;
+	waiting.data = waiting_data;
+	waiting.peer = &waiting_peer;
+	waits = true;
+	put_off(&waiting);
+}
+
+static bool same(const struct command *command)
+{
+	return waits && command->peer->ip == waiting.peer->ip &&
+	       command->peer->port == waiting.peer->port && command->request == waiting.request;
 }
 
 bool gvcp_frame(const uint8_t *frame, uint32_t length)
 {
 	struct datagram datagram;
-	uint8_t *answer = (uint8_t *)answer_words + ETH_HEADER + IP_HEADER + UDP_HEADER;
-	const uint8_t *data;
-	uint32_t code, request, size = 0, status;
+	struct command command;
+	uint32_t status;
 
 	if (!udp_parse(frame, length, &datagram) || datagram.port != GVCP_PORT)
 		return false;
-	data = datagram.data;
-	if (datagram.length < HEADER || data[0] != KEY || get16(data + 4) != datagram.length - HEADER)
+	command.data = datagram.data + HEADER;
+	command.length = datagram.length - HEADER;
+	if (datagram.length < HEADER || datagram.data[0] != KEY ||
+	    get16(datagram.data + 4) != command.length)
 		return true;
-	code = get16(data + 2);
-	request = get16(data + 6);
-	if (!request || code & 1)
+	command.peer = &datagram.from;
+	command.done = command.size = 0;
+	command.answered = datagram.data[1] & ANSWER;
+	command.code = get16(datagram.data + 2);
+	command.request = get16(datagram.data + 6);
+	if (!command.request || command.code & 1)
 		return true;
 	++gvcp_commands;
-	if (control_is(&datagram.from))
+	if (control_is(command.peer))
 		control.heard = now64();
-	if (code == PACKETRESEND) {
-		send_again(data + HEADER, datagram.length - HEADER, &datagram.from);
-		return true;
+	if (command.code == PACKETRESEND) {
+		send_again(&command);
+	} else if (same(&command)) {
+		put_off(&waiting);		/* the client has lost patience, or our word */
+	} else {
+		command.answer = waits && waiting.answer == one_answer ? other_answer : one_answer;
+		status = carry_out(&command);
+		if (status == UNFINISHED)
+			keep(&command);
+		else
+			end(&command, status);
 	}
-	status = carry_out(code, data + HEADER, datagram.length - HEADER, &datagram.from,
-			   answer + HEADER, &size);
-	if (!(data[1] & ANSWER))
-		return true;
-	if (status)
-		size = 0;
-	put16(answer, status);
-	put16(answer + 2, code + 1);
-	put16(answer + 4, size);
-	put16(answer + 6, request);
-	udp_header((uint8_t *)answer_words, &datagram.from, HEADER + size);
-	eth_send(answer_words, ETH_HEADER + IP_HEADER + UDP_HEADER + HEADER + size);
 	return true;
+}
+
+void gvcp_begin(void)
+{
+	control_release();
+}
+
+void gvcp_poll(void)
+{
+	control_poll();
+	if (waits) {
+		uint32_t status = carry_out(&waiting);
+
+		if (status != UNFINISHED) {
+			waits = false;
+			end(&waiting, status);
+		}
+	}
 }

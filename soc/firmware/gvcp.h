@@ -14,7 +14,7 @@ void gvcp_begin(void);
 /* Answers a frame, if it is a datagram for the port; false if it is somebody else's. */
 bool gvcp_frame(const uint8_t *frame, uint32_t length);
 
-/* Takes control from a controller that has not been heard of for the heartbeat's time. */
+/* Ends the command that waited for the sensor's bus, and the control of who is silent. */
 void gvcp_poll(void);
 
 extern uint32_t gvcp_commands;

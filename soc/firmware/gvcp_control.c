@@ -1,6 +1,5 @@
 #include "gvcp_control.h"
 
-#include "gvcp.h"
 #include "hw.h"
 #include "stream.h"
 #include "words.h"
@@ -19,17 +18,12 @@ void control_release(void)
 	control.controlled = control.acquiring = false;
 	control.heartbeat = HEARTBEAT_MS;
 	control.privilege = control.port = control.delay = control.address = 0;
-	control.tl_locked = control.single = 0;
+	control.tl_locked = control.single = control.configuration = 0;
 	control.packet_size = PACKET_DO_NOT_FRAGMENT | stream_packet_size(1500);
 	words_streaming = false;
 }
 
-void gvcp_begin(void)
-{
-	control_release();
-}
-
-void gvcp_poll(void)
+void control_poll(void)
 {
 	/* A stream of one picture ends by itself; its packets can still be sent again. */
 	if (control.acquiring && stream_ended()) {

@@ -7,11 +7,11 @@
 
 #include "ip.h"
 
-/* Of an acknowledge. */
+/* Of an acknowledge; UNFINISHED is none: the sensor's bus is at work. */
 enum gvcp_status {
-	SUCCESS = 0, NOT_IMPLEMENTED = 0x8001, INVALID_PARAMETER = 0x8002,
+	SUCCESS = 0, UNFINISHED = 1, NOT_IMPLEMENTED = 0x8001, INVALID_PARAMETER = 0x8002,
 	INVALID_ADDRESS = 0x8003, WRITE_PROTECT = 0x8004, BAD_ALIGNMENT = 0x8005,
-	ACCESS_DENIED = 0x8006, INVALID_HEADER = 0x800e, DEVICE_ERROR = 0x8ffe
+	ACCESS_DENIED = 0x8006, BUSY = 0x8007, INVALID_HEADER = 0x800e, DEVICE_ERROR = 0x8ffe
 };
 
 /* Registers that a controller writes, and the controller. */
@@ -24,6 +24,7 @@ struct control {
 	uint32_t heartbeat;	/* ms */
 	uint32_t privilege, port, delay, address, packet_size;
 	uint32_t tl_locked, single, sensor_address;
+	uint32_t configuration;
 };
 
 extern struct control control;
@@ -34,11 +35,15 @@ bool control_is(const struct udp_path *peer);
 /* Ends the control and the stream: all as without a controller. */
 void control_release(void);
 
+/* Takes control from a controller that has not been heard of for the heartbeat's time. */
+void control_poll(void);
+
 /* The word at an address; a status. */
 uint32_t gvcp_read_word(uint32_t address, uint32_t *value);
 
-/* Writes bytes from an address on to `to`; a status. */
-uint32_t gvcp_read_memory(uint32_t address, uint32_t count, uint8_t *to);
+/* Writes `count` bytes from an address on to `to`, but those that `*done` counts, which it moves; a
+ * status. */
+uint32_t gvcp_read_memory(uint32_t address, uint32_t count, uint8_t *to, uint32_t *done);
 
 /* Writes a word for `peer`; a status. */
 uint32_t gvcp_write_word(uint32_t address, uint32_t value, const struct udp_path *peer);

@@ -24,19 +24,20 @@ static uint32_t text_word(const struct text *text, uint32_t offset)
 	return get32(bytes);
 }
 
-static uint32_t own_feature(const struct feature *one)
+static uint32_t own_feature(const struct feature *one, uint32_t *value)
 {
 	switch (one->id) {
-	case FEATURE_PayloadSize: return words_view().bytes;
-	case FEATURE_AcquisitionMode: return control.single;
-	case FEATURE_TLParamsLocked: return control.tl_locked;
-	case FEATURE_SensorRegisterAddress: return control.sensor_address;
-	case FEATURE_SensorRegisterValue: return word_read(control.sensor_address);
+	case FEATURE_PayloadSize: *value = words_view().bytes; break;
+	case FEATURE_AcquisitionMode: *value = control.single; break;
+	case FEATURE_TLParamsLocked: *value = control.tl_locked; break;
+	case FEATURE_SensorRegisterAddress: *value = control.sensor_address; break;
+	case FEATURE_SensorRegisterValue:
+		return word_read(control.sensor_address, value) ? SUCCESS : UNFINISHED;
 	}
-	return 0;
+	return SUCCESS;
 }
 
-static bool bootstrap(uint32_t address, uint32_t *value)
+static bool number(uint32_t address, uint32_t *value)
 {
 	switch (address) {
 	case BOOT_Version: *value = 0x00010002; return true;
@@ -51,6 +52,8 @@ static bool bootstrap(uint32_t address, uint32_t *value)
 	case BOOT_Gateway: case BOOT_MessageChannels: case BOOT_TickFrequencyHigh:
 	case BOOT_TimestampControl: *value = 0; return true;
 	case BOOT_Capability: *value = GVCP_CAPABILITY; return true;
+	case BOOT_Configuration: *value = control.configuration; return true;
+	case BOOT_PendingTimeout: *value = GVCP_PENDING_MS; return true;
 	case BOOT_HeartbeatTimeout: *value = control.heartbeat; return true;
 	case BOOT_TickFrequencyLow: *value = 1000000000; return true;
 	case BOOT_TimestampHigh: *value = (uint32_t)(control.stamp >> 32); return true;
@@ -62,8 +65,7 @@ static bool bootstrap(uint32_t address, uint32_t *value)
 	case BOOT_StreamAddress: *value = control.address; return true;
 	case BOOT_StreamSourcePort: *value = STREAM_PORT; return true;
 	}
-	*value = 0;		/* reserved words of the discovery acknowledge */
-	return address < GVCP_DISCOVERY_BYTES;
+	return false;
 }
 
 /* The word at an address; a status. */
@@ -73,6 +75,9 @@ uint32_t gvcp_read_word(uint32_t address, uint32_t *value)
 
 	if (address % 4)
 		return BAD_ALIGNMENT;
+	/* First, as it is what clients keep asking for. */
+	if (number(address, value))
+		return SUCCESS;
 	if (address - GVCP_XML_BASE < (sizeof XML + 3) / 4 * 4) {
 		uint8_t bytes[4] = {0};
 		uint32_t at = address - GVCP_XML_BASE;
@@ -88,7 +93,9 @@ uint32_t gvcp_read_word(uint32_t address, uint32_t *value)
 	}
 	one = address >= GVCP_FEATURE_BASE ? feature_at(address) : 0;
 	if (one) {
-		*value = one->lower == NO_WORD ? own_feature(one) : feature_read(one);
+		if (one->lower == NO_WORD)
+			return own_feature(one, value);
+		*value = feature_read(one);
 		return SUCCESS;
 	}
 	for (unsigned k = 0; k < sizeof TEXTS / sizeof *TEXTS; ++k)
@@ -96,7 +103,8 @@ uint32_t gvcp_read_word(uint32_t address, uint32_t *value)
 			*value = text_word(&TEXTS[k], address - TEXTS[k].address);
 			return SUCCESS;
 		}
-	return bootstrap(address, value) ? SUCCESS : INVALID_ADDRESS;
+	*value = 0;		/* reserved words of the discovery acknowledge */
+	return address < GVCP_DISCOVERY_BYTES ? SUCCESS : INVALID_ADDRESS;
 }
 
 /* Writes `count` bytes of `size` that begin at `from`, and zeros behind their end. */
@@ -110,9 +118,8 @@ static void copy(uint8_t *to, uint32_t count, const void *from, uint32_t size, u
 	memset(to + there, 0, count - there);
 }
 
-/* Writes bytes from an address on; a status. Long texts go as a whole: word by word they would keep
- * a client waiting. */
-uint32_t gvcp_read_memory(uint32_t address, uint32_t count, uint8_t *to)
+/* Long texts go as a whole: word by word they would keep a client waiting. */
+uint32_t gvcp_read_memory(uint32_t address, uint32_t count, uint8_t *to, uint32_t *done)
 {
 	if (address % 4)
 		return BAD_ALIGNMENT;
@@ -129,12 +136,12 @@ uint32_t gvcp_read_memory(uint32_t address, uint32_t count, uint8_t *to)
 			return SUCCESS;
 		}
 	}
-	for (uint32_t k = 0; k < count; k += 4) {
-		uint32_t value = 0, status = gvcp_read_word(address + k, &value);
+	for (; *done < count; *done += 4) {
+		uint32_t value = 0, status = gvcp_read_word(address + *done, &value);
 
 		if (status)
 			return status;
-		put32(to + k, value);
+		put32(to + *done, value);
 	}
 	return SUCCESS;
 }

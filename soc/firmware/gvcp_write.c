@@ -39,6 +39,7 @@ static uint32_t status_of(enum refusal refusal)
 	case BAD_VALUE: return INVALID_PARAMETER;
 	case LOCKED: return ACCESS_DENIED;
 	case READ_ONLY: return WRITE_PROTECT;
+	case UNDER_WAY: return UNFINISHED;
 	default: return DEVICE_ERROR;
 	}
 }
@@ -87,6 +88,11 @@ static uint32_t write_bootstrap(uint32_t address, uint32_t value)
 	case BOOT_TimestampControl:
 		if (value & 2)
 			control.stamp = now64() * (1000000000u / CLOCK_HZ);
+		return SUCCESS;
+	case BOOT_Configuration:
+		if (value & ~GVCP_CONFIGURATION)
+			return INVALID_PARAMETER;
+		control.configuration = value;
 		return SUCCESS;
 	case BOOT_StreamPort:
 		if (value > PORTS_MAX)

@@ -4,6 +4,7 @@
 
 #include "hw.h"
 
+#define VERSION 0x4500		/* 4, and a header of five words */
 #define HOPS 64
 #define UDP 17
 #define DO_NOT_FRAGMENT 0x4000
@@ -11,17 +12,17 @@
 
 typedef uint16_t __attribute__((may_alias)) half;
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "ip_sum adds swapped half words");
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "half words are read swapped");
 
 uint32_t ip_own, ip_mask;
 
-uint32_t ip_sum(const uint8_t *bytes, uint32_t length, uint32_t sum)
+/* The sum of half words as the processor reads them, which is the sum of swapped ones: two at a time,
+ * and 64 kB do not carry out of 32 bits. */
+static uint32_t swapped_sum(const uint8_t *bytes, uint32_t length)
 {
 	const half *halves = (const half *)(const void *)bytes;
 	uint32_t swapped = 0;
 
-	/* The sum of swapped bytes is the swapped sum: each half word is added as the processor
-	 * reads it, two at a time. 64 kB do not carry out of 32 bits. */
 	for (; length > 3; length -= 4, halves += 2)
 		swapped += (uint32_t)halves[0] + halves[1];
 	if (length > 1) {
@@ -30,30 +31,42 @@ uint32_t ip_sum(const uint8_t *bytes, uint32_t length, uint32_t sum)
 	}
 	if (length)
 		swapped += *(const uint8_t *)halves;
-	while (swapped >> 16)
-		swapped = (swapped & 0xffff) + (swapped >> 16);
-	sum += (swapped & 0xff) << 8 | swapped >> 8;
+	return swapped;
+}
+
+static uint32_t folded(uint32_t sum)
+{
 	while (sum >> 16)
 		sum = (sum & 0xffff) + (sum >> 16);
 	return sum;
 }
 
+uint32_t ip_sum(const uint8_t *bytes, uint32_t length, uint32_t sum)
+{
+	uint32_t swapped = folded(swapped_sum(bytes, length));
+
+	/* The sum of swapped bytes is the swapped sum. */
+	return folded(sum + ((swapped & 0xff) << 8 | swapped >> 8));
+}
+
 uint8_t *udp_header(uint8_t *frame, const struct udp_path *to, uint32_t length)
 {
 	uint8_t *ip = frame + ETH_HEADER, *udp = ip + IP_HEADER;
+	uint32_t total = IP_HEADER + UDP_HEADER + length;
 
 	memcpy(frame, to->mac.bytes, 6);
 	memcpy(frame + 6, ETH_OWN.bytes, 6);
 	put16(frame + 12, ETH_IP);
-	put16(ip, 0x4500);
-	put16(ip + 2, IP_HEADER + UDP_HEADER + length);
+	put16(ip, VERSION);
+	put16(ip + 2, total);
 	put16(ip + 4, 0);
 	put16(ip + 6, DO_NOT_FRAGMENT);
 	put16(ip + 8, HOPS << 8 | UDP);
-	put16(ip + 10, 0);
+	put16(ip + 10, ~folded(VERSION + total + DO_NOT_FRAGMENT + (HOPS << 8 | UDP) +
+			       (ip_own >> 16) + (ip_own & 0xffff) + (to->ip >> 16) +
+			       (to->ip & 0xffff)));
 	put32(ip + 12, ip_own);
 	put32(ip + 16, to->ip);
-	put16(ip + 10, ~ip_sum(ip, IP_HEADER, 0));
 	put16(udp, to->own_port);
 	put16(udp + 2, to->port);
 	put16(udp + 4, UDP_HEADER + length);
@@ -71,7 +84,7 @@ bool udp_parse(const uint8_t *frame, uint32_t length, struct datagram *datagram)
 	total = get16(ip + 2);
 	if (ip[0] != 0x45 || ip[9] != UDP || get16(ip + 6) & FRAGMENT ||
 	    total > length - ETH_HEADER || total < IP_HEADER + UDP_HEADER ||
-	    ip_sum(ip, IP_HEADER, 0) != 0xffff)
+	    folded(swapped_sum(ip, IP_HEADER)) != 0xffff)
 		return false;
 	to = get32(ip + 16);
 	if (to != ip_own && to != 0xffffffff && to != (ip_own | ~ip_mask))
@@ -79,8 +92,10 @@ bool udp_parse(const uint8_t *frame, uint32_t length, struct datagram *datagram)
 	size = get16(udp + 4);
 	if (size < UDP_HEADER || size > total - IP_HEADER)
 		return false;
-	/* The sum of a pseudo header: addresses, protocol, length. */
-	if (get16(udp + 6) && ip_sum(udp, size, ip_sum(ip + 12, 8, UDP + size)) != 0xffff)
+	/* With the sum of a pseudo header: addresses, protocol, length. Swapped, all ones are ones. */
+	if (get16(udp + 6) &&
+	    folded(swapped_sum(udp, size) + swapped_sum(ip + 12, 8) + (UDP << 8) +
+		   ((size & 0xff) << 8 | size >> 8)) != 0xffff)
 		return false;
 	memcpy(datagram->from.mac.bytes, frame + 6, 6);
 	datagram->from.ip = get32(ip + 12);

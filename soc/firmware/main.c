@@ -4,6 +4,7 @@
 #include "eth.h"
 #include "gvcp.h"
 #include "hw.h"
+#include "interrupt.h"
 #include "ip.h"
 #include "net.h"
 #include "phy.h"
@@ -50,7 +51,7 @@ static void camera_poll(void)
 {
 	static bool begun;
 
-	if (begun || !(reg_read(NCDC_CAMERA_STATUS) & NCDC_CAMERA_STATUS_RAW_FRAME))
+	if (begun || !interrupt_frames(true))
 		return;
 	begun = !words_begin();
 }
@@ -72,6 +73,7 @@ int main(void)
 {
 	uart_text("NCDC " CONFIG_VERSION "\n");
 	stream_begin();
+	interrupt_begin();
 	camera_start();
 	gvcp_begin();
 	net_begin();
@@ -79,6 +81,7 @@ int main(void)
 	watchdog_begin();
 	for (;;) {
 		watchdog_feed();
+		sensor_poll();
 		net_poll();
 		stream_poll();
 		gvcp_poll();

@@ -7,6 +7,7 @@
 #include "gvcp.h"
 #include "hw.h"
 #include "ip.h"
+#include "lwip/autoip.h"
 #include "lwip/dhcp.h"
 #include "lwip/etharp.h"
 #include "lwip/init.h"
@@ -20,6 +21,7 @@ static struct netif interface;
 static uint32_t words[(ETH_LONGEST + 3) / 4];
 static uint32_t random_state = 1;
 static uint32_t looked;		/* clock at which lwIP's timers were looked at */
+static bool seeks;		/* an address is to be looked for anew */
 
 /* What lwIP asks of its surroundings. */
 
@@ -81,20 +83,49 @@ static err_t begin(struct netif *netif)
 	return ERR_OK;
 }
 
+/* Without an address of its own the device asks for one, and takes a link-local one when nobody
+ * answers. */
+static void seek(void)
+{
+	if (dhcp_start(&interface) != ERR_OK)
+		uart_text("DHCP: no memory\n");
+}
+
+static void set_address(uint32_t ip, uint32_t mask, uint32_t gateway)
+{
+	ip4_addr_t addresses[] = {{lwip_htonl(ip)}, {lwip_htonl(mask)}, {lwip_htonl(gateway)}};
+
+	netif_set_addr(&interface, &addresses[0], &addresses[1], &addresses[2]);
+}
+
+bool net_force(uint32_t ip, uint32_t mask, uint32_t gateway)
+{
+	uint32_t hosts = ~mask;
+
+	seeks = !ip;
+	if (seeks)
+		return true;
+	/* Ones that end, then zeros; a host's number of neither zeros nor ones; no multicast. */
+	if (!mask || hosts & (hosts + 1) || !(ip & hosts) || (ip & hosts) == hosts ||
+	    ip >> 28 >= 14 || ip >> 24 == 0 || ip >> 24 == 127)
+		return false;
+	dhcp_stop(&interface);
+	autoip_stop(&interface);
+	set_address(ip, mask, gateway);
+	return true;
+}
+
 void net_begin(void)
 {
-	ip4_addr_t address = {lwip_htonl(CONFIG_IP)}, mask = {lwip_htonl(CONFIG_MASK)}, none = {0};
-
 	lwip_init();
-	netif_add(&interface, CONFIG_IP ? &address : &none, CONFIG_IP ? &mask : &none, &none, 0, begin,
-		  netif_input);
+	netif_add(&interface, 0, 0, 0, 0, begin, netif_input);
 	netif_set_default(&interface);
 	netif_set_status_callback(&interface, changed);
 	netif_set_up(&interface);
-	/* Without an address of its own the device asks for one, and takes a link-local one when
-	 * nobody answers. */
-	if (!CONFIG_IP && dhcp_start(&interface) != ERR_OK)
-		uart_text("DHCP: no memory\n");
+	if (CONFIG_IP)
+		set_address(CONFIG_IP, CONFIG_MASK, 0);
+	else
+		seek();
 	if (table_begin())
 		uart_text("Table I: no memory\n");
 }
@@ -105,6 +136,11 @@ void net_poll(void)
 	uint32_t length = eth_receive(words);
 	struct pbuf *buffer;
 
+	if (seeks) {
+		seeks = false;
+		set_address(0, 0, 0);
+		seek();
+	}
 	/* Looking at lwIP's timers takes longer than the loop can afford each time. */
 	if (now32() - looked >= TIMERS_CLOCKS) {
 		looked = now32();

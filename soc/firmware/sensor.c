@@ -2,7 +2,8 @@
 
 #include "hw.h"
 
-#define TRIES 3		/* of a transfer */
+#define TRIES 3		/* of an access */
+#define MOST 6		/* bytes of one */
 
 struct write {
 	uint16_t address, value;
@@ -13,64 +14,121 @@ static const struct write SET_UP[] = SENSOR_SET_UP;
 
 #define WRITES (sizeof SET_UP / sizeof *SET_UP)
 
-/* Sends or receives a byte; what was received, or -1. */
-static int32_t byte(uint32_t command)
+enum phase { IDLE, MOVING, OVER };
+
+/* The access that the bus is at work with, or has ended in this turn of the loop. */
+static struct {
+	enum phase phase;
+	bool writes, failed;
+	uint32_t address, value;
+	uint32_t commands[MOST];	/* of the I2C controller, one for each byte */
+	unsigned count, sent, tries;
+	uint32_t received;
+} bus;
+
+static void add(uint32_t command)
+{
+	bus.commands[bus.count++] = command;
+}
+
+static void add_number(uint32_t number, uint32_t bits, uint32_t more)
+{
+	if (bits == 16)
+		add((number >> 8 & 0xff) | NCDC_I2C_COMMAND_WRITE);
+	add((number & 0xff) | NCDC_I2C_COMMAND_WRITE | more);
+}
+
+static void try_it(void)
+{
+	bus.sent = 0;
+	bus.received = 0;
+	reg_write(NCDC_I2C_COMMAND, bus.commands[0]);
+}
+
+static void begin(bool writes, uint32_t address, uint32_t value)
+{
+	bus.phase = MOVING;
+	bus.writes = writes;
+	bus.address = address;
+	bus.value = value;
+	bus.count = 0;
+	bus.tries = 1;
+	add(SENSOR_I2C << 1 | NCDC_I2C_COMMAND_START | NCDC_I2C_COMMAND_WRITE);
+	add_number(address, SENSOR_POINTER_BITS, 0);
+	if (writes) {
+		add_number(value, SENSOR_VALUE_BITS, NCDC_I2C_COMMAND_STOP);
+	} else {
+		add(SENSOR_I2C << 1 | 1 | NCDC_I2C_COMMAND_START | NCDC_I2C_COMMAND_WRITE);
+		if (SENSOR_VALUE_BITS == 16)
+			add(NCDC_I2C_COMMAND_READ);
+		add(NCDC_I2C_COMMAND_READ | NCDC_I2C_COMMAND_NACK | NCDC_I2C_COMMAND_STOP);
+	}
+	try_it();
+}
+
+void sensor_poll(void)
 {
 	uint32_t result;
 
-	reg_write(NCDC_I2C_COMMAND, command);
-	do
-		result = reg_read(NCDC_I2C_RESULT);
-	while (result & NCDC_I2C_RESULT_BUSY);
-	if (result & (NCDC_I2C_RESULT_NACK | NCDC_I2C_RESULT_LOST | NCDC_I2C_RESULT_TIMEOUT))
-		return -1;
-	return (int32_t)(result & NCDC_I2C_RESULT_DATA);
+	if (bus.phase != MOVING) {
+		/* Not sooner: who asks for one access after the other would keep all others off. */
+		bus.phase = IDLE;
+		return;
+	}
+	result = reg_read(NCDC_I2C_RESULT);
+	if (result & NCDC_I2C_RESULT_BUSY)
+		return;
+	bus.failed = result & (NCDC_I2C_RESULT_NACK | NCDC_I2C_RESULT_LOST |
+			       NCDC_I2C_RESULT_TIMEOUT);
+	if (bus.failed && bus.tries < TRIES) {
+		++bus.tries;
+		try_it();
+		return;
+	}
+	if (bus.commands[bus.sent] & NCDC_I2C_COMMAND_READ)
+		bus.received = bus.received << 8 | (result & NCDC_I2C_RESULT_DATA);
+	if (bus.failed || ++bus.sent == bus.count)
+		bus.phase = OVER;
+	else
+		reg_write(NCDC_I2C_COMMAND, bus.commands[bus.sent]);
 }
 
-/* Sends a number of one or two bytes, the last one with the flags `more`. */
-static int send(uint32_t value, uint32_t bits, uint32_t more)
+enum sensor_state sensor_ask(bool writes, uint32_t address, uint32_t *value)
 {
-	if (bits == 16 && byte(value >> 8 | NCDC_I2C_COMMAND_WRITE) < 0)
-		return -1;
-	return byte((value & 0xff) | NCDC_I2C_COMMAND_WRITE | more) < 0 ? -1 : 0;
+	if (bus.phase == OVER && bus.writes == writes && bus.address == address &&
+	    (!writes || bus.value == *value)) {
+		if (bus.failed)
+			return SENSOR_SILENT;
+		if (!writes)
+			*value = bus.received;
+		return SENSOR_DONE;
+	}
+	if (bus.phase == IDLE)
+		begin(writes, address, *value);
+	return SENSOR_UNDER_WAY;
 }
 
-static int address_it(uint32_t address)
+static int wait(bool writes, uint32_t address, uint32_t *value)
 {
-	if (byte(SENSOR_I2C << 1 | NCDC_I2C_COMMAND_START | NCDC_I2C_COMMAND_WRITE) < 0)
-		return -1;
-	return send(address, SENSOR_POINTER_BITS, 0);
-}
+	enum sensor_state state;
 
-int sensor_write(uint32_t address, uint32_t value)
-{
-	for (int k = 0; k < TRIES; ++k)
-		if (!address_it(address) &&
-		    !send(value, SENSOR_VALUE_BITS, NCDC_I2C_COMMAND_STOP))
-			return 0;
-	return -1;
-}
-
-static int32_t read_once(uint32_t address)
-{
-	int32_t upper = 0, lower;
-
-	if (address_it(address) || byte(SENSOR_I2C << 1 | 1 | NCDC_I2C_COMMAND_START |
-					NCDC_I2C_COMMAND_WRITE) < 0)
-		return -1;
-	if (SENSOR_VALUE_BITS == 16 && (upper = byte(NCDC_I2C_COMMAND_READ)) < 0)
-		return -1;
-	lower = byte(NCDC_I2C_COMMAND_READ | NCDC_I2C_COMMAND_NACK | NCDC_I2C_COMMAND_STOP);
-	return lower < 0 ? -1 : upper << 8 | lower;
+	while ((state = sensor_ask(writes, address, value)) == SENSOR_UNDER_WAY)
+		sensor_poll();
+	return state == SENSOR_DONE ? 0 : -1;
 }
 
 int32_t sensor_read(uint32_t address)
 {
-	int32_t value = -1;
+	uint32_t value = 0;
 
-	for (int k = 0; k < TRIES && value < 0; ++k)
-		value = read_once(address);
-	return value;
+	return wait(false, address, &value) ? -1 : (int32_t)value;
+}
+
+static int sensor_write(const struct write *write)
+{
+	uint32_t value = write->value;
+
+	return wait(true, write->address, &value);
 }
 
 int sensor_set_up(void)
@@ -80,7 +138,7 @@ int sensor_set_up(void)
 	for (unsigned k = 0; k + 1 < WRITES; ++k) {
 		uint32_t begin = now32();
 
-		if (sensor_write(SET_UP[k].address, SET_UP[k].value))
+		if (sensor_write(&SET_UP[k]))
 			return -1;
 		while (now32() - begin < SET_UP[k].wait_us * SENSOR_WAIT_CLOCKS)
 			;
@@ -90,5 +148,5 @@ int sensor_set_up(void)
 
 int sensor_start(void)
 {
-	return sensor_write(SET_UP[WRITES - 1].address, SET_UP[WRITES - 1].value);
+	return sensor_write(&SET_UP[WRITES - 1]);
 }

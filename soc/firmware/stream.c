@@ -4,17 +4,21 @@
 
 #include "frames.h"
 #include "hw.h"
+#include "interrupt.h"
 #include "ip.h"
 #include "words.h"
 
 #define LEADER_BYTES 44
 #define PART_BYTES 8
 #define TRAILER_BYTES 16
+#define HEADERS_BYTES (ETH_HEADER + STREAM_HEADERS)
 #define NUMBER_AT (ETH_HEADER + IP_HEADER + UDP_HEADER + 5)
 #define NUMBER_BYTES 3
 #define RANGES 8		/* that may wait to be sent again, a power of two */
 
-enum { IDLE, WAITING, SENDING, ENDING };
+enum { IDLE, WAITING, PREPARING, SENDING, ENDING };
+
+enum header { LEADER, PART, LAST, TRAILER };
 
 struct range {
 	uint32_t block, first, last;
@@ -29,6 +33,15 @@ static enum frame_reader reader;	/* that holds the frame sent last */
 static uint32_t block;		/* number of the picture sent last, 1..65535 */
 static uint32_t blocks;		/* pictures of this stream that can be sent again, at most 2 */
 static uint32_t began;		/* clock of its beginning */
+static uint32_t seen;		/* frames that were complete when one was claimed last */
+static struct {
+	enum frame_reader reader;
+	struct frame frame;
+	struct view view;
+	uint32_t part, packets, last;	/* bytes of a packet, packets, bytes of the last one */
+	unsigned header;	/* that is written next */
+} next;				/* the picture that is prepared */
+static struct receiver tester;	/* of a test packet, while there is one to be sent */
 static struct range ranges[RANGES];
 static uint32_t ranges_in, ranges_out;
 
@@ -49,8 +62,7 @@ static void begin(void)
 	block = 0;
 	blocks = 0;
 	/* Pictures that were ready before somebody wanted them are not sent. */
-	reg_write(NCDC_CAMERA_STATUS,
-		  NCDC_CAMERA_STATUS_RAW_FRAME | NCDC_CAMERA_STATUS_CORRECTED_FRAME);
+	seen = interrupt_frames(words_view().raw);
 	began = now32() - words_frame_clocks();
 	state = WAITING;
 }
@@ -75,6 +87,7 @@ void stream_start(const struct receiver *target, bool one)
 {
 	stream_stop();
 	to = *target;
+	tester.packet_size = 0;
 	single = one;
 	sent_one = false;
 	wanted = state == ENDING;
@@ -85,13 +98,13 @@ void stream_start(const struct receiver *target, bool one)
 void stream_stop(void)
 {
 	wanted = false;
-	if (state == WAITING || state == SENDING)
+	if (state != IDLE && state != ENDING)
 		halt();
 }
 
 void stream_resend(uint32_t of, uint32_t first, uint32_t last)
 {
-	if ((state != WAITING && state != SENDING) || last < first ||
+	if (state == IDLE || state == ENDING || last < first ||
 	    ranges_in - ranges_out >= RANGES)
 		return;
 	ranges[ranges_in++ % RANGES] = (struct range){of, first, last};
@@ -123,57 +136,81 @@ static uint8_t *begin_header(uint8_t *header, uint32_t kind, uint32_t number, ui
 	return p + PART_BYTES;
 }
 
-static void put_headers(const struct view *view, uint64_t time_ns, uint32_t packets, uint32_t part,
-			uint32_t last)
+/* One of the four headers of a picture of so many packets. */
+static void put_one(unsigned which, const struct view *view, uint64_t time_ns, uint32_t packets,
+		    uint32_t part)
 {
 	/* Whole words are written: the last one may be longer than the header. */
 	uint32_t words[32];
 	uint8_t *header = (uint8_t *)words, *p;
+	uint32_t more = 0;
 
-	p = begin_header(header, 1, 0, LEADER_BYTES - PART_BYTES);
-	memset(p, 0, LEADER_BYTES - PART_BYTES);
-	put16(p + 2, 1);			/* an image */
-	put32(p + 4, (uint32_t)(time_ns >> 32));
-	put32(p + 8, (uint32_t)time_ns);
-	put32(p + 12, view->pfnc);
-	put32(p + 16, view->width);
-	put32(p + 20, view->height);
-	put_header(0, header, (uint32_t)(p - header) + LEADER_BYTES - PART_BYTES);
-	p = begin_header(header, 3, 0, part);
-	put_header(1, header, (uint32_t)(p - header));
-	p = begin_header(header, 3, 0, last);
-	put_header(2, header, (uint32_t)(p - header));
-	p = begin_header(header, 2, packets + 1, TRAILER_BYTES - PART_BYTES);
-	put32(p, 1);				/* an image */
-	put32(p + 4, view->height);
-	put_header(3, header, (uint32_t)(p - header) + TRAILER_BYTES - PART_BYTES);
+	switch (which) {
+	case LEADER:
+		more = LEADER_BYTES - PART_BYTES;
+		p = begin_header(header, 1, 0, more);
+		memset(p, 0, more);
+		put16(p + 2, 1);		/* an image */
+		put32(p + 4, (uint32_t)(time_ns >> 32));
+		put32(p + 8, (uint32_t)time_ns);
+		put32(p + 12, view->pfnc);
+		put32(p + 16, view->width);
+		put32(p + 20, view->height);
+		break;
+	case TRAILER:
+		more = TRAILER_BYTES - PART_BYTES;
+		p = begin_header(header, 2, packets + 1, more);
+		put32(p, 1);			/* an image */
+		put32(p + 4, view->height);
+		break;
+	default:
+		p = begin_header(header, 3, 0, part);
+	}
+	put_header(which, header, (uint32_t)(p - header) + more);
 }
 
-/* Claims the newest frame and sends it; false if there is none. */
-static bool send(const struct view *view)
+/* How a frame is cut: bytes of a packet, packets, bytes of the last one. */
+static void set_packets(uint32_t part, uint32_t packets, uint32_t last)
 {
-	enum frame_reader next = reader == FRAMES_STREAM0 ? FRAMES_STREAM1 : FRAMES_STREAM0;
-	uint32_t part = to.packet_size - STREAM_HEADERS, packets;
-	struct frame frame;
-
-	if (!frame_claim(next, view->raw, &frame))
-		return false;
-	packets = (view->bytes + part - 1) / part;
-	block = block % 0xffff + 1;
 	reg_write(LINK_PAYLOAD, part);
 	reg_write(LINK_PACKETS, packets);
-	reg_write(LINK_LAST, view->bytes - (packets - 1) * part);
+	reg_write(LINK_LAST, last);
 	reg_write(LINK_FIRST_NUMBER, 1);
-	reg_write(LINK_NUMBER_FIELD, NUMBER_AT | NUMBER_BYTES << 8);
-	reg_write(LINK_DELAY, to.delay_clocks);
-	reg_write(LINK_BASE, frame.address);
-	put_headers(view, frame.clock * (1000000000u / CLOCK_HZ), packets, part,
-		    view->bytes - (packets - 1) * part);
-	reg_write(LINK_STATUS, LINK_STATUS_DONE);
-	reg_write(LINK_CONTROL, LINK_CONTROL_SEND);
-	reader = next;
+}
+
+/* Claims the newest frame, that its headers may be written; false if there is none. */
+static bool claim(const struct view *view)
+{
+	next.reader = reader == FRAMES_STREAM0 ? FRAMES_STREAM1 : FRAMES_STREAM0;
+	if (!frame_claim(next.reader, view->raw, &next.frame))
+		return false;
+	next.view = *view;
+	next.part = to.packet_size - STREAM_HEADERS;
+	next.packets = (view->bytes + next.part - 1) / next.part;
+	next.last = view->bytes - (next.packets - 1) * next.part;
+	next.header = LEADER;
+	block = block % 0xffff + 1;
 	blocks += blocks < 2;
 	began = now32();
+	return true;
+}
+
+/* Writes a header, or sends the frame behind the last one; whether it has. A command of GVCP need not
+ * wait for all of it. */
+static bool prepare(void)
+{
+	if (next.header <= TRAILER) {
+		put_one(next.header, &next.view, next.frame.clock * (1000000000u / CLOCK_HZ),
+			next.packets, next.header == LAST ? next.last : next.part);
+		++next.header;
+		return false;
+	}
+	set_packets(next.part, next.packets, next.last);
+	reg_write(LINK_NUMBER_FIELD, NUMBER_AT | NUMBER_BYTES << 8);
+	reg_write(LINK_DELAY, to.delay_clocks);
+	reg_write(LINK_BASE, next.frame.address);
+	reg_write(LINK_CONTROL, LINK_CONTROL_SEND);
+	reader = next.reader;
 	return true;
 }
 
@@ -191,13 +228,41 @@ static void send_again(void)
 	++ranges_out;
 }
 
+void stream_test(const struct receiver *target, uint32_t size)
+{
+	if ((state != IDLE && state != ENDING) || size > LINK_CAPACITY + STREAM_HEADERS)
+		return;
+	tester = *target;
+	tester.packet_size = size;
+}
+
+/* One packet of zeros and of whatever lies in memory, as a frame without leader and trailer. */
+static void send_test(void)
+{
+	uint32_t words[(HEADERS_BYTES + 3) / 4], part = tester.packet_size - STREAM_HEADERS;
+	struct udp_path path = {tester.mac, tester.ip, tester.port, STREAM_PORT};
+
+	memset(udp_header((uint8_t *)words, &path, PART_BYTES + part), 0, PART_BYTES);
+	set_packets((part + STREAM_STEP - 1) / STREAM_STEP * STREAM_STEP, 1, part);
+	reg_write(LINK_NUMBER_FIELD, 0);
+	put_header(LEADER, 0, 0);
+	put_header(LAST, (const uint8_t *)words, HEADERS_BYTES);
+	put_header(TRAILER, 0, 0);
+	reg_write(LINK_CONTROL, LINK_CONTROL_SEND);
+	tester.packet_size = 0;
+	state = ENDING;
+}
+
 void stream_poll(void)
 {
 	struct view view;
-	uint32_t status, event;
+	uint32_t status, complete;
 
-	if (state == IDLE)
+	if (state == IDLE) {
+		if (tester.packet_size)
+			send_test();
 		return;
+	}
 	status = reg_read(LINK_STATUS);
 	if (state == ENDING) {
 		if (status & (LINK_STATUS_BUSY | LINK_STATUS_RESENDING))
@@ -208,6 +273,11 @@ void stream_poll(void)
 		if (wanted)
 			begin();
 		wanted = false;
+		return;
+	}
+	if (state == PREPARING) {
+		if (prepare())
+			state = SENDING;
 		return;
 	}
 	if (state == SENDING && !(status & LINK_STATUS_BUSY)) {
@@ -224,22 +294,10 @@ void stream_poll(void)
 	if (state == SENDING || (single && sent_one) || now32() - began < words_frame_clocks())
 		return;
 	view = words_view();
-	event = view.raw ? NCDC_CAMERA_STATUS_RAW_FRAME : NCDC_CAMERA_STATUS_CORRECTED_FRAME;
-	if (!(reg_read(NCDC_CAMERA_STATUS) & event))
+	complete = interrupt_frames(view.raw);
+	if (complete == seen)
 		return;
-	reg_write(NCDC_CAMERA_STATUS, event);
-	if (send(&view))
-		state = SENDING;
-}
-
-void stream_test(const struct receiver *target, uint32_t size)
-{
-	static uint32_t words[(ETH_LONGEST + 3) / 4];
-	struct udp_path path = {target->mac, target->ip, target->port, STREAM_PORT};
-
-	if (size < IP_HEADER + UDP_HEADER || ETH_HEADER + size > ETH_LONGEST)
-		return;
-	memset(words, 0, sizeof words);
-	udp_header((uint8_t *)words, &path, size - IP_HEADER - UDP_HEADER);
-	eth_send(words, ETH_HEADER + size);
+	seen = complete;
+	if (claim(&view))
+		state = PREPARING;
 }

@@ -29,7 +29,7 @@ bool stream_ended(void);	/* it was to be one picture, which has gone */
 /* Asks for packets of a picture again. */
 void stream_resend(uint32_t block, uint32_t first, uint32_t last);
 
-/* Sends a test packet of that size, if a frame of the processor can have it. */
+/* Sends a test packet of that size, if the hardware can make it, unless pictures stream. */
 void stream_test(const struct receiver *to, uint32_t size);
 
 void stream_poll(void);

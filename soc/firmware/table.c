@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "hw.h"
-#include "lwip/tcp.h"
+#include "lwip/priv/tcp_priv.h"
 #include "mraw.h"
 #include "words.h"
 
@@ -17,11 +17,14 @@
 
 struct user {
 	struct tcp_pcb *pcb;	/* 0: the place is free */
-	uint8_t bytes[REQUEST];	/* of a request that is not complete */
+	uint8_t bytes[REQUEST];	/* of a request: not complete, or waiting for the sensor's bus */
 	uint8_t count;
+	bool written;		/* what it writes: the answer waits to be read back */
+	uint16_t taken;		/* bytes of what lwIP offers, as long as the rest waits */
 	uint8_t later[LATER];	/* what came while a package was asked for or sent */
 	uint8_t waiting;	/* bytes of it */
 	bool ends;		/* it will send nothing more */
+	bool broken;		/* it has sent what nobody understands: it is closed by the loop */
 	struct mraw mraw;
 };
 
@@ -49,29 +52,43 @@ static void leave(struct user *user)
 		tcp_abort(pcb);
 }
 
-/* The word as this user sees it. */
-static uint32_t seen(const struct user *user, uint32_t address)
+/* The request is complete and waits for the sensor's bus. */
+static bool asks(const struct user *user)
 {
-	if (address == WORD_NUMBER_UPPER)
-		return user->mraw.number >> 16;
-	if (address == WORD_NUMBER_LOWER)
-		return user->mraw.number & 0xffff;
-	return word_read(address);
+	return user->pcb && user->count == REQUEST;
 }
 
-/* Answers the request; false if the connection is to be closed behind it. */
+/* The word as this user sees it; false: it waits for the sensor's bus. */
+static bool seen(const struct user *user, uint32_t address, uint32_t *value)
+{
+	if (address == WORD_NUMBER_UPPER)
+		*value = user->mraw.number >> 16;
+	else if (address == WORD_NUMBER_LOWER)
+		*value = user->mraw.number & 0xffff;
+	else
+		return word_read(address, value);
+	return true;
+}
+
+/* Answers the request, unless it has to wait; false if the connection is to be closed behind it. */
 static bool answer(struct user *user)
 {
 	uint8_t *bytes = user->bytes;
-	uint32_t address = get16(bytes + 1);
+	uint32_t address = get16(bytes + 1), value;
 	uint8_t refused[2] = {UNKNOWN, bytes[0]};
 
+	if (bytes[0] == WRITE && !user->written) {
+		if (word_write(address, get16(bytes + 3)) == UNDER_WAY)
+			return true;
+		user->written = true;
+	}
+	if (asks(user) && !seen(user, address, &value))
+		return true;
 	++table_commands;
+	user->written = false;
 	user->count = 0;
-	if (bytes[0] == WRITE)
-		word_write(address, get16(bytes + 3));
 	if (bytes[0] == READ || bytes[0] == WRITE) {
-		put16(bytes + 3, seen(user, address));
+		put16(bytes + 3, value);
 		return tcp_write(user->pcb, bytes, REQUEST, TCP_WRITE_FLAG_COPY) == ERR_OK;
 	}
 	if (bytes[0] == MRAW) {
@@ -85,7 +102,7 @@ static bool answer(struct user *user)
 /* Takes a byte; false if the connection is to be closed. */
 static bool take(struct user *user, uint8_t byte)
 {
-	if (user->mraw.state != MRAW_NONE) {
+	if (user->mraw.state != MRAW_NONE || asks(user)) {
 		if (user->waiting == LATER)
 			return false;
 		user->later[user->waiting++] = byte;
@@ -102,20 +119,23 @@ static bool take(struct user *user, uint8_t byte)
 static err_t received(void *argument, struct tcp_pcb *pcb, struct pbuf *chain, err_t error)
 {
 	struct user *user = argument;
-	bool stays = true;
 
 	(void)error;
-	for (struct pbuf *part = chain; part && stays; part = part->next)
-		for (uint16_t k = 0; k < part->len && stays; ++k)
-			stays = take(user, ((const uint8_t *)part->payload)[k]);
+	for (; chain && !user->broken && user->taken < chain->tot_len; ++user->taken) {
+		/* lwIP keeps the rest and offers it again, in `serve` or by its own clock. */
+		if (asks(user)) {
+			tcp_output(pcb);
+			return ERR_MEM;
+		}
+		user->broken = !take(user, pbuf_get_at(chain, user->taken));
+	}
+	user->taken = 0;
+	user->ends |= !chain;
 	if (chain) {
 		tcp_recved(pcb, chain->tot_len);
 		pbuf_free(chain);
 	}
 	tcp_output(pcb);
-	user->ends |= !chain;
-	if (!stays || (user->ends && user->mraw.state == MRAW_NONE))
-		leave(user);
 	return ERR_OK;
 }
 
@@ -158,51 +178,65 @@ static bool take_waiting(struct user *user)
 	return true;
 }
 
-/* Sends the user's package, and answers what has waited behind it; false if the connection is to be
- * closed. */
+/* Goes on with what the user waits for: an answer from the sensor, a package, and what has come
+ * behind; false if the connection is to be closed. */
 static bool serve(struct user *user)
 {
-	if (user->mraw.state == MRAW_SENDS && !mraw_send(&user->mraw, user->pcb))
+	struct tcp_pcb *pcb = user->pcb;
+
+	if (user->broken || (asks(user) && !answer(user)))
 		return false;
-	if (user->mraw.state != MRAW_NONE || !user->waiting)
-		return user->mraw.state != MRAW_NONE || !user->ends;
-	if (!take_waiting(user))
+	if (user->mraw.state == MRAW_SENDS && !mraw_send(&user->mraw, pcb))
 		return false;
-	tcp_output(user->pcb);
-	return true;
+	if (!asks(user) && user->mraw.state == MRAW_NONE && user->waiting && !take_waiting(user))
+		return false;
+	tcp_output(pcb);
+	if (!asks(user) && user->mraw.state == MRAW_NONE && pcb->refused_data)
+		tcp_process_refused_data(pcb);
+	return asks(user) || user->mraw.state != MRAW_NONE || !(user->ends || user->broken);
 }
 
 /* Something is to be done for the user without a byte of theirs. */
 static bool wanting(const struct user *user)
 {
-	return user->pcb && (user->mraw.state == MRAW_SENDS || user->waiting || user->ends);
+	return user->pcb && (user->mraw.state == MRAW_SENDS || user->waiting || user->ends ||
+			     user->broken);
 }
 
-void table_poll(void)
+/* Begins packages that were asked for. Who asks while a frame is sent waits until it is, and all who
+ * have waited begin together: a frame that new users joined again and again would be held for
+ * ever. */
+static void begin_packages(void)
 {
-	static unsigned next;
 	bool asked = false;
 
-	/* A GVCP command waits for the loop: no time for users who are not there. */
-	if (!connected)
-		return;
 	for (unsigned k = 0; k < TABLE_USERS; ++k)
 		asked |= users[k].mraw.state == MRAW_ASKED;
-	/* Who asks while a frame is sent waits until it is, and all who have waited begin together:
-	 * a frame that new users joined again and again would be held for ever. */
 	if (asked && mraw_claim())
 		for (unsigned k = 0; k < TABLE_USERS; ++k)
 			if (users[k].mraw.state == MRAW_ASKED)
 				mraw_begin(&users[k].mraw);
-	for (unsigned k = 0; k < TABLE_USERS; ++k) {
-		struct user *user = &users[next];
+}
 
-		next = (next + 1) % TABLE_USERS;
-		if (wanting(user)) {
-			if (!serve(user))
-				leave(user);
-			return;
-		}
+void table_poll(void)
+{
+	static unsigned first;
+	bool served = false;
+
+	/* A GVCP command waits for the loop: no time for users who are not there. */
+	if (!connected)
+		return;
+	begin_packages();
+	first = (first + 1) % TABLE_USERS;
+	/* Each who waits for the sensor asks in each turn; of the others one is served. */
+	for (unsigned k = 0; k < TABLE_USERS; ++k) {
+		struct user *user = &users[(first + k) % TABLE_USERS];
+
+		if (!asks(user) && (served || !wanting(user)))
+			continue;
+		served |= !asks(user);
+		if (!serve(user))
+			leave(user);
 	}
 }
 

@@ -1,6 +1,7 @@
 #include "words.h"
 
 #include "hw.h"
+#include "interrupt.h"
 #include "sensor.h"
 
 #define PAGE 0xf000u		/* the system's words; the sensor's are below */
@@ -50,23 +51,19 @@ uint32_t words_frame_clocks(void)
 	return (uint32_t)(10ull * CLOCK_HZ / rate);
 }
 
-static uint32_t kept_read(uint32_t address)
+/* Where the sensor's register is kept; 0: it is not. */
+static uint16_t *kept(uint32_t address)
 {
-	int32_t value;
-
 	switch (address) {
-	case SENSOR_SHUTTER_UPPER: return shutter_upper;
-	case SENSOR_SHUTTER_LOWER: return shutter_lower;
-	case SENSOR_GAIN: return gain;
-	case SENSOR_PATTERN: return pattern;
+	case SENSOR_SHUTTER_UPPER: return &shutter_upper;
+	case SENSOR_SHUTTER_LOWER: return &shutter_lower;
+	case SENSOR_GAIN: return &gain;
+	case SENSOR_PATTERN: return &pattern;
 	}
-	if (address > SENSOR_LAST)
-		return 0;
-	value = sensor_read(address);
-	return value < 0 ? 0 : (uint32_t)value;
+	return 0;
 }
 
-uint32_t word_read(uint32_t address)
+static uint32_t page_read(uint32_t address)
 {
 	struct view view = words_view();
 
@@ -83,9 +80,23 @@ uint32_t word_read(uint32_t address)
 	case WORD_LINE_TIME_UPPER: return LINE_TIME_NS >> 16;
 	case WORD_LINE_TIME_LOWER: return LINE_TIME_NS & 0xffff;
 	case WORD_STREAMING: return words_streaming;
+	case WORD_FRAMES: return interrupt_frames(view.raw) & 0xffff;
 	}
-	/* The other words of the page are 0: offsets, number of the lens, of the last lens. */
-	return address >= PAGE ? 0 : kept_read(address);
+	return 0;	/* also of offsets, number of the lens, of the last lens */
+}
+
+bool word_read(uint32_t address, uint32_t *value)
+{
+	const uint16_t *place = kept(address);
+
+	*value = 0;
+	if (address >= PAGE)
+		*value = page_read(address);
+	else if (place)
+		*value = *place;
+	else if (address <= SENSOR_LAST)
+		return sensor_ask(false, address, value) != SENSOR_UNDER_WAY;
+	return true;
 }
 
 static enum refusal write_page(uint32_t address, uint32_t value)
@@ -126,34 +137,29 @@ static bool geometry(uint32_t address)
 
 static enum refusal write_sensor(uint32_t address, uint32_t value)
 {
-	uint16_t *kept = 0;
+	uint16_t *place = kept(address);
 
 	if (geometry(address))
 		return READ_ONLY;
-	switch (address) {
-	case SENSOR_SHUTTER_UPPER:
-		if (value > 15)
-			return BAD_VALUE;
-		kept = &shutter_upper;
-		break;
-	case SENSOR_SHUTTER_LOWER: kept = &shutter_lower; break;
-	case SENSOR_GAIN:
-		if ((value & 63) < 8)
-			return BAD_VALUE;
-		kept = &gain;
-		break;
-	case SENSOR_PATTERN: kept = &pattern; break;
+	if ((address == SENSOR_SHUTTER_UPPER && value > 15) ||
+	    (address == SENSOR_GAIN && (value & 63) < 8))
+		return BAD_VALUE;
+	switch (sensor_ask(true, address, &value)) {
+	case SENSOR_UNDER_WAY: return UNDER_WAY;
+	case SENSOR_SILENT: return NO_ANSWER;
+	case SENSOR_DONE: break;
 	}
-	if (sensor_write(address, value))
-		return SENSOR_SILENT;
-	if (kept)
-		*kept = (uint16_t)value;
+	if (place)
+		*place = (uint16_t)value;
 	return DONE;
 }
 
 enum refusal word_write(uint32_t address, uint32_t value)
 {
-	if (word_read(address) == value)
+	const uint16_t *place = kept(address);
+
+	/* What is there already is not written, as far as that is known without the bus. */
+	if (address >= PAGE ? page_read(address) == value : place && *place == value)
 		return DONE;
 	if (words_streaming && (address == WORD_SOURCE || address == WORD_FORMAT))
 		return LOCKED;
@@ -170,12 +176,21 @@ const struct feature *feature_at(uint32_t address)
 	return 0;
 }
 
+/* The word of a feature: of the page, or kept, so that it is there at once. */
+static uint32_t word(uint32_t address)
+{
+	uint32_t value;
+
+	word_read(address, &value);
+	return value;
+}
+
 uint32_t feature_read(const struct feature *one)
 {
-	uint32_t value = word_read(one->lower);
+	uint32_t value = word(one->lower);
 
 	if (one->upper != NO_WORD)
-		value |= word_read(one->upper) << 16;
+		value |= word(one->upper) << 16;
 	if (one->width)
 		value = value >> one->shift & ((1u << one->width) - 1);
 	for (unsigned k = 0; k < one->count; ++k)
@@ -202,7 +217,7 @@ enum refusal feature_write(const struct feature *one, uint32_t value)
 	if (one->width) {
 		uint32_t mask = ((1u << one->width) - 1) << one->shift;
 
-		value = (word_read(one->lower) & ~mask) | value << one->shift;
+		value = (word(one->lower) & ~mask) | value << one->shift;
 	}
 	if (one->upper != NO_WORD)
 		refusal = word_write(one->upper, value >> 16);

@@ -5,8 +5,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Why a write is not carried out. */
-enum refusal { DONE, BAD_VALUE, LOCKED, READ_ONLY, SENSOR_SILENT };
+/* Why a write is not carried out; UNDER_WAY: the sensor's bus is at work, ask the same again in each
+ * turn of the loop. */
+enum refusal { DONE, BAD_VALUE, LOCKED, READ_ONLY, NO_ANSWER, UNDER_WAY };
 
 #define NO_WORD 0xffffu
 
@@ -40,7 +41,8 @@ int words_begin(void);
 struct view words_view(void);
 uint32_t words_frame_clocks(void);	/* least clocks from frame to frame */
 
-uint32_t word_read(uint32_t address);
+/* The word at an address, 0 where there is none; false: as UNDER_WAY. */
+bool word_read(uint32_t address, uint32_t *value);
 enum refusal word_write(uint32_t address, uint32_t value);
 
 const struct feature *feature_at(uint32_t address);

@@ -33,14 +33,16 @@ _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
 _SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
             "gvcp_write.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
-            "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
+            "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
+# Of these what answers GVCP has no part that takes long.
+_SLOW = ("main.c", "gvcp_write.c", "words.c", "phy.c", "mdio.c", "uart.c")
 _ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
             "-ffreestanding", "-fbuiltin", "-fno-tree-loop-distribute-patterns",
             "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles", "--specs=picolibc.specs",
             "-Wl,--gc-sections")
-_FAST = ("-O2",)                        # ours, which answers GVCP
-_SMALL = ("-Os", "-msave-restore")      # lwIP
+_FAST = ("-O2",)                        # of ours, what answers GVCP
+_SMALL = ("-Os", "-msave-restore")      # the rest, and lwIP
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def _hardware(capacity, soc):
         "FRAMES_BASE": _hex(MAP["frames"]),
         "ETHMAC_RX_BASE": _hex(MAP["ethmac_rx"]), "ETHMAC_TX_BASE": _hex(MAP["ethmac_tx"]),
         "ETHMAC_SLOT_BYTES": f"{SLOT_BYTES}u",
-        "LINK_CAPACITY": f"{capacity}u",
+        "SYSTEM_INTERRUPT": f"{soc.interrupt}u", "LINK_CAPACITY": f"{capacity}u",
         "LINK_TEMPLATES": _hex(MAP["ncdc"] + 4 * (LINK_BASE + TEMPLATES))}
 
 
@@ -184,6 +186,8 @@ def _protocols(identity, clock_hz):
         "GVCP_CORRECTOR_BASE": _hex(gvcp.CORRECTOR_BASE),
         "GVCP_CORRECTOR_BYTES": _hex(gvcp.CORRECTOR_BYTES),
         "GVCP_CAPABILITY": _hex(gvcp.CAPABILITY),
+        "GVCP_CONFIGURATION": _hex(gvcp.CONFIGURATION_PENDING_ACK),
+        "GVCP_PENDING_MS": f"{gvcp.PENDING_MS}u",
         "GVCP_DISCOVERY_BYTES": _hex(gvcp.DISCOVERY_BYTES),
         "TABLE_PORT": f"{TCP_PORT}u", "TABLE_USERS": f"{_USERS}",
         "HEARTBEAT_MS": f"{gvcp.HEARTBEAT_MS}u",
@@ -276,7 +280,9 @@ def firmware_image(text, soc, folder):
     # lwIP's headers are others' code: what the compiler says of them is not ours to mend.
     headers = [f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
                str(lwip / "include")]
-    for name, options, sources in (("own", _FAST, [FIRMWARE / name for name in _SOURCES]),
+    fast = [FIRMWARE / name for name in _SOURCES if name not in _SLOW]
+    for name, options, sources in (("fast", _FAST, fast),
+                                   ("slow", _SMALL, [FIRMWARE / name for name in _SLOW]),
                                    ("lwip", _SMALL, [lwip / name for name in FILES])):
         (folder / name).mkdir(exist_ok=True)
         _run([_COMPILER, *options, *_OPTIONS, *headers, "-c", *map(str, sources)], folder / name)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from litedram import modules
-from litedram.core.controller import ControllerSettings
 from litedram.frontend.dma import LiteDRAMDMAWriter
 from litedram.phy.model import SDRAMPHYModel, get_sdram_phy_settings
 from litex.build.generic_platform import Pins, Subsignal
@@ -14,6 +13,7 @@ from litex.soc.interconnect import wishbone
 from migen import Cat, ClockDomain
 
 from ncdc_soc.module import NCDC
+from ncdc_soc.turns import long_turns
 from ncdc_soc.verilog import litex_verilog
 
 __all__ = ["CLOCK_HZ", "MAIN_RAM", "REGISTERS", "ModuleSoc", "ModuleSocVerilog",
@@ -25,7 +25,6 @@ REGISTERS = 0x9000_0000
 """Byte addresses of what the bus reaches: memory, the corrector."""
 
 _ROM_BYTES = 0x1000
-_LONG_TURNS = {"cmd_buffer_depth": 16, "read_time": 128, "write_time": 64}
 _HOST = {"adr": 30, "dat_w": 32, "sel": 4, "cyc": 1, "stb": 1, "we": 1, "dat_r": 32, "ack": 1,
          "err": 1}
 _VIDEO = {"valid": 1, "ready": 1, "first": 1, "last": 1, "de": 1, "hsync": 1, "vsync": 1, "r": 8,
@@ -56,10 +55,6 @@ class ModuleSoc(SoCCore):
         LiteX's name of the processor.
     folder : path
         For the corrector's Verilog.
-    long_turns : bool
-        Whether LiteDRAM's controller changes direction less often than it does by itself: after at
-        most 128 clocks of reads while a write waits, 64 of writes while a read does (its own: 32
-        and 16), with queues of 16 commands (8).
     record : bool
         Whether LiteDRAM's DMA writes the video into memory, four bytes a pixel, blue first; else it
         is at the pins.
@@ -68,7 +63,7 @@ class ModuleSoc(SoCCore):
     mem_map = {**SoCCore.mem_map, "rom": 0, "sram": 0x1000_0000, "main_ram": MAIN_RAM,
                "csr": 0xF000_0000}
 
-    def __init__(self, platform, net, hardware, cpu, folder, long_turns=False, record=False):
+    def __init__(self, platform, net, hardware, cpu, folder, record=False):
         SoCCore.__init__(
             self, platform, CLOCK_HZ, cpu_type=cpu, ident="", with_uart=False, with_timer=False,
             integrated_rom_size=_ROM_BYTES if cpu else 0, integrated_rom_init=[0] if cpu else [],
@@ -78,7 +73,7 @@ class ModuleSoc(SoCCore):
         self.sdrphy = SDRAMPHYModel(module, get_sdram_phy_settings("SDR", 32, CLOCK_HZ), CLOCK_HZ)
         # A cache before the memory would not see what the corrector writes.
         self.add_sdram("sdram", phy=self.sdrphy, module=module, l2_cache_size=0,
-                       controller_settings=ControllerSettings(**_LONG_TURNS if long_turns else {}))
+                       controller_settings=long_turns())
         self.ncdc = NCDC(platform, net, self.sdram.crossbar, hardware, folder=folder)
         self.bus.add_slave("ncdc", self.ncdc.bus, self.ncdc.region(REGISTERS))
         if self.irq.enabled:
@@ -125,11 +120,11 @@ class ModuleSocVerilog:
     registers: dict
 
 
-def module_soc_verilog(net, hardware, cpu, folder, long_turns=False, record=False):
+def module_soc_verilog(net, hardware, cpu, folder, record=False):
     """:class:`ModuleSocVerilog` of a :class:`ModuleSoc`, whose parameters these are."""
     platform = SimPlatform("SIM", _PINS)
     soc, text = litex_verilog(
-        platform, lambda: ModuleSoc(platform, net, hardware, cpu, folder, long_turns, record),
+        platform, lambda: ModuleSoc(platform, net, hardware, cpu, folder, record),
         "ncdc_litex")
     registers = {f"{bank}_{csr.name}": region.origin + 4 * offset
                  for bank, region in soc.csr_regions.items() if isinstance(region.obj, list)

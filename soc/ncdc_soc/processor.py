@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 
+from litex.gen import LiteXModule
 from litex.soc.integration.soc import SoCRegion
 from litex.soc.integration.soc_core import SoCCore
 from litex.soc.interconnect import wishbone
+from litex.soc.interconnect.csr_eventmanager import EventManager, EventSourceLevel
 from migen import Mux, Signal
 
 from ncdc_hdl.link.processor import ADDRESS_BITS, FRAMES_BITS
@@ -35,13 +37,25 @@ class ProcessorVerilog:
         Byte address of each of LiteX's registers, by name.
     memories : dict
         First byte and size of each region, by name.
+    interrupt : int
+        Bit of the system's line in the mask of VexRiscv's interrupts.
     clock_hz : int
     """
     text: str
     core: str
     registers: dict
     memories: dict
+    interrupt: int
     clock_hz: int
+
+
+class _Interrupt(LiteXModule):
+    """The system's interrupt as an event, which lasts as long as it does."""
+
+    def __init__(self):
+        self.ev = EventManager()
+        self.ev.system = EventSourceLevel(description="An event of camera or packetiser.")
+        self.ev.finalize()
 
 
 class Processor(SoCCore):
@@ -72,7 +86,10 @@ class Processor(SoCCore):
         SoCCore.__init__(
             self, platform, clock_hz, cpu_type="vexriscv", cpu_variant="standard",
             integrated_rom_size=rom_bytes, integrated_rom_init=[0],
-            integrated_sram_size=_SRAM_BYTES, uart_name=uart, ident="", with_timer=True)
+            integrated_sram_size=_SRAM_BYTES, uart_name=uart, ident="",
+            with_timer=True,
+            # The caches read eight words at a time: of ROM and SRAM one in a clock that way.
+            bus_bursting=True)
         self.crg = clocks
         self.add_watchdog("watchdog", reset_delay=_WATCHDOG_DELAY)
         self.ethphy = phy
@@ -82,6 +99,8 @@ class Processor(SoCCore):
                                  ("tx", self.ethmac.bus_tx, _TX_SLOTS)):
             self.bus.add_slave(f"ethmac_{name}", bus, SoCRegion(
                 origin=MAP[f"ethmac_{name}"], size=slots * SLOT_BYTES, cached=False))
+        self.system = _Interrupt()
+        self.irq.add("system", use_loc_if_exists=True)
         self.port = {**self._bus("ncdc", "registers", ADDRESS_BITS),
                      **self._bus("frames", "frames", FRAMES_BITS), **self._packets()}
 
@@ -97,7 +116,7 @@ class Processor(SoCCore):
                 for members in (driven, read) for member, signal in members.items()}
 
     def _packets(self):
-        """Ethernet frames to the MAC, likewise; the interrupt has no use as yet."""
+        """Ethernet frames to the MAC, and the interrupt, likewise."""
         frames, empty = self.ethmac.frames, Signal(2)
         self.comb += frames.last_be.eq(Mux(frames.last, 0b1000 >> empty, 0))
         return {"processor__packet_valid": (frames.valid, False),
@@ -105,7 +124,7 @@ class Processor(SoCCore):
                 "processor__packet_data": (frames.data, False),
                 "processor__packet_empty": (empty, False),
                 "processor__packet_last": (frames.last, False),
-                "processor__irq": (Signal(), False)}
+                "processor__irq": (self.system.ev.system.trigger, False)}
 
 
 def described(soc, platform, text):
@@ -115,7 +134,8 @@ def described(soc, platform, text):
                  for bank, region in soc.csr_regions.items()
                  for offset, csr in _places(region.obj)}
     memories = {name: (region.origin, region.size) for name, region in soc.bus.regions.items()}
-    return ProcessorVerilog(text, core, registers, memories, int(soc.sys_clk_freq))
+    return ProcessorVerilog(text, core, registers, memories, soc.irq.locs["system"],
+                            int(soc.sys_clk_freq))
 
 
 def _places(csrs):

@@ -10,6 +10,7 @@ from migen import ClockDomain, Instance, Signal
 
 from ncdc_soc.mac import ModelPhy
 from ncdc_soc.processor import Processor, described
+from ncdc_soc.turns import long_turns
 from ncdc_soc.verilog import litex_verilog
 
 __all__ = ["CLOCK_HZ", "soc_verilog"]
@@ -56,7 +57,7 @@ class _Soc(Processor):
         settings = get_sdram_phy_settings("SDR", 32, CLOCK_HZ)
         self.sdrphy = SDRAMPHYModel(module, settings, CLOCK_HZ, verbosity=0)
         self.sdram = LiteDRAMCore(self.sdrphy, module.geom_settings, module.timing_settings,
-                                  CLOCK_HZ)
+                                  CLOCK_HZ, controller_settings=long_turns())
 
     def _core(self, platform, core):
         """``ncdc_core``: the processor's, and its hosts on the SDRAM."""

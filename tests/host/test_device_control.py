@@ -147,6 +147,49 @@ def test_both_protocols_see_one_state(one):
     assert user.get("AcquisitionFrameRate") == one.registers.read(0xF004) == 77
 
 
+def test_a_command_that_needs_the_sensor_s_bus_is_put_off(one):
+    """For who says that they understand it; what the device keeps is answered at once."""
+    user = Asker(one)
+    user.control()
+    address, value = (feature(f"SensorRegister{name}").address for name in ("Address", "Value"))
+    read = gvcp.command_packet(gvcp.READREG, 9, struct.pack(">I", value))
+    write = gvcp.command_packet(gvcp.WRITEREG, 9, struct.pack(">II", value, 77))
+
+    def codes(packet, peer=USER):
+        return [gvcp.parse_acknowledge(data)[1] for data in one.agent.answers(packet, peer, 1000)]
+
+    assert user.write(address, 0x30) == gvcp.SUCCESS
+    assert codes(read) == [0x81] and codes(write) == [0x83]
+    configuration = gvcp.place("Configuration").address
+    assert user.write(configuration, 1) == gvcp.INVALID_PARAMETER
+    assert user.write(configuration, gvcp.CONFIGURATION_PENDING_ACK) == gvcp.SUCCESS
+    assert codes(read) == [0x89, 0x81] and codes(write) == [0x89, 0x83]
+    status, _, number, rest = gvcp.parse_acknowledge(one.agent.answers(read, USER, 1000)[0])
+    assert (status, number, rest) == (0, 9, struct.pack(">I", gvcp.PENDING_MS))
+    assert codes(read, OTHER) == [0x81]
+    assert user.set("Gain", 16) == gvcp.SUCCESS
+    assert user.write(address, 0x35) == gvcp.SUCCESS and codes(read) == [0x81]
+    assert user.write(gvcp.place("ControlPrivilege").address, 0) == gvcp.SUCCESS
+    assert user.read(configuration) == 0
+
+
+def test_an_address_is_forced_on_whom_it_names(one):
+    user, mac = Asker(one), one.agent._identity.mac
+    own = int.from_bytes(map(int, one.options.address.split(".")), "big")
+
+    def force(mac, address):
+        packet = gvcp.command_packet(gvcp.FORCEIP, 9, gvcp.FORCE_IP.pack(
+            mac >> 32, mac & 0xFFFFFFFF, address, 0xFFFFFF00, 0))
+        return [gvcp.parse_acknowledge(data)[:2] for data in one.agent.answers(
+            packet, USER, user.now)]
+
+    assert force(mac, own) == force(mac, 0) == [(gvcp.SUCCESS, 5)]
+    assert force(mac, own + 1) == [(gvcp.INVALID_PARAMETER, 5)] and force(mac ^ 1, own) == []
+    user.control()
+    assert force(mac, own) == [(gvcp.ACCESS_DENIED, 5)]
+    assert user.command(gvcp.FORCEIP, bytes(20))[0] == gvcp.INVALID_HEADER
+
+
 WRITABLE = {f.address for f in FEATURES if f.access != "ro"} | {
     p.address for p in gvcp.BOOTSTRAP if p.access == "rw"}
 
@@ -199,7 +242,7 @@ def hostile_user(one, count, controls):
             user.control()
         answer = one.agent.handle(data, USER if controls else OTHER, user.now)
         assert answer is None or 8 <= len(answer) <= 8 + 4 + gvcp.MEMORY_BYTES_MAX
-    one.agent.tick(user.now + 10)
+    one.agent.tick(user.now + (1 << 32) / 1000)     # the longest heartbeat's time
     after = everything(one)
     changed = {address for address in before if before[address] != after[address]}
     assert one.agent.controller is None and not one.registers.streaming

@@ -33,7 +33,8 @@ def test_a_torn_picture_differs():
 def row(**figures):
     return {"what": "idle", "peer": "GVCP", "frames": 0, "pixels_different": None,
             "megabytes_per_second": None, "underruns": 0, "resent": None,
-            "clocks_per_command": None, "most_clocks_per_command": None} | figures
+            "clocks_per_command": None, "most_clocks_per_command": None,
+            "clocks_per_pixel": None} | figures
 
 
 @pytest.mark.parametrize("bad,word", (

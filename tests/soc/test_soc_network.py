@@ -2,6 +2,7 @@
 
 import json
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -325,3 +326,153 @@ def test_a_flood_of_frames_of_any_kind(model, tmp_path):
     assert sent >= 100_000 and received >= 100_000 and taken == 2
     assert screen.count("NCDC ") == 1 and "exception" not in screen and " 0 broken" in said
     assert matches(tmp_path, taken, [model.golden().picture]) == [0] * taken
+
+
+_PUT_OFF = """
+import json, socket, struct
+from ncdc_model.interface import gvcp
+from ncdc_model.interface.features import feature
+asking = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+asking.settimeout(300)
+other = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+other.settimeout(300)
+number = 0
+def send(code, *words, by=asking):
+    global number
+    number += 1
+    by.sendto(gvcp.command_packet(code, number, struct.pack(f">{len(words)}I", *words)),
+              ("{address}", gvcp.PORT))
+def take(by=asking):
+    status, code, request, rest = gvcp.parse_acknowledge(by.recv(2000))
+    return [status, code, request == number, int.from_bytes(rest[-4:], "big")]
+def ask(code, *words):
+    send(code, *words)
+    return take()
+address, value = (feature(f"SensorRegister{name}").address for name in ("Address", "Value"))
+told = {}
+ask(gvcp.WRITEREG, gvcp.place("ControlPrivilege").address, 2)
+ask(gvcp.WRITEREG, address, 0x2c)
+told["at once"] = ask(gvcp.WRITEREG, value, 7)
+ask(gvcp.WRITEREG, gvcp.place("Configuration").address, 2)
+told["write"] = [ask(gvcp.WRITEREG, value, 9), take()]
+told["read"] = [ask(gvcp.READREG, value), take()]
+told["two reads"] = [ask(gvcp.READREG, value, value), take()]
+told["kept"] = ask(gvcp.WRITEREG, feature("Gain").address, 8)
+# Somebody else's command is answered between.
+send(gvcp.WRITEREG, value, 11)
+other.sendto(gvcp.command_packet(gvcp.READREG, 99, struct.pack(
+    ">I", gvcp.place("HeartbeatTimeout").address)), ("{address}", gvcp.PORT))
+other.sendto(gvcp.command_packet(gvcp.READREG, 98, struct.pack(">I", value)),
+             ("{address}", gvcp.PORT))
+told["third"] = [take(), take()]
+told["others"] = [list(gvcp.parse_acknowledge(other.recv(2000))[:3]) for _ in range(2)]
+print(json.dumps(told))
+"""
+
+
+def test_an_answer_that_waits_for_the_sensor_is_put_off(model, tmp_path):
+    need("tshark")
+    file = tmp_path / "capture.pcapng"
+    with SocRun(model) as run:
+        capture = run.network.start(["tshark", "-q", "-i", TAP, "-w", str(file)],
+                                    stderr=subprocess.PIPE)
+        while "Capture" not in (line := capture.stderr.readline()):
+            assert line
+        told = peer(run, _PUT_OFF.replace("{address}", ADDRESS), tmp_path)
+        capture.terminate()
+        capture.wait(20)
+        assert "exception" not in run.screen
+    off, written, read = [0, 0x89, True, 1000], [0, 0x83, True, 1], [0, 0x81, True, 9]
+    assert told["at once"] == written and told["write"] == [off, written]
+    assert told["read"] == told["two reads"] == [off, read]
+    assert told["kept"] == written and told["third"] == [off, written]
+    # The one that needs no bus is answered, and the one that does if the bus is free by then.
+    assert told["others"][0] == [0, 0x81, 99] and told["others"][1][1:] == [0x81, 98]
+    assert told["others"][1][0] in (0, 0x8007)
+    fields = subprocess.run(
+        ["tshark", "-r", str(file), "-Y", "gvcp.ack.pendingack.timetocompletion", "-T", "fields",
+         "-e", "gvcp.ack.pendingack.timetocompletion", "-e", "_ws.malformed"],
+        capture_output=True, text=True, check=True).stdout.split()
+    assert [int(field, 16) for field in fields] == [1000] * 4
+
+
+_ARAVIS_PUT_OFF = _OPEN + """
+from ncdc_model.interface import gvcp
+device._bridge.call("write_memory", gvcp.place("Configuration").address,
+                    [gvcp.CONFIGURATION_PENDING_ACK])
+device.set("ExposureTime", 200)
+device.set("SensorRegisterAddress", 0x2c)
+device.set("SensorRegisterValue", 77)
+print(json.dumps([device.get("ExposureTime"), device.get("SensorRegisterValue")]))
+"""
+
+
+def test_aravis_waits_for_an_answer_that_is_put_off(model, tmp_path):
+    with SocRun(model) as run:
+        exposure, word = peer(run, _ARAVIS_PUT_OFF, tmp_path)
+    assert word == 77 and exposure == pytest.approx(200, rel=0.05)
+
+
+_FORCE = """
+import json, sys
+import viva_genicam
+from ncdc_host.client.devices import open_device
+viva_genicam.force_ip({mac!r}, "10.77.0.99", "255.255.255.0", "0.0.0.0", {tap!r})
+with open_device("aravis://10.77.0.99") as device:
+    print(json.dumps(device.get("DeviceModelName")))
+"""
+
+
+def test_viva_genicam_forces_another_address_on_it(model, tmp_path):
+    script = _FORCE.format(mac=Identity().mac, tap=TAP)
+    with SocRun(model) as run:
+        name = peer(run, script, tmp_path)
+        assert "address: 0a4d0063" in run.screen.lower() or "address: a4d0063" in run.screen
+    assert name == "NCDC camera"
+
+
+_JUMBO = """
+import json, sys
+import numpy as np
+from ncdc_host.client.devices import open_device
+from ncdc_model.interface.gvcp import place
+_, folder, url = sys.argv[1:]
+with open_device(json.loads(url)) as device:
+    with device.stream(9000) as stream:
+        for k in range(3):
+            np.save(f"{folder}/{k}.npy", stream.next(300).pixels)
+        print(json.dumps(device.get("GevSCPSPacketSize")))
+"""
+
+
+@pytest.mark.parametrize("scheme", ("aravis", "gige"))
+def test_jumbo_packets(model, tmp_path, scheme):
+    """A client asks for packets of 9,000 bytes; a test packet of that size comes through.
+
+    viva-genicam looks for the largest size by its own clock: how far it gets before it loses
+    patience depends on the simulation's speed.
+    """
+    with SocRun(model, mtu=9000) as run:
+        size = peer(run, _JUMBO, tmp_path, f"{scheme}://{ADDRESS}")
+    assert size == 36 + (9000 - 36) // 16 * 16 if scheme == "aravis" else 1500 < size <= 9000
+    assert matches(tmp_path, 3, [model.golden().picture]) == [0] * 3
+
+
+_COUNT = """
+import json, time
+from ncdc_host.client.table import Connection
+from ncdc_model.interface.features import system_word
+user = Connection("{address}", {port}, 300)
+counts = []
+while len(set(counts)) < 5:
+    counts.append(user.read(system_word("FRAMES")))
+print(json.dumps(counts))
+"""
+
+
+def test_each_frame_interrupts_the_processor_once(model, tmp_path):
+    with SocRun(model) as run:
+        counts = peer(run, _COUNT.format(address=ADDRESS, port=TCP_PORT), tmp_path)
+    # No frame twice: it grows, and by few between two answers.
+    steps = np.diff(counts)
+    assert min(steps) >= 0 and counts[0] > 0 and counts[-1] - counts[0] >= 4

@@ -84,11 +84,19 @@ def discover_aravis(seconds):
 
 
 class AravisDevice(Device):
-    """See :class:`Device`."""
+    """See :class:`Device`.
+
+    Attributes
+    ----------
+    packet_timeout_us : int or None
+        Without a packet for so long, one that is missing is asked for again; None: as Aravis has
+        it. For streams that begin from now on, of a device slower than the clock on the wall.
+    """
 
     def __init__(self, address, monitor=False):
         self.url = f"aravis://{address}"
         self._monitor, self._closed, self._stream = monitor, False, None
+        self.packet_timeout_us = None
         self._bridge = _Bridge()
         try:
             found = self._bridge.call("open", address, monitor)
@@ -144,7 +152,7 @@ class AravisDevice(Device):
     def stream(self, packet_size=None, multicast=None):
         if multicast is not None or self._monitor:
             raise DeviceError("aravis:// has no multicast and no stream for a monitor: use gige://")
-        self._bridge.call("start", packet_size)
+        self._bridge.call("start", packet_size, self.packet_timeout_us)
         return AravisStream(self, self._bridge)
 
     def load_lens(self, descriptor):

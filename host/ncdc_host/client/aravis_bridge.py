@@ -123,11 +123,13 @@ class _Bridge:
         for k, word in enumerate(words):
             self._device.write_register(address + 4 * k, word)
 
-    def start(self, packet_size):
+    def start(self, packet_size, packet_timeout_us):
         if packet_size:
             self._camera.gv_set_packet_size(packet_size)
         self._stream = self._camera.create_stream(None, None)
-        for name, value in (("frame-retention", _RETENTION_US),
+        timeout = packet_timeout_us or self._stream.get_property("packet-timeout")
+        for name, value in (("packet-timeout", timeout),
+                            ("frame-retention", max(_RETENTION_US, 4 * timeout)),
                             ("packet-request-ratio", _REQUEST_RATIO),
                             ("socket-buffer-size", _SOCKET_BYTES)):
             self._stream.set_property(name, value)

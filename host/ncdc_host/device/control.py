@@ -48,7 +48,7 @@ class Identity:
             "IpAddress": number, "SubnetMask": int(IPv4Address(mask)), "Gateway": 0,
             "NetworkInterfaces": 1, "MessageChannels": 0, "StreamChannels": 1,
             "Capability": gvcp.CAPABILITY, "TickFrequencyHigh": 0,
-            "TickFrequencyLow": 1_000_000_000}
+            "TickFrequencyLow": 1_000_000_000, "PendingTimeout": gvcp.PENDING_MS}
         self.texts = {
             "DeviceVendorName": "NCDC", "DeviceModelName": "NCDC emulated device",
             "DeviceVersion": version, "DeviceManufacturerInfo": "distortion correction",
@@ -85,9 +85,10 @@ class ControlAgent:
                           if place.access == "rw"}
         self._sensor_address = 0
         self._commands = {
-            gvcp.DISCOVERY: self._discovery, gvcp.READREG: self._readreg,
-            gvcp.WRITEREG: self._writereg, gvcp.READMEM: self._readmem,
-            gvcp.WRITEMEM: self._writemem, gvcp.PACKETRESEND: self._packetresend}
+            gvcp.DISCOVERY: self._discovery, gvcp.FORCEIP: self._forceip,
+            gvcp.READREG: self._readreg, gvcp.WRITEREG: self._writereg,
+            gvcp.READMEM: self._readmem, gvcp.WRITEMEM: self._writemem,
+            gvcp.PACKETRESEND: self._packetresend}
         self._resend_budget = (0.0, _RESENT_PER_SECOND)
         self._lock = threading.RLock()
         self.controller = None          # (address, port) that holds control
@@ -98,15 +99,27 @@ class ControlAgent:
 
     def handle(self, data, peer, now=None):
         """The answer to a datagram of ``peer``, (address, port); None if there is none."""
+        return next(iter(self.answers(data, peer, now)[-1:]), None)
+
+    def answers(self, data, peer, now=None):
+        """All that a datagram of ``peer`` is answered, in order: PENDING_ACK, if its command needs
+        the sensor's bus and the controller that sent it understands that, and the answer."""
         command = gvcp.parse_command(data)
         if command is None:
-            return None
+            return []
         now = time.monotonic() if now is None else now
         with self._lock:
             self.tick(now)
             if peer == self.controller:
                 self._heard = now
-            return self._answer(command, peer)
+            before = self._registers.bus_accesses
+            answer = self._answer(command, peer)
+            slow = self._registers.bus_accesses != before
+            if answer is None:
+                return []
+            told = (slow and peer == self.controller
+                    and self._words[gvcp.place("Configuration").address])
+            return [gvcp.pending_acknowledge(command), answer] if told else [answer]
 
     def _answer(self, command, peer):
         action = self._commands.get(command.code)
@@ -135,7 +148,8 @@ class ControlAgent:
         self._tl_locked, self._acquiring, self._mode = 0, False, 0
         self._registers.streaming = False
         for name, value in (("HeartbeatTimeout", gvcp.HEARTBEAT_MS), ("ControlPrivilege", 0),
-                            ("StreamPort", 0), ("StreamPacketDelay", 0), ("StreamAddress", 0),
+                            ("Configuration", 0), ("StreamPort", 0), ("StreamPacketDelay", 0),
+                            ("StreamAddress", 0),
                             ("StreamPacketSize", gvcp.SCPS_DO_NOT_FRAGMENT | 1500),
                             ("StreamSourcePort", self._stream.port), ("TimestampControl", 0),
                             ("TimestampHigh", 0), ("TimestampLow", 0)):
@@ -143,6 +157,19 @@ class ControlAgent:
 
     def _discovery(self, payload, peer):
         return self._memory(0, gvcp.DISCOVERY_BYTES)
+
+    def _forceip(self, payload, peer):
+        if len(payload) != gvcp.FORCE_IP.size:
+            raise _Status(gvcp.INVALID_HEADER)
+        mac_high, mac_low, address, _, _ = gvcp.FORCE_IP.unpack(payload)
+        if mac_high << 32 | mac_low != self._identity.mac:
+            return None
+        if self.controller is not None:
+            raise _Status(gvcp.ACCESS_DENIED)
+        # The address is this machine's, which the device cannot change.
+        if address not in (0, int(IPv4Address(self._identity.address))):
+            raise _Status(gvcp.INVALID_PARAMETER)
+        return b""
 
     def _readreg(self, payload, peer):
         if not payload or len(payload) % 4 or len(payload) > 4 * gvcp.REGISTERS_MAX:
@@ -228,10 +255,10 @@ class ControlAgent:
             return self._registers.read_feature(one)
         if one.name == "PayloadSize":
             return self._registers.settings.view.size
+        if one.name == "SensorRegisterValue":
+            return self._registers.read(self._sensor_address)
         return {"AcquisitionMode": self._mode, "TLParamsLocked": self._tl_locked,
-                "SensorRegisterAddress": self._sensor_address,
-                "SensorRegisterValue": self._registers.read(self._sensor_address),
-                }.get(one.name, 0)
+                "SensorRegisterAddress": self._sensor_address}.get(one.name, 0)
 
     def _write(self, address, value, peer):
         if address % 4:
@@ -275,6 +302,8 @@ class ControlAgent:
                 raise Refused("locked")
         if name == "HeartbeatTimeout":
             value = max(value, gvcp.HEARTBEAT_MIN_MS)
+        elif name == "Configuration" and value & ~gvcp.CONFIGURATION_PENDING_ACK:
+            raise Refused("value")
         elif name == "StreamPort" and value > 0xFFFF:
             raise Refused("value")
         elif name == "StreamPacketDelay" and value > feature("GevSCPD").high:

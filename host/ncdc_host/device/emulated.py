@@ -18,7 +18,7 @@ from ncdc_host.device.stream import Stream
 from ncdc_host.device.table_server import TableServer
 from ncdc_model.errors import InputError
 from ncdc_model.geometry import MONO
-from ncdc_model.interface.gvcp import DISCOVERY, PORT, parse_command
+from ncdc_model.interface.gvcp import DISCOVERY, FORCEIP, PORT, parse_command
 from ncdc_model.interface.table_one import TCP_PORT
 
 __all__ = ["Announcer", "DeviceOptions", "EmulatedDevice", "lens_corrections"]
@@ -165,8 +165,7 @@ class EmulatedDevice:
 
     def answer(self, data, peer):
         """Answer a datagram that ``peer`` sent to this device, or to every device."""
-        answer = self.agent.handle(data, peer)
-        if answer is not None:
+        for answer in self.agent.answers(data, peer):
             self._socket.sendto(answer, peer)
 
     def _serve(self):
@@ -181,7 +180,7 @@ class Announcer:
     """Lets the devices of this process answer a discovery that is sent to everybody.
 
     Without it a device is found by its address alone. Also what is sent to an address of this
-    machine without a device arrives here: only discoveries are answered.
+    machine without a device arrives here: only discoveries and FORCEIP are answered.
     """
     def __init__(self, devices):
         self._devices = list(devices)
@@ -204,7 +203,7 @@ class Announcer:
 
     def _answer(self, data, peer):
         command = parse_command(data)
-        if command is not None and command.code == DISCOVERY:
+        if command is not None and command.code in (DISCOVERY, FORCEIP):
             for device in self._devices:
                 device.answer(data, peer)
 

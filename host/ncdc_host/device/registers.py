@@ -19,6 +19,8 @@ _EXPOSURE_NS = 10_000_000           # after reset: what the photo was taken with
 _READ_ONLY = {word.address for word in SYSTEM_WORDS if word.access == "ro"} | {
     sensor.CHIP_VERSION, sensor.ROW_START, sensor.COLUMN_START, sensor.ROW_SIZE,
     sensor.COLUMN_SIZE}
+# Sensor registers that a device keeps, so that reading them takes no time on the I2C bus.
+_KEPT = {sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER, sensor.GLOBAL_GAIN, sensor.TEST_PATTERN}
 _PATTERNS = {choice.word for choice in TEST_PATTERNS}
 _SHAPE = {address for one in FEATURES if one.locked for address in one.table}
 
@@ -87,6 +89,8 @@ class Registers:
     ----------
     lock : RLock
         Held by who needs several words at one time.
+    bus_accesses : int
+        Accesses so far that take time on the sensor's I2C bus in a device that has one.
     reference_ns : int
         Exposure time after reset, at which the light is as in the photo.
     """
@@ -94,6 +98,7 @@ class Registers:
         self.lock = threading.RLock()
         self._geometry, self._lens_max = geometry, lenses - 1
         self._on_change = []
+        self.bus_accesses = 0
         self._streaming = False
         self._view = self._whole(View(BGR8, 0, 0, 0, 0))
         self._lens, self._rate = 0, rate_tenths
@@ -140,6 +145,7 @@ class Registers:
                 return self._system().get(address, 0)
             if address >= _SENSOR_REGISTERS:
                 return 0
+            self.bus_accesses += address not in _KEPT
             return self._window().get(address, self._sensor[address])
 
     def write(self, address, value):
@@ -171,7 +177,7 @@ class Registers:
             "FORMAT": self._present(view).pixel_format.mraw, "FRAME_RATE": self._rate,
             "LENS": self._lens, "OFFSET_X": view.x, "OFFSET_Y": view.y,
             "WIDTH_MAX": whole.width, "HEIGHT_MAX": whole.height, "LENS_MAX": self._lens_max,
-            "STREAMING": int(self._streaming)}
+            "STREAMING": int(self._streaming), "FRAMES": 0}
         for name, value in (("LINE_TIME", line), ("DROPPED", self.dropped), ("TORN", self.torn)):
             values[f"{name}_UPPER"], values[f"{name}_LOWER"] = value >> 16 & 0xFFFF, value & 0xFFFF
         return {system_word(name): value for name, value in values.items()}
@@ -262,6 +268,7 @@ class Registers:
         if address == sensor.TEST_PATTERN and value not in _PATTERNS:
             raise Refused("value")
         self._sensor[address] = value
+        self.bus_accesses += 1
         if address == sensor.READ_MODE_2:
             self._view = self._present(replace(
                 self._view, reverse_x=bool(value >> sensor.MIRROR_COLUMN & 1),

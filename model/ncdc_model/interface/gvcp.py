@@ -7,13 +7,14 @@ import struct
 from dataclasses import dataclass
 
 __all__ = ["ACCESS_DENIED", "BAD_ALIGNMENT", "BOOTSTRAP", "BUSY", "CAPABILITY", "CCP_CONTROL",
-           "CCP_EXCLUSIVE", "CORRECTOR_BASE", "CORRECTOR_BYTES", "Command", "DISCOVERY",
-           "DISCOVERY_BYTES", "FEATURE_BASE", "FORCEIP", "HEARTBEAT_MIN_MS", "HEARTBEAT_MS",
-           "INVALID_ADDRESS", "INVALID_HEADER", "INVALID_PARAMETER", "MEMORY_BYTES_MAX",
-           "NOT_IMPLEMENTED", "PACKETRESEND", "PACKET_UNAVAILABLE", "PENDING_ACK", "PORT",
-           "Place", "READMEM", "READREG", "REGISTERS_MAX", "SCPS_DO_NOT_FRAGMENT", "SCPS_FIRE",
-           "SUCCESS", "WRITEMEM", "WRITEREG", "WRITE_PROTECT", "XML_BASE", "XML_NAME",
-           "acknowledge", "command_packet", "parse_acknowledge", "parse_command", "place"]
+           "CCP_EXCLUSIVE", "CONFIGURATION_PENDING_ACK", "CORRECTOR_BASE", "CORRECTOR_BYTES",
+           "Command", "DISCOVERY", "DISCOVERY_BYTES", "FEATURE_BASE", "FORCEIP", "FORCE_IP",
+           "HEARTBEAT_MIN_MS", "HEARTBEAT_MS", "INVALID_ADDRESS", "INVALID_HEADER",
+           "INVALID_PARAMETER", "MEMORY_BYTES_MAX", "NOT_IMPLEMENTED", "PACKETRESEND",
+           "PACKET_UNAVAILABLE", "PENDING_ACK", "PENDING_MS", "PORT", "Place", "READMEM",
+           "READREG", "REGISTERS_MAX", "SCPS_DO_NOT_FRAGMENT", "SCPS_FIRE", "SUCCESS", "WRITEMEM",
+           "WRITEREG", "WRITE_PROTECT", "XML_BASE", "XML_NAME", "acknowledge", "command_packet",
+           "parse_acknowledge", "parse_command", "pending_acknowledge", "place"]
 
 PORT = 3956
 
@@ -32,6 +33,8 @@ _ANSWER = 0x01                  # flag: the sender wants an acknowledge
 _COMMAND = struct.Struct(">BBHHH")      # key, flags, command, length, request
 _ACKNOWLEDGE = struct.Struct(">HHHH")   # status, acknowledge, length, request
 
+FORCE_IP = struct.Struct(">2xHI12xI12xI12xI")    # of FORCEIP: MAC; address, mask, gateway
+
 MEMORY_BYTES_MAX = 536          # of READMEM and WRITEMEM
 REGISTERS_MAX = 135             # of READREG; WRITEREG takes half as many
 
@@ -48,7 +51,10 @@ HEARTBEAT_MIN_MS = 500
 SCPS_FIRE = 1 << 31             # write: send one test packet of the size in bits 15..0
 SCPS_DO_NOT_FRAGMENT = 1 << 30
 
-CAPABILITY = 1 << 30 | 1 << 2 | 1 << 1  # a serial number; PACKETRESEND; WRITEMEM
+# A serial number; PENDING_ACK; PACKETRESEND; WRITEMEM.
+CAPABILITY = 1 << 30 | 1 << 5 | 1 << 2 | 1 << 1
+CONFIGURATION_PENDING_ACK = 1 << 1      # the controller understands PENDING_ACK
+PENDING_MS = 1000               # that a device needs for a command at most
 
 DISCOVERY_BYTES = 0xF8          # a discovery acknowledge: the bootstrap registers up to here
 
@@ -95,7 +101,8 @@ BOOTSTRAP = (
     Place("NetworkInterfaces", 0x0600, 4, "ro", "1"),
     Place("MessageChannels", 0x0900, 4, "ro", "0"),
     Place("StreamChannels", 0x0904, 4, "ro", "1"),
-    Place("Capability", 0x0934, 4, "ro", "serial number, PACKETRESEND, WRITEMEM"),
+    Place("Capability", 0x0934, 4, "ro", "serial number, PENDING_ACK, PACKETRESEND, "
+          "WRITEMEM"),
     Place("HeartbeatTimeout", 0x0938, 4, "rw", "milliseconds without a command of the controller "
           "after which control is free again, 500 or more"),
     Place("TickFrequencyHigh", 0x093C, 4, "ro", "time stamp ticks per second, bits 63..32"),
@@ -103,6 +110,8 @@ BOOTSTRAP = (
     Place("TimestampControl", 0x0944, 4, "rw", "bit 1: latch the time stamp"),
     Place("TimestampHigh", 0x0948, 4, "ro", "time stamp latched, bits 63..32"),
     Place("TimestampLow", 0x094C, 4, "ro", "and bits 31..0"),
+    Place("Configuration", 0x0954, 4, "rw", "bit 1: the controller understands PENDING_ACK"),
+    Place("PendingTimeout", 0x0958, 4, "ro", "milliseconds that a command needs at most: 1000"),
     Place("ControlPrivilege", 0x0A00, 4, "rw", "0 free, 1 exclusive access, 2 control"),
     Place("StreamPort", 0x0D00, 4, "rw", "UDP port of the receiver; 0: no stream"),
     Place("StreamPacketSize", 0x0D04, 4, "rw", "bytes of a packet with IP and UDP header, bits "
@@ -146,6 +155,12 @@ def parse_command(data):
 def acknowledge(command, status, payload=b""):
     """The bytes that answer ``command``."""
     return _ACKNOWLEDGE.pack(status, command.code + 1, len(payload), command.request) + payload
+
+
+def pending_acknowledge(command):
+    """The bytes that tell whoever sent ``command`` that its answer comes later."""
+    return _ACKNOWLEDGE.pack(SUCCESS, PENDING_ACK, 4, command.request) + struct.pack(
+        ">I", PENDING_MS)
 
 
 def parse_acknowledge(data):

@@ -82,4 +82,6 @@ SYSTEM_WORDS = (
     SystemWord("NUMBER_UPPER", 0xF012, "ro",
                "number of the frame that this connection received last, bits 31..16"),
     SystemWord("NUMBER_LOWER", 0xF013, "ro", "and bits 15..0"),
+    SystemWord("FRAMES", 0xF014, "ro", "system with Ethernet: frames completed, raw or corrected "
+               "as `SOURCE` says, modulo 65536; elsewhere 0"),
 )

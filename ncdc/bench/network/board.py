@@ -41,7 +41,7 @@ def board_rows(board, size, step, core_mhz=CORE_MHZ, screen=False):
         the two frames that lie furthest apart), ``sensor_per_second``, ``dropped`` (raw frames
         that no picture was sent of), ``lost`` (frames that camera, corrector or a reader lost),
         ``screen_underruns``, ``memory_percent`` (of the clocks, those in which the SDRAM moves
-        data), ``corrector_clocks_per_pixel``; None for what is not there.
+        data), ``clocks_per_pixel``; None for what is not there.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def _row(model, what, rates, sensor=None):
         "dropped": rates.dropped if sensor else None, "lost": rates.lost,
         "screen_underruns": rates.screen_underruns,
         "memory_percent": round(100 * rates.memory_share, 1),
-        "corrector_clocks_per_pixel": sensor and round(rates.corrector_clocks / (width * height),
+        "clocks_per_pixel": sensor and round(rates.corrector_clocks / (width * height),
                                                        3)}
 
 

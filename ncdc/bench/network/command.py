@@ -15,10 +15,10 @@ EXAMPLE = "ncdc bench network --quick --json -"
 _SIZE, _QUICK_SIZE = (640, 480), (64, 48)
 _LIMITS = {"GVCP": 3000, "Table I": 25000}      # clocks per command; twice that while streaming
 _COLUMNS = ("peer", "what", "frames", "pixels_different", "megabytes_per_second", "underruns",
-            "resent", "clocks_per_command", "most_clocks_per_command")
+            "resent", "clocks_per_command", "most_clocks_per_command", "clocks_per_pixel")
 _BOARD_COLUMNS = ("peer", "what", "format", "frames", "pixels_different", "frames_per_second",
                   "slowest_per_second", "megabytes_per_second", "underruns", "dropped", "lost",
-                  "memory_percent", "corrector_clocks_per_pixel")
+                  "memory_percent", "clocks_per_pixel")
 _CORE_MHZ = 75, 100     # of the projects that ncdc build writes; what the goals are for
 _SIZES = ("part", "target", "alm", "lut", "ff", "dsp", "ram_blocks")
 

@@ -12,6 +12,8 @@ import numpy as np
 from ncdc.bench.client.measure import PEERS, still_photo
 from ncdc.bench.throughput.lenses import Lens, trained
 from ncdc_model.corrector import correct
+from ncdc_model.interface.gvcp import CORRECTOR_BASE
+from ncdc_model.interface.register_map import registers
 from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun
 from ncdc_sim.tools import SimulationError
 
@@ -49,7 +51,8 @@ class _Bench:
         return {"what": what, "peer": peer, "link": _LINK, "mtu": _MTU, "width": width,
                 "height": height, "format": "BGR8", "frames": 0, "pixels_different": None,
                 "megabytes_per_second": None, "underruns": None, "clocks_per_command": None,
-                "most_clocks_per_command": None, "resent": None, **figures}
+                "most_clocks_per_command": None, "resent": None,
+                "clocks_per_pixel": None, **figures}
 
     def ask(self, run, task):
         """The report on a task of :mod:`ncdc.bench.network.peer`."""
@@ -104,6 +107,19 @@ class _Bench:
                          most_clocks_per_command=max(clocks))
 
 
+    def corrector_row(self, run):
+        """A row on the corrector's last frame: clocks from its start to the last pixel in memory,
+        beside the camera, the packetiser and the processor."""
+        descriptor = self.model.descriptor
+        table = registers(descriptor.hidden_neurons, descriptor.formats, descriptor.nodes)
+        at, = (one.address for one in table if one.name == "CLOCKS")
+        width, height = descriptor.geometry.corrected
+        clocks = self.ask(run, {"do": "register", "address": ADDRESS,
+                                "place": CORRECTOR_BASE + 4 * at})
+        return self._row("while pictures stream", "corrector",
+                         clocks_per_pixel=round(clocks / (width * height), 3))
+
+
 def _exposures(size):
     return _SMALL_EXPOSURES_US if size[0] < _SMALL else _EXPOSURES_US
 
@@ -132,7 +148,8 @@ def rows_of(size, step):
         ``what``, ``peer``, ``link``, ``mtu``, ``width``, ``height``, ``format``, ``frames``,
         ``pixels_different``, ``megabytes_per_second`` (of picture, by the time stamps of the
         frames), ``underruns`` (frames that paused or broke on the wire, since the start),
-        ``clocks_per_command``, ``most_clocks_per_command`` (median and largest of the clocks from
+        ``clocks_per_pixel`` (of the corrector), ``clocks_per_command``,
+        ``most_clocks_per_command`` (median and largest of the clocks from
         the first byte of a command's frame to the last one of its answer's), ``resent``; None for
         what is not measured there.
 
@@ -176,6 +193,7 @@ def _streaming(bench, run, step, goldens):
     process = bench.start(run, task)
     run.wait_for(lambda: "streaming" in (bench.folder / "peer.txt").read_text())
     rows = [bench.command_row("while pictures stream", run, kind) for kind in ("gvcp", "table")]
+    rows.append(bench.corrector_row(run))
     if process.poll() is not None:
         raise SimulationError("the stream ended before the commands")
     yield from rows

@@ -9,11 +9,14 @@
 //   p clocks            let so many go by
 //   x clocks            reset the whole system for so many
 //   i                   wait for the interrupt; prints IRQ clocks, from the last write's answer
+//   m address words     until the interrupt, read one of so many words from there on after the
+//                       other, at random; prints WAITS number, clocks of all, most clocks of one
 // Plusargs: +clocks=<number> at most. +sink=<chance of 256> that the sink of the video is ready.
 //
 // Pixels, red first, are written into the file video.bin. Lines: FIRST and LAST pixel, as numbers
 // from 0; VIDEO-ERROR rule clock; BUS-ERROR address; FAILED; CLOCKS number at the end.
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -49,7 +52,7 @@ std::deque<Access> program() {
     char kind;
     while (file && fscanf(file, " %c", &kind) == 1) {
         uint32_t address = 0, value = 0;
-        if (kind == 'w' || kind == 'd') {
+        if (kind == 'w' || kind == 'd' || kind == 'm') {
             if (fscanf(file, "%x %x", &address, &value) != 2) break;
         } else if (kind != 'i' && fscanf(file, "%x", &address) != 1) {
             break;
@@ -86,6 +89,11 @@ public:
         if (now.kind == 'p' || now.kind == 'x') {
             if (++passed < now.address) return;
             passed = 0;
+        } else if (now.kind == 'm') {
+            if (!word_came() || !soc.frame_irq) return;
+            printf("WAITS %llu %llu %llu\n", (unsigned long long)words,
+                   (unsigned long long)total, (unsigned long long)longest);
+            words = total = longest = offset = 0;
         } else if (now.kind == 'i') {
             if (!soc.frame_irq) return;
             printf("IRQ %llu\n", (unsigned long long)(clock - written));
@@ -104,17 +112,35 @@ public:
         const bool asks = !left.empty() && !strchr("ipx", left.front().kind);
         soc.host_cyc = soc.host_stb = asks;
         if (!asks) return;
-        soc.host_adr = left.front().address >> 2;
+        soc.host_adr = (left.front().address >> 2) + offset;
         soc.host_we = left.front().kind == 'w';
         soc.host_dat_w = left.front().value;
         soc.host_sel = 15;
     }
 
 private:
+    // Whether a word that is read at random has come, in the clock that is looked at; another one
+    // is asked for then. Its clocks count from the first one in which it was asked for.
+    bool word_came() {
+        ++waited;
+        if (!soc.host_ack && !soc.host_err) return false;
+        if (soc.host_err) printf("BUS-ERROR %08x\n", left.front().address + 4 * offset);
+        total += waited;
+        longest = std::max(longest, waited);
+        ++words;
+        waited = 0;
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        offset = (random >> 33) % left.front().value;
+        return true;
+    }
+
     Vncdc_litex& soc;
     std::deque<Access> left;
     FILE* output;
     uint64_t written = 0, passed = 0;
+    // Of words that are read at random: clocks of the present one, of all, of the slowest; number.
+    uint64_t waited = 0, total = 0, longest = 0, words = 0, random = 1;
+    uint32_t offset = 0;        // of the present one, in words
 };
 
 class Sink {

@@ -31,6 +31,7 @@ namespace {
 constexpr unsigned POLL_CLOCKS = 256;       // between two looks at the interface
 constexpr unsigned GAP = 12;                // clocks between two frames, a byte each
 constexpr size_t SHORTEST = 60;             // bytes of a frame without its check sequence
+constexpr size_t LONGEST = 16384;           // likewise, of one that the interface gives
 constexpr uint64_t RESET_CLOCKS = 16;
 constexpr unsigned STREAM_PORT = 49152;     // of UDP, that pictures come from
 constexpr unsigned GVCP_PORT = 3956;        // of UDP
@@ -176,7 +177,7 @@ private:
     }
 
     void fetch(uint64_t clocks) {
-        uint8_t frame[2048];
+        uint8_t frame[LONGEST];
         ssize_t size = read(tap, frame, sizeof frame);
         if (size <= 0) return;
         if (size_t(size) < SHORTEST) {

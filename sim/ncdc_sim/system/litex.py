@@ -57,6 +57,7 @@ _PROGRAMS = {
     """}
 _COPIED = MAIN_RAM + 0x200_0000
 _RECORDED = 0x180_0000      # where in memory LiteDRAM's DMA writes the video
+_READ_WORDS = 1 << 20       # of memory, of which one at a time is read at random
 _WRITTEN = 400              # clocks in which its queue is empty
 
 
@@ -76,6 +77,9 @@ class ModuleRun:
         What the event manager says behind each frame, and behind the end of its interrupt.
     ends : tuple of (int, int)
         Numbers of the pixels that were the first and last of a frame, of a stream.
+    waits : tuple of (int, int, int)
+        Of each frame in which a master on the bus reads words of memory: how many, the clocks of
+        all, those of the slowest.
     errors : tuple of str
         Rules of bus and stream that were broken.
     """
@@ -85,11 +89,12 @@ class ModuleRun:
     interrupts: tuple
     pending: tuple
     ends: tuple
+    waits: tuple
     errors: tuple
 
 
 def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none", frames=1,
-                    sink=256, cut=(), long_turns=False):
+                    sink=256, cut=(), reads=False):
     """:class:`ModuleRun` of a system that corrects the ``raw`` frame ``frames`` times.
 
     Parameters
@@ -105,8 +110,9 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
         writes into memory.
     cut : sequence of int
         Frames before these: the whole system is reset so many clocks after each one's start.
-    long_turns : bool
-        Of :class:`ncdc_soc.module_soc.ModuleSoc`.
+    reads : bool
+        Whether the master on the bus reads words of memory at random, one after the other, while
+        frames are corrected.
 
     Raises
     ------
@@ -119,8 +125,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         rom = None if cpu == "none" else _assembled(cpu, _rows(descriptor)["STATUS"], folder)
-        soc = module_soc_verilog(descriptor, hardware, rom and "vexriscv", folder, long_turns,
-                                 record)
+        soc = module_soc_verilog(descriptor, hardware, rom and "vexriscv", folder, record)
         sources = [("ncdc_litex.v", soc.text),
                    *((Path(path).name, Path(path).read_text()) for path in soc.sources)]
         # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
@@ -130,7 +135,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
             (folder / "ncdc_litex_rom.init").write_text(rom)
             (folder / "ncdc_litex_sram.init").write_text("0\n")
         geometry = descriptor.geometry
-        _fill(folder, soc, descriptor, hardware, raw, (cut, frames, record))
+        _fill(folder, soc, descriptor, hardware, raw, (cut, frames, record, reads))
         lines = []
         limit = 200_000 + 100 * (raw.size + frames * geometry.corrected_width
                                  * geometry.corrected_height)
@@ -148,7 +153,7 @@ def _fill(folder, soc, descriptor, hardware, raw, frames):
     geometry = descriptor.geometry
     places = FramePlaces.after_reset(geometry, hardware.data_width)
     stored = output_format("BGRX8" if hardware.stream else hardware.format)
-    record = frames[-1]
+    record = frames[2]
     size = 0 if hardware.stream and not record else target_bytes(geometry, hardware.data_width,
                                                                  stored)
     target = _RECORDED if record else places.target
@@ -160,8 +165,9 @@ def _fill(folder, soc, descriptor, hardware, raw, frames):
 
 def _program(descriptor, csrs, target, size, frames):
     """Operations of the master on the bus, see ``litex_main.cpp``; ``frames``: the clocks after
-    which some are cut, the number of others, whether LiteDRAM's DMA writes them."""
-    cut, whole, record = frames
+    which some are cut, the number of others, whether LiteDRAM's DMA writes them, whether words of
+    memory are read meanwhile."""
+    cut, whole, record, reads = frames
     rows, pending = _rows(descriptor), csrs["ncdc_ev_pending"]
     yield f"l {MAIN_RAM:x}"
     for clocks in cut:
@@ -174,6 +180,8 @@ def _program(descriptor, csrs, target, size, frames):
             yield from (f"w {csrs[f'writer_{name}']:x} {value:x}" for name, value in (
                 ("base", target), ("length", size), ("enable", 0), ("enable", 1)))
         yield f"w {rows['CTRL']:x} {CTRL_START:x}"
+        if reads:
+            yield f"m {_COPIED:x} {_READ_WORDS:x}"
         yield "i"
         yield f"r {pending:x}"
         yield f"w {rows['STATUS']:x} {STATUS_DONE:x}"
@@ -221,6 +229,7 @@ def _result(expected, output, lines, frames, csrs):
         interrupts=tuple(numbers("IRQ")),
         pending=tuple(value for address, value in reads if address == pending),
         ends=tuple(zip(numbers("FIRST"), numbers("LAST"))),
+        waits=tuple(tuple(map(int, line[1:])) for line in words if line[0] == "WAITS"),
         errors=tuple(line for line in lines if "-ERROR" in line))
 
 
@@ -262,20 +271,23 @@ def main(arguments=None):
     parser.add_argument("--cpu", choices=CPUS, default="none")
     parser.add_argument("--sink", type=int, default=256,
                         help="how often, of 256 clocks, the stream's sink is ready")
-    parser.add_argument("--long-turns", action="store_true",
-                        help="LiteDRAM's controller changes direction less often")
+    parser.add_argument("--reads", action="store_true",
+                        help="a master on the bus reads words of memory at random meanwhile")
     args = parser.parse_args(arguments)
     try:
         descriptor = Descriptor.load(args.net)
         hardware = Hardware(output=args.to, **({"format": "BGR8"} if args.to == "memory" else {}))
         done = simulate_module(descriptor, _raw(args.raw, descriptor.geometry), hardware, args.cpu,
-                               sink=args.sink, long_turns=args.long_turns)
+                               sink=args.sink, reads=args.reads)
     except (InputError, SimulationError) as error:
         print(error, file=sys.stderr)
         return 2 if isinstance(error, InputError) else 1
     print(f"{done.pixels} pixels compared, {done.different} differ; "
           f"{done.clocks[0] / done.pixels:.3f} clocks per pixel (LiteDRAM, {args.to}, "
           f"processor {args.cpu}); {len(done.errors)} rules broken")
+    for words, clocks, longest in done.waits:
+        print(f"{words} words read meanwhile: {clocks / words:.1f} clocks for one, {longest} for "
+              "the slowest")
     return int(bool(done.different or done.errors))
 
 

@@ -23,6 +23,7 @@ __all__ = ["ADDRESS", "SocModel", "SocRun"]
 
 ADDRESS = Identity().ip
 _SENSOR = "mt9p031"
+_QUEUE_BYTES = 18 * 1024        # of the packetiser: two packets of an MTU of 9000
 _STARTED = "address: "          # what the firmware says when it listens
 _PATIENCE_S = 120
 
@@ -52,7 +53,8 @@ class SocModel:
 
     def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None, identity=Identity()):
         self.descriptor, self.identity = descriptor, identity
-        core = SocCore(descriptor, hardware or Hardware(bus="axi", format="BGR8"))
+        core = SocCore(descriptor, hardware or Hardware(bus="axi", format="BGR8"),
+                       capacity=_QUEUE_BYTES)
         soc = soc_verilog(core)
         self.setup, self._corner = setup_around(_SENSOR, descriptor.geometry,
                                                 exposure_us=exposure_us)
@@ -112,6 +114,8 @@ class SocRun:
     model : SocModel
     loss : int
         Frames of a thousand that are lost on their way out.
+    mtu : int
+        Of the clients' network interface.
 
     Attributes
     ----------
@@ -124,9 +128,9 @@ class SocRun:
         If there can be no such network, or the firmware does not start.
     """
 
-    def __init__(self, model, loss=0):
+    def __init__(self, model, loss=0, mtu=1500):
         self._model, self._loss = model, loss
-        self.network = TapNetwork()
+        self.network = TapNetwork(mtu)
 
     def __enter__(self):
         self.network.__enter__()

@@ -4,15 +4,19 @@
  * Arguments: number of frames, seed. Prints how many frames came, how many were answered, how many
  * commands and pictures there were, of GVCP and of Tables I and II: a run that reached nothing would
  * show it. */
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "../eth.h"
 #include "../gvcp.h"
 #include "../hw.h"
+#include "../interrupt.h"
 #include "../mraw.h"
 #include "../net.h"
+#include "../sensor.h"
 #include "../stream.h"
 #include "../table.h"
 #include "../uart.h"
@@ -47,7 +51,9 @@ uint32_t reg_read(uint32_t address)
 	switch (address) {
 	case NCDC_TIME_LOW: return clocks;
 	case NCDC_TIME_HIGH: return 0;
-	case NCDC_I2C_RESULT: return random32() % 64 ? random32() & 0xff : NCDC_I2C_RESULT_NACK;
+	case NCDC_I2C_RESULT:
+		return random32() % 64 ? random32() & (0xff | NCDC_I2C_RESULT_BUSY)
+				       : NCDC_I2C_RESULT_NACK;
 	case NCDC_CAMERA_STATUS: return NCDC_CAMERA_STATUS_CORRECTED_FRAME |
 					NCDC_CAMERA_STATUS_RAW_FRAME;
 	case NCDC_READER0: case NCDC_READER0 + 4:
@@ -73,6 +79,12 @@ uint32_t reg_read(uint32_t address)
 		return csr[(address - CSR_CTRL_RESET) / 4];
 	fprintf(stderr, "nothing to read at %#x\n", address);
 	abort();
+}
+
+/* The processor's interrupts: the loop calls `interrupted` itself. */
+void interrupts_let(uint32_t lines)
+{
+	(void)lines;
 }
 
 /* Looks at a frame that was sent: where its connection is. */
@@ -125,11 +137,21 @@ static uint32_t some_address(void)
 {
 	static const uint32_t NEAR[] = {
 		0, BOOT_FirstUrl, BOOT_ControlPrivilege, BOOT_StreamPort, BOOT_StreamPacketSize,
-		BOOT_StreamAddress, BOOT_HeartbeatTimeout, GVCP_FEATURE_BASE, GVCP_XML_BASE,
+		BOOT_StreamAddress, BOOT_HeartbeatTimeout, BOOT_Configuration, GVCP_FEATURE_BASE,
+		GVCP_FEATURE_BASE + 4 * FEATURE_SensorRegisterAddress, GVCP_XML_BASE,
 		GVCP_XML_BASE + 2800, GVCP_CORRECTOR_BASE, GVCP_CORRECTOR_BASE + GVCP_CORRECTOR_BYTES};
 	uint32_t base = NEAR[random32() % (sizeof NEAR / sizeof *NEAR)];
 
 	return random32() % 8 ? base + random32() % 32 * 4 : random32();
+}
+
+/* The data of a FORCEIP for this device, mostly back to where it was. */
+static void force(uint8_t *data)
+{
+	memset(data, 0, 56);
+	memcpy(data + 2, ETH_OWN.bytes, 6);
+	put32(data + 20, random32() % 4 ? CONFIG_IP : random32() % 2 ? random32() : 0);
+	put32(data + 36, random32() % 4 ? CONFIG_MASK : random32());
 }
 
 /* A GVCP command in a frame; its length. */
@@ -138,6 +160,10 @@ static uint32_t command(uint8_t *frame)
 	static const uint8_t CODES[] = {2, 4, 0x40, 0x80, 0x82, 0x84, 0x86, 0x88};
 	uint8_t *ip = frame + ETH_HEADER, *udp = ip + IP_HEADER, *data = udp + UDP_HEADER;
 	uint32_t code = CODES[random32() % sizeof CODES], size = random32() % 68 * 8;
+	bool forces = code == 4 && random32() % 64 == 0;
+
+	if (forces)
+		size = 56;
 
 	if (code == 0x84 && random32() % 8)
 		size = 8;
@@ -148,7 +174,7 @@ static uint32_t command(uint8_t *frame)
 	put16(ip + 8, 64 << 8 | 17);
 	put16(ip + 10, 0);
 	put32(ip + 12, CONFIG_IP ^ (1 + random32() % 2));
-	put32(ip + 16, random32() % 4 ? CONFIG_IP : 0xffffffff);
+	put32(ip + 16, !forces && random32() % 4 ? ip_own : 0xffffffff);
 	put16(ip + 10, ~ip_sum(ip, IP_HEADER, 0));
 	put16(udp, 50000 + random32() % 2);
 	put16(udp + 2, random32() % 16 ? GVCP_PORT : random32() & 0xffff);
@@ -161,6 +187,8 @@ static uint32_t command(uint8_t *frame)
 	for (uint32_t k = 0; k < size; k += 4)
 		put32(data + 8 + k, k & 4 ? random32() % (random32() % 2 ? 4 : 0x10000)
 					  : some_address());
+	if (forces)
+		force(data + 8);
 	if (code == 0x84 && size == 8)
 		put32(data + 12, random32() % 640);
 	if (code == 0x82 && size >= 32 && random32() % 4 == 0) {
@@ -189,7 +217,7 @@ static uint32_t other(uint8_t *frame)
 		put32(ip, 0x00010800);
 		put16(ip + 4, 0x0604);
 		put16(ip + 6, 1 + random32() % 2);
-		put32(ip + 24, CONFIG_IP);
+		put32(ip + 24, ip_own);
 		return ETH_HEADER + size;
 	}
 	put16(frame + 12, ETH_IP);
@@ -198,7 +226,7 @@ static uint32_t other(uint8_t *frame)
 	put16(ip + 6, 0);
 	put16(ip + 8, 64 << 8 | PROTOCOLS[random32() % sizeof PROTOCOLS]);
 	put32(ip + 12, CONFIG_IP ^ 1);
-	put32(ip + 16, CONFIG_IP);
+	put32(ip + 16, ip_own);
 	put16(ip + 10, 0);
 	put16(ip + 10, ~ip_sum(ip, IP_HEADER, 0));
 	put16(ip + 22, random32() % 4 ? TABLE_PORT : random32() & 0xffff);
@@ -217,7 +245,7 @@ static uint8_t *ip_header(uint8_t *frame, uint32_t protocol, uint32_t size)
 	put16(ip + 8, 64 << 8 | protocol);
 	put16(ip + 10, 0);
 	put32(ip + 12, CONFIG_IP ^ 1);
-	put32(ip + 16, CONFIG_IP);
+	put32(ip + 16, ip_own);
 	put16(ip + 10, ~ip_sum(ip, IP_HEADER, 0));
 	return ip + IP_HEADER;
 }
@@ -285,7 +313,7 @@ static uint32_t neighbour(uint8_t *frame)
 	memcpy(arp + 8, "\x02\0\0\0\0\x01", 6);
 	put32(arp + 14, CONFIG_IP ^ 1);
 	memcpy(arp + 18, ETH_OWN.bytes, 6);
-	put32(arp + 24, CONFIG_IP);
+	put32(arp + 24, ip_own);
 	return ETH_HEADER + 28;
 }
 
@@ -305,6 +333,9 @@ int main(int count, char **arguments)
 	uint8_t *frame = (uint8_t *)slot;
 
 	state = count > 2 ? strtoul(arguments[2], 0, 10) : 1;
+	/* A loop that stands still is a finding too. */
+	alarm(60 + frames / 500);
+	interrupt_begin();
 	words_begin();
 	gvcp_begin();
 	net_begin();
@@ -319,6 +350,9 @@ int main(int count, char **arguments)
 		if (random32() % 16 == 0)
 			length = random32() % sizeof slot;
 		pending = 1;
+		if (random32() % 2)
+			interrupted();
+		sensor_poll();
 		net_poll();
 		stream_poll();
 		gvcp_poll();

@@ -35,6 +35,7 @@
 #define TCP_SND_BUF (4 * TCP_MSS)
 #define TCP_SND_QUEUELEN 12
 #define TCP_OVERSIZE 256
+#define TCP_QUEUE_OOSEQ 0	/* requests are short: one that is lost comes again with the next */
 #define LWIP_NETIF_TX_SINGLE_PBUF 1
 #define LWIP_TCP_KEEPALIVE 1
 /* Who is gone without a word gives a place free in two minutes. */
