@@ -53,8 +53,8 @@ class Packetiser(wiring.Component):
     needs it. Registers: :mod:`ncdc_model.interface.link_map`.
 
     Timing: an access to a register takes some 25 clocks, and up to 150 beside other work; to
-    LINK_STATUS and to headers 3. A burst is asked for every 18 clocks; a packet of 64 bytes of payload
-    takes 242, if the memory answers after 60.
+    LINK_STATUS and to headers 3. A burst is asked for every 18 clocks. A packet of 64 bytes of
+    payload takes 242, if the memory answers after 60.
 
     Parameters
     ----------
