@@ -95,8 +95,7 @@ class Packetiser(wiring.Component):
         word_bytes = self.data_width // 8
         m.submodules.engine = engine = Engine({
             "ONE": 1, "TWO": 2, "BURST": _BURST * word_bytes, "ABOVE": self.capacity + 1,
-            # From here on, two packets with the longest headers are too much.
-            "PAIR": 4 * max(0, self.depth // _PACKETS - TEMPLATE_WORDS) + 1, "DEFAULT": _DEFAULT})
+            "PAIR": self._pair() + 1, "DEFAULT": _DEFAULT})
         m.submodules.words = words = WordReader(self.data_width, _BURST, limit=self.depth)
         m.submodules.builder = builder = Builder()
         m.submodules.queue = queue = PacketQueue(self.depth, _PACKETS)
@@ -113,6 +112,13 @@ class Packetiser(wiring.Component):
         self._commands(m, engine, builder, words)
         self._times(m, engine, builder, queue)
         return m
+
+    def _pair(self):
+        """Bytes of payload with which two packets with the longest headers fit into the queue.
+
+        A method of its own only so that tests can break it.
+        """
+        return 4 * max(0, self.depth // _PACKETS - TEMPLATE_WORDS)
 
     def _bus(self, m, engine, builder, state):
         """Accesses to registers, which the program answers but for the status, and to headers."""

@@ -17,12 +17,12 @@ regress = pytest.mark.regress
 CAPACITY = 512
 
 
-def run(data_width=32, simulator="icarus", **given):
+def run(data_width=32, simulator="icarus", packetiser=Packetiser, **given):
     """The log of the bench."""
     values = {"stall": 0.3, "wait": 0.3, "latency": [1, 30], "seed": 1, "frames": 12,
               "payload": CAPACITY, "capacity": CAPACITY, "rate": [], "bytes": 8192} | given
     capacity = values["capacity"]
-    design = design_of(Packetiser(data_width, capacity=capacity), top=f"dut_packets{data_width}")
+    design = design_of(packetiser(data_width, capacity=capacity), top=f"dut_packets{data_width}")
     return run_cocotb(design, "packetiser", simulator, **values)
 
 
@@ -91,3 +91,15 @@ def test_a_packet_that_begins_too_early_is_found(monkeypatch):
     monkeypatch.setattr("ncdc_hdl.link.packetiser.PacketQueue", Hasty)
     with pytest.raises(SimulationError, match="failed: gvsp, mraw, any_headers"):
         run(32, stall=0, frames=1)
+
+
+class Crowded(Packetiser):
+    """A planted error: two packets at a time, whether or not the queue has room for them."""
+
+    def _pair(self):
+        return self.capacity
+
+
+def test_packets_without_room_are_found():
+    with pytest.raises(SimulationError, match="failed: mraw"):
+        run(32, packetiser=Crowded, stall=0.9, frames=1)
