@@ -56,7 +56,8 @@ class Engine(wiring.Component):
         m.submodules.program = rom = block_memory(STEP.size, len(program), program)
         m.submodules.words = words = block_memory(32, len(init), init)
         fetch, read, write = rom.read_port(), words.read_port(), words.write_port()
-        step = data.View(STEP, fetch.data)
+        read_step, step = data.View(STEP, fetch.data), Signal(STEP)
+        place = Signal(5)                       # of the step's word
         done = Signal(init=1)                   # the step is, in this clock
         begun = Signal()                        # there is a step
         at, following = Signal(8, init=255), Signal(8)      # where it is, and the next one
@@ -69,11 +70,14 @@ class Engine(wiring.Component):
         m.d.comb += [
             following.eq(Mux(begun & (holds ^ step.inverted), step.target, at + 1)),
             fetch.en.eq(done), fetch.addr.eq(following), read.en.eq(~done),
-            read.addr.eq(self._address(step)), write.addr.eq(read.addr), write.data.eq(self.sum),
+            read.addr.eq(self._address(read_step)), write.addr.eq(place), write.data.eq(self.sum),
             write.en.eq(done & begun & step.stores),
         ]
         with m.If(done):
             m.d.sync += at.eq(following)
+        with m.Else():
+            # Block RAM gives its word late in a clock.
+            m.d.sync += [step.eq(read_step), place.eq(read.addr)]
         # The lowest bit carries what a subtraction adds.
         total = Signal(34)
         m.d.comb += total.eq(Cat(1, self.sum) + Cat(step.subtracts, self._operand(step, read)))
