@@ -1,34 +1,43 @@
 """Frames in memory, sent as packets with headers that the host has written."""
 
 from amaranth import *
-from amaranth.lib import stream, wiring
-from amaranth.lib.fifo import SyncFIFOBuffered
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.bus import Agent, ReadHost
-from ncdc_hdl.link.joiner import Joiner
-from ncdc_hdl.link.layouts import BEAT, JOB
-from ncdc_hdl.link.payload import PayloadReader
-from ncdc_hdl.link.schedule import Schedule
-from ncdc_hdl.link.sender import TEMPLATE_ADDRESS_BITS, Sender
-from ncdc_hdl.registers.page import Page
+from ncdc_hdl.link.builder import TEMPLATE_ADDRESS_BITS, Builder
+from ncdc_hdl.link.engine import Engine
+from ncdc_hdl.link.layouts import BEAT, Template
+from ncdc_hdl.link.packet_queue import PacketQueue
+from ncdc_hdl.link.words import WordReader
 from ncdc_model.interface.link_map import (
     CONTROL_ABORT,
     CONTROL_SEND,
     LINK,
     LINK_SETTINGS,
     LINK_WORDS_BITS,
+    NUMBER_BITS,
     RESEND_BEFORE,
     STATUS_DONE,
     STATUS_REFUSED,
     STATUS_RESENT,
+    TEMPLATE_WORDS,
 )
 
 __all__ = ["Packetiser"]
 
 _BURST = 16         # words of a read
-_JOBS = 4           # packets that wait for the sender
+_PACKETS = 2        # that are made, or wait, at a time
+_DEFAULT = 1456     # bytes of a payload, after a reset
+_AT = {register.name: register.address for register in LINK}
+_STATE = data.StructLayout({
+    "sending": 1, "resending": 1,       # packets are to be sent, or on their way
+    "busy": 1, "ranging": 1,            # there are packets to be made
+    "bank": 1, "range_bank": 1,         # of the headers of the last frame, and of the range's
+    "frames": 2,                        # that were begun, at most two
+    "done": 1, "resent": 1, "refused": 1,       # what LINK_STATUS tells until it is cleared
+})
 
 
 class Packetiser(wiring.Component):
@@ -43,13 +52,17 @@ class Packetiser(wiring.Component):
     Nobody protects the frame in memory: the host releases its buffer when neither it nor a resend
     needs it. Registers: :mod:`ncdc_model.interface.link_map`.
 
+    Timing: an access to a register takes some 25 clocks, and up to 150 beside other work; to
+    LINK_STATUS and to headers 3. A burst is asked for every 18 clocks. A packet of 64 bytes of
+    payload takes 242, if the memory answers after 60.
+
     Parameters
     ----------
     data_width : int
-        Bits of a word of the memory, at most 128.
+        Bits of a word of the memory: 32, 64 or 128.
     capacity : int
-        Bytes of payload that are read ahead, a multiple of the word; a packet must fit, and two
-        leave no pause.
+        Bytes of payload that a packet may have, a multiple of 4. The queue has room for them and
+        the longest header; if it has room for two packets, there is no pause between them.
 
     Members
     -------
@@ -57,7 +70,7 @@ class Packetiser(wiring.Component):
     o : ``Out(stream.Signature(BEAT))``
         Ethernet frames without their check sequence; none has a pause in it.
     memory_rst, bus :
-        As of :class:`PayloadReader`.
+        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     irq : ``Out(1)``
         A frame or a range has been sent, until its bit in LINK_STATUS is cleared.
 
@@ -67,11 +80,11 @@ class Packetiser(wiring.Component):
         If a word is longer than the multiples of which payloads are.
     """
 
-    def __init__(self, data_width, *, capacity=4096):
+    def __init__(self, data_width, *, capacity=3840):
         if data_width not in (32, 64, 128):
             raise ValueError(f"data_width is {data_width}, it must be 32, 64 or 128")
         self.data_width, self.capacity = data_width, capacity
-        self.depth = capacity // (data_width // 8)
+        self.depth = capacity // 4 + TEMPLATE_WORDS     # beats
         super().__init__({
             "csr": In(Agent(LINK_WORDS_BITS)), "o": Out(stream.Signature(BEAT)),
             "memory_rst": In(1), "bus": Out(ReadHost(data_width, _BURST)), "irq": Out(1),
@@ -79,138 +92,221 @@ class Packetiser(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        word_bits = exact_log2(self.data_width // 8)
-        m.submodules.page = page = Page(LINK, LINK_WORDS_BITS, {"LINK_PAYLOAD": 1456},
-                                        LINK_SETTINGS, {"LINK_BASE": word_bits})
-        m.submodules.schedule = schedule = Schedule()
-        m.submodules.jobs = jobs = SyncFIFOBuffered(width=JOB.size, depth=_JOBS)
-        m.submodules.payload = payload = PayloadReader(self.data_width, depth=self.depth,
-                                                       burst=_BURST)
-        m.submodules.sender = sender = Sender(self.data_width, self.depth)
-        m.submodules.joiner = joiner = Joiner()
-        connect(m, schedule.o, payload.i)
-        connect(m, payload.words, sender.words)
-        connect(m, payload.bus, flipped(self.bus))
-        connect(m, sender.o, joiner.i)
-        connect(m, joiner.o, flipped(self.o))
-        values = page.values
+        word_bytes = self.data_width // 8
+        m.submodules.engine = engine = Engine({
+            "ONE": 1, "TWO": 2, "BURST": _BURST * word_bytes, "ABOVE": self.capacity + 1,
+            "PAIR": self._pair() + 1, "DEFAULT": _DEFAULT})
+        m.submodules.words = words = WordReader(self.data_width, _BURST, limit=self.depth)
+        m.submodules.builder = builder = Builder()
+        m.submodules.queue = queue = PacketQueue(self.depth, _PACKETS)
+        connect(m, words.bus, flipped(self.bus))
+        connect(m, queue.o, flipped(self.o))
         m.d.comb += [
-            jobs.w_data.eq(payload.o.payload), jobs.w_en.eq(payload.o.valid),
-            payload.o.ready.eq(jobs.w_rdy), sender.i.payload.eq(jobs.r_data),
-            sender.i.valid.eq(jobs.r_rdy), jobs.r_en.eq(sender.i.ready),
-            sender.level.eq(payload.level), payload.memory_rst.eq(self.memory_rst),
-            schedule.plan.payload.eq(values.LINK_PAYLOAD),
-            schedule.plan.packets.eq(values.LINK_PACKETS), schedule.plan.last.eq(values.LINK_LAST),
-            schedule.plan.first.eq(values.LINK_FIRST_NUMBER), schedule.base.eq(values.LINK_BASE),
-            schedule.resend_first.eq(values.LINK_RESEND_FIRST),
-            sender.field_byte.eq(values.LINK_NUMBER_FIELD[:8]),
-            sender.field_bytes.eq(values.LINK_NUMBER_FIELD[8:]),
-            joiner.again.eq(sender.again), joiner.delay.eq(values.LINK_DELAY),
+            words.memory_rst.eq(self.memory_rst), words.last.eq(builder.last),
+            builder.valid.eq(words.valid), builder.word.eq(words.word),
+            queue.put.eq(builder.put), queue.entry.eq(builder.entry),
         ]
-        self._bus(m, page, sender, schedule)
-        self._ask(m, page, schedule, joiner, sender)
+        state = Signal(_STATE)
+        self._bus(m, engine, builder, state)
+        self._packets(m, engine, builder, queue, state)
+        self._commands(m, engine, builder, words)
+        self._times(m, engine, builder, queue)
         return m
 
-    def _bus(self, m, page, sender, schedule):
-        """Registers, and behind them the headers, which are written only."""
-        csr, bus = self.csr, page.bus
-        there = csr.address[-1]                 # it is a header's
-        taken = Signal()                        # the access to a header is accepted
-        read = Signal()                         # what is read of a header is zero
-        m.d.sync += [taken.eq(there & (csr.read | csr.write) & ~taken), read.eq(taken & csr.read)]
-        m.d.comb += [
-            bus.address.eq(csr.address), bus.writedata.eq(csr.writedata),
-            bus.read.eq(csr.read & ~there), bus.write.eq(csr.write & ~there),
-            csr.waitrequest.eq(Mux(there, ~taken, bus.waitrequest)),
-            csr.readdatavalid.eq(bus.readdatavalid | read),
-            csr.readdata.eq(Mux(bus.readdatavalid, bus.readdata, 0)),
-            # The set of the next frame.
-            sender.address.eq(Cat(csr.address[:TEMPLATE_ADDRESS_BITS - 1], ~schedule.bank)),
-            sender.data.eq(csr.writedata),
-        ]
+    def _pair(self):
+        """Bytes of payload with which two packets with the longest headers fit into the queue.
 
-    def _ask(self, m, page, schedule, joiner, sender):
-        """What is asked for by registers, what is refused, and what they tell."""
-        values, word = page.values, page.word
-        frame, again = (self._flight(m, name, *events) for name, events in (
-            ("frame", (schedule.o.valid & ~schedule.o.p.again, schedule.o.ready,
-                       joiner.ended & ~joiner.ended_again, sender.skipped & ~sender.again)),
-            ("again", (schedule.o.valid & schedule.o.p.again, schedule.o.ready,
-                       joiner.ended_again, sender.skipped & sender.again))))
-        sending, resending = Signal(), Signal()     # packets are to be sent, or on their way
-        sent, resent = Signal(), Signal()           # the last one has gone, for one clock
-        frames = Signal(2)                          # that were begun, at most two
-        fits = Signal()                             # the queue holds the packets
-        payload, last = values.LINK_PAYLOAD, values.LINK_LAST
-        m.d.sync += fits.eq((payload != 0) & (payload[:4] == 0) & (payload <= self.capacity)
-                            & (values.LINK_PACKETS != 0) & (last != 0) & (last <= payload))
-        control, range_ = page.written.LINK_CONTROL, page.written.LINK_RESEND_LAST
-        asked = control & (word & CONTROL_SEND).any()
-        wanted = Mux((word & RESEND_BEFORE).any(), frames == 2, frames != 0)
-        header = self.csr.address[-1] & self.csr.write & ~self.csr.waitrequest
-        # The set of the next frame is that of the one before.
-        header_free = ~(resending & (schedule.resending_bank != schedule.bank))
+        A method of its own only so that tests can break it.
+        """
+        return 4 * max(0, self.depth // _PACKETS - TEMPLATE_WORDS)
+
+    def _bus(self, m, engine, builder, state):
+        """Accesses to registers, which the program answers but for the status, and to headers."""
+        csr, conditions, orders = self.csr, engine.conditions, engine.orders
+        register = csr.address[:4]
+        page = csr.address[4:] == 0
+        header = csr.address[-1] & csr.write
+        status = page & (register == _AT["LINK_STATUS"])
+        taken, told = Signal(), Signal()        # without the program; a status that was read
+        settings = [_AT[name] for name in LINK_SETTINGS]
+        written, read = ([r.address for r in LINK if r.access in kinds]
+                         for kinds in (("rw",), ("rw", "ro")))
+        m.d.sync += [taken.eq((header | status & csr.read) & ~taken), told.eq(taken & csr.read)]
         m.d.comb += [
-            schedule.send.eq(asked & ~sending & fits & ~resending),
-            schedule.abort.eq(control & (word & CONTROL_ABORT).any()),
-            schedule.resend.eq(range_ & ~resending & wanted),
-            schedule.resend_last.eq(word), schedule.resend_before.eq(word[-1]),
-            sender.write.eq(header & header_free),
-            sent.eq(sending & ~schedule.busy & ~frame), resent.eq(resending & ~schedule.resending
-                                                                  & ~again),
-            page.lock.eq(sending | resending),
+            csr.waitrequest.eq(~(orders.accept | taken)),
+            csr.readdata.eq(Mux(told, Cat(state.sending, state.done, state.resending, state.resent,
+                                          state.refused), engine.sum)),
+            csr.readdatavalid.eq(told | orders.answer),
+            engine.word.eq(csr.writedata), engine.host.eq(register),
+            conditions.host.eq(csr.read & ~status | csr.write & ~header),
+            conditions.reads.eq(csr.read),
+            conditions.kept.eq(page & Mux(csr.read, _any(register, read),
+                                          _any(register, written))),
+            conditions.locked.eq(page & _any(register, settings)
+                                 & (state.sending | state.resending)),
+            conditions.status.eq(status),
+            conditions.control.eq(page & (register == _AT["LINK_CONTROL"])),
+            conditions.range.eq(page & (register == _AT["LINK_RESEND_LAST"])),
+            conditions.send.eq((csr.writedata & CONTROL_SEND).any()),
+            # The set of the next frame.
+            builder.address.eq(Cat(csr.address[:TEMPLATE_ADDRESS_BITS - 1], ~state.bank)),
+            builder.data.eq(csr.writedata),
+            builder.write.eq(taken & header & self._header_free(state)),
         ]
-        with m.If(schedule.send):
-            m.d.sync += [sending.eq(1), frames.eq(Mux(frames == 2, 2, frames + 1))]
-        with m.Elif(sent):
-            m.d.sync += sending.eq(0)
-        with m.If(schedule.resend):
-            m.d.sync += resending.eq(1)
-        with m.Elif(resent):
-            m.d.sync += resending.eq(0)
-        refused = (page.refused | asked & ~schedule.send | range_ & ~schedule.resend
-                   | header & ~header_free)
-        self._tell(m, page, (sending, sent, resending, resent, refused))
-        self._count(m, page, schedule, joiner, sender, sending)
+        with m.If(orders.set & (register == _AT["LINK_NUMBER_FIELD"])):
+            m.d.sync += Cat(builder.field_byte, builder.field_bytes).eq(engine.sum)
+        # Bits that the registers have.
+        low = {"LINK_BASE": exact_log2(self.data_width // 8)}
+        wide = {r.name: r.shape.width for r in LINK if r.access == "rw"} | {
+            "LINK_RESEND_LAST": NUMBER_BITS}
+        m.d.comb += engine.mask.eq(Cat(
+            _any(register, [_AT[name] for name in wide if low.get(name, 0) <= k < wide[name]])
+            for k in range(32)))
 
     @staticmethod
-    def _flight(m, name, offered, taken, sent, skipped):
-        """High while jobs of a kind are on their way, from the offer of the first one on."""
-        # Waiting for their payload, in the queue, with the sender and in the joiner's beats.
-        count = Signal(range(1 + _JOBS + 1 + Joiner.depth + 1), name=f"{name}_jobs")
-        m.d.sync += count.eq(count + (offered & taken) - sent - skipped)
-        return (count != 0) | offered
+    def _header_free(state):
+        """The set of the next frame is that of the one before."""
+        return ~(state.resending & (state.range_bank != state.bank))
 
-    def _tell(self, m, page, states):
+    def _packets(self, m, engine, builder, queue, state):
+        """Which packets are made, and which have gone."""
+        conditions, orders, word = engine.conditions, engine.orders, self.csr.writedata
+        job = builder.i.p
+        flying, gone = ([Signal(range(_PACKETS + 1), name=f"{name}{kind}") for kind in range(2)]
+                        for name in ("flying", "gone"))     # of frames, of ranges
+        pair = Signal()                     # the queue holds two packets
+        steps = Signal(5, init=16)          # of the product, or of the program's beginning
+        ranging = state.ranging & (steps == 0)              # the next one is of a range
+        for kind in range(2):
+            counted = orders.counted & (engine.again == kind)
+            m.d.sync += [
+                flying[kind].eq(flying[kind] + (orders.take_job & (ranging == kind)) - counted
+                                - (builder.skipped & (job.again == kind))),
+                gone[kind].eq(gone[kind] + (queue.ended & (queue.ended_again == kind)) - counted),
+            ]
+        uncounted = (gone[0] != 0) | (gone[1] != 0)
+        some = [(count != 0) for count in flying]
+        room = ~some[0] & ~some[1] | pair & (flying[0] + flying[1] == 1)
+        m.d.comb += [
+            engine.steps.eq(steps), engine.bank.eq(Mux(engine.again, state.range_bank, state.bank)),
+            conditions.steps.eq(steps != 0), conditions.again.eq(engine.again),
+            conditions.gone.eq(uncounted), conditions.held.eq(queue.held & ~uncounted),
+            conditions.job.eq(~builder.i.valid & room & (ranging | state.busy)),
+            conditions.resending.eq(state.resending),
+            conditions.active.eq(state.sending | state.resending),
+            conditions.unknown.eq(Mux((word & RESEND_BEFORE).any(), state.frames != 2,
+                                      state.frames == 0)),
+        ]
+        with m.If(orders.step):
+            m.d.sync += steps.eq(steps - (steps != 0))
+        with m.If(orders.multiply):
+            m.d.sync += steps.eq(31)
+        with m.If(orders.pair):
+            m.d.sync += pair.eq(engine.sum[-1])
+        for order, again in ((orders.begin, 0), (orders.range, 1), (orders.take_job, ranging),
+                             (orders.count, gone[0] == 0)):
+            with m.If(order):
+                m.d.sync += engine.again.eq(again)
+        self._jobs(m, engine, builder)
+        self._frames(m, engine, state, some)
+
+    def _jobs(self, m, engine, builder):
+        """The packet that is made."""
+        orders, job = engine.orders, builder.i
+        m.d.comb += [engine.conditions.short.eq(job.p.template == Template.LAST),
+                     engine.conditions.bare.eq(builder.bare)]
+        for template in Template:
+            with m.If(orders[template.name.lower()]):
+                m.d.sync += job.p.template.eq(template)
+        with m.If(orders.bytes):
+            m.d.sync += job.p.last.eq(engine.sum)
+        with m.If(orders.make):
+            m.d.sync += [job.valid.eq(1), job.p.number.eq(engine.sum), job.p.bank.eq(engine.bank),
+                         job.p.again.eq(engine.again)]
+        with m.Elif(job.ready):
+            m.d.sync += job.valid.eq(0)
+
+    def _frames(self, m, engine, state, some):
+        """Frames and ranges begin and end."""
+        orders, word = engine.orders, self.csr.writedata
+        with m.If(orders.begin):
+            m.d.sync += [state.sending.eq(1), state.busy.eq(1), state.bank.eq(~state.bank),
+                         state.frames.eq(Mux(state.frames == 2, 2, state.frames + 1))]
+        with m.If(orders.range):
+            m.d.sync += [state.resending.eq(1), state.ranging.eq(1),
+                         state.range_bank.eq(state.bank ^ (word & RESEND_BEFORE).any())]
+        with m.If(orders.finish):
+            with m.If(engine.again):
+                m.d.sync += state.ranging.eq(0)
+            with m.Else():
+                m.d.sync += state.busy.eq(0)
+        with m.If(orders.abort & (word & CONTROL_ABORT).any()):
+            m.d.sync += state.busy.eq(0)
+        sent = state.sending & ~state.busy & ~some[0]
+        resent = state.resending & ~state.ranging & ~some[1]
+        with m.If(sent):
+            m.d.sync += state.sending.eq(0)
+        with m.If(resent):
+            m.d.sync += state.resending.eq(0)
+        self._tell(m, engine, state, sent, resent)
+
+    def _commands(self, m, engine, builder, words):
+        """Reads of the payload, behind its header."""
+        orders, i, word_bits = engine.orders, words.i, exact_log2(self.data_width // 8)
+        asking = Signal()                       # words are to be asked for
+        final = Signal()                        # by this command
+        count = Signal(range(_BURST))           # words of the command, less one
+        left = engine.sum[word_bits:len(builder.i.p.last)]
+        m.d.comb += [
+            engine.conditions.more.eq(asking & builder.open & i.ready), i.valid.eq(orders.ask),
+            i.p.address.eq(engine.sum), i.p.words.eq(count + 1),
+        ]
+        with m.If(orders.size | orders.bytes):
+            m.d.sync += [final.eq(left < _BURST),
+                         count.eq(Mux(left < _BURST, left, _BURST - 1))]
+        with m.If(orders.bytes):
+            m.d.sync += asking.eq(1)
+        with m.If(orders.ask & final):
+            m.d.sync += asking.eq(0)
+
+    def _tell(self, m, engine, state, sent, resent):
         """LINK_STATUS and the interrupt."""
-        sending, sent, resending, resent, refused = states
-        events = []
-        for mask, happens in ((STATUS_DONE, sent), (STATUS_RESENT, resent),
-                              (STATUS_REFUSED, refused)):
-            event = Signal(name=f"event{mask}")
-            with m.If(page.written.LINK_STATUS & (page.word & mask).any()):
+        orders, word = engine.orders, self.csr.writedata
+        refused = orders.refuse | (~self.csr.waitrequest & self.csr.address[-1] & self.csr.write
+                                   & ~self._header_free(state))
+        for event, mask, happens in ((state.done, STATUS_DONE, sent),
+                                     (state.resent, STATUS_RESENT, resent),
+                                     (state.refused, STATUS_REFUSED, refused)):
+            with m.If(orders.clear_status & (word & mask).any()):
                 m.d.sync += event.eq(0)
             with m.If(happens):
                 m.d.sync += event.eq(1)
-            events.append(event)
-        done, resent_event, refused_event = events
-        m.d.comb += [
-            page.read.LINK_STATUS.eq(Cat(sending, done, resending, resent_event, refused_event)),
-            page.read.LINK_CONTROL.eq(0), page.read.LINK_RESEND_LAST.eq(0),
-            self.irq.eq(done | resent_event),
-        ]
+        m.d.comb += self.irq.eq(state.done | state.resent)
 
-    def _count(self, m, page, schedule, joiner, sender, sending):
-        """The counters."""
-        clocks, counts = Signal(32), page.read
-        for name, step in (("LINK_SENT", joiner.ended & ~joiner.ended_again),
-                           ("LINK_RESENT", joiner.ended_again),
-                           ("LINK_STALLS", sender.waiting & joiner.quiet)):
-            count = Signal(32, name=name.lower())
-            m.d.sync += count.eq(count + step)
-            m.d.comb += counts[name].eq(count)
-        with m.If(schedule.send):
-            m.d.sync += clocks.eq(1)
-        with m.Elif(sending):
-            m.d.sync += clocks.eq(clocks + 1)
-        m.d.comb += counts.LINK_CLOCKS.eq(clocks)
+    def _times(self, m, engine, builder, queue):
+        """The clock, the pause between packets, and how long packets wait for their bytes."""
+        conditions, orders = engine.conditions, engine.orders
+        now = Signal(32)
+        delayed = Signal()                  # LINK_DELAY != 0
+        held = Signal()                     # it is not over
+        waits = builder.open & queue.idle & ~held
+        waited = Signal(8)                  # clocks that are not counted as yet
+        m.d.sync += [now.eq(now + 1), waited.eq(Mux(orders.take_waited, 0, waited) + waits)]
+        m.d.comb += [
+            queue.held.eq(held), engine.waited.eq(waited),
+            # Often enough, though not in each clock.
+            conditions.waited.eq(waited[6] | ~waits & (waited != 0)),
+        ]
+        with m.If(queue.ended | orders.begin | orders.look):
+            m.d.sync += engine.stamp.eq(now)
+        with m.If(orders.set & (self.csr.address[:4] == _AT["LINK_DELAY"])):
+            m.d.sync += delayed.eq(engine.sum != 0)
+        with m.If(queue.ended):
+            m.d.sync += held.eq(delayed)
+        with m.Elif(orders.release):
+            m.d.sync += held.eq(0)
+
+
+def _any(register, addresses):
+    """Whether it is one of them."""
+    return register.matches(*addresses) if addresses else Const(0)

@@ -44,7 +44,7 @@ class ProcessorLink(wiring.Component):
     data_width : int
         Bits of the memory ports.
     capacity : int
-        Bytes that the packetiser reads ahead.
+        Bytes of a packet's payload, at most: as of :class:`Packetiser`.
 
     Members
     -------

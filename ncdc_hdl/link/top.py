@@ -31,7 +31,7 @@ class PacketiserTop(wiring.Component):
         As of the packetiser.
     """
 
-    def __init__(self, data_width=32, capacity=4096):
+    def __init__(self, data_width=32, capacity=3840):
         self.packetiser = Packetiser(data_width, capacity=capacity)
         super().__init__(
             flat("csr", Agent(LINK_WORDS_BITS), In)

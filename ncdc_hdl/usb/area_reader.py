@@ -5,8 +5,8 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
-from ncdc_hdl.link.layouts import PIECE
-from ncdc_hdl.link.payload import PayloadReader
+from ncdc_hdl.usb.joiner import PIECE
+from ncdc_hdl.usb.payload import PayloadReader
 from ncdc_model.interface.link_map import PAYLOAD_BITS
 
 __all__ = ["AREA", "AreaReader"]
@@ -64,7 +64,7 @@ class AreaReader(wiring.Component):
         final, short, done = Signal(), Signal(), Signal()
         pieces = self.data_width // 32
         m.d.comb += [
-            payload.memory_rst.eq(self.memory_rst), payload.o.ready.eq(1),
+            payload.memory_rst.eq(self.memory_rst),
             job.valid.eq(self.i.valid & (asked != area.rows)),
             job.p.address.eq(Mux(asked == 0, area.address, address)),
             job.p.bytes.eq(Mux(asked == area.rows - 1, area.last, area.row)),

@@ -5,10 +5,10 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from ncdc_hdl.avalon.bus import ReadHost
-from ncdc_hdl.link.joiner import Joiner
-from ncdc_hdl.link.layouts import BEAT, PIECE
+from ncdc_hdl.link.layouts import BEAT
 from ncdc_hdl.registers.access import Access
 from ncdc_hdl.registers.serial_bridge import ByteBridge
+from ncdc_hdl.usb.joiner import PIECE, Joiner
 from ncdc_hdl.usb.mraw import MrawSender
 from ncdc_hdl.usb.table_one import TableOne
 from ncdc_model.interface import serial_link, table_one

@@ -5,9 +5,9 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from ncdc_hdl.avalon.bus import ReadHost
-from ncdc_hdl.link.layouts import PIECE
 from ncdc_hdl.registers.access import Access
 from ncdc_hdl.usb.area_reader import AreaReader
+from ncdc_hdl.usb.joiner import PIECE
 from ncdc_model.geometry import BAYER_PHASE
 from ncdc_model.interface.table_two import HEADER_BYTES
 

@@ -6,8 +6,8 @@ from amaranth import *
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.link.layouts import PIECE
 from ncdc_hdl.registers.access import Access
+from ncdc_hdl.usb.joiner import PIECE
 from ncdc_model.interface.system_map import I2C_COMMAND_FLAGS
 from ncdc_model.interface.table_one import SYSTEM_PAGE, SYSTEM_WORDS, WRITE
 

@@ -30,7 +30,7 @@ class SocCore(wiring.Component):
     readers : int
         That claim frames by registers.
     capacity : int
-        Bytes that the packetiser reads ahead.
+        Bytes of a packet's payload, at most: as of :class:`Packetiser`.
 
     Raises
     ------
@@ -47,7 +47,7 @@ class SocCore(wiring.Component):
         As of :class:`System`.
     """
 
-    def __init__(self, descriptor, hardware, readers=READERS, capacity=4096):
+    def __init__(self, descriptor, hardware, readers=READERS, capacity=3840):
         self.link = ProcessorLink(hardware.data_width, capacity)
         self.system = System(descriptor, hardware, readers)
         self.reads = [name.partition("_")[0] for name in self.system.signature.members

@@ -72,7 +72,7 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
     ----------
     system : System
     capacity : int
-        Bytes that the packetiser reads ahead.
+        Bytes of a packet's payload, at most: as of :class:`Packetiser`.
     soc : ProcessorVerilog
     setup : Setup
         Of the sensor.

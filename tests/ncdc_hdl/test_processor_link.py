@@ -13,7 +13,7 @@ REGISTERS = {5: 0x55, 9: 0x99}                      # of the system
 
 def test_another_width_of_the_memory_is_refused():
     with pytest.raises(InputError, match="the memory has 64 bits, 32 are needed"):
-        ProcessorLink(64, 4096)
+        ProcessorLink(64, 3840)
 
 
 async def access(ctx, bus, address, value=None):
@@ -32,7 +32,7 @@ async def access(ctx, bus, address, value=None):
 
 
 def test_each_address_reaches_its_own():
-    link = ProcessorLink(32, 4096)
+    link = ProcessorLink(32, 3840)
     delay = next(r for r in LINK if r.name == "LINK_DELAY").address
     written, read_from = [], []
 

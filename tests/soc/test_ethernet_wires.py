@@ -66,12 +66,12 @@ def picture(width, height, payload, capacity, least, device="altera"):
 
 
 def test_small_picture_leaves():
-    picture(64, 48, 256, 4096, least=80)
+    picture(64, 48, 256, 3840, least=80)
 
 
 @pytest.mark.regress
 @pytest.mark.parametrize("device", DEVICES)
-@pytest.mark.parametrize("payload,capacity,least", ((1456, 4096, 118), (8960, 18432, 122.7)))
+@pytest.mark.parametrize("payload,capacity,least", ((1456, 3840, 118), (8960, 18176, 122.7)))
 def test_whole_picture_fills_the_line(device, payload, capacity, least):
     picture(1280, 1024, payload, capacity, least, device)
 

@@ -121,7 +121,7 @@ def packets_design(device, capacity):
     device : str
         Of ``DEVICES``.
     capacity : int
-        Bytes of the packetiser's queue.
+        Bytes of a payload, at most.
     """
     packetiser = module_verilog(Packetiser(32, capacity=capacity), "packetiser")
     bench = (_HDL / "ethernet_packets_bench.v").read_text()

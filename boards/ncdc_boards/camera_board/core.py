@@ -28,7 +28,7 @@ __all__ = ["BUTTONS", "CAPACITY", "LIGHTS", "BoardCore", "Design"]
 
 BUTTONS = ("following", "previous", "raw")
 LIGHTS = 8
-CAPACITY = 4096         # bytes that the packetiser reads ahead
+CAPACITY = 3840         # bytes of a packet's payload, at most
 _WIRES_LATE = 2         # a register each in the pins' cells, on the way to the SDRAM and back
 
 

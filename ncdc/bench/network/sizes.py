@@ -49,7 +49,7 @@ def _parts(descriptor):
             ("read bridge", NativeReader(_BITS, _BURST)),
             ("write bridge", NativeWriter(_BITS, _BURST, _PENDING)),
             ("register bridge", WishboneAgent(ADDRESS_BITS)),
-            ("packetiser", Packetiser(_BITS, capacity=4096))):
+            ("packetiser", Packetiser(_BITS))):
         yield name, "part", module_verilog(component, "part")
     yield "MAC with its frames", "mac", _mac()
     core = SocCore(descriptor, hardware)

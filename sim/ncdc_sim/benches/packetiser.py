@@ -29,7 +29,8 @@ from ncdc_model.interface.table_two import MrawHeader
 from ncdc_sim.benches.avalon import Host, read_memory
 from ncdc_sim.benches.common import clocks, settings, start, unpack
 
-__all__ = ["aborted", "again", "any_headers", "gvsp", "mraw", "pauses", "refused", "restarts"]
+__all__ = ["aborted", "again", "any_headers", "far", "gvsp", "mraw", "pauses", "refused",
+           "registers", "restarts"]
 
 SOURCE = Endpoint(bytes.fromhex("02004e434443"), bytes([10, 77, 0, 11]), 49152)
 TARGET = Endpoint(bytes.fromhex("02004e434401"), bytes([10, 77, 0, 1]), 50000)
@@ -255,6 +256,45 @@ async def again(dut):
         link.packets.sort()
         link.take(sorted(expected))
         before = (headers, base, RESEND_BEFORE)
+
+
+@cocotb.test()
+async def far(dut):
+    """Ranges far behind the beginning of a frame, of which nothing else is sent."""
+    link = await begin(dut)
+    for payload, packets in ((16, 500), (48, 160)):
+        headers = Headers(b"", link.chance.randbytes(7), b"last", b"", (1, 3), 9, payload, packets,
+                          payload - 3)
+        base = 16 * link.chance.randrange(0, 20)
+        await link.prepare(headers, base)
+        await link.put(CONTROL=CONTROL_SEND)
+        await link.put(CONTROL=CONTROL_ABORT)
+        await link.settled()
+        link.packets = []
+        for first in (1, packets, *(link.chance.randrange(1, packets) for _ in range(6))):
+            await link.put(RESEND_FIRST=first + 8, RESEND_LAST=first + 9)
+            await link.settled()
+            link.take([packet for place in (first, first + 1)
+                       if (packet := link.packet(headers, base, place))])
+
+
+@cocotb.test()
+async def registers(dut):
+    """Each register has its bits, and those only; what is no register reads as zero."""
+    link = await begin(dut)
+    for register in LINK:
+        value = await link.host.read(register.address)
+        assert value == (1456 if register.name == "LINK_PAYLOAD" else 0), register.name
+    for register in LINK:
+        if register.access != "action":
+            await link.host.write(register.address, 0xFFFFFFFF)
+    for register in LINK:
+        expected = (1 << register.shape.width) - 1 if register.access == "rw" else 0
+        if register.name == "LINK_BASE":
+            expected &= -(len(dut.bus__readdata) // 8)
+        assert await link.host.read(register.address) == expected, register.name
+    for address in (15, 16, 24, 25, 64 + WORDS["LINK_PAYLOAD"], TEMPLATES + 4):
+        assert await link.host.read(address) == 0, address
 
 
 @cocotb.test()

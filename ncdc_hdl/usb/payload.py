@@ -1,22 +1,24 @@
-"""Bytes of packets, read from memory before the packets begin."""
+"""Bytes from memory, read ahead."""
 
 from amaranth import *
-from amaranth.lib import stream, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.lib.memory import Fifo
-from ncdc_hdl.link.layouts import JOB
+from ncdc_model.interface.link_map import PAYLOAD_BITS
 
-__all__ = ["PayloadReader"]
+__all__ = ["PART", "PayloadReader"]
+
+PART = data.StructLayout({"address": ADDRESS_BITS, "bytes": PAYLOAD_BITS})
+"""Bytes in memory, from a multiple of a word on."""
 
 
 class PayloadReader(wiring.Component):
-    """Asks the memory for the payload of each job, and queues the words that come, in order.
+    """Asks the memory for the bytes of each part, and queues the words that come, in order.
 
-    A job is handed on when all of its words are asked for; ``level`` says how many words are there.
     Words are asked for only as far as the queue has room for them.
 
     Parameters
@@ -24,18 +26,15 @@ class PayloadReader(wiring.Component):
     data_width : int
         Bits of a word of the memory.
     depth : int
-        Words that the queue holds: at least a packet, two for packets without pauses.
+        Words that the queue holds.
     burst : int
         Words of a read, at most.
 
     Members
     -------
-    i, o : streams of JOB
-        With addresses that are multiples of a word.
+    i : ``In(stream.Signature(PART))``
     words : ``Out(stream.Signature(data_width))``
-        The payloads; each begins with a word of its own.
-    level : ``Out(range(depth + 1))``
-        Words at ``words``, the one on offer and those behind it.
+        The parts; each begins with a word of its own.
     memory_rst, bus :
         As of :class:`ReadCommands`.
     """
@@ -43,8 +42,7 @@ class PayloadReader(wiring.Component):
     def __init__(self, data_width, *, depth, burst):
         self.data_width, self.depth, self.burst = data_width, depth, burst
         super().__init__({
-            "i": In(stream.Signature(JOB)), "o": Out(stream.Signature(JOB)),
-            "words": Out(stream.Signature(data_width)), "level": Out(range(depth + 1)),
+            "i": In(stream.Signature(PART)), "words": Out(stream.Signature(data_width)),
             "memory_rst": In(1), "bus": Out(ReadHost(data_width, burst)),
         })
 
@@ -59,11 +57,9 @@ class PayloadReader(wiring.Component):
             commands.memory_rst.eq(self.memory_rst),
             queue.w_data.eq(commands.word), queue.w_en.eq(commands.valid),
             self.words.payload.eq(queue.r_data), self.words.valid.eq(queue.r_rdy),
-            queue.r_en.eq(self.words.ready), self.level.eq(queue.level),
+            queue.r_en.eq(self.words.ready),
         ]
-        job = Signal(JOB, reset_less=True)              # whose words are asked for
-        working = Signal()                              # there is one
-        left = Signal(len(job.bytes) - word_bits + 1)   # its words that are not asked for
+        left = Signal(len(self.i.p.bytes) - word_bits + 1)  # words that are not asked for
         address = Signal(ADDRESS_BITS)                  # of the first of them
         claimed = Signal(range(self.depth + 1))         # words asked for and not taken
         room = Signal()                                 # for a burst, beside those
@@ -71,15 +67,10 @@ class PayloadReader(wiring.Component):
         words = Signal(range(self.burst + 1))           # of the next command
         whole = self.i.p.bytes + (self.data_width // 8 - 1)
         with m.If(self.i.valid & self.i.ready):
-            m.d.sync += [working.eq(1), job.eq(self.i.payload), left.eq(whole >> word_bits),
-                         address.eq(self.i.p.address)]
-        with m.Elif(self.o.valid & self.o.ready):
-            m.d.sync += working.eq(0)
+            m.d.sync += [left.eq(whole >> word_bits), address.eq(self.i.p.address)]
         m.d.comb += [
-            self.i.ready.eq(~working | self.o.valid & self.o.ready),
-            self.o.valid.eq(working & (left == 0)), self.o.payload.eq(job),
-            words.eq(Mux(left < self.burst, left, self.burst)),
-            commands.i.valid.eq(working & (left != 0) & room),
+            self.i.ready.eq(left == 0), words.eq(Mux(left < self.burst, left, self.burst)),
+            commands.i.valid.eq((left != 0) & room),
             commands.i.p.address.eq(address), commands.i.p.words.eq(words),
             asked.eq(commands.i.valid & commands.i.ready),
         ]

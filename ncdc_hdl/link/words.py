@@ -1,0 +1,76 @@
+"""Words of 32 bits from a memory with words of any length."""
+
+from amaranth import *
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from ncdc_hdl.avalon.bus import ReadHost
+from ncdc_hdl.avalon.read_commands import ReadCommands, command_layout
+from ncdc_hdl.lib.memory import Fifo
+
+__all__ = ["WordReader"]
+
+
+class WordReader(wiring.Component):
+    """Reads bursts, and gives them in words of 32 bits, the lowest first.
+
+    Parameters
+    ----------
+    data_width : int
+        Bits of a word of the memory: 32, 64 or 128.
+    burst : int
+        Words of a command, at most.
+    limit : int
+        As of :class:`ReadCommands`.
+
+    Members
+    -------
+    i : ``In(stream.Signature(command_layout(burst)))``
+    valid, word : ``Out(1)``, ``Out(32)``
+        A word has come, which cannot be refused.
+    last : ``In(1)``
+        With a word: what follows it in its word of the memory is not wanted.
+    memory_rst, bus :
+        As of :class:`ReadCommands`.
+    """
+
+    def __init__(self, data_width, burst, limit):
+        self.data_width, self.burst, self.limit = data_width, burst, limit
+        super().__init__({
+            "i": In(stream.Signature(command_layout(burst))),
+            "valid": Out(1), "word": Out(32), "last": In(1), "memory_rst": In(1),
+            "bus": Out(ReadHost(data_width, burst))})
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.commands = commands = ReadCommands(self.data_width, self.burst,
+                                                        limit=self.limit)
+        connect(m, commands.bus, flipped(self.bus))
+        m.d.comb += commands.memory_rst.eq(self.memory_rst)
+        if self.data_width == 32:
+            connect(m, flipped(self.i), commands.i)
+            m.d.comb += [self.valid.eq(commands.valid), self.word.eq(commands.word)]
+        else:
+            self._parts(m, commands)
+        return m
+
+    def _parts(self, m, commands):
+        """Long words come faster than they go: two bursts of them wait."""
+        m.submodules.queue = queue = Fifo(width=self.data_width, depth=2 * self.burst,
+                                          checked=False)
+        parts = self.data_width // 32
+        part = Signal(range(parts))
+        claimed = Signal(range(2 * self.burst + 1))     # words asked for and not taken
+        room = Signal()                                 # for a burst, beside those
+        asked = self.i.valid & self.i.ready
+        following = claimed + Mux(asked, self.i.p.words, 0) - (queue.r_rdy & queue.r_en)
+        m.d.sync += [claimed.eq(following), room.eq(following <= self.burst)]
+        m.d.comb += [
+            commands.i.payload.eq(self.i.payload), commands.i.valid.eq(self.i.valid & room),
+            self.i.ready.eq(commands.i.ready & room),
+            queue.w_data.eq(commands.word), queue.w_en.eq(commands.valid),
+            self.valid.eq(queue.r_rdy), self.word.eq(queue.r_data.word_select(part, 32)),
+            queue.r_en.eq(self.last | (part == parts - 1)),
+        ]
+        with m.If(queue.r_rdy):
+            m.d.sync += part.eq(Mux(queue.r_en, 0, part + 1))
