@@ -7,6 +7,7 @@ from litex.soc.integration.soc_core import SoCCore
 from litex.soc.interconnect import wishbone
 from migen import Mux, Signal
 
+from ncdc_boards.board import EthernetChip
 from ncdc_hdl.link.processor import ADDRESS_BITS, FRAMES_BITS
 from ncdc_soc.mac import SLOT_BYTES, Mac
 
@@ -36,12 +37,15 @@ class ProcessorVerilog:
     memories : dict
         First byte and size of each region, by name.
     clock_hz : int
+    chip : EthernetChip or None
+        At its pins; None: there are none.
     """
     text: str
     core: str
     registers: dict
     memories: dict
     clock_hz: int
+    chip: EthernetChip | None = None
 
 
 class Processor(SoCCore):
@@ -108,14 +112,15 @@ class Processor(SoCCore):
                 "processor__irq": (Signal(), False)}
 
 
-def described(soc, platform, text):
-    """The :class:`ProcessorVerilog` of a :class:`Processor` and of its Verilog."""
+def described(soc, platform, text, chip=None):
+    """The :class:`ProcessorVerilog` of a :class:`Processor`, of its Verilog and of the Ethernet
+    chip at its pins."""
     core = next(source[0] for source in platform.sources if "VexRiscv" in source[0])
     registers = {f"{bank}_{csr.name}".upper(): region.origin + 4 * offset
                  for bank, region in soc.csr_regions.items()
                  for offset, csr in _places(region.obj)}
     memories = {name: (region.origin, region.size) for name, region in soc.bus.regions.items()}
-    return ProcessorVerilog(text, core, registers, memories, int(soc.sys_clk_freq))
+    return ProcessorVerilog(text, core, registers, memories, int(soc.sys_clk_freq), chip)
 
 
 def _places(csrs):
