@@ -118,12 +118,12 @@ def refused(capsys, *arguments):
     ([(64, 24)], ["--sensor", "ov5640"], "the processor's firmware knows the mt9p031"),
     ([(64, 24), (64, 24)], [], "2 descriptors are given, the board colorlight-i9 has no buttons"),
     ([(62, 24)], [], "a row of the corrected picture has 186 bytes, .* 4 at once: 60 or 64 pixels"),
-    ([(1280, 720)], [], "the frames take .* MB, the colorlight-i9 has 8.4 MB"),
+    ([(64, 24, 2000, 1500)], [], "the frames take .* MB, the colorlight-i9 has 8.4 MB"),
 ])
 def test_what_does_not_fit_is_refused(tmp_path, capsys, sizes, options, said):
     paths = [tmp_path / f"{k}.toml" for k in range(len(sizes))]
     for path, size in zip(paths, sizes):
-        barrel_descriptor(size, size, hidden_neurons=2).save(path)
+        barrel_descriptor(size[:2], size[-2:], hidden_neurons=2).save(path)
     output = tmp_path / "out"
     assert re.search(said, refused(capsys, *paths, *options, "-o", output))
     assert not output.exists()
