@@ -27,7 +27,8 @@ _ROM_BYTES = 0x10000
 _RESET_MS = 10              # of the chip's pin, at least: Marvell, 88E1111; Broadcom, B50612D
 _DEVICES = {"quartus": (AlteraPlatform, "quartus", False),
             "open": (LatticeECP5Platform, "trellis", True)}
-"""By a board's tools: LiteX's platform, what LiteX calls them, RgmiiPhy's ``paired``."""
+"""By a board's tools: LiteX's platform, what LiteX calls them, whether it is an ECP5: its input
+cells are ``paired``, its ``Mac`` works ``in_words``, its Sender is ``buffered``."""
 _CLOCKS = {"sys": 1, "reset": 1, "transmit": 1, "rx": 1, "tx": 1}
 _PINS = {"rx_data": 4, "rx_ctl": 1, "tx_data": 4, "tx_ctl": 1, "rst_n": 1}
 _MDIO = {"mdc": 1, "data": 1, "enable": 1, "pin": 1}
@@ -50,12 +51,12 @@ class _Clocks(LiteXModule):
 class _BoardProcessor(Processor):
     """A :class:`Processor` whose port and wires are the module's."""
 
-    def __init__(self, platform, clock_hz, paired):
+    def __init__(self, platform, clock_hz, ecp5):
         clocks, pins = platform.request("clock"), platform.request("eth")
-        phy = RgmiiPhy(clocks, pins, clocks.transmit, getattr(clocks, "late", None), paired=paired,
-                       reset_clocks=clock_hz * _RESET_MS // 1000)
+        phy = RgmiiPhy(clocks, pins, clocks.transmit, getattr(clocks, "late", None), paired=ecp5,
+                       reset_clocks=clock_hz * _RESET_MS // 1000, buffered=ecp5)
         super().__init__(platform, clock_hz, phy, rom_bytes=_ROM_BYTES, uart="stub",
-                         clocks=_Clocks(clocks))
+                         clocks=_Clocks(clocks), in_words=ecp5)
         self.mdio, wires = Mdio(), platform.request("mdio")
         self.comb += [wires.mdc.eq(self.mdio.mdc), wires.data.eq(self.mdio.data),
                       wires.enable.eq(self.mdio.enable), self.mdio.pin.eq(wires.pin)]
@@ -72,11 +73,11 @@ def board_processor(board, clock_hz):
 
     Its ROM has its program, ``<module>_rom.init``, when the device is configured.
     """
-    make, tools, paired = _DEVICES[board.tools]
+    make, tools, ecp5 = _DEVICES[board.tools]
     clocks = _CLOCKS | ({} if board.ethernet.delays else {"late": 1})
     platform = make(board.device, [_signals("clock", clocks), _signals("eth", _PINS),
                                    _signals("mdio", _MDIO)], toolchain=tools)
-    soc, text = litex_verilog(platform, lambda: _BoardProcessor(platform, clock_hz, paired), MODULE)
+    soc, text = litex_verilog(platform, lambda: _BoardProcessor(platform, clock_hz, ecp5), MODULE)
     return described(soc, platform, text, board.ethernet)
 
 

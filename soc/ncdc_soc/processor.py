@@ -62,6 +62,8 @@ class Processor(SoCCore):
         As LiteX names it; "stub": nobody listens.
     clocks : LiteXModule
         With the domain ``sys`` and a signal ``rst``, of the watchdog.
+    in_words : bool
+        Of :class:`Mac`.
 
     Attributes
     ----------
@@ -72,7 +74,8 @@ class Processor(SoCCore):
 
     mem_map = {**SoCCore.mem_map, **MAP}
 
-    def __init__(self, platform, clock_hz, phy, *, rom_bytes, uart, clocks):
+    def __init__(self, platform, clock_hz, phy, *, rom_bytes, uart, clocks,
+                 in_words=False):
         SoCCore.__init__(
             self, platform, clock_hz, cpu_type="vexriscv", cpu_variant="standard",
             integrated_rom_size=rom_bytes, integrated_rom_init=[0],
@@ -80,7 +83,7 @@ class Processor(SoCCore):
         self.crg = clocks
         self.add_watchdog("watchdog", reset_delay=_WATCHDOG_DELAY)
         self.ethphy = phy
-        self.ethmac = Mac(phy, _RX_SLOTS)
+        self.ethmac = Mac(phy, _RX_SLOTS, in_words)
         self.irq.add("ethmac", use_loc_if_exists=True)
         for name, bus, slots in (("rx", self.ethmac.bus_rx, _RX_SLOTS),
                                  ("tx", self.ethmac.bus_tx, _TX_SLOTS)):
