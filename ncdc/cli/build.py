@@ -19,10 +19,11 @@ from ncdc.cli.build_hps import build_hps
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Steps
 from ncdc_boards.catalogue import board as board_of
+from ncdc_boards.ecp5.build import clock_cells, prepared
+from ncdc_boards.ecp5.build import project_name as ecp5_name
 from ncdc_boards.hps_board.board import HpsBoard
 from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
 from ncdc_boards.quartus.sdc import check_sensor
-from ncdc_boards.ulx3s.build import NAME, clock_cells, prepared
 from ncdc_hdl.export.registers.drivers import driver_files
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
@@ -42,8 +43,8 @@ def add_arguments(parser):
                         help="descriptors of ncdc train: the first is shown, push buttons choose "
                              "the others")
     parser.add_argument("--board", default="ulx3s", metavar="NAME",
-                        help="ulx3s (default), by open tools; de1-soc, de2-115, de0-cv, "
-                             "de10-nano: a project for Quartus")
+                        help="ulx3s (default), colorlight-i9: by open tools; de1-soc, de2-115, "
+                             "de0-cv, de10-nano: a project for Quartus")
     parser.add_argument("--sensor", default="mt9p031", metavar="NAME",
                         help="mt9p031 (default; Terasic D5M), ov5640, mt9d111")
     add_mode(parser)
@@ -54,7 +55,7 @@ def add_arguments(parser):
                         help="of the sensor, in microseconds (default: 10000)")
     parser.add_argument("--system", action="store_true",
                         help="with a processor and its Ethernet: pictures and settings over the "
-                             "network as well (de2-115)")
+                             "network as well (de2-115; colorlight-i9 always has it)")
     parser.add_argument("--address", default="0.0.0.0", metavar="IPV4",
                         help="of the processor (default: asked of DHCP, or link-local)")
     parser.add_argument("--seeds", type=int, default=3, metavar="N",
@@ -81,23 +82,31 @@ def run(args):
     if board.tools == "quartus":
         _quartus(args, board, named, output)
         return
+    _open(args, board, named, output)
+
+
+def _open(args, board, named, output):
+    """Make the bitstream by open tools."""
     check_tools()
+    name = ecp5_name(board)
     # Half an hour later would be late to say so.
-    check_outputs([output / f"{NAME}.bit"], args.descriptor)
-    design, _, budget = _design(args, board, named)
+    check_outputs([output / f"{name}.bit"], args.descriptor)
+    design, sensor, budget = _design(args, board, named)
+    more = _processor(args, design, sensor) if design.processor else {}
     began, steps = time.monotonic(), Steps("ncdc build", quiet=args.json == "-")
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-        folder = Path(name)
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
+        folder = Path(folder)
         steps("generating the design")
         files = prepared(design)
         try:
             steps("synthesis: Yosys")
-            nets = clock_nets(synthesise_board(files.rtlil, NAME, folder), clock_cells())
+            nets = clock_nets(synthesise_board(files.rtlil, name, folder, more),
+                              clock_cells(design))
             preferences = files.preferences + clock_preferences(nets, design.clocks.targets())
             placements = []
             for seed in range(1, args.seeds + 1):
                 steps(f"place and route: nextpnr, seed {seed} of {args.seeds}")
-                placements.append(place(folder, preferences, nets, seed))
+                placements.append(place(folder, board.device, preferences, nets, seed))
             best = max(placements, key=lambda placement: placement.slack)
             _check_clocks(best, args.seeds)
             steps("packing the bitstream")
@@ -106,15 +115,15 @@ def run(args):
             steps("failed")
             raise InputError(str(error)) from error
     steps("done")
-    texts = {f"{NAME}.v": files.verilog, f"{NAME}.lpf": preferences,
+    texts = {f"{name}.v": files.verilog, f"{name}.lpf": preferences, **more,
              **driver_files(design.system.corrector, named, design.system.table)}
-    for name, text in texts.items():
-        write_text(output / name, text)
-    write_bytes(output / f"{NAME}.bit", bits)
+    for file, text in texts.items():
+        write_text(output / file, text)
+    write_bytes(output / f"{name}.bit", bits)
     report = _report(args, best, placements, bits, budget, time.monotonic() - began)
-    report["files"] = [str(output / name) for name in (f"{NAME}.bit", *texts)]
+    report["files"] = [str(output / file) for file in (f"{name}.bit", *texts)]
     if not write_report(report, args.json):
-        _print(report, output)
+        _print(report, output / f"{name}.bit", board.name)
 
 
 def _quartus(args, board, named, output):
@@ -192,8 +201,8 @@ def _report(args, best, placements, bits, budget, seconds):
         **rates(budget)}
 
 
-def _print(report, output):
-    """The report for people."""
+def _print(report, bitstream, loaded):
+    """The report for people; ``loaded``: the board, as openFPGALoader calls it."""
     for clock in report["clocks"]:
         slack = 1 - clock["target_mhz"] / clock["achieved_mhz"]
         spare = 1000 / clock["target_mhz"] - 1000 / clock["achieved_mhz"]
@@ -202,5 +211,5 @@ def _print(report, output):
     print(f"{report['lut']} LUTs, {report['ff']} flip-flops, {report['dsp']} multipliers, "
           f"{report['ram_blocks']} block RAMs; seed {report['seed']}")
     print_rates(report)
-    print(f"{output / (NAME + '.bit')}: {report['bitstream_bytes']} bytes, in "
-          f"{report['seconds']:.0f} s; openFPGALoader -b ulx3s {output / (NAME + '.bit')}")
+    print(f"{bitstream}: {report['bitstream_bytes']} bytes, in {report['seconds']:.0f} s; "
+          f"openFPGALoader -b {loaded} {bitstream}")

@@ -25,19 +25,23 @@ def plan_board(args, descriptor):
     if args.rate and budget.corrected_per_second < args.rate:
         raise InputError(
             f"{budget.corrected_per_second:.1f} frames per second are corrected on {board.name} "
-            f"beside screen and camera, {args.rate:g} are asked for: {_what_fits(budget, args)}")
+            f"beside {'screen and ' * board.screen}camera, {args.rate:g} are asked for: "
+            f"{_what_fits(budget, args)}")
     needed = memory_bytes(design.system.descriptor, design.system.hardware, design.system.stores)
-    report = {"digest": descriptor.digest, "board": board.name, "mode": design.mode.name,
+    report = {"digest": descriptor.digest, "board": board.name,
+              "mode": design.mode.name if design.mode else None,
               "clocks": [{"name": name, "target_mhz": mhz}
                          for name, mhz in design.clocks.targets().items()],
               "memory_bytes": needed, "memory_bytes_there": board.memory_bytes, **rates(budget)}
     if write_report(report, args.json):
         return
-    print(f"{board.title}, {design.mode.name}: pixel clock {design.clocks.pixel_mhz:.2f} MHz, "
-          f"core {design.clocks.core_mhz:g} MHz")
+    shown = f", {design.mode.name}: pixel clock {design.clocks.pixel_mhz:.2f} MHz, " \
+        if design.mode else ": "
+    screen = f"screen takes {budget.screen / 1e6:.0f} MB/s, the " if design.mode else ""
+    camera = setup.sensor.name + " takes" * (not design.mode)
+    print(f"{board.title}{shown}core {design.clocks.core_mhz:g} MHz")
     print(f"frames of {needed / 1e6:.1f} MB in all, in {board.memory_bytes / 1e6:.1f} MB; the "
-          f"screen takes {budget.screen / 1e6:.0f} MB/s, the {setup.sensor.name} "
-          f"{budget.camera / 1e6:.0f} MB/s, of {budget.carried / 1e6:.0f} MB/s")
+          f"{screen}{camera} {budget.camera / 1e6:.0f} MB/s, of {budget.carried / 1e6:.0f} MB/s")
     print_rates(report)
     if line:
         print(line)

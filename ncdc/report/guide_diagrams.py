@@ -46,6 +46,21 @@ DRAWINGS = {    # file: boxes, arrows, note
          (11.7, 8.4, 1.3, "frames", "word by word, Table II")),
         "without --system there is no packetiser, and the registers are reached by serial port and "
         "scan chain alone"),
+    "colorlight-i9.png": (
+        ((0, 1.3, 2.3, 2.0, "B50612D\n\ncable to a PC"),
+         (5.2, 0, 3.0, 4.6, "processor\n\nVexRiscv, firmware\n\nMAC, RGMII"),
+         (11.2, 0, 2.8, 4.6, "board's core\n\ncamera, corrector\n\npacketiser\n\n"
+          "SDRAM controller"),
+         (16.6, 2.6, 2.1, 2.0, "sensor\n\nMT9P031\n(D5M)"),
+         (16.6, 0, 2.1, 2.0, "SDRAM chip\n\n8 MB, 32 bits")),
+        ((2.3, 5.2, 2.9, "RGMII", "4 wires each way"),
+         (5.2, 2.3, 1.9, "MDIO", "delays, speed"),
+         (11.2, 8.2, 3.9, "packets", "whole Ethernet frames"),
+         (8.2, 11.2, 2.6, "registers", "settings, lens, claims"),
+         (11.2, 8.2, 1.3, "frames", "word by word, Table II"),
+         (16.6, 14.0, 4.0, "sensor", "clock, lines, data"), (14.0, 16.6, 3.0, "I2C", "set-up"),
+         (14.0, 16.6, 1.1, "bursts", "50 MHz")),
+        "no screen: pictures leave by the cable alone; registers through a serial port too"),
     "guide-zynq.png": (
         ((0, 0, 2.9, 4.6, "processing system\nof a Zynq or Kria\n\nLinux, /dev/uio0\n\n"
           "DDR memory"),

@@ -7,45 +7,82 @@
 #include "uart.h"
 
 #ifdef CSR_MDIO_WIRES
-/* Marvell, 88E1111: registers, as Linux's driver of it has them too. */
+/* Registers that each chip has: IEEE 802.3, clause 22. */
 #define CONTROL 0
 #define CONTROL_RESET 0x8000u
 #define CONTROL_NEGOTIATE 0x1000u
+#define CONTROL_NEGOTIATE_ANEW 0x0200u
 #define ID 2			/* and 3, whose lowest four bits are the revision */
-#define MARVELL_88E1111 0x01410cc0u
 #define OFFERED 4
 #define OFFERED_10_100_FULL 0x0141u
 #define OFFERED_1000 9
 #define OFFERED_1000_FULL 0x0200u
-#define STATUS 17
-#define STATUS_SPEED_SHIFT 14	/* 0, 1, 2: 10, 100, 1000 Mbit/s, as the MAC counts them */
-#define STATUS_RESOLVED 0x0800u
-#define STATUS_LINK 0x0400u
-#define EXTENDED_CONTROL 20
-#define RECEIVE_LATE 0x0080u	/* the clock that we get comes 2 ns behind the data */
-#define TRANSMIT_LATE 0x0002u	/* so does the one that we send: the device does it */
-#define EXTENDED_STATUS 27
-#define MODE 0x000fu
-#define MODE_RGMII 0x000bu
-#define CHIPS 32
+#define SPEEDS 3		/* 10, 100, 1000 Mbit/s, as the MAC counts them */
 #define PAUSE (MILLISECOND_CLOCKS / 5)		/* between two looks while it is searched for */
 #define LONG_PAUSE (100 * MILLISECOND_CLOCKS)	/* while it works */
 
+/* A register of a chip's own: some bits become others. Of several behind one address `select` is
+ * written before, and chooses which is read. */
+struct change {
+	uint16_t address, select, clear, set;
+};
+
+struct kind {
+	uint32_t id;
+	struct change changes[2];	/* RGMII, which clocks are late */
+	uint16_t control;		/* written behind them, so that they count */
+	uint16_t status, link;		/* bits of the status that are set while there is a link */
+	uint16_t field, speed[SPEEDS];	/* of the status, where it tells which speed with full duplex */
+};
+
+/* The clock that we get is always late by the chip, that which we send by it or by the device. */
+#define BY_CHIP(bits) (PHY_DELAYS ? (bits) : 0)
+
+static const struct kind KINDS[] = {
+	{
+		/* Marvell, 88E1111, as Linux's driver of it has them too. */
+		.id = 0x01410cc0u,
+		.changes = {
+			{20, 0, 0x0082, 0x0080 | BY_CHIP(0x0002)},
+			{27, 0, 0x000f, 0x000b},	/* RGMII, whatever its jumper says */
+		},
+		.control = CONTROL_RESET | CONTROL_NEGOTIATE,
+		.status = 17, .link = 0x0c00,		/* resolved as well */
+		.field = 0xc000, .speed = {0x0000, 0x4000, 0x8000},
+	},
+	{
+		/* Broadcom, B50612D, data sheet B50612D-DS100-R: tables 28, 51, 59, 52. */
+		.id = 0x03625e60u,
+		.changes = {
+			{24, 0x7007, 0x7107, 0x8107},
+			{28, 0x0c00, 0x7e00, 0x8c00 | BY_CHIP(0x0200)},
+		},
+		.control = CONTROL_NEGOTIATE | CONTROL_NEGOTIATE_ANEW,
+		.status = 25, .link = 0x8004,		/* negotiated as well */
+		.field = 0x0700, .speed = {0x0200, 0x0500, 0x0700},
+	},
+};
+
 static enum { SEARCHED, RESETS, WORKS } state;
-static uint32_t chip;
+static uint32_t chip = PHY_FIRST;
+static const struct kind *kind;
 static uint32_t looked;
 static uint32_t speed;		/* that was told last, plus 1; 0: no link */
 
-/* Full duplex only, RGMII with the receive clock late: all of it counts behind a reset. */
+/* Full duplex only, RGMII with the receive clock late. */
 static void set_up(void)
 {
 	mdio_write(chip, OFFERED, OFFERED_10_100_FULL);
 	mdio_write(chip, OFFERED_1000, OFFERED_1000_FULL);
-	mdio_write(chip, EXTENDED_CONTROL,
-		   (mdio_read(chip, EXTENDED_CONTROL) | RECEIVE_LATE) & ~TRANSMIT_LATE);
-	mdio_write(chip, EXTENDED_STATUS,
-		   (mdio_read(chip, EXTENDED_STATUS) & ~MODE) | MODE_RGMII);
-	mdio_write(chip, CONTROL, CONTROL_RESET | CONTROL_NEGOTIATE);
+	for (unsigned k = 0; k < sizeof kind->changes / sizeof *kind->changes; ++k) {
+		const struct change *c = kind->changes + k;
+
+		if (c->select)
+			mdio_write(chip, c->address, c->select);
+		mdio_write(chip, c->address,
+			   (mdio_read(chip, c->address) & ~(uint32_t)c->clear) | c->set);
+	}
+	mdio_write(chip, CONTROL, kind->control);
 	state = RESETS;
 }
 
@@ -53,20 +90,25 @@ static void search(void)
 {
 	uint32_t id = mdio_read(chip, ID) << 16 | mdio_read(chip, ID + 1);
 
-	if ((id & ~15u) == MARVELL_88E1111)
-		set_up();
-	else
-		chip = (chip + 1) % CHIPS;
+	for (unsigned k = 0; k < sizeof KINDS / sizeof *KINDS; ++k)
+		if ((id & ~15u) == KINDS[k].id) {
+			kind = KINDS + k;
+			set_up();
+			return;
+		}
+	chip = chip == PHY_LAST ? PHY_FIRST : chip + 1;
 }
 
 static void look(void)
 {
-	static const char *const NAMES[] = {"10", "100", "1000"};
-	uint32_t status = mdio_read(chip, STATUS), now = 0;
+	static const char *const NAMES[SPEEDS] = {"10", "100", "1000"};
+	uint32_t status = mdio_read(chip, kind->status), now = 0;
 
-	if (status & STATUS_LINK && status & STATUS_RESOLVED)
-		now = (status >> STATUS_SPEED_SHIFT) + 1;
-	if (now == speed || now > 3)
+	if ((status & kind->link) == kind->link)
+		for (unsigned k = 0; k < SPEEDS; ++k)
+			if ((status & kind->field) == kind->speed[k])
+				now = k + 1;
+	if (now == speed)
 		return;
 	speed = now;
 	if (!now) {

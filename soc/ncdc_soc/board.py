@@ -6,12 +6,13 @@ from tempfile import TemporaryDirectory
 
 from litex.build.altera import AlteraPlatform
 from litex.build.generic_platform import Pins, Subsignal
+from litex.build.lattice import LatticeECP5Platform
 from litex.gen import LiteXModule
 from migen import ClockDomain, Signal
 
 from ncdc_boards.camera_board.core import CAPACITY
 from ncdc_boards.camera_board.design import READER_OF_HOST
-from ncdc_boards.quartus.ethernet import MODULE
+from ncdc_boards.camera_board.ethernet import MODULE
 from ncdc_model.errors import InputError
 from ncdc_soc.firmware import Identity, config, firmware_image
 from ncdc_soc.mdio import Mdio
@@ -23,8 +24,12 @@ __all__ = ["ProcessorFiles", "board_processor", "processor_files"]
 
 _SENSOR = "mt9p031"
 _ROM_BYTES = 0x10000
-_RESET_MS = 10              # Marvell, 88E1111: of its pin, at least
-_CLOCKS = {"sys": 1, "reset": 1, "transmit": 1, "late": 1, "rx": 1, "tx": 1}
+_RESET_MS = 10              # of the chip's pin, at least: Marvell, 88E1111; Broadcom, B50612D
+_DEVICES = {"quartus": (AlteraPlatform, "quartus", False),
+            "open": (LatticeECP5Platform, "trellis", True)}
+"""By a board's tools: LiteX's platform, what LiteX calls them, whether it is an ECP5: its input
+cells are ``paired``, its ``Mac`` works ``in_words``, its Sender is ``buffered``."""
+_CLOCKS = {"sys": 1, "reset": 1, "transmit": 1, "rx": 1, "tx": 1}
 _PINS = {"rx_data": 4, "rx_ctl": 1, "tx_data": 4, "tx_ctl": 1, "rst_n": 1}
 _MDIO = {"mdc": 1, "data": 1, "enable": 1, "pin": 1}
 
@@ -46,12 +51,12 @@ class _Clocks(LiteXModule):
 class _BoardProcessor(Processor):
     """A :class:`Processor` whose port and wires are the module's."""
 
-    def __init__(self, platform, clock_hz):
+    def __init__(self, platform, clock_hz, ecp5):
         clocks, pins = platform.request("clock"), platform.request("eth")
-        phy = RgmiiPhy(clocks, pins, clocks.transmit, clocks.late, paired=False,
-                       reset_clocks=clock_hz * _RESET_MS // 1000)
+        phy = RgmiiPhy(clocks, pins, clocks.transmit, getattr(clocks, "late", None), paired=ecp5,
+                       reset_clocks=clock_hz * _RESET_MS // 1000, buffered=ecp5)
         super().__init__(platform, clock_hz, phy, rom_bytes=_ROM_BYTES, uart="stub",
-                         clocks=_Clocks(clocks))
+                         clocks=_Clocks(clocks), in_words=ecp5)
         self.mdio, wires = Mdio(), platform.request("mdio")
         self.comb += [wires.mdc.eq(self.mdio.mdc), wires.data.eq(self.mdio.data),
                       wires.enable.eq(self.mdio.enable), self.mdio.pin.eq(wires.pin)]
@@ -64,14 +69,16 @@ class _BoardProcessor(Processor):
 
 def board_processor(board, clock_hz):
     """:class:`~ncdc_soc.processor.ProcessorVerilog` of the module
-    :data:`~ncdc_boards.quartus.ethernet.MODULE` for a Quartus board with RGMII.
+    :data:`~ncdc_boards.camera_board.ethernet.MODULE` for a board with RGMII.
 
-    It reads its program from ``<module>_rom.init`` when the device is configured.
+    Its ROM has its program, ``<module>_rom.init``, when the device is configured.
     """
-    platform = AlteraPlatform(board.device, [_signals("clock", _CLOCKS), _signals("eth", _PINS),
-                                             _signals("mdio", _MDIO)], toolchain="quartus")
-    soc, text = litex_verilog(platform, lambda: _BoardProcessor(platform, clock_hz), MODULE)
-    return described(soc, platform, text)
+    make, tools, ecp5 = _DEVICES[board.tools]
+    clocks = _CLOCKS | ({} if board.ethernet.delays else {"late": 1})
+    platform = make(board.device, [_signals("clock", clocks), _signals("eth", _PINS),
+                                   _signals("mdio", _MDIO)], toolchain=tools)
+    soc, text = litex_verilog(platform, lambda: _BoardProcessor(platform, clock_hz, ecp5), MODULE)
+    return described(soc, platform, text, board.ethernet)
 
 
 @dataclass(frozen=True)

@@ -117,7 +117,9 @@ def _hardware(capacity, soc):
         "ETHMAC_RX_BASE": _hex(MAP["ethmac_rx"]), "ETHMAC_TX_BASE": _hex(MAP["ethmac_tx"]),
         "ETHMAC_SLOT_BYTES": f"{SLOT_BYTES}u",
         "SYSTEM_INTERRUPT": f"{soc.interrupt}u", "LINK_CAPACITY": f"{capacity}u",
-        "LINK_TEMPLATES": _hex(MAP["ncdc"] + 4 * (LINK_BASE + TEMPLATES))}
+        "LINK_TEMPLATES": _hex(MAP["ncdc"] + 4 * (LINK_BASE + TEMPLATES)),
+        **({"PHY_FIRST": f"{soc.chip.addresses[0]}u", "PHY_LAST": f"{soc.chip.addresses[-1]}u",
+            "PHY_DELAYS": int(soc.chip.delays)} if soc.chip else {})}
 
 
 def _registers(system):

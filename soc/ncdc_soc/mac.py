@@ -33,6 +33,10 @@ class Mac(LiteXModule):
     phy : LiteX PHY
     slots : int
         Frames received that may wait for the processor.
+    in_words : bool
+        Preamble, padding and check sequence are of words, with the system's clock, which must be
+        above 31.25 MHz then; else of bytes, with the interface's, for which slow devices have no
+        time at 1000 Mbit/s.
 
     Attributes
     ----------
@@ -43,8 +47,9 @@ class Mac(LiteXModule):
     ev : EventManager
     """
 
-    def __init__(self, phy, slots=4):
-        self.core = core = LiteEthMACCore(phy, _WIDTH, tx_cdc_depth=32, rx_cdc_depth=32)
+    def __init__(self, phy, slots=4, in_words=False):
+        self.core = core = LiteEthMACCore(phy, _WIDTH, with_sys_datapath=in_words, tx_cdc_depth=32,
+                                          rx_cdc_depth=32, tx_cdc_buffered=in_words)
         self.interface = interface = LiteEthMACWishboneInterface(
             _WIDTH, nrxslots=slots, ntxslots=2, endianness="little")
         self.frames = stream.Endpoint(eth_phy_description(_WIDTH))

@@ -9,6 +9,7 @@ from litex.soc.interconnect import wishbone
 from litex.soc.interconnect.csr_eventmanager import EventManager, EventSourceLevel
 from migen import Mux, Signal
 
+from ncdc_boards.board import EthernetChip
 from ncdc_hdl.link.processor import ADDRESS_BITS, FRAMES_BITS
 from ncdc_soc.mac import SLOT_BYTES, Mac
 
@@ -40,6 +41,8 @@ class ProcessorVerilog:
     interrupt : int
         Bit of the system's line in the mask of VexRiscv's interrupts.
     clock_hz : int
+    chip : EthernetChip or None
+        At its pins; None: there are none.
     """
     text: str
     core: str
@@ -47,6 +50,7 @@ class ProcessorVerilog:
     memories: dict
     interrupt: int
     clock_hz: int
+    chip: EthernetChip | None = None
 
 
 class _Interrupt(LiteXModule):
@@ -72,6 +76,8 @@ class Processor(SoCCore):
         As LiteX names it; "stub": nobody listens.
     clocks : LiteXModule
         With the domain ``sys`` and a signal ``rst``, of the watchdog.
+    in_words : bool
+        Of :class:`Mac`.
 
     Attributes
     ----------
@@ -82,7 +88,8 @@ class Processor(SoCCore):
 
     mem_map = {**SoCCore.mem_map, **MAP}
 
-    def __init__(self, platform, clock_hz, phy, *, rom_bytes, uart, clocks):
+    def __init__(self, platform, clock_hz, phy, *, rom_bytes, uart, clocks,
+                 in_words=False):
         SoCCore.__init__(
             self, platform, clock_hz, cpu_type="vexriscv", cpu_variant="standard",
             integrated_rom_size=rom_bytes, integrated_rom_init=[0],
@@ -93,7 +100,7 @@ class Processor(SoCCore):
         self.crg = clocks
         self.add_watchdog("watchdog", reset_delay=_WATCHDOG_DELAY)
         self.ethphy = phy
-        self.ethmac = Mac(phy, _RX_SLOTS)
+        self.ethmac = Mac(phy, _RX_SLOTS, in_words)
         self.irq.add("ethmac", use_loc_if_exists=True)
         for name, bus, slots in (("rx", self.ethmac.bus_rx, _RX_SLOTS),
                                  ("tx", self.ethmac.bus_tx, _TX_SLOTS)):
@@ -127,15 +134,16 @@ class Processor(SoCCore):
                 "processor__irq": (self.system.ev.system.trigger, False)}
 
 
-def described(soc, platform, text):
-    """The :class:`ProcessorVerilog` of a :class:`Processor` and of its Verilog."""
+def described(soc, platform, text, chip=None):
+    """The :class:`ProcessorVerilog` of a :class:`Processor`, of its Verilog and of the Ethernet
+    chip at its pins."""
     core = next(source[0] for source in platform.sources if "VexRiscv" in source[0])
     registers = {f"{bank}_{csr.name}".upper(): region.origin + 4 * offset
                  for bank, region in soc.csr_regions.items()
                  for offset, csr in _places(region.obj)}
     memories = {name: (region.origin, region.size) for name, region in soc.bus.regions.items()}
     return ProcessorVerilog(text, core, registers, memories, soc.irq.locs["system"],
-                            int(soc.sys_clk_freq))
+                            int(soc.sys_clk_freq), chip)
 
 
 def _places(csrs):

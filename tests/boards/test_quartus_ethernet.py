@@ -10,8 +10,8 @@ from cameras import barrel_descriptor
 from constraints import complaints
 from ncdc.cli import main
 from ncdc_boards.camera_board.design import design_of, sensor_for
+from ncdc_boards.camera_board.ethernet import MODULE
 from ncdc_boards.catalogue import board
-from ncdc_boards.quartus.ethernet import MODULE
 from ncdc_boards.quartus.project import project_files
 from ncdc_boards.quartus.sdc import FREE
 from ncdc_hdl.video.modes import mode_named

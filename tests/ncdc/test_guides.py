@@ -59,7 +59,9 @@ distortion_coefficients: {rows: 1, cols: 5, data: [-0.31, 0.10, 0.001, -0.0005, 
 """
 BOARD_FILES = {"ulx3s": {"ncdc_ulx3s.bit", "ncdc_ulx3s.v", "ncdc_registers.py"},
                "boards": {"ncdc_user.v", "build.sh", "check_timing.tcl", "PORTS.md",
-                          "ncdc_registers.py"}}
+                          "ncdc_registers.py"},
+               "colorlight_i9": {"ncdc_colorlight_i9.bit", "ncdc_colorlight_i9.lpf",
+                                 "ncdc_processor_rom.init", "ncdc_registers.py"}}
 
 
 @pytest.mark.regress
@@ -72,10 +74,10 @@ def test_the_commands_of_a_board_s_page(page, tmp_path, monkeypatch, capsys):
     (tmp_path / "camera.yaml").write_text(ROS_CAMERA)
     barrel_descriptor((640, 480), (640, 480), hidden_neurons=8).save(tmp_path / "net.toml")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(build, "synthesise_board", lambda rtlil, top, folder: {})
+    monkeypatch.setattr(build, "synthesise_board", lambda *design: {})
     monkeypatch.setattr(build, "clock_nets", lambda netlist, cells: {})
     monkeypatch.setattr(build, "clock_preferences", lambda nets, targets: "")
-    monkeypatch.setattr(build, "place", lambda folder, preferences, nets, seed: Placement(
+    monkeypatch.setattr(build, "place", lambda folder, device, preferences, nets, seed: Placement(
         seed, (Clock("sync", 62.5, 70.0),), Counter()))
     monkeypatch.setattr(build, "pack", lambda folder, seed: b"bits")
     lines = commands(text, "ncdc")

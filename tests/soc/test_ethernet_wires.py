@@ -37,6 +37,14 @@ def test_thousand_frames(device, interface, speed):
 
 
 @pytest.mark.regress
+@pytest.mark.parametrize("speed,frames", [(1000, 1000), (100, 12), (10, 12)])
+def test_frames_of_words(speed, frames):
+    """As on a slow device: preamble, padding and check sequence at the system's clock."""
+    simulate(mac_design("ecp5", "rgmii", in_words=True), "rgmii", speed, frames,
+             longest=1514 if speed == 1000 else 200)
+
+
+@pytest.mark.regress
 @pytest.mark.parametrize("device", DEVICES)
 def test_clock_made_late_by_the_device(device):
     simulate(mac_design(device, "rgmii", late=True), "rgmii", 1000, 50)

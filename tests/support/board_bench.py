@@ -20,7 +20,8 @@ SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
 
 
 class Bench:
-    """A design for two lenses, the light on its sensor, and the golden pictures of that."""
+    """A design for two lenses, or without a screen (``mode`` None) for one, the light on its
+    sensor, and the golden pictures of that."""
 
     def __init__(self, name, mode, size, *, frames=6, **more):
         self.mode, self.size = mode, size
@@ -28,8 +29,9 @@ class Bench:
         lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
         self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100)
         setup, (left, top) = self.sensor
-        self.design = design_of(board(name), [("a", lenses[0]), ("b", lenses[1])], self.sensor,
-                                mode, power_up_us=20, waits=False, **more)
+        named = [("a", lenses[0]), ("b", lenses[1])]
+        self.design = design_of(board(name), named if mode else named[:1], self.sensor, mode,
+                                power_up_us=20, waits=False, **more)
         noise = np.random.default_rng(1).integers(0, 4096, (frames, size[1] + 4, size[0] + 4),
                                                   dtype=np.uint16)
         self.light = Light(noise)

@@ -53,20 +53,22 @@ def _pins(interface):
 class _Mac(LiteXModule):
     """The MAC, its 32-bit streams at pins."""
 
-    def __init__(self, platform, interface, paired, late):
+    def __init__(self, platform, interface, paired, late, in_words):
         clock, speed = platform.request("clock"), platform.request("speed")
         self.cd_sys = ClockDomain()
         self.comb += [self.cd_sys.clk.eq(clock.sys), self.cd_sys.rst.eq(clock.reset)]
         clocks, wires = platform.request("wire_clock"), platform.request("wire")
         if interface == "rgmii":
             self.phy = phy = RgmiiPhy(clocks, wires, clock.transmit,
-                                      clock.late if late else None, paired=paired)
+                                      clock.late if late else None, paired=paired,
+                                      buffered=in_words)
             self.comb += [phy.speed.storage.eq(speed.set), speed.told.eq(phy.status.status)]
         elif interface == "gmii":
             self.phy = phy = GmiiPhy(clocks, wires, clock.transmit)
         else:
             self.phy = phy = MiiPhy(clocks, wires)
-        self.core = core = LiteEthMACCore(phy, 32)
+        self.core = core = LiteEthMACCore(phy, 32, with_sys_datapath=in_words,
+                                          tx_cdc_buffered=in_words)
         sink, source = platform.request("sink"), platform.request("source")
         for name in _STREAM:
             into, out = getattr(core.sink, name), getattr(core.source, name)
@@ -76,12 +78,13 @@ class _Mac(LiteXModule):
                           else getattr(source, name).eq(out))
 
 
-def _mac(device, interface, late, paired):
+def _mac(device, interface, late, paired, in_words=False):
     """Verilog of the module ``mac``, and of its cells."""
     make, part, toolchain, cells = DEVICES[device]
     paired = PAIRED[device] if paired is None else paired
     platform = make(part, _pins(interface), toolchain=toolchain)
-    _, text = litex_verilog(platform, lambda: _Mac(platform, interface, paired, late), "mac")
+    _, text = litex_verilog(platform, lambda: _Mac(platform, interface, paired, late,
+                                                     in_words), "mac")
     # What LiteX writes: assignments that wait in processes that do not, pins left open.
     lint = "\n".join(f"/* verilator lint_off {name} */"
                      for name in ("COMBDLY", "CMPCONST", "PINMISSING", "UNOPTFLAT"))
@@ -89,7 +92,7 @@ def _mac(device, interface, late, paired):
 
 
 @functools.cache
-def mac_design(device, interface, late=False, paired=None):
+def mac_design(device, interface, late=False, paired=None, in_words=False):
     """:class:`Design` of a MAC, its cells and its clocks, between streams and wires.
 
     For Verilator alone: under Icarus processes of LiteX wait for events that never come at time 0,
@@ -105,11 +108,13 @@ def mac_design(device, interface, late=False, paired=None):
         RGMII: whether the device itself makes the transmit clock late; else the board's wire does.
     paired : bool or None
         Of :class:`RgmiiPhy`; None: as the device's cells are.
+    in_words : bool
+        As :class:`~ncdc_soc.mac.Mac` is on a slow device, and with it the interface.
     """
     defines = f"`define {interface.upper()}\n" + ("`define LATE\n" if late else "")
     bench = (_HDL / "ethernet_bench.v").read_text()
-    return Design("ethernet_bench", defines + bench + _mac(device, interface, late, paired),
-                  delays=True)
+    mac = _mac(device, interface, late, paired, in_words)
+    return Design("ethernet_bench", defines + bench + mac, delays=True)
 
 
 @functools.cache

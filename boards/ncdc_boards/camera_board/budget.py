@@ -126,16 +126,23 @@ def budget_of(design, setup):
     """The :class:`Budget` of a :class:`~ncdc_boards.camera_board.core.Design` and of its sensor's
     set-up."""
     g, hardware = design.system.descriptor.geometry, design.system.hardware
-    line_s = sum(design.mode.horizontal) / (design.clocks.pixel_mhz * 1e6)
     pixel = output_format(hardware.format).pixel_bytes
     raw = g.distorted_width * g.distorted_height
     return Budget(
         carried=_carried(design.board, design.core_hz),
-        screen=g.corrected_width * pixel / line_s,
+        screen=_screen_bytes(design, pixel),
         camera=raw * setup.timing.frames_per_second,
         frame=_FETCHED * raw + (1 + design.processor) * pixel * g.corrected_width
         * g.corrected_height,
         frames_per_second=setup.timing.frames_per_second)
+
+
+def _screen_bytes(design, pixel):
+    """Bytes per second that the screen reads while a line is shown."""
+    if design.mode is None:
+        return 0
+    line_s = sum(design.mode.horizontal) / (design.clocks.pixel_mhz * 1e6)
+    return design.system.descriptor.geometry.corrected_width * pixel / line_s
 
 
 def _carried(board, core_hz):

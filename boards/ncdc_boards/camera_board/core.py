@@ -29,6 +29,7 @@ __all__ = ["BUTTONS", "CAPACITY", "LIGHTS", "BoardCore", "Design"]
 BUTTONS = ("following", "previous", "raw")
 LIGHTS = 8
 CAPACITY = 3840         # bytes of a packet's payload, at most
+_BURST = 16             # words that hosts of the memory other than the screen move at once, at most
 _WIRES_LATE = 2         # a register each in the pins' cells, on the way to the SDRAM and back
 
 
@@ -40,18 +41,20 @@ class Design:
     ----------
     board : Board
     system : System
-        With a screen.
-    mode : VideoMode
+        With a screen if the board has one.
+    mode : VideoMode or None
+        None: without a screen.
     pixel_bytes : int
         Of a pixel in memory.
     clocks : object
         The board's clocks, as its ``clock_plan`` makes them.
     programs : tuple
-        Of :class:`ProgramRunner`: the set-up first, then one for each lens, the raw picture's last.
+        Of :class:`ProgramRunner`: the set-up first; with a screen, then one for each lens, the raw
+        picture's last.
     lenses : int
         That the buttons choose from, without the raw picture.
     screen_burst : int
-        Words that the screen reads at once, at most.
+        Words that the screen reads at once, at most; 0 without one.
     power_up_us : int
         Microseconds from the clocks' lock until the sensor's reset ends, and from there until
         the set-up begins.
@@ -78,7 +81,8 @@ class Design:
 class BoardCore(wiring.Component):
     """Joins sensor, memory, corrector, screen, buttons, a serial port, a scan chain, a processor.
 
-    It lives in the domain ``sync``, its picture in ``pixel``, its scan chain in ``jtag``.
+    What the board or the design has not is left out; buttons are the screen's. It lives in the
+    domain ``sync``, its picture in ``pixel``, its scan chain in ``jtag``.
 
     Parameters
     ----------
@@ -94,6 +98,7 @@ class BoardCore(wiring.Component):
     sdram : ``Out(SdramPins(chip))``
         To registers in the pins' cells, and from such.
     picture : ``Out(PICTURE)``
+        With a screen.
     receive, send : ``In(1)``, ``Out(1)``
         A serial port.
     scan : ``In(Scan())``
@@ -101,26 +106,27 @@ class BoardCore(wiring.Component):
     processor : ``In(ProcessorPort())``
         If the design has a ``processor``.
     following, previous, raw : ``In(1)``
-        Buttons, high while pressed, at any time.
+        Buttons, high while pressed, at any time; with a screen.
     lights : ``Out(8)``
-        The memory is ready; the set-up is over; the sensor did not answer; the memory was too slow
-        for the screen; the number of the lens.
+        The memory is ready; the set-up is over; the sensor did not answer; with a screen: the
+        memory was too slow for it; the number of the lens.
     """
 
     def __init__(self, design):
         self.design, board = design, design.board
-        g = design.system.descriptor.geometry
+        g, screen = design.system.descriptor.geometry, design.mode is not None
         self.screen = ScanOut(design.mode, *g.corrected, pixel_bytes=design.pixel_bytes,
-                              max_burst=design.screen_burst)
+                              max_burst=design.screen_burst) if screen else None
         self.link = ProcessorLink(self._width, CAPACITY) if design.processor else None
         self.memory = SdramController(board.chip, design.core_hz, self._width,
-                                      reads=2 + 2 * design.processor,
-                                      max_burst=design.screen_burst, late=_WIRES_LATE)
+                                      reads=1 + screen + 2 * design.processor,
+                                      max_burst=max(design.screen_burst, _BURST),
+                                      late=_WIRES_LATE)
         super().__init__({
             "sensor_clock": In(1), "sensor": In(PINS), "sensor_reset_n": Out(1),
             "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1),
-            "sdram": Out(SdramPins(board.chip)), "picture": Out(PICTURE),
-            "receive": In(1), "send": Out(1), **dict.fromkeys(BUTTONS, In(1)),
+            "sdram": Out(SdramPins(board.chip)), "receive": In(1), "send": Out(1),
+            **({"picture": Out(PICTURE), **dict.fromkeys(BUTTONS, In(1))} if screen else {}),
             "lights": Out(LIGHTS), **({"scan": In(Scan())} if board.jtag else {}),
             **({"processor": In(ProcessorPort())} if design.processor else {})})
 
@@ -132,31 +138,42 @@ class BoardCore(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.submodules.system = system = self.design.system
-        m.submodules.screen = screen = self.screen
         m.submodules.memory = self.memory
         if self.link:
             m.submodules.link = link = self.link
             connect(m, flipped(self.processor), link.processor)
             m.d.comb += link.irq.eq(system.irq)
+        connect(m, self.memory.pins, flipped(self.sdram))
+        self._ports(m)
+        ready = self._sensor(m)
+        programs = self._registers(m, ready)
+        shown = Const(0, 0)
+        if self.screen:
+            self._screen(m)
+            shown = Cat(self.screen.underruns != 0, self._buttons(m, programs))
+        m.d.comb += self.lights.eq(Cat(self.memory.ready, ~programs.busy, programs.failures != 0,
+                                       shown))
+        return m
+
+    def _screen(self, m):
+        """The screen between the frame store and the pins."""
+        m.submodules.screen = screen = self.screen
+        system = self.design.system
         m.d.comb += [
             screen.screen.held.eq(system.screen_held), screen.screen.base.eq(system.screen_base),
             system.screen_claim.eq(screen.screen.claim),
             system.screen_shown.eq(screen.shown), system.screen_underruns.eq(screen.underruns),
             self.picture.eq(screen.picture),
         ]
-        connect(m, self.memory.pins, flipped(self.sdram))
-        self._ports(m)
-        ready = self._sensor(m)
-        programs = self._registers(m, ready)
-        self._buttons(m, programs)
-        return m
 
     def _ports(self, m):
-        """System, processor and screen at the controller's ports; the screen's is the last."""
+        """System, processor and screen at the controller's ports; the screen's is the last, and
+        without one that of the processor's window, which has a word at a time."""
         memory, system = self.memory, self.design.system
         readers = [ports_as(system, "read0", system.corrector.fetch.bus0.signature)]
         readers += [self.link.packets, self.link.window] if self.link else []
-        for bus, port in zip((*readers, self.screen.bus), memory.reads):
+        readers += [self.screen.bus] if self.screen else []
+        for bus, port in zip(readers, memory.reads, strict=True):
             m.d.comb += [
                 port.address.eq(bus.address), port.read.eq(bus.read),
                 port.burstcount.eq(bus.burstcount), bus.waitrequest.eq(port.waitrequest),
@@ -217,13 +234,12 @@ class BoardCore(wiring.Component):
         return programs
 
     def _buttons(self, m, programs):
-        """Buttons that choose the programs, and lights."""
+        """Buttons that choose the programs; the number of the chosen lens."""
         m.submodules.chooser = chooser = Chooser(self.design.lenses, self.design.core_hz)
         for name in BUTTONS:
             m.submodules[f"{name}_button"] = FFSynchronizer(getattr(self, name),
                                                             getattr(chooser, name))
         m.d.comb += [
             chooser.busy.eq(programs.busy), programs.start.eq(chooser.start),
-            programs.which.eq(chooser.which),
-            self.lights.eq(Cat(self.memory.ready, ~programs.busy, programs.failures != 0,
-                               self.screen.underruns != 0, chooser.lens))]
+            programs.which.eq(chooser.which)]
+        return chooser.lens

@@ -36,7 +36,8 @@ def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
 
 def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, processor=False,
               **more):
-    """The :class:`Design` that shows the first lens, and the others by push button.
+    """The :class:`Design` that shows the first lens, and the others by push button; without a
+    screen it has one lens, which clients of the network change.
 
     Parameters
     ----------
@@ -44,7 +45,8 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
     named : sequence of (path, Descriptor)
     sensor : (Setup, (int, int))
         As of :func:`sensor_for`.
-    mode : VideoMode
+    mode : VideoMode or None
+        None if the board has no screen.
     hardware : Hardware, optional
         That of :func:`hardware_for` if absent.
     core_mhz : number, optional
@@ -57,19 +59,31 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
     Raises
     ------
     InputError
-        If a lens does not fit the first one's corrector, or shows another size; if the board has no
-        Ethernet for a processor.
+        If the board has no block RAM for the lens's interpolation; if another lens does not fit
+        the first one's corrector, or shows another size; if the board has no
+        Ethernet for a processor, or no screen and more than a lens; if rows of frames are no whole
+        words of a memory that writes whole words only.
     """
     if processor and not board.ethernet:
         raise InputError(f"the board {board.name} has no Ethernet chip, which --system needs: "
-                         "the de2-115 has one")
+                         "the de2-115 and the colorlight-i9 have one")
+    if mode is None and len(named) > 1:
+        raise InputError(f"{len(named)} descriptors are given, the board {board.name} has no "
+                         "buttons to choose one: 1 fits, others are loaded over the network")
     descriptor = named[0][1]
     hardware = hardware or hardware_for(board)
+    interpolation = descriptor.geometry.interpolation.name
+    if interpolation not in board.interpolations:
+        raise InputError(f"the interpolation is {interpolation}, the block RAM of {board.name} has "
+                         f"room for {' and '.join(board.interpolations)}: ncdc train "
+                         f"--interpolation {board.interpolations[0]}")
+    _check_rows(board, descriptor.geometry, hardware)
     core_mhz, waits = core_mhz or board.core_mhz, more.pop("waits", True)
     clocks = board.clock_plan(mode, core_mhz)
     if processor:
         clocks = replace(clocks, ethernet=True)
-    system = System(descriptor, hardware, readers=1 + processor * READERS, screens=1)
+    system = System(descriptor, hardware, readers=1 + processor * READERS,
+                    screens=int(mode is not None))
     for path, other in named[1:]:
         check_lens(system.corrector, path, other)
         for what in ("corrected", "distorted"):
@@ -77,12 +91,25 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
             if sizes[0] != sizes[1]:
                 raise InputError(f"{path}: the {what} picture has {sizes[1][0]}x{sizes[1][1]} "
                                  f"pixels, that of {named[0][0]} {sizes[0][0]}x{sizes[0][1]}")
-    lenses = [one for _, one in named] + [raw_lens(descriptor)]
+    lenses = [one for _, one in named] + [raw_lens(descriptor)] if mode else []
     programs = [set_up_program(system, *sensor, round(core_mhz * 1e6), waits),
                 *(lens_program(system, lens) for lens in lenses)]
     pixel_bytes = output_format(hardware.format).pixel_bytes
     design = Design(board, system, mode, pixel_bytes, clocks, tuple(programs), len(named),
                     screen_burst(board, mode, clocks, hardware,
-                                 descriptor.geometry.corrected_width, processor),
+                                 descriptor.geometry.corrected_width, processor) if mode else 0,
                     processor=processor)
     return replace(design, **more)
+
+
+def _check_rows(board, geometry, hardware):
+    """:class:`InputError` if a row ends within a word, and the memory cannot write parts of one."""
+    word = hardware.data_width // 8
+    pixel = output_format(hardware.format).pixel_bytes
+    for what, width, size in (("corrected", geometry.corrected_width, pixel),
+                              ("distorted", geometry.distorted_width, 1)):
+        if not board.byte_masks and width * size % word:
+            raise InputError(
+                f"a row of the {what} picture has {width * size} bytes, and the memory of "
+                f"{board.name} writes {word} at once: {width - width % word} or "
+                f"{width + word - width % word} pixels fit")

@@ -2,12 +2,8 @@
 
 from amaranth.lib import io
 
-__all__ = ["CAMERA", "SDRAM", "buffer", "join_buttons", "join_camera", "join_lights", "join_sdram",
+__all__ = ["buffer", "join_buttons", "join_camera", "join_lights", "join_sdram",
            "join_uart", "request"]
-
-SDRAM = ("clk", "clk_en", "cs", "we", "ras", "cas", "ba", "a", "dq", "dqm")
-"""Signals of an SDRAM as amaranth-boards has them."""
-CAMERA = ("d", "fval", "lval", "scl", "sda", "xclk", "reset_n", "standby", "pixclk")
 
 
 def buffer(m, port):
@@ -25,10 +21,13 @@ def request(platform, name, signals, number=0):
 def join_sdram(m, platform, core, domain="sync"):
     """Registers in the pins' cells, of a ``domain`` that has the core's clock and no reset; the
     port of the chip's clock, which is the board's matter."""
-    pins, ports = core.sdram, request(platform, "sdram", SDRAM)
+    there = tuple(part.name for part in platform.lookup("sdram").ios)
+    pins, ports = core.sdram, request(platform, "sdram", there)
     for name, value in (("clk_en", pins.cke), ("cs", ~pins.cs_n), ("we", ~pins.we_n),
                         ("ras", ~pins.ras_n), ("cas", ~pins.cas_n), ("ba", pins.ba),
                         ("a", pins.a), ("dqm", pins.dqm)):
+        if name not in there:
+            continue                # wired to its supply or to ground
         m.submodules[f"sdram_{name}"] = register = io.FFBuffer(
             "o", getattr(ports, name), o_domain=domain)
         m.d.comb += register.o.eq(value)
@@ -39,14 +38,17 @@ def join_sdram(m, platform, core, domain="sync"):
 
 def join_camera(m, platform, core):
     """The sensor; the port of the clock to it, which is the board's matter."""
-    wires = request(platform, "camera", CAMERA)
+    there = tuple(part.name for part in platform.lookup("camera").ios)
+    wires = request(platform, "camera", there)
     m.d.comb += [
         core.sensor_clock.eq(buffer(m, wires.pixclk).i),
         core.sensor.frame_valid.eq(buffer(m, wires.fval).i),
         core.sensor.line_valid.eq(buffer(m, wires.lval).i),
         core.sensor.data.eq(buffer(m, wires.d).i),
-        buffer(m, wires.reset_n).o.eq(core.sensor_reset_n), buffer(m, wires.standby).o.eq(0),
+        buffer(m, wires.reset_n).o.eq(core.sensor_reset_n),
     ]
+    if "standby" in there:          # else it is wired to ground
+        m.d.comb += buffer(m, wires.standby).o.eq(0)
     for name in ("scl", "sda"):
         line = buffer(m, getattr(wires, name))
         m.d.comb += [line.o.eq(0), line.oe.eq(getattr(core, f"{name}_low")),

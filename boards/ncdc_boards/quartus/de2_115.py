@@ -11,10 +11,12 @@ from amaranth_boards.resources import (
     UARTResource,
 )
 
+from ncdc_boards.board import EthernetChip
+from ncdc_boards.camera_board.ethernet import rgmii
 from ncdc_boards.quartus.board import QuartusBoard
 from ncdc_boards.quartus.names import CYCLONE_IV
 from ncdc_boards.quartus.plls import CORE_MHZ, clock_plan
-from ncdc_boards.quartus.resources import LVTTL, SDRAM_ATTRS, camera, rgmii, vga_dac
+from ncdc_boards.quartus.resources import LVTTL, SDRAM_ATTRS, camera, vga_dac
 from ncdc_boards.quartus.top import QuartusTop
 from ncdc_boards.sdram.chips import IS42S16320D_7, beside
 
@@ -45,8 +47,9 @@ class De2115Platform(AlteraPlatform):
                 b="B10 A10 C11 B11 A11 C12 D11 D12"),
         camera(("gpio", 0)),
         # The first of two sockets; a jumper chooses RGMII, which the firmware sets anyway.
-        rgmii(rst="C19", mdc="C20", mdio="B21", tx_clk="A17", tx_ctl="A18",
-              tx_data="C18 D19 A19 B19", rx_clk="A15", rx_ctl="C17", rx_data="C16 D16 D17 C15"),
+        rgmii(Attrs(io_standard="2.5 V"), rst="C19", mdc="C20", mdio="B21", tx_clk="A17",
+              tx_ctl="A18", tx_data="C18 D19 A19 B19", rx_clk="A15", rx_ctl="C17",
+              rx_data="C16 D16 D17 C15"),
     ]
     connectors = [
         Connector("gpio", 0,
@@ -62,4 +65,4 @@ BOARD = QuartusBoard(
     clock_plan=partial(clock_plan, family=CYCLONE_IV, most_mhz=140), top=QuartusTop,
     baud=115_200, multiplier_bits=18, tools="quartus",      # RS-232 drivers end at 120 kbit/s
     sources=("litex-boards, terasic_de2_115.py", "verilog-ethernet, example/DE2-115/fpga/fpga.qsf"),
-    family=CYCLONE_IV, dac=True, ethernet="rgmii")
+    family=CYCLONE_IV, dac=True, ethernet=EthernetChip(addresses=range(32), delays=False))

@@ -1,10 +1,9 @@
 """Resources that amaranth-boards lacks."""
 
-from amaranth.build import Attrs, Clock, Pins, Resource, Subsignal
+from amaranth.build import Attrs, Pins, Resource, Subsignal
 from amaranth_boards.resources import UARTResource
 
-__all__ = ["CAMERA_PINS", "LVTTL", "RGMII", "SDRAM_ATTRS", "camera", "rgmii", "serial",
-           "vga_dac"]
+__all__ = ["CAMERA_PINS", "LVTTL", "SDRAM_ATTRS", "camera", "serial", "vga_dac"]
 
 LVTTL = Attrs(io_standard="3.3-V LVTTL")
 SDRAM_ATTRS = Attrs(io_standard="3.3-V LVTTL", FAST_OUTPUT_REGISTER="ON",
@@ -39,16 +38,3 @@ def vga_dac(*, clk, hs, vs, sync, blank, r, g, b):
     return Resource("vga", 0, *(Subsignal(name, Pins(pins, dir="o"))
                                 for name, pins in parts.items()),
                     LVTTL, Attrs(FAST_OUTPUT_REGISTER="ON"))
-
-
-RGMII = ("rst", "mdc", "mdio", "tx_clk", "tx_ctl", "tx_data", "rx_clk", "rx_ctl", "rx_data")
-"""Signals of an Ethernet chip as amaranth-boards has them; "rst" is low in a reset."""
-
-
-def rgmii(**pins):
-    """An Ethernet chip with RGMII, pins by the names of :data:`RGMII`."""
-    directions = {"mdio": "io", "rx_clk": "i", "rx_ctl": "i", "rx_data": "i"}
-    clocks = {"rx_clk": [Clock(125e6)]}
-    return Resource("eth_rgmii", 0, *(
-        Subsignal(name, Pins(pins[name], dir=directions.get(name, "o")), *clocks.get(name, []))
-        for name in RGMII), Attrs(io_standard="2.5 V"))

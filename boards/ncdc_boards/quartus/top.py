@@ -4,6 +4,7 @@ from amaranth import *
 from amaranth.lib import io
 
 from ncdc_boards.camera_board.core import LIGHTS, BoardCore
+from ncdc_boards.camera_board.ethernet import join_processor
 from ncdc_boards.camera_board.pins import (
     buffer,
     join_buttons,
@@ -13,7 +14,6 @@ from ncdc_boards.camera_board.pins import (
     join_uart,
     request,
 )
-from ncdc_boards.quartus.ethernet import join_processor
 from ncdc_boards.quartus.names import USER
 from ncdc_boards.quartus.plls import Clocks
 from ncdc_hdl.registers.jtag_bridge import DOMAIN as CHAIN
@@ -75,7 +75,7 @@ class QuartusTop(Elaboratable):
         join_lights(m, platform, lights)
         self._scan(m, core.scan)
         if self.design.processor:
-            join_processor(m, platform, core)
+            join_processor(m, platform, core, self.design.board.ethernet)
         return m
 
     @staticmethod

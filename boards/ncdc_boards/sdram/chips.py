@@ -9,8 +9,9 @@ from fractions import Fraction
 from ncdc_model.errors import InputError
 
 __all__ = ["AS4C16M16SA_6", "AS4C16M16SA_7", "CHIPS", "Clocks", "IS42S16160B_7", "IS42S16160G_7",
-           "IS42S16320D_6", "IS42S16320D_7", "MT48LC16M16A2_75", "MT48LC16M16A2_7E", "SdramChip",
-           "ULX3S_32MB", "W9825G6KH_6", "beside", "clocks_of", "slowest"]
+           "IS42S16320D_6", "IS42S16320D_7", "M12L64322A_7", "MT48LC16M16A2_75",
+           "MT48LC16M16A2_7E", "SdramChip", "ULX3S_32MB", "W9825G6KH_6", "beside", "clocks_of",
+           "slowest"]
 
 
 @dataclass(frozen=True)
@@ -202,10 +203,15 @@ W9825G6KH_6 = SdramChip(
     ras_max=100_000, refresh=_8K_IN_64_MS, cas=((2, 10), (3, 6)),
     source="Winbond, W9825G6KH; times rounded up to those of the other chips of grade 6, tRFC to "
            "its tXSR")
+# Colorlight i9.
+M12L64322A_7 = SdramChip(
+    "M12L64322A-7", data_bits=32, row_bits=11, column_bits=8, rcd=21, rp=21, ras=42, rc=63, rfc=63,
+    wr=14, rrd=14, mrd=14, ras_max=100_000, refresh=64e6 / 4096, cas=((2, 10), (3, 7)),
+    source="ESMT, M12L64322A (2S), revision 1.0, 12/2015, AC characteristics; the slowest grade")
 # The ULX3S is made with one or another of these.
 ULX3S_32MB = slowest("any 32 MB chip of the ULX3S", IS42S16160G_7, AS4C16M16SA_7, W9825G6KH_6,
                      MT48LC16M16A2_7E)
 
 CHIPS = {chip.name: chip for chip in (
     IS42S16320D_6, IS42S16320D_7, IS42S16160B_7, IS42S16160G_7, AS4C16M16SA_6, AS4C16M16SA_7,
-    MT48LC16M16A2_75, MT48LC16M16A2_7E, W9825G6KH_6)}
+    MT48LC16M16A2_75, MT48LC16M16A2_7E, W9825G6KH_6, M12L64322A_7)}

@@ -5,14 +5,14 @@ from fractions import Fraction
 
 from amaranth import *
 
+from ncdc_boards.ecp5.pll import OSCILLATOR_MHZ, Pll, gate, loop
 from ncdc_model.errors import InputError
 
-__all__ = ["CORE_MHZ", "DOMAINS", "Clocks", "ClockPlan", "Pll", "clock_plan"]
+__all__ = ["CORE_MHZ", "DOMAINS", "Clocks", "ClockPlan", "clock_plan"]
 
 REFERENCE_MHZ = 25                  # the board's oscillator
 CORE_MHZ = 62.5     # routed on speed grade 6 the whole design reached 73.6 MHz
 # Lattice, ECP5 and ECP5-5G Family Data Sheet (FPGA-DS-02012), sysCLOCK PLL timing.
-_OSCILLATOR = (400, 800)            # MHz
 _COMPARED = 10                      # MHz, at least, at the phase detector
 _OUTPUT_MHZ = 400
 _LARGEST_DIVIDER, _LARGEST_FEEDBACK, _LARGEST_REFERENCE = 128, 80, 128
@@ -20,53 +20,6 @@ _LARGEST_DIVIDER, _LARGEST_FEEDBACK, _LARGEST_REFERENCE = 128, 80, 128
 _SHIFT_MHZ = 250
 DOMAINS = ("sync", "memory", "sensor_reference", "shift", "pixel")
 _PIXEL_TOLERANCE = .005             # VESA, Display Monitor Timing: 0.5 % of the pixel clock
-
-
-@dataclass(frozen=True)
-class Pll:
-    """Dividers of an EHXPLLL.
-
-    Parameters
-    ----------
-    input_mhz : number
-    reference, feedback : int
-        Dividers before the phase detector, of the input and of the feedback.
-    source : int
-        Which output is fed back.
-    dividers : tuple of int
-        Of the oscillator, for each output.
-    phases : tuple of int
-        By how many periods of the oscillator each output is late.
-    """
-    input_mhz: float
-    reference: int
-    feedback: int
-    source: int
-    dividers: tuple
-    phases: tuple
-
-    @property
-    def oscillator_mhz(self):
-        """Of the voltage-controlled oscillator."""
-        return (self.input_mhz * self.feedback * self.dividers[self.source] / self.reference)
-
-    @property
-    def outputs_mhz(self):
-        """Of each output."""
-        return tuple(self.oscillator_mhz / divider for divider in self.dividers)
-
-    def parameters(self):
-        """Of the cell, by name."""
-        names = ("OP", "OS", "OS2", "OS3")
-        values = {"CLKI_DIV": self.reference, "CLKFB_DIV": self.feedback,
-                  "FEEDBK_PATH": f"INT_{names[self.source]}", "OUTDIVIDER_MUXA": "DIVA",
-                  "OUTDIVIDER_MUXB": "DIVB", "OUTDIVIDER_MUXC": "DIVC", "OUTDIVIDER_MUXD": "DIVD",
-                  "PLLRST_ENA": "ENABLED", "INTFB_WAKE": "DISABLED", "STDBY_ENABLE": "DISABLED",
-                  "DPHASE_SOURCE": "DISABLED", "PLL_LOCK_MODE": 0}
-        for name, divider, phase in zip(names, self.dividers, self.phases):
-            values |= {f"CLK{name}_ENABLE": "ENABLED", f"CLK{name}_DIV": divider,
-                       f"CLK{name}_CPHASE": divider - 1 + phase, f"CLK{name}_FPHASE": 0}
-        return values
 
 
 @dataclass(frozen=True)
@@ -104,7 +57,7 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
     InputError
         If no loop makes the mode's pixel clock, or the pins are too slow for it.
     """
-    divider = 4 * int(_OSCILLATOR[1] / core_mhz / 4)    # so that a quarter period is a phase
+    divider = 4 * int(OSCILLATOR_MHZ[1] / core_mhz / 4)    # so that a quarter period is a phase
     ratio = Fraction(core_mhz) / REFERENCE_MHZ
     core = Pll(REFERENCE_MHZ, ratio.denominator, ratio.numerator, 0,
                (divider, divider, int(divider * ratio)), (0, 3 * divider // 4, 0))
@@ -116,8 +69,8 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
                          f"ULX3S's output takes {_SHIFT_MHZ / 5:.0f} MHz at most: a smaller --mode "
                          "fits, or one of fewer pictures a second")
     # The second loop compares an output of the first one, of a divider that suits.
-    loops = [(abs(loop.outputs_mhz[1] - wanted), loop.reference, fed, loop.dividers, loop)
-             for fed in range(4, 17) for loop in _loops(core.oscillator_mhz / fed, wanted)]
+    loops = [(abs(pll.outputs_mhz[1] - wanted), pll.reference, fed, pll.dividers, pll)
+             for fed in range(4, 17) for pll in _loops(core.oscillator_mhz / fed, wanted)]
     *_, fed, _, video = min(loops, default=(None, None, None))
     if video is None or abs(video.outputs_mhz[1] / wanted - 1) > _PIXEL_TOLERANCE:
         raise InputError(f"no phase-locked loop makes {wanted:.3f} MHz of {core_mhz} MHz")
@@ -128,7 +81,7 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
 def _loops(input_mhz, pixel_mhz):
     """Loops whose second output is near to ``pixel_mhz``, the first five times as fast."""
     for first in range(1, _LARGEST_DIVIDER // 5 + 1):
-        if not _OSCILLATOR[0] <= 5 * first * pixel_mhz <= _OSCILLATOR[1]:
+        if not OSCILLATOR_MHZ[0] <= 5 * first * pixel_mhz <= OSCILLATOR_MHZ[1]:
             continue
         for reference in range(1, min(_LARGEST_REFERENCE, int(input_mhz / _COMPARED)) + 1):
             total = round(5 * first * pixel_mhz * reference / input_mhz)
@@ -136,19 +89,17 @@ def _loops(input_mhz, pixel_mhz):
                 feedback, rest = divmod(total, fed)
                 if rest or not 1 <= feedback <= _LARGEST_FEEDBACK:
                     continue
-                loop = Pll(input_mhz, reference, feedback, 2, (first, 5 * first, fed), (0, 0, 0))
-                if (_OSCILLATOR[0] <= loop.oscillator_mhz <= _OSCILLATOR[1]
-                        and max(loop.outputs_mhz) <= _OUTPUT_MHZ):
-                    yield loop
+                pll = Pll(input_mhz, reference, feedback, 2, (first, 5 * first, fed), (0, 0, 0))
+                if (OSCILLATOR_MHZ[0] <= pll.oscillator_mhz <= OSCILLATOR_MHZ[1]
+                        and max(pll.outputs_mhz) <= _OUTPUT_MHZ):
+                    yield pll
                     break
 
 
 class Clocks(Elaboratable):
     """Drives the clocks of the :data:`DOMAINS`, which its parent defines.
 
-    There is no reset: registers begin with what the bitstream gives them, and the first clocks come
-    once both loops are locked. A reset would be a net to every register of the device, slower
-    than all others.
+    There is no reset; the first clocks come once both loops are locked.
 
     Parameters
     ----------
@@ -162,28 +113,10 @@ class Clocks(Elaboratable):
 
     def elaborate(self, platform):
         m = Module()
-        core, core_locked = self._loop(m, "core", self.plan.core, self.reference, Const(0))
-        video, video_locked = self._loop(m, "video", self.plan.video, core[3], ~core_locked)
+        core, core_locked = loop(m, "core", self.plan.core, self.reference)
+        video, video_locked = loop(m, "video", self.plan.video, core[3], ~core_locked)
         locked = Signal()
         m.d.comb += locked.eq(core_locked & video_locked)
-        outputs = dict(zip(DOMAINS, (*core[:3], *video)))
-        for domain, output in outputs.items():
-            clock = Signal(name=f"{domain}_gated")
-            m.submodules[f"{domain}_gate"] = Instance("DCCA", i_CLKI=output, i_CE=locked,
-                                                      o_CLKO=clock)
-            m.d.comb += [ClockSignal(domain).eq(clock), ResetSignal(domain).eq(0)]
+        for domain, output in zip(DOMAINS, (*core[:3], *video)):
+            gate(m, domain, output, locked)
         return m
-
-    @staticmethod
-    def _loop(m, name, pll, clock, reset):
-        """A loop's outputs, and whether it is locked."""
-        outputs = [Signal(name=f"{name}_output{k}") for k in range(len(pll.dividers))]
-        locked, fed_back = Signal(name=f"{name}_locked"), Signal(name=f"{name}_fed_back")
-        m.submodules[f"{name}_loop"] = Instance(
-            "EHXPLLL", **{f"p_{key}": value for key, value in pll.parameters().items()},
-            i_CLKI=clock, i_CLKFB=fed_back, o_CLKINTFB=fed_back, i_RST=reset, i_STDBY=Const(0),
-            i_PHASESEL0=Const(0), i_PHASESEL1=Const(0), i_PHASEDIR=Const(0), i_PHASESTEP=Const(0),
-            i_PHASELOADREG=Const(0), i_PLLWAKESYNC=Const(0), i_ENCLKOP=Const(0),
-            i_ENCLKOS=Const(0), i_ENCLKOS2=Const(0), i_ENCLKOS3=Const(0), o_LOCK=locked,
-            **{f"o_CLK{port}": signal for port, signal in zip(("OP", "OS", "OS2", "OS3"), outputs)})
-        return outputs, locked

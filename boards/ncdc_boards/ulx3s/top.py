@@ -12,6 +12,7 @@ from ncdc_boards.camera_board.pins import (
     join_uart,
     request,
 )
+from ncdc_boards.ecp5.cells import clock_out
 from ncdc_boards.ulx3s.clocks import DOMAINS, Clocks
 from ncdc_hdl.video.dvi import Dvi
 
@@ -41,8 +42,8 @@ class Ulx3sTop(Elaboratable):
         m.submodules.core = core = self.core
         m.submodules.dvi = dvi = Dvi()
         m.d.comb += dvi.picture.eq(core.picture)
-        self._clock_out(m, "memory", join_sdram(m, platform, core))
-        self._clock_out(m, "sensor_reference", join_camera(m, platform, core))
+        clock_out(m, "memory", join_sdram(m, platform, core))
+        clock_out(m, "sensor_reference", join_camera(m, platform, core))
         self._gpdi(m, platform, dvi)
         join_uart(m, platform, core, ("rx", "tx", "rts", "dtr"))
         join_buttons(m, platform, core, _BUTTONS)
@@ -52,14 +53,6 @@ class Ulx3sTop(Elaboratable):
                                             "gpio17"))
         m.d.comb += buffer(m, esp32.en).o.eq(0)
         return m
-
-    @staticmethod
-    def _clock_out(m, domain, port):
-        """A clock at a pin, through the pin's cell, as late as what its registers send."""
-        pin = buffer(m, port)
-        m.submodules[f"{domain}_clock"] = Instance(
-            "ODDRX1F", i_SCLK=ClockSignal(domain), i_RST=Const(0), i_D0=Const(1), i_D1=Const(0),
-            o_Q=pin.o)
 
     @staticmethod
     def _gpdi(m, platform, dvi):

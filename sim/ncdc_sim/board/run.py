@@ -4,9 +4,10 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ncdc_boards.ecp5.build import prepared
+from ncdc_boards.ecp5.build import project_name as ecp5_name
 from ncdc_boards.quartus.project import project_name, top_verilog
 from ncdc_boards.quartus.user import user_module
-from ncdc_boards.ulx3s.build import NAME, prepared
 from ncdc_sim.board.ethernet import passed
 from ncdc_sim.board.screen import Screen, screen_of
 from ncdc_sim.runner import HDL, build, command_of, run
@@ -18,6 +19,7 @@ __all__ = ["BoardRun", "request_at", "scans_at", "simulate_board"]
 
 # The bench comes first.
 _ULX3S = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v")
+_COLORLIGHT_I9 = ("colorlight_i9_bench.v", "ecp5_cells.v")
 _QUARTUS = ("quartus_bench.v", "altera_cells.v", "virtual_jtag.v")
 _SHARED = ("sdram_board.v", "board_run.v", "uart_host.v", "sdram_chip.v")
 # Rules of Verilator that the netlist of a whole top does not keep: signals of no bits, outputs of
@@ -32,7 +34,8 @@ class BoardRun:
 
     Parameters
     ----------
-    screen : Screen
+    screen : Screen or None
+        None if the board has none.
     results : dict
         Numbers of the bench, by name.
     pixel_clock_ps : float
@@ -120,7 +123,8 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
             ethernet.fill(folder)
         run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items()),
              *light.plusargs("sensor.bin")], folder, result.take)
-        result.screen = screen_of((folder / "screen.bin").read_bytes())
+        if design.mode:
+            result.screen = screen_of((folder / "screen.bin").read_bytes())
         if ethernet:
             result.sent = passed((folder / "tx.bin").read_bytes())
     return result
@@ -140,7 +144,8 @@ def scans_at(microsecond, values):
 def _top(design):
     """Name of the top, its Verilog, the bench's own files."""
     if design.board.tools == "open":
-        return NAME, prepared(design).verilog, _ULX3S
+        bench = _ULX3S if design.board.screen else _COLORLIGHT_I9
+        return ecp5_name(design.board), prepared(design).verilog, bench
     monitor = "vga_monitor.v" if design.board.dac else "vga_wire_monitor.v"
     return (project_name(design.board), top_verilog(design) + user_module(),
             (*_QUARTUS, monitor))

@@ -1,4 +1,4 @@
-// Models of the ECP5's cells that a design for the ULX3S names itself, written from their descriptions
+// Models of the ECP5's cells that a design for a board names itself, written from their descriptions
 // in Lattice, "ECP5 and ECP5-5G sysI/O Usage Guide" (FPGA-TN-02032), "... High-Speed I/O Interface"
 // (FPGA-TN-02035) and "... sysCLOCK PLL/DLL Design and Usage Guide" (FPGA-TN-02200). No delays but
 // those of clocks.
@@ -59,6 +59,13 @@ module IDDRX1F (input wire SCLK, input wire RST, input wire D, output reg Q0, ou
         Q0 <= clear ? 1'b0 : rose;
         Q1 <= clear ? 1'b0 : fell;
     end
+endmodule
+
+// A delay at a pin that makes up for a clock's way to the registers, which has none here either.
+module DELAYG #(parameter DEL_MODE = "USER_DEFINED") (input wire A, output wire Z);
+    initial
+        if (DEL_MODE != "SCLK_CENTERED") $display("BOARD-ERROR a delay of mode %0s", DEL_MODE);
+    assign Z = A;
 endmodule
 
 // A flip-flop that is set at once.

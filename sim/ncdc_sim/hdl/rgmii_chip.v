@@ -1,15 +1,16 @@
-// An Ethernet chip at RGMII, 1000 Mbit/s: a Marvell 88E1111 as far as the firmware knows it, its
-// registers by MDIO (IEEE 802.3, clause 22), from Linux's driver of it and the pins' times from RGMII 1.3
-// and 2.0. What comes on the cable is in rx.bin, frames with their check sequence, each behind four bytes
-// with its microsecond and two with its length, big endian; what was sent goes to tx.bin, likewise,
-// with its preamble.
+// An Ethernet chip at RGMII, 1000 Mbit/s, as far as the firmware knows it, its registers by MDIO (IEEE
+// 802.3, clause 22): a Marvell 88E1111, from Linux's driver of it and the pins' times from RGMII 1.3 and
+// 2.0, or with `B50612D` a Broadcom B50612D, from its data sheet. The latter delays both clocks after its
+// reset; here neither, so that it is seen whether the firmware tells it to. What comes on the cable is in
+// rx.bin, frames with their check sequence, each behind four bytes with its microsecond and two with its
+// length, big endian; what was sent goes to tx.bin, likewise, with its preamble.
 //
-// Until its reset pin is released and its software reset is over it is silent, and so it is unless
-// RGMII is its mode.
+// Until its reset pin is released and it was told to negotiate it is silent, and so is the 88E1111 before
+// its software reset is over, and unless RGMII is its mode.
 
 `timescale 1ps/1ps
 
-module rgmii_chip #(parameter ADDRESS = 16) (
+module rgmii_chip #(parameter ADDRESS = 16, B50612D = 0) (
     input  wire       rst_n, mdc,
     inout  wire       mdio,
     input  wire       tx_clk, tx_ctl,
@@ -31,8 +32,28 @@ module rgmii_chip #(parameter ADDRESS = 16) (
     wire [15:0] status = {2'b10, 1'b1, 1'b0, link, link, 10'b0};
     integer resets = 0;
 
-    function [15:0] value_of(input [4:0] which);
+    // Of a B50612D: what registers 24 and 28 show, and the two behind them.
+    reg [2:0]  shown = 0;
+    reg [4:0]  shown_too = 0;
+    reg [11:3] skew = 9'b0;
+    reg [9:0]  alignment = 0;
+    wire receive_late = B50612D ? skew[8] : extended[7];
+    wire transmit_late = B50612D && alignment[9];
+
+    function [15:0] broadcom(input [4:0] which);
         case (which)
+            2: broadcom = 16'h0362;
+            3: broadcom = 16'h5e62;
+            24: broadcom = shown == 7 ? {1'b0, shown, skew, 3'b111} : 0;
+            25: broadcom = {link, 4'b0, link ? 3'b111 : 3'b000, 5'b0, link, 2'b0};
+            28: broadcom = {1'b0, shown_too, shown_too == 3 ? alignment : 10'b0};
+            default: broadcom = 0;
+        endcase
+    endfunction
+
+    function [15:0] value_of(input [4:0] which);
+        if (B50612D && which != 0 && which != 4 && which != 9) value_of = broadcom(which);
+        else case (which)
             0: value_of = control;
             2: value_of = 16'h0141;
             3: value_of = 16'h0cc2;
@@ -46,19 +67,28 @@ module rgmii_chip #(parameter ADDRESS = 16) (
     endfunction
 
     task write(input [4:0] which, input [15:0] value);
-        case (which)
+        if (B50612D && which == 24) begin
+            if (!value[15]) shown = value[14:12];
+            else if (value[2:0] == 7) skew = value[11:3];
+        end else if (B50612D && which == 28) begin
+            shown_too = value[14:10];
+            if (value[15] && value[14:10] == 3) alignment = value[9:0];
+        end else if (B50612D && which == 0) begin
+            control = value & 16'h7dff;
+            if (value[9]) restart;
+        end else case (which)
             0: if (value[15]) restart; else control = value;
             4: offered = value;
             9: offered_1000 = value;
-            20: next_extended = value;
-            27: next_mode = value;
+            20: if (!B50612D) next_extended = value;
+            27: if (!B50612D) next_mode = value;
             default: $display("BOARD-ERROR the Ethernet chip's register %0d is written", which);
         endcase
     endtask
 
     task restart;
         fork begin
-            control = 16'h9140;
+            if (!B50612D) control = 16'h9140;
             link = 0;
             resets = resets + 1;
             #(RESET_US * 1000000.0);
@@ -107,14 +137,14 @@ module rgmii_chip #(parameter ADDRESS = 16) (
         if (bits == 14) reads = in[11:10] == 2'b10 && in[9:5] == ADDRESS;
     end
 
-    wire works = rst_n && link && mode[3:0] == 4'hb;
+    wire works = rst_n && link && (B50612D || mode[3:0] == 4'hb);
 
     // To the device: the clock 2 ns behind the data, or with them, which may be half a nanosecond
     // before.
     reg clock = 0, late = 0;
     always #4000 clock = !clock;
     always @(clock) late <= #(SKEW_PS + 2000) clock;
-    assign rx_clk = extended[7] ? late : clock;
+    assign rx_clk = receive_late ? late : clock;
 
     integer file, us, length, k, frames = 0;
     reg [7:0] octet;
@@ -151,7 +181,12 @@ module rgmii_chip #(parameter ADDRESS = 16) (
         end
     end
 
-    // From the device: bytes of a frame are kept until it is over.
+    // From the device: bytes of a frame are kept until it is over. What samples them is the clock that was
+    // sent, or later.
+    localparam DELAY_PS = 1900;
+    reg tx_late = 0;
+    always @(tx_clk) tx_late <= #DELAY_PS tx_clk;
+    wire sampled = transmit_late ? tx_late : tx_clk;
     integer log, sent = 0, errors = 0;
     reg [7:0] frame [0:16383];
     reg [3:0] low;
@@ -166,11 +201,11 @@ module rgmii_chip #(parameter ADDRESS = 16) (
         changed = $realtime;
         if (works && busy && changed - edged < HOLD_PS) errors = errors + 1;
     end
-    always @(tx_clk) begin
+    always @(sampled) begin
         edged = $realtime;
         if (works && busy && edged - changed < HOLD_PS) errors = errors + 1;
     end
-    always @(posedge tx_clk) if (works) begin
+    always @(posedge sampled) if (works) begin
         low <= tx_data;
         if (tx_ctl && !busy) begin
             begun = $realtime;
@@ -192,7 +227,7 @@ module rgmii_chip #(parameter ADDRESS = 16) (
         end
     endtask
     task close; $fclose(log); endtask
-    always @(negedge tx_clk) if (works && busy) begin
+    always @(negedge sampled) if (works && busy) begin
         frame[n] = {tx_data, low};
         n = n + 1;
         // Both halves of a byte: an error is told by a change between them.

@@ -1,8 +1,10 @@
 """RGMII: four wires each way, two nibbles a clock at 1000 Mbit/s, one at 100 and 10."""
 
+from liteeth.common import eth_phy_description
 from liteeth.phy.common import LiteEthPHYMDIO
 from litex.build.io import DDRInput, DDROutput
 from litex.gen import ClockDomainsRenamer, LiteXModule
+from litex.soc.interconnect import stream
 from litex.soc.interconnect.csr import CSRField, CSRStatus, CSRStorage
 from migen import Array, ClockSignal, If, Signal
 from migen.genlib.cdc import MultiReg
@@ -38,6 +40,8 @@ class RgmiiPhy(LiteXModule):
         falling edge before.
     reset_clocks : int
         Of :class:`PhyClocks`.
+    buffered : bool
+        A register each way between the MAC and the :class:`Sender`, for slow devices.
 
     Attributes
     ----------
@@ -53,7 +57,7 @@ class RgmiiPhy(LiteXModule):
     integrated_ifg_inserter = True
 
     def __init__(self, clock_pads, pads, transmit, transmit_late=None, *, paired,
-                 reset_clocks=RESET_CLOCKS):
+                 reset_clocks=RESET_CLOCKS, buffered=False):
         self.clocks = PhyClocks(clock_pads.rx, transmit, pads, reset_clocks)
         self.speed = CSRStorage(2, reset=SPEEDS.index(1000), name="speed",
                                 description="Line's speed: 0, 1, 2 are 10, 100, 1000 Mbit/s.")
@@ -62,6 +66,11 @@ class RgmiiPhy(LiteXModule):
         self.sender = sender = ClockDomainsRenamer("eth_tx")(Sender())
         self.receiver = receiver = ClockDomainsRenamer("eth_rx")(Receiver())
         self.sink, self.source = sender.sink, receiver.source
+        if buffered:
+            self.buffer = buffer = ClockDomainsRenamer("eth_tx")(stream.Buffer(
+                eth_phy_description(8), pipe_valid=True, pipe_ready=True))
+            self.comb += buffer.source.connect(sender.sink)
+            self.sink = buffer.sink
         self._transmit(clock_pads, pads, transmit_late)
         self._receive(pads, paired)
         if hasattr(pads, "mdc"):

@@ -1,0 +1,89 @@
+"""The clocks of the Colorlight i9: one phase-locked loop of the ECP5."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from amaranth import *
+
+from ncdc_boards.ecp5.pll import Pll, gate, loop
+from ncdc_model.errors import InputError
+
+__all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "Clocks", "clock_plan"]
+
+REFERENCE_MHZ = 25                  # the module's oscillator, and the sensor's clock
+CORE_MHZ = 50
+ETHERNET_MHZ = 125                  # of RGMII, whatever the line's speed
+DOMAINS = ("sync", "memory", "sensor_reference", "ethernet")
+_OSCILLATOR_MHZ = 500               # of which each of these clocks is a part
+_LATE = Fraction(3, 4)              # of a period: the clock at the SDRAM's pin
+_RESET_CLOCKS = 64                  # that the processor's reset takes
+
+
+@dataclass(frozen=True)
+class ClockPlan:
+    """The loop; ``ethernet`` is always there."""
+    loop: Pll
+    ethernet: bool = True
+
+    @property
+    def core_mhz(self):
+        return self.loop.outputs_mhz[0]
+
+    def targets(self):
+        """MHz of each domain, by its name."""
+        return dict(zip(DOMAINS, self.loop.outputs_mhz))
+
+
+def clock_plan(mode, core_mhz=CORE_MHZ):
+    """The :class:`ClockPlan`; ``mode`` is None, as there is no screen.
+
+    The clock at the SDRAM's pin is three quarters of a period late, or as little more as the
+    loop's phases have: see docs/colorlight_i9.md.
+
+    Raises
+    ------
+    InputError
+        If the loop makes no such clock.
+    """
+    divider, rest = divmod(Fraction(_OSCILLATOR_MHZ), Fraction(core_mhz))
+    if rest:
+        raise InputError(f"the core's clock is {core_mhz} MHz, a whole part of "
+                         f"{_OSCILLATOR_MHZ} MHz is needed")
+    ratio = Fraction(core_mhz) / REFERENCE_MHZ
+    dividers = (divider, divider, _OSCILLATOR_MHZ // REFERENCE_MHZ, _OSCILLATOR_MHZ // ETHERNET_MHZ)
+    return ClockPlan(Pll(REFERENCE_MHZ, ratio.denominator, ratio.numerator, 0, dividers,
+                         (0, -int(-divider * _LATE // 1), 0, 0)))
+
+
+class Clocks(Elaboratable):
+    """Drives the clocks of the :data:`DOMAINS`, which its parent defines.
+
+    They have no resets; the first clocks come once the loop is locked. The processor has one, as
+    its registers need it.
+
+    Parameters
+    ----------
+    plan : ClockPlan
+    reference : Value
+        The module's oscillator.
+
+    Attributes
+    ----------
+    reset : Signal
+        High for the first clocks of the core.
+    """
+
+    def __init__(self, plan, reference):
+        self.plan, self.reference = plan, reference
+        self.reset = Signal(init=1)
+
+    def elaborate(self, platform):
+        m = Module()
+        outputs, locked = loop(m, "core", self.plan.loop, self.reference)
+        for domain, output in zip(DOMAINS, outputs):
+            gate(m, domain, output, locked)
+        clock = Signal(range(_RESET_CLOCKS + 1))
+        m.d.sync += self.reset.eq(clock != _RESET_CLOCKS)
+        with m.If(clock != _RESET_CLOCKS):
+            m.d.sync += clock.eq(clock + 1)
+        return m

@@ -1,0 +1,1 @@
+"""What boards with a Lattice ECP5 have in common."""
