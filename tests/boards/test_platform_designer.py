@@ -233,8 +233,8 @@ def test_other_packages_may_offer_boards(monkeypatch):
 
 
 @pytest.mark.parametrize("options,message", [
-    (["--board", "de0"], "board is 'de0', one of de0-cv, de1-soc, de10-nano, de2-115, "
-     "faka2, ulx3s is needed"),
+    (["--board", "de0"], "board is 'de0', one of colorlight-i9, de0-cv, de1-soc, "
+     "de10-nano, de2-115, faka2, ulx3s is needed"),
     (["--board", "de2-115"], "de2-115 has a whole design, with camera and screen: ncdc build"),
 ])
 def test_bad_boards_are_refused(projects, tmp_path, capsys, options, message):

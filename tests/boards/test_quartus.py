@@ -161,8 +161,8 @@ def test_the_users_file_is_never_written_again(whole, capsys):
      "140 MHz at most"),
     ((64, 24), ["--board", "de1-soc", "--pixel-clock-mhz", "96"], "behind it: 64 MHz fit"),
     ((64, 24), ["--board", "faka2"], "faka2 has no design of ours"),
-    ((64, 24), ["--board", "none"], "board is 'none', one of de0-cv, de1-soc, de10-nano, de2-115, "
-     "faka2, ulx3s is needed"),
+    ((64, 24), ["--board", "none"], "board is 'none', one of colorlight-i9, de0-cv, "
+     "de1-soc, de10-nano, de2-115, faka2, ulx3s is needed"),
 ])
 def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path, capsys, size, options, said):
     barrel_descriptor(size, (64, 24), hidden_neurons=2).save(tmp_path / "net.toml")
