@@ -3,6 +3,7 @@
 import random
 import resource
 import struct
+import time
 
 import pytest
 
@@ -19,7 +20,7 @@ class Asker:
     """Commands of ``peer`` to the agent of a device, at the time ``now``."""
 
     def __init__(self, one, peer=USER):
-        self._agent, self._peer, self.now = one.agent, peer, 1000.0
+        self._agent, self._peer, self.now = one.agent, peer, time.monotonic()
 
     def command(self, code, payload):
         answer = self._agent.handle(gvcp.command_packet(code, 77, payload), self._peer, self.now)
@@ -41,10 +42,7 @@ class Asker:
         return self.read(feature(name).address)
 
     def control(self):
-        # The agent takes the time of the clock, the test that of the commands.
-        status = self.write(CCP, gvcp.CCP_CONTROL)
-        self._agent._heard = self.now
-        return status
+        return self.write(CCP, gvcp.CCP_CONTROL)
 
 
 @pytest.fixture
@@ -156,7 +154,8 @@ def test_a_command_that_needs_the_sensor_s_bus_is_put_off(one):
     write = gvcp.command_packet(gvcp.WRITEREG, 9, struct.pack(">II", value, 77))
 
     def codes(packet, peer=USER):
-        return [gvcp.parse_acknowledge(data)[1] for data in one.agent.answers(packet, peer, 1000)]
+        answers = one.agent.answers(packet, peer, user.now)
+        return [gvcp.parse_acknowledge(data)[1] for data in answers]
 
     assert user.write(address, 0x30) == gvcp.SUCCESS
     assert codes(read) == [0x81] and codes(write) == [0x83]
@@ -164,7 +163,7 @@ def test_a_command_that_needs_the_sensor_s_bus_is_put_off(one):
     assert user.write(configuration, 1) == gvcp.INVALID_PARAMETER
     assert user.write(configuration, gvcp.CONFIGURATION_PENDING_ACK) == gvcp.SUCCESS
     assert codes(read) == [0x89, 0x81] and codes(write) == [0x89, 0x83]
-    status, _, number, rest = gvcp.parse_acknowledge(one.agent.answers(read, USER, 1000)[0])
+    status, _, number, rest = gvcp.parse_acknowledge(one.agent.answers(read, USER, user.now)[0])
     assert (status, number, rest) == (0, 9, struct.pack(">I", gvcp.PENDING_MS))
     assert codes(read, OTHER) == [0x81]
     assert user.set("Gain", 16) == gvcp.SUCCESS

@@ -110,11 +110,11 @@ class ControlAgent:
         now = time.monotonic() if now is None else now
         with self._lock:
             self.tick(now)
-            if peer == self.controller:
-                self._heard = now
             before = self._registers.bus_accesses
             answer = self._answer(command, peer)
             slow = self._registers.bus_accesses != before
+            if peer == self.controller:         # since this command, perhaps
+                self._heard = now
             if answer is None:
                 return []
             told = (slow and peer == self.controller
@@ -291,7 +291,7 @@ class ControlAgent:
         if value == 0:
             self._release()
             return
-        self.controller, self._heard = peer, time.monotonic()
+        self.controller = peer
         self._words[gvcp.place("ControlPrivilege").address] = value
 
     def _write_bootstrap(self, address, value):
