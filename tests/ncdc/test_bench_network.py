@@ -61,6 +61,7 @@ def test_rates_below_their_goals_are_told(what, goal):
     (["--core-mhz", "75"], "--core-mhz is given without --board"),
     (["--board", "de1-soc"], "de1-soc has no Ethernet chip at RGMII"),
     (["--board", "faka2"], "faka2 has no Ethernet chip at RGMII"),
+    (["--board", "colorlight-i9"], "colorlight-i9 has no screen"),
     (["--board", "nobody"], "board is 'nobody'")))
 def test_a_board_without_a_network_is_refused(options, said, capsys):
     assert main(["bench", "network", *options]) == 2

@@ -46,11 +46,13 @@ def board_rows(board, size, step, core_mhz=CORE_MHZ, screen=False):
     Raises
     ------
     InputError
-        If the board has no such Ethernet.
+        If the board has no such Ethernet, or no screen.
     """
-    if getattr(board, "ethernet", "") != "rgmii":
+    if getattr(board, "ethernet", None) is None:
         raise InputError(f"the board {board.name} has no Ethernet chip at RGMII: the de2-115 has "
                          "one")
+    if not board.screen:
+        raise InputError(f"the board {board.name} has no screen, the bench's has one: the de2-115")
     step("a lens")
     lens = trained(Lens(_VIEW, size, interpolation=DEFAULT.name))
     step("compiling")
