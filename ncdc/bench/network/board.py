@@ -96,8 +96,7 @@ def _row(model, what, rates, sensor=None):
         "dropped": rates.dropped if sensor else None, "lost": rates.lost,
         "screen_underruns": rates.screen_underruns,
         "memory_percent": round(100 * rates.memory_share, 1),
-        "clocks_per_pixel": sensor and round(rates.corrector_clocks / (width * height),
-                                                       3)}
+        "clocks_per_pixel": sensor and round(rates.corrector_clocks / (width * height), 3)}
 
 
 def shortfalls(rows):
