@@ -30,6 +30,8 @@ def add_arguments(parser):
     grab = actions.add_parser("grab", help="write pictures as PNG files")
     grab.add_argument("count", type=int, metavar="N", help="pictures")
     grab.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
+    grab.add_argument("--timeout", type=float, default=5.0, metavar="SECONDS",
+                      help="to wait for each picture; a simulated device is slow (default: 5)")
     grab.add_argument("--packet-size", type=int, metavar="BYTES",
                       help="of a GVSP packet (default: the device's)")
     grab.set_defaults(run_action=_grab)
@@ -106,9 +108,12 @@ def _limits(info):
 def _grab(args):
     if args.count < 1:
         raise InputError(f"{args.count} pictures are asked for, 1 is the limit")
+    if not args.timeout > 0:
+        raise InputError(f"the timeout is {args.timeout:g} seconds, it must be more than 0")
     check_outputs([Path(args.output) / "frames.csv"], [])
     with _open(args.device) as device, device.stream(args.packet_size) as frames:
-        paths = record(frames, args.count, args.output, progress=percent(Progress("grabbing")))
+        paths = record(frames, args.count, args.output, args.timeout,
+                       percent(Progress("grabbing")))
         counted = frames.statistics
     report = {"device": device.url, "files": [str(path) for path in paths], **vars(counted)}
     if not write_report(report, args.json):

@@ -80,6 +80,7 @@ def test_grabbed_pictures_are_the_golden_models(one, capsys):
     ("set Nonsense=1", 1, "has no feature 'Nonsense'"),
     ("set WidthMax=8", 1, "WidthMax is read-only"),
     ("grab 0 -o frames", 2, "0 pictures are asked for, 1 is the limit"),
+    ("grab 1 -o frames --timeout 0", 2, "the timeout is 0 seconds, it must be more than 0"),
     ("grab 1 -o net.toml", 2, "cannot write net.toml/frames.csv"),
     ("grab 1 -o frames --device tcp://127.0.0.1:1", 1, "no device answers at tcp://127.0.0.1:1"),
     ("show --device http://1", 2, "'http://1' is no URL of a device: gige, aravis, tcp, usb with"),
