@@ -42,7 +42,8 @@ def chip_parameters(chip, clock_hz, **other):
         "RFC": ps(chip.rfc), "WR": ps(chip.wr), "WR_CLOCKS": chip.wr_clocks, "RRD": ps(chip.rrd),
         "MRD": ps(chip.mrd), "MRD_CLOCKS": chip.mrd_clocks,
         "CAS2": ps(cas.get(2, 1000)), "CAS3": ps(cas.get(3, 1000)),
-        "PAUSE": ps(1000 * chip.pause), "REFRESHES": 2, "REFRESH_GAP": ps(chip.refresh)}
+        "PAUSE": ps(1000 * chip.pause), "REFRESHES": 2, "REFRESH_GAP": ps(chip.refresh),
+        "REFRESH_CYCLES": chip.refresh_cycles}
     return parameters | other
 
 

@@ -161,6 +161,17 @@ def test_a_chip_that_is_slower_by_a_clock_is_seen(name, rule):
     assert result["rules"] <= {rule, *({"tRC"} if name in ("RAS", "RP") else {})}
 
 
+@pytest.mark.parametrize("cycles,seen", [(16, set()), (20, {"retention"})])
+def test_rows_that_are_refreshed_too_seldom_are_seen(cycles, seen):
+    """So many refreshes reach every row, within the time of 16."""
+    chip, clock_hz, data_width = CONTROLLERS["16 bits"]
+    chip = replace(chip, pause=2, refresh_cycles=cycles)
+    made = SdramController(chip, clock_hz, data_width, 3, 16)
+    result = run_sdram(made, BUSY, clocks=40_000, clock_hz=clock_hz,
+                       times={"RETENTION": 16 * int(1000 * chip.refresh)})
+    assert result["rules"] == seen
+
+
 def shorter(**times):
     """``Banks.times`` with some of them a clock shorter."""
     own = Banks.times.fget

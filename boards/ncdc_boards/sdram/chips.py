@@ -42,6 +42,8 @@ class SdramChip:
         Time in us with power and clock before the first command.
     refreshes : int
         AUTO REFRESH commands of the initialisation.
+    refresh_cycles : int
+        AUTO REFRESH commands that reach every row; so many must come within 64 ms.
     """
     name: str
     data_bits: int
@@ -63,6 +65,7 @@ class SdramChip:
     mrd_clocks: int = 2
     pause: float = 200
     refreshes: int = 8
+    refresh_cycles: int = 8192
 
     bank_bits = 2
 
@@ -141,9 +144,10 @@ def slowest(name, *chips):
     Raises
     ------
     InputError
-        If they differ in size.
+        If they differ in size, or in how often their rows are refreshed.
     """
-    if len({(chip.data_bits, chip.row_bits, chip.column_bits) for chip in chips}) != 1:
+    if len({(chip.data_bits, chip.row_bits, chip.column_bits, chip.refresh_cycles)
+            for chip in chips}) != 1:
         raise InputError(f"{name}: chips of different size cannot stand for each other: "
                          + ", ".join(chip.name for chip in chips))
     largest = {key: max(getattr(chip, key) for chip in chips) for key in
@@ -206,7 +210,8 @@ W9825G6KH_6 = SdramChip(
 # Colorlight i9.
 M12L64322A_7 = SdramChip(
     "M12L64322A-7", data_bits=32, row_bits=11, column_bits=8, rcd=21, rp=21, ras=42, rc=63, rfc=63,
-    wr=14, rrd=14, mrd=14, ras_max=100_000, refresh=64e6 / 4096, cas=((2, 10), (3, 7)),
+    wr=14, rrd=14, mrd=14, ras_max=100_000, refresh=64e6 / 4096, refresh_cycles=4096,
+    cas=((2, 10), (3, 7)),
     source="ESMT, M12L64322A (2S), revision 1.0, 12/2015, AC characteristics; the slowest grade")
 # The ULX3S is made with one or another of these.
 ULX3S_32MB = slowest("any 32 MB chip of the ULX3S", IS42S16160G_7, AS4C16M16SA_7, W9825G6KH_6,

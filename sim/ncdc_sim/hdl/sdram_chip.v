@@ -25,7 +25,7 @@
 //                REFRESH or LOAD MODE REGISTER with an open row
 //   cut          PRECHARGE of a bank whose READ has data to come that it would cut off
 //   refresh-gap  two refreshes are further than REFRESH_GAP apart
-//   retention    8192 refreshes took longer than RETENTION
+//   retention    REFRESH_CYCLES refreshes, which reach every row, took longer than RETENTION
 //   contention   controller and chip drive DQ in the same clock, or with less than TURNAROUND
 //                clocks between the chip and the controller
 //   no-data      nobody drives DQ when data are written
@@ -60,6 +60,7 @@ module sdram_chip #(
     parameter PAUSE = 200000000,
     parameter REFRESHES = 2,
     parameter REFRESH_GAP = 7812500,
+    parameter REFRESH_CYCLES = 8192,
     parameter [63:0] RETENTION = 64'd64000000000,
     parameter TURNAROUND = 1,
     parameter ADDRESS = ROW > 11 ? ROW : 11
@@ -105,7 +106,7 @@ module sdram_chip #(
     reg [63:0]     closes [0:3];        // and when
     reg [63:0]     last_refresh, last_mode;
     reg            ever_refreshed, ever_mode, gap_counts;
-    reg [63:0]     times [0:8191];      // of the last refreshes
+    reg [63:0]     times [0:REFRESH_CYCLES-1];     // of the last refreshes
 
     // The burst under way.
     reg            bursting, burst_write;
@@ -277,10 +278,10 @@ module sdram_chip #(
                     if (gap_counts && (now - last_refresh) * PERIOD > t_refresh_gap)
                         breach("refresh-gap");
                     gap_counts = 1;
-                    if (refreshes >= 8192
-                            && (now - times[refreshes % 8192]) * PERIOD > t_retention)
+                    if (refreshes >= REFRESH_CYCLES
+                            && (now - times[refreshes % REFRESH_CYCLES]) * PERIOD > t_retention)
                         breach("retention");
-                    times[refreshes % 8192] = now;
+                    times[refreshes % REFRESH_CYCLES] = now;
                     refreshes = refreshes + 1;
                     last_refresh = now;
                     ever_refreshed = 1;
