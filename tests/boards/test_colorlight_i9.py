@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from cameras import barrel_descriptor
+from litex_pins import litex_pins
 from ncdc.cli import main
 from ncdc_boards.colorlight_i9.clocks import clock_plan
 from ncdc_boards.colorlight_i9.platform import CAMERA_WIRES, ColorlightI9Platform
@@ -40,17 +41,6 @@ def table():
     return dict(line.split() for line in lines if not line.startswith("#"))
 
 
-def of_litex(resource, number, signal):
-    """Pins of a signal of litex-boards."""
-    for name, index, *parts in litex._io_v7_2:
-        if (name, index) == (resource, number):
-            if signal is not None:
-                parts = next(part for part in parts
-                             if getattr(part, "name", None) == signal).constraints
-            return list(next(part for part in parts if hasattr(part, "identifiers")).identifiers)
-    raise KeyError((resource, number, signal))
-
-
 @pytest.fixture(scope="module")
 def ours():
     """{signal: pins} of all that the top asks for."""
@@ -70,7 +60,7 @@ def test_every_pin_is_where_two_others_have_it(ours):
     for name, (theirs, row) in NAMES.items():
         # Whoever writes whole words may number DQ as he likes; litex-boards does.
         as_litex = sorted if name == "sdram.dq" else list
-        assert as_litex(ours[name]) == as_litex(of_litex(*theirs)), name
+        assert as_litex(ours[name]) == as_litex(litex_pins(litex._io_v7_2, *theirs)), name
         if row:
             assert ours[name] == [other[row]] if row in other else [
                 other[f"{row}[{k}]"] for k in range(len(ours[name]))], name

@@ -7,6 +7,7 @@ import pytest
 
 import ncdc_boards.camera_board.pins as pins
 import ncdc_boards.ulx3s.top as top
+from litex_pins import litex_pins
 from ncdc_boards.ulx3s.platform import CAMERA_WIRES, Ulx3sPlatform
 
 litex = pytest.importorskip("litex_boards.platforms.radiona_ulx3s")
@@ -31,15 +32,9 @@ J1 = ("B11 C11 A10 A11 A9 B10 B9 C10 A7 A8 C8 B8 C6 C7 A6 B6 A4 A5 A2 B1 C4 B4 F
       "G5").split()
 
 
-def theirs(resource, number, signal):
-    """Sites of a signal of litex-boards."""
-    for name, index, *parts in litex._io_common + litex._io_2_0:
-        if (name, index) == (resource, number):
-            if signal is not None:
-                parts = next(part for part in parts
-                             if getattr(part, "name", None) == signal).constraints
-            return list(next(part for part in parts if hasattr(part, "identifiers")).identifiers)
-    raise KeyError((resource, number, signal))
+def theirs(*signal):
+    """Pins of a signal of litex-boards."""
+    return litex_pins(litex._io_common + litex._io_2_0, *signal)
 
 
 @pytest.fixture(scope="module")
