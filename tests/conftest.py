@@ -1,5 +1,5 @@
-"""What holds for every test: how programs are compiled, what is kept between runs, and how often
-Python collects garbage."""
+"""What holds for every test: how programs are compiled, what is kept between runs, how often
+Python collects garbage, and which tests are longer ones."""
 
 import gc
 import json
@@ -26,6 +26,11 @@ gc.set_threshold(100_000, 50, 50)
 
 # A component that is refused, or whose Verilog is kept, is never elaborated.
 warnings.simplefilter("ignore", UnusedElaboratable)
+
+
+def pytest_addoption(parser):
+    parser.addoption("--cpu-times", metavar="FILE", type=os.path.abspath,
+                     help="append the seconds of a processor that each test takes")
 
 
 def pytest_configure(config):
@@ -95,6 +100,26 @@ def keep_simulations():
         keep_coverage(folder)
 
     frame.run_program = cache_stress.run = exhaustive.run = run
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
+    from longer import COLLECTED, LONGER
+    config.stash[COLLECTED] = {item.nodeid for item in items}
+    for item in items:
+        if item.nodeid in LONGER:
+            item.add_marker("longer")
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_protocol(item, nextitem):
+    from longer import cpu_seconds
+    before = cpu_seconds()
+    done = yield
+    if item.config.option.cpu_times:
+        with open(item.config.option.cpu_times, "a") as file:
+            file.write(f"{cpu_seconds() - before:.2f} {item.nodeid}\n")
+    return done
 
 
 @pytest.hookimpl(tryfirst=True)

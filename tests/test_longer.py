@@ -1,0 +1,22 @@
+"""The list of tests that `make test` leaves to `make longer`."""
+
+import pytest
+
+from longer import AGAIN, COLLECTED, LONGER, NEW, STAYS, longer
+
+
+def test_each_one_is_there(request):
+    """A name that no test has any more would leave its test to a newcomer."""
+    if request.config.args != request.config.getini("testpaths"):
+        pytest.skip("only some of the tests were asked for")
+    assert LONGER and not LONGER - request.config.stash[COLLECTED]
+
+
+def test_a_test_is_left_out_by_either_time_and_what_stays_is_not():
+    short, long = NEW / 2, NEW
+    new = {"short": short, "new": long, "again": short} | dict.fromkeys(STAYS, long)
+    again = {"short": AGAIN / 2, "again": AGAIN}
+    assert longer(new, again) == ["again", "new"]
+    del new[min(STAYS)]
+    with pytest.raises(ValueError, match="no such test"):
+        longer(new, again)
