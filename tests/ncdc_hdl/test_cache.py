@@ -59,7 +59,8 @@ PAUSES = [(Pauses(0, 0, 0, (1, 1)), .9), (Pauses(.3, 0, .5, (1, 20)), .7),
     for i, cache in enumerate(CACHES) for j, pauses in enumerate(PAUSES)])
 def test_windows_and_misses(data_width, options, split, pauses, near):
     # Of windows that are never near each other fewer ask for as many tiles.
-    rng, count = np.random.default_rng(data_width + split), 250 if near else 100
+    rng = np.random.default_rng(data_width + split)
+    count = 250 if near else max(100, 3 * options.tiles)
     word = data_width // 8
     pitch = -(-WIDTH // word) * word
     raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)

@@ -28,7 +28,6 @@ from ncdc_model.interpolation import GRADIENT
 NOT_PROVED = {
     "ncdc_fifo_backmap_queue": "as registers its memory of 128 words is too much for the induction",
     "ncdc_tiles": "as registers its memories of tiles are too much for the induction",
-    "ncdc_align": "Yosys stops at an assertion of its own, a name given twice by expose",
 }
 # Memories as registers make these take half of the time of all.
 LONG = {"ncdc_fifo_interpolator_queue", "ncdc_sync_fifo_buffered_words"}

@@ -78,7 +78,7 @@ def _wrapper(netlist, original, top):
     """RTLIL of a module ``top`` with the printed module's ports and it inside, as ``y``."""
     ports = _ports(netlist, original)
     lines = [f"module \\{top}", *_declared(ports)]
-    lines += [f"  cell \\{netlist.names[original]} \\y",
+    lines += [f"  cell \\{netlist.names[original]} \\the:module",
               *(f"    connect \\{name} \\{name}" for name, _, _ in ports), "  end", "end"]
     return "\n".join(lines) + "\n"
 
@@ -106,7 +106,7 @@ def _gold(netlist, original):
     # The printed ports on the outside, the converter's on the inside.
     before, = parse(text)
     lines = ["module \\gold", *_declared(_ports(netlist, original)),
-             f"  cell \\{original} \\y"]
+             f"  cell \\{original} \\the:module"]
     for old, wire in before.wires.items():
         if wire.port:
             pieces = " ".join(f"\\{new}" for new, _, _ in reversed(part.ports[old.lstrip("\\")]))
