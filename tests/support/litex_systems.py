@@ -26,13 +26,14 @@ class _System(SoCCore):
         self.crg = _Clock(platform)
         module = modules.MT48LC16M16(_CLOCK_HZ, "1:1")
         self.sdrphy = SDRAMPHYModel(module, get_sdram_phy_settings("SDR", 32, _CLOCK_HZ), _CLOCK_HZ)
-        self.add_sdram("sdram", phy=self.sdrphy, module=module)
-        exec(lines, {"self": self, "platform": platform})
+        assert lines.count("self.add_sdram(...,") == 1
+        exec(lines.replace("...", "'sdram', phy=self.sdrphy, module=module"),
+             {"self": self, "platform": platform, "module": module})
 
 
 def system_with(lines):
-    """Verilog of a LiteX system with a processor and an SDRAM, and ``lines`` of Python at the end
-    of its ``__init__``."""
+    """Verilog of a LiteX system with a processor, and ``lines`` of Python at the end of its
+    ``__init__``. They add its SDRAM, the user's own arguments as "..."."""
     platform = SimPlatform("SIM", [("sys_clk", 0, Pins(1))])
     soc = _System(platform, lines)
     soc.finalize()
