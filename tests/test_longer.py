@@ -2,7 +2,7 @@
 
 import pytest
 
-from longer import AGAIN, COLLECTED, LONGER, NEW, STAYS, longer
+from longer import COLLECTED, LIMIT, LONGER, STAYS, longer
 
 
 def test_each_one_is_there(request):
@@ -13,9 +13,9 @@ def test_each_one_is_there(request):
 
 
 def test_a_test_is_left_out_by_either_time_and_what_stays_is_not():
-    short, long = NEW / 2, NEW
+    short, long = LIMIT / 2, LIMIT
     new = {"short": short, "new": long, "again": short} | dict.fromkeys(STAYS, long)
-    again = {"short": AGAIN / 2, "again": AGAIN}
+    again = {"short": short, "again": long}
     assert longer(new, again) == ["again", "new"]
     del new[min(STAYS)]
     with pytest.raises(ValueError, match="no such test"):
