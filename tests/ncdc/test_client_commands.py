@@ -131,10 +131,15 @@ ROW = {"peer": "Aravis", "transport": "GVSP", "devices": 3, "frames": 3, "incomp
 @pytest.mark.parametrize("change,message", [
     ({"incomplete": 1}, "1 frames incomplete"), ({"wrong_pixels": 7}, "7 pixels are wrong"),
     ({"features_read_back": 3}, "3 of 4 features"), ({"found": 2}, "2 of 3 devices found"),
-    ({"monitors": 2, "writes_refused": 1}, "a monitor could write"),
-    ({"seconds_until_free": 3.6}, "control is free after 3.6 s, 3.5 is the limit")])
+    ({"monitors": 2, "writes_refused": 1}, "a monitor could write")])
 def test_the_bench_complains(change, message):
     assert bench.complaints([ROW]) == []
     found = bench.complaints([ROW, {**ROW, **change}])
     assert len(found) == 1 and message in found[0]
     assert "Aravis" in bench.table([ROW])
+
+
+def test_the_bench_complains_of_control_that_stays_taken():
+    assert bench.late([ROW, {**ROW, "seconds_until_free": 3.4}]) == []
+    assert bench.late([{**ROW, "seconds_until_free": 3.6}]) == [
+        "Aravis, GVSP: control is free after 3.6 s, 3.5 is the limit"]
