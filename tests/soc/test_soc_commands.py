@@ -163,12 +163,12 @@ print(json.dumps(told))
 """
 
 
-def _put_off_times(capture):
-    """Times in ms of all answers put off in a file of packets, which may be growing yet."""
+def _put_off_times(capture, whole=True):
+    """Times in ms of all answers put off in a file of packets; not ``whole``: it is growing yet."""
     fields = subprocess.run(
         ["tshark", "-r", str(capture), "-Y", "gvcp.ack.pendingack.timetocompletion", "-T", "fields",
          "-e", "gvcp.ack.pendingack.timetocompletion", "-e", "_ws.malformed"],
-        capture_output=True, text=True).stdout.split()
+        capture_output=True, text=True, check=whole).stdout.split()
     return [int(field, 16) for field in fields]
 
 
@@ -182,7 +182,7 @@ def test_an_answer_that_waits_for_the_sensor_is_put_off(model, tmp_path):
             assert line
         told = peer(run, _PUT_OFF.replace("{address}", ADDRESS), tmp_path)
         # What the kernel has not handed over yet would be lost with the one who captures.
-        run.wait_for(lambda: len(_put_off_times(file)) >= 4)
+        run.wait_for(lambda: len(_put_off_times(file, whole=False)) >= 4)
         capture.terminate()
         capture.wait(20)
         assert "exception" not in run.screen
