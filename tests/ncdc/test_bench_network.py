@@ -68,6 +68,7 @@ def test_a_board_without_a_network_is_refused(options, said, capsys):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_goals_of_the_de2_115():
     """28 corrected pictures of 1280x1024 a second from the sensor, 90 raw ones from memory."""

@@ -62,6 +62,7 @@ def test_comparison_sees_a_stage_out_of_step():
     assert (verilog_outputs(Late(DESIGN), n) != golden).mean() > .99
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("bits", FRACTION_BITS)
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -75,6 +76,7 @@ def test_every_input_of_the_verilog(variant, bits):
         assert row["max_ulp"] <= .79 and row["correctly_rounded"] >= .95
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_exhaustive_comparison_sees_one_wrong_table_entry():
     wrong = Planted(DESIGN.input, 20, DESIGN.width, DESIGN.region_bits)

@@ -103,6 +103,7 @@ def test_rows_are_printed_and_plotted(tmp_path):
     assert (tmp_path / "throughput.png").stat().st_size > 5000
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_a_frame_is_measured():
     runs = [Run("cache", Lens(105, (96, 72))), Run("cache", Lens(105, (96, 72), 90)),
@@ -117,6 +118,7 @@ def test_a_frame_is_measured():
     assert rows[0]["cache_split"] > rows[1]["cache_split"]
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_the_quick_bench_keeps_its_goals(tmp_path):
     assert main(["bench", "throughput", "--quick", "--json", str(tmp_path / "rows.json")]) == 0

@@ -36,6 +36,7 @@ def named(page):
                                                        row)}
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("guide", GUIDES)
 def test_the_commands_of_a_guide_write_what_it_names(guide, tmp_path, monkeypatch):
@@ -64,6 +65,7 @@ BOARD_FILES = {"ulx3s": {"ncdc_ulx3s.bit", "ncdc_ulx3s.v", "ncdc_registers.py"},
                                  "ncdc_processor_rom.init", "ncdc_registers.py"}}
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("page", BOARD_FILES)
 def test_the_commands_of_a_board_s_page(page, tmp_path, monkeypatch, capsys):
@@ -107,6 +109,7 @@ def test_the_verilog_guide_s_bench_passes(tmp_path, monkeypatch):
     assert "PASS" in done.stdout and "FAIL" not in done.stdout
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_the_litex_guide_s_systems_compare_every_pixel(tmp_path, monkeypatch, capsys):
     from ncdc_sim.system import litex

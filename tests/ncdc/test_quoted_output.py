@@ -49,6 +49,7 @@ def test_a_line_that_is_not_printed_is_found():
     assert missing(["b", "a"], printed) == ["a"]
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_quoted_outputs_are_those_of_the_commands(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

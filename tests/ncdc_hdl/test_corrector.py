@@ -186,6 +186,7 @@ def test_a_colour_swap_would_be_seen():
         assert (correct(linear_descriptor(g), raw).picture == [200, 90, 20]).all(), bayer
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("corrected,distorted,data_width,output", [
     ((1280, 1024), (1280, 1024), 32, "memory"), ((1920, 1080), (1920, 1080), 128, "stream")])

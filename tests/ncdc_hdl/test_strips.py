@@ -233,6 +233,7 @@ def test_a_host_is_told_that_colours_would_be_lost():
         host_values(camera(), Hardware(format="Mono8"))
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("lanes,strip", [(1, 128), (2, 128), (4, 256)])
 def test_full_size_frames(lanes, strip):

@@ -44,6 +44,7 @@ def test_random_windows(data_width, options, lanes):
     assert check(10000, data_width, options, lanes, resets=100, seed=2)["resets"] > 2
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("data_width,options,lanes,groups", [
     (32, SMALL, 1, 2_000_000), (64, MIDDLE, 1, 3_000_000), (128, CacheOptions(), 1, 4_000_000),

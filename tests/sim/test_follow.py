@@ -151,6 +151,7 @@ def test_a_hostile_memory_makes_no_read_early(fetcher):
     assert simulation.differing == [] and simulation.follow["follow_early_reads"] == 0
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_a_wide_lens_at_full_size(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -74,6 +74,7 @@ def test_a_frame_follows_its_camera():
 SXGA, FHD = (1280, 1024), (1920, 1080)
 
 
+@pytest.mark.many_clocks
 @regress
 @pytest.mark.parametrize("size,settings,memory", [
     (SXGA, dict(output="stream"), "sdram"),
@@ -84,6 +85,7 @@ def test_large_frames(size, settings, memory):
           memory)
 
 
+@pytest.mark.many_clocks
 @regress
 @pytest.mark.parametrize("size,neurons,bayer,settings,memory", [
     (SXGA, 12, "RGGB", dict(), "sdram"), (SXGA, 16, "GBRG", dict(strip=128), "sdram"),

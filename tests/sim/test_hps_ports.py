@@ -17,6 +17,7 @@ FHD = Lens(120, (1920, 1080))
 PAPER = 8.21            # frames per second of the paper's board, at this size
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("output", OUTPUTS)
 def test_a_pixel_per_clock(output):

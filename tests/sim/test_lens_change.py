@@ -37,6 +37,7 @@ def hardware(fetcher, output):
     return corrector, verilog_of(corrector)
 
 
+@pytest.mark.many_clocks
 @pytest.mark.parametrize("fetcher,output,memory,intruder", [
     ("cache", "memory", "hostile", False), ("cache", "memory", "sdram", True),
     pytest.param("cache", "stream", "hostile", True, marks=pytest.mark.regress),
@@ -81,6 +82,7 @@ def test_a_torn_place_is_a_fault(monkeypatch):
         three_frames("SOURCE_BASE", monkeypatch)
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("fetcher,data_width,size", [("cache", 128, (640, 480)),
                                                      ("multiport", 64, (160, 120))])
@@ -92,6 +94,7 @@ def test_lenses_change_at_full_size(fetcher, data_width, size):
     assert result.differing == (0,) * 20 and max(result.idle) <= BETWEEN
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("size,neurons,needs,settings", [
     ((1280, 1024), 12, FAST, dict()), ((1280, 1024), 16, GRADIENT, dict(output="stream")),

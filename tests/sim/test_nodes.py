@@ -61,6 +61,7 @@ def of_real_size(size, neurons):
     return replace(barrel_descriptor(size, size, neurons, strength=.1), nodes=16)
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("size,neurons,settings", [
     (SXGA, 16, dict()), (SXGA, 12, dict(strip=128)), (SXGA, 12, dict(output="stream")),
@@ -79,6 +80,7 @@ def test_whole_frames_of_real_size(size, neurons, settings):
         assert result.counters["CLOCKS"] * hardware.lanes / (size[0] * size[1]) <= 1.005
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_a_skip_path_at_real_size():
     plain = of_real_size(SXGA, 12)

@@ -70,6 +70,7 @@ def test_misses_are_equal_and_clocks_within_a_hundredth(prepared, memory, split)
     assert simulation.counters["CLOCKS"] == pytest.approx(clocks.clocks, rel=.01)
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("size,neurons,needs,settings,memory", [
     ((1280, 1024), 12, FAST, dict(strip=128), "sdram"),

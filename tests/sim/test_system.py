@@ -67,6 +67,7 @@ def test_every_frame_is_its_own_raw_frame_corrected(system, verilog, light, foll
     assert run.i2c_errors == []
 
 
+@pytest.mark.many_clocks
 @regress
 def test_a_second_simulator_agrees(system, verilog, light):
     run = simulate_camera(system, asked(), light, count=1, verilog=verilog, simulator="icarus")
@@ -91,6 +92,7 @@ def test_waveforms_of_a_camera(system, verilog, light, tmp_path, kind):
     assert {"frame_valid", "line_valid", "scl", "sda", "irq", "write_write"} <= moved
 
 
+@pytest.mark.many_clocks
 @regress
 @pytest.mark.parametrize("period,counters", [
     (9_990, ("produce_cdc", "consume_cdc")), (30_010, ("produce_cdc", "consume_cdc")),
@@ -141,6 +143,7 @@ def test_a_memory_that_stalls_loses_frames_and_says_so(system, verilog, light):
     assert [frame.different for frame in run.frames] == [0, 0, 0]
 
 
+@pytest.mark.many_clocks
 @pytest.mark.parametrize("frames,limit,period", [
     (25, 40_000, 6_000), pytest.param(25, 0, 10_000, marks=regress),
     pytest.param(500, 0, 7_000, marks=regress), pytest.param(500, 50_000, 23_000, marks=regress)])

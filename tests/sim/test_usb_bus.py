@@ -39,6 +39,7 @@ def test_a_word_per_clock_but_for_the_chips_own_pauses(direction):
     assert paused.rate(direction) < .8 and paused.rate_unpaused(direction) >= .999
 
 
+@pytest.mark.many_clocks
 @regress
 @pytest.mark.parametrize("chip,least", [(FT232H, .98), (FT601, .9)],
                          ids=lambda value: getattr(value, "name", ""))

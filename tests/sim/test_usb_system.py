@@ -24,7 +24,8 @@ from ncdc_sim.sensor.verilog import Light
 from ncdc_sim.system.running import running
 from ncdc_sim.usb.backend import SimulatedUsb
 
-pytestmark = pytest.mark.regress        # the model of a system takes a minute to compile
+# The model of a system takes a minute to compile.
+pytestmark = [pytest.mark.regress, pytest.mark.many_clocks]
 
 SENSOR = sensor_named("mt9p031")
 SECONDS = 300.0         # that a machine may take for an answer, not that the device may

@@ -32,12 +32,14 @@ def test_frames_in_litedram_are_corrected_to_memory():
     check(simulate_module(*camera(32, 24), MEMORY, frames=2), 2, 32 * 24)
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_a_system_that_is_reset_in_the_midst_of_frames_corrects_the_next():
     cut = range(100, 3000, 61)
     check(simulate_module(*camera(48, 40), MEMORY, cut=cut), 1, 48 * 40)
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("sink", (256, 60))
 def test_frames_leave_as_litex_s_video_whatever_the_sink_does(sink):
@@ -51,6 +53,7 @@ def test_litex_s_dma_takes_the_video():
     check(simulate_module(*camera(64, 48), STREAM, frames=2, sink=None), 2, 64 * 48)
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_a_processor_that_copies_memory_costs_clocks_and_no_pixel():
     need("riscv64-unknown-elf-gcc")

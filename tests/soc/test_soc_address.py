@@ -16,7 +16,8 @@ from ncdc_sim.system.soc import SocModel, SocRun
 from ncdc_soc.firmware import Identity
 from peers import need
 
-pytestmark = pytest.mark.regress        # compiling the model takes more than a minute
+# Compiling the model takes more than a minute.
+pytestmark = [pytest.mark.regress, pytest.mark.many_clocks]
 
 _SIZE = (64, 48)
 _HURRY = 500            # a second of lwIP's takes 200,000 clocks

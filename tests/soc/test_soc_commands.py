@@ -12,7 +12,8 @@ from ncdc_soc.firmware import Identity
 from peers import need
 from soc_clients import OPEN, SIZE, matches, peer
 
-pytestmark = pytest.mark.regress        # compiling the model takes more than a minute
+# Compiling the model takes more than a minute.
+pytestmark = [pytest.mark.regress, pytest.mark.many_clocks]
 
 
 _USERS = """

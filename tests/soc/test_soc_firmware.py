@@ -55,6 +55,7 @@ def test_any_frames(program):
     assert reached(*fuzzed(program, 100_000, 1))
 
 
+@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_a_million_frames(program):
     for seed in range(2, 6):

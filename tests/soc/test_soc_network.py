@@ -17,7 +17,8 @@ from ncdc_model.interface.table_two import HEADER_BYTES
 from ncdc_sim.system.soc import ADDRESS, SocRun
 from soc_clients import OPEN, SIZE, matches, peer
 
-pytestmark = pytest.mark.regress        # compiling the model takes more than a minute
+# Compiling the model takes more than a minute.
+pytestmark = [pytest.mark.regress, pytest.mark.many_clocks]
 
 _EXPOSURES_US = (100.0, 60.0, 200.0)
 

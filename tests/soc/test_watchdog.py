@@ -12,7 +12,8 @@ from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun
 from ncdc_soc.firmware import Identity
 from peers import need
 
-pytestmark = pytest.mark.regress        # compiling the model takes more than a minute
+# Compiling the model takes more than a minute.
+pytestmark = [pytest.mark.regress, pytest.mark.many_clocks]
 
 _SIZE = (64, 48)
 # The firmware tells "address: 00000000" before, of a network that is up and has none.
