@@ -33,7 +33,6 @@ def test_every_magnitude():
     assert (design.multipliers, design.adders, design.table_bits) == (0, 36, 12800)
 
 
-@pytest.mark.many_clocks
 @pytest.mark.regress
 @EVERY
 def test_every_magnitude_of_every_design(design):

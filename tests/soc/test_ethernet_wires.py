@@ -22,7 +22,6 @@ def simulate(design, interface, speed, frames, **told):
                   "pause": .05, "bad": .2, "longest": 1514, **told})
 
 
-@pytest.mark.many_clocks
 @pytest.mark.parametrize("device,interface,speed", [
     pytest.param(device, *case, marks=() if (device, *case) in DAILY else pytest.mark.regress)
     for device in DEVICES for case in CASES])
@@ -30,7 +29,6 @@ def test_frames(device, interface, speed):
     simulate(mac_design(device, interface), interface, speed, 12, longest=200)
 
 
-@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("device,interface,speed", [(d, *case) for d in DEVICES for case in CASES])
 def test_thousand_frames(device, interface, speed):
@@ -38,7 +36,6 @@ def test_thousand_frames(device, interface, speed):
              longest=1514 if speed == 1000 else 200, seed=8)
 
 
-@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("speed,frames", [(1000, 1000), (100, 12), (10, 12)])
 def test_frames_of_words(speed, frames):
@@ -47,14 +44,12 @@ def test_frames_of_words(speed, frames):
              longest=1514 if speed == 1000 else 200)
 
 
-@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("device", DEVICES)
 def test_clock_made_late_by_the_device(device):
     simulate(mac_design(device, "rgmii", late=True), "rgmii", 1000, 50)
 
 
-@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("device", DEVICES)
 def test_halves_of_two_clocks_are_seen(device):
@@ -62,7 +57,6 @@ def test_halves_of_two_clocks_are_seen(device):
         simulate(mac_design(device, "rgmii", paired=not PAIRED[device]), "rgmii", 1000, 12)
 
 
-@pytest.mark.many_clocks
 @pytest.mark.regress
 def test_gap_that_is_too_short_is_seen(monkeypatch):
     monkeypatch.setattr(blocks, "eth_interpacket_gap", 11)
@@ -83,7 +77,6 @@ def test_small_picture_leaves():
     picture(64, 48, 256, 3840, least=80)
 
 
-@pytest.mark.many_clocks
 @pytest.mark.regress
 @pytest.mark.parametrize("device", DEVICES)
 @pytest.mark.parametrize("payload,capacity,least", ((1456, 3840, 118), (8960, 18176, 122.7)))
