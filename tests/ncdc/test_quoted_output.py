@@ -42,6 +42,12 @@ def missing(quoted_lines, printed):
     return []
 
 
+def in_either_order(out, err):
+    """Lines of both outputs but for progress: on a terminal either may come first."""
+    return [[line for line in text.splitlines() if not PROGRESS.match(line)]
+            for text in (out + err, err + out)]
+
+
 def test_a_line_that_is_not_printed_is_found():
     printed = ["a", "b", "c"]
     assert missing(["a", "b"], printed) == missing(["a", "...", "c"], printed) == []
@@ -61,11 +67,25 @@ def test_quoted_outputs_are_those_of_the_commands(tmp_path, monkeypatch, capsys)
     for page in ("docs/commands.md", "docs/planner.md"):
         for command, lines in quoted(page):
             main(command)
-            out, err = capsys.readouterr()
-            # A page has what went to either as a terminal shows it: whichever came first.
-            printed = [[line for line in text.splitlines() if not PROGRESS.match(line)]
-                       for text in (out + err, err + out)]
+            printed = in_either_order(*capsys.readouterr())
             checked.add(command[0])
             if all(lost := [missing(lines, one) for one in printed]):
                 wrong[" ".join(command)] = lost, printed[0]
     assert checked == set(QUICK) and not wrong
+
+
+@pytest.mark.many_clocks
+@pytest.mark.regress
+def test_the_demos_output_in_the_readme_is_the_commands(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    readme = [line[4:] for line in (ROOT / "README.md").read_text().splitlines()]
+    start = readme.index("[1/6] photo of a page of dots, through the example camera")
+    lines = readme[start:readme.index("look at demo/report.html") + 1]
+    assert main(["demo", "-o", "demo"]) == 0
+    printed = in_either_order(*capsys.readouterr())
+    assert [] in [missing(lines, one) for one in printed], printed
+
+    verilog = Path("demo/ncdc.v").read_text()
+    modules = len(re.findall("^module ", verilog, re.MULTILINE))
+    size = f"{len(verilog.splitlines()):,} lines in {modules} modules"
+    assert size in (ROOT / "docs/verilog.md").read_text()
