@@ -2,7 +2,7 @@
 
 import pytest
 
-from longer import COLLECTED, LIMIT, LONGER, STAYS, longer
+from longer import COLLECTED, LIMIT, LONGER, SHARED, STAYS, grown, longer
 
 
 def test_each_one_is_there(request):
@@ -20,3 +20,8 @@ def test_a_test_is_left_out_by_either_time_and_what_stays_is_not():
     del new[min(STAYS)]
     with pytest.raises(ValueError, match="no such test"):
         longer(new, again)
+
+
+def test_the_list_grows_by_what_pays_for_others():
+    rest = {"short": LIMIT, "pays": SHARED} | dict.fromkeys(STAYS, SHARED)
+    assert grown(rest) == sorted(LONGER | {"pays"})

@@ -3,6 +3,12 @@
     python -m pytest -m 'not regress' --cpu-times new.txt       # nothing kept from earlier runs
     python -m pytest -m 'not regress' --cpu-times again.txt
     python tests/support/longer.py new.txt again.txt > tests/longer.txt
+
+What several tests share, a folder or a build, is paid for by the first of them, and by the next
+one when that is left out. Until the list grows no more, nothing kept from earlier runs:
+
+    python -m pytest -m 'not regress and not longer' --cpu-times rest.txt
+    python tests/support/longer.py rest.txt > grown.txt && mv grown.txt tests/longer.txt
 """
 
 import resource
@@ -11,9 +17,10 @@ from pathlib import Path
 
 import pytest
 
-__all__ = ["COLLECTED", "LIMIT", "LONGER", "STAYS", "cpu_seconds", "longer"]
+__all__ = ["COLLECTED", "LIMIT", "LONGER", "SHARED", "STAYS", "cpu_seconds", "grown", "longer"]
 
 LIMIT = 1       # seconds of a processor, on a new machine and in another run
+SHARED = 5      # seconds of a processor that a test may take for what others use after it
 
 COLLECTED = pytest.StashKey()           # names of all tests, before any is left out
 LONGER = frozenset((Path(__file__).parents[1] / "longer.txt").read_text().splitlines())
@@ -54,10 +61,17 @@ def longer(new, again):
                   and max(seconds, again.get(name, 0)) >= LIMIT)
 
 
+def grown(rest):
+    """Names of the tests of ``tests/longer.txt``, and of those that take long of the rest."""
+    return sorted(LONGER | {name for name, seconds in rest.items()
+                            if name not in STAYS and seconds >= SHARED})
+
+
 def _times(path):
     rows = (line.split(" ", 1) for line in Path(path).read_text().splitlines())
     return {name: float(seconds) for seconds, name in rows}
 
 
 if __name__ == "__main__":
-    print("\n".join(longer(*map(_times, sys.argv[1:]))))
+    times = [*map(_times, sys.argv[1:])]
+    print("\n".join(grown(*times) if len(times) == 1 else longer(*times)))
