@@ -1,5 +1,5 @@
 # make demo      the whole chain on the built-in example camera, into demo/
-# make test      ruff, then tests of less than a second; lists what it skipped, and why
+# make test      ruff, then the short tests; lists what it skipped, and why
 # make longer    the tests that take longer, one by one in tests/longer.txt
 # make regress   all of them, and exhaustive sweeps, full-size frames: hours
 # make gui       the window of the client, with two emulated devices
