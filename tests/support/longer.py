@@ -5,7 +5,8 @@
     python tests/support/longer.py new.txt again.txt > tests/longer.txt
 
 What several tests share, a folder or a build, is paid for by the first of them, and by the next
-one when that is left out. Until the list grows no more, nothing kept from earlier runs:
+one when that is left out. Nothing kept from earlier runs, and not so often that a block is left
+without its tests:
 
     python -m pytest -m 'not regress and not longer' --cpu-times rest.txt
     python tests/support/longer.py rest.txt > grown.txt && mv grown.txt tests/longer.txt
