@@ -161,12 +161,12 @@ def _fit(points, photos):
     if points.target in _ROUND:
         xy = [photo.xy - _eccentricity(fit, number, cells[number], photo)
               for number, photo in enumerate(photos)]
-        fit = fit_smooth(points.size, list(zip(cells, xy)))
+        fit = fit_smooth(points.size, list(zip(cells, xy)), fit)
     relief = [find_relief(photos[k].index, xy[k] - fit.pixels(k, cells[k]), fit.normal(k, cells[k]))
               for k in range(len(photos))]
     if any(part.found for part in relief):
         xy = [place - part.shift for place, part in zip(xy, relief)]
-        fit = fit_smooth(points.size, list(zip(cells, xy)))
+        fit = fit_smooth(points.size, list(zip(cells, xy)), fit)
     return _Fitted(fit, photos, cells, xy, relief)
 
 
