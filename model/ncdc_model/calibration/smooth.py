@@ -24,7 +24,7 @@ _LENS = 3 + _TERMS + 4 + 2 + 2 + 1 + 1
 # short one far away: what is usual of a lens decides. Mean and standard deviation of the focal
 # length (its logarithm, in widths), the centre (from the middle, in widths) and the others in the
 # order above. Photos from several sides do tell; then the usual counts for little.
-_MEAN = np.array([np.log(0.5)] + [0.0] * (_LENS - 3) + [1.0] * 2)
+_MEAN = np.array([np.log(0.5)] + [0.0] * (_LENS - 1))
 _SPREAD = np.array([0.4] + [0.03] * 2 + [0.15] * _TERMS + [0.002] * 2 + [0.5] * 2 + [0.002] * 2
                    + [0.02] * 2 + [0.02, 0.01])
 _ALONE, _TOGETHER = 1 / 128, 1 / 1280     # of the width: what one deviation weighs in a residual
@@ -32,8 +32,10 @@ _ALONE, _TOGETHER = 1 / 128, 1 / 1280     # of the width: what one deviation wei
 # and the usual weighs less in proportion, down to its least part. Nothing but the usual tells the
 # higher terms of a decentring that is hardly there.
 _LEFT = 1 / 2000
+_MOST = 0.15, 0.10     # by which the pixels' aspect and the target's ratio may differ from 1
 _LEAST = np.array([0.01] * (5 + _TERMS) + [0.1] * 2 + [0.01] * 6)
 _SETTLED = 0.8         # of what the usual weighed: if less is due the fit is made again
+_PROBE = 1e-6          # of a parameter: by which it is moved for a derivative
 _SOME = 600            # points of all photos that a search is made on
 _ROUNDS = 6            # of fits, each weighing the usual by what the one before has left
 
@@ -77,7 +79,7 @@ class SmoothFit:
         return _project(self.camera, self.rays(photo, index))
 
 
-def fit_smooth(size, photos, near=None):
+def fit_smooth(size, photos, near=None, rough=False):
     """Robust least squares of the distance between points and their projections, in pixels.
 
     The target is flat with equal distances along columns and rows up to a common ratio, which
@@ -94,6 +96,8 @@ def fit_smooth(size, photos, near=None):
         Arrays (n, 2) of each photo.
     near : SmoothFit, optional
         Of nearly the same points: the search starts there.
+    rough : bool
+        Whether a fit of some of the points will do, which may differ in its last digits.
 
     Returns
     -------
@@ -109,12 +113,13 @@ def fit_smooth(size, photos, near=None):
             raise InputError(f"a photo has {len(index)} points, at least {MIN_POINTS} are needed")
     problem = _Problem(size, photos)
     start, doubt = (near.vector, near.doubt) if near else problem.part().searched()
-    result = problem.solved(start, doubt)
-    typical = np.median(np.abs(result.fun))
+    vector = start if rough else settle(
+        lambda vector: problem.residuals(vector, doubt),
+        lambda vector, steps: problem.derivatives(vector, steps, doubt), start, _ROBUST)
+    typical = np.median(np.abs(problem.residuals(vector, doubt)))
     if not typical < 0.02 * max(size):
         raise InputError(f"no smooth lens explains the points: half of them are off by more than "
                          f"{typical:.1f} pixels")
-    vector = settle(lambda vector: problem.residuals(vector, doubt), result.x, _ROBUST)
     camera, planes = _unpack(vector, size)
     return SmoothFit(camera, tuple(planes), vector, doubt)
 
@@ -139,9 +144,9 @@ class _Problem:
     def errors(self, vector):
         """Pixels (2 n,) from each point to its projection."""
         camera, planes = _unpack(vector, self.size)
-        xy = np.concatenate([_project(camera, index @ plane[:, :2].T + plane[:, 2])
-                             for index, plane in zip(self.indices, planes)])
-        return np.nan_to_num((xy - self.measured).ravel(), nan=1e4)
+        rays = np.concatenate([index @ plane[:, :2].T + plane[:, 2]
+                               for index, plane in zip(self.indices, planes)])
+        return np.nan_to_num((_project(camera, rays) - self.measured).ravel(), nan=1e4)
 
     def residuals(self, vector, doubt=1.0):
         """The errors, and ``doubt`` times how unusual the lens is."""
@@ -151,10 +156,34 @@ class _Problem:
         return np.concatenate([self.errors(vector),
                                np.maximum(doubt, _LEAST) * self.usual * unusual])
 
+    def derivatives(self, vector, steps, doubt=1.0):
+        """Of the residuals by each parameter, moved by its of ``steps`` to either side: a row each.
+
+        A photo's pose moves its own points only, so that those of all photos are moved together.
+        """
+        photos = len(self.points)
+        owner = np.repeat(np.arange(photos), [2 * len(xy) for xy in self.points])
+        rows = np.zeros((len(vector), len(owner) + _LENS))
+
+        def moved(which):
+            step = np.zeros_like(vector)
+            step[which] = steps[which]
+            return (self.residuals(vector + step, doubt) - self.residuals(vector - step, doubt)) / 2
+        for number in range(_LENS):
+            rows[number] = moved(number) / steps[number]
+        for number in range(6):
+            poses = _LENS + number + 6 * np.arange(photos)
+            rows[poses[owner], np.arange(len(owner))] = (moved(poses)[:len(owner)]
+                                                         / steps[poses][owner])
+        return rows
+
     def solved(self, start, doubt=1.0):
-        """Result of the robust least squares from ``start``."""
-        return least_squares(self.residuals, start, x_scale="jac", loss="huber", f_scale=_ROBUST,
-                             max_nfev=80, args=(doubt,))
+        """Result of a robust least squares from ``start``."""
+        return least_squares(
+            self.residuals, start, lambda vector, doubt: self.derivatives(
+                vector, _PROBE * np.maximum(np.abs(vector), 1e-3), doubt).T,
+            method="dogbox", x_scale="jac", loss="huber", f_scale=_ROBUST, max_nfev=100, ftol=1e-6,
+            args=(doubt,))
 
     def searched(self):
         """Vector of the best fit, and how much the usual counts in it."""
@@ -177,7 +206,7 @@ def misfit(size, photos):
     Arguments as of :func:`fit_smooth`.
     """
     try:
-        fit = fit_smooth(size, photos)
+        fit = fit_smooth(size, photos, rough=True)
     except InputError:
         return np.inf
     return float(np.median(np.concatenate([
@@ -190,6 +219,8 @@ def _unpack(parameters, size):
     focal, cx, cy = parameters[:3]
     k, (p0, p1, p2, p3, s0, s2, *tilt, aspect, ratio) = (parameters[3:3 + _TERMS].tolist(),
                                                          parameters[3 + _TERMS:_LENS].tolist())
+    aspect, ratio = (1 + most * float(np.tanh(value / most))
+                     for value, most in zip((aspect, ratio), _MOST))
     camera = Camera(size=tuple(size), radial=KannalaBrandt(tuple(k)), focal=float(focal),
                     centre=(float(cx), float(cy)), frame=Frame(tuple(size), float(focal), (cx, cy)),
                     decentring=BrownWeng(p=(p0, p1, p2, p3), s=(s0, 0.0, s2, 0.0)),
