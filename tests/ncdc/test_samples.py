@@ -66,8 +66,21 @@ def test_a_dump_is_read(corrected, tmp_path, bits, kind):
 
 
 @pytest.mark.parametrize("option,sentence", [
-    ("320x240:RGGB:8", "frame.raw has 153600 bytes, 320x240 samples of 1 byte need 76800"),
-    ("320x241:RGGB:12", "320x241 samples of 2 bytes need 154240; packed samples are not read"),
+    ("320x240:RGGB:8", "frame.raw has 153600 bytes, 320x240 samples of 1 byte need 76800; that is "
+                       "one frame of 9 to 16 bits, or two of 8 (:frame=1)\n"),
+    ("320x241:RGGB:12", "320x241 samples of 2 bytes need 154240; by bits: 8 77120, 9 to 16 154240, "
+                        "10p 96400, 12p 115680, 14p 134960\n"),
+    ("320x240:RGGB:10p", "320x240 packed samples of 10 bits need 96000; that is one frame of 9 to "
+                         "16 bits\n"),
+    ("300x240:RGGB:12", "153600 bytes, 300x240 samples of 2 bytes need 144000; rows of 640 bytes "
+                        "would fit (:stride=)\n"),
+    ("320x240:RGGB:12:stride=1000", "153600 bytes, 240 rows of 1000 bytes need 240000"),
+    ("320x240:RGGB:12:stride=639", "the stride is 639 bytes, the samples of a row need 640\n"),
+    ("320x240:RGGB:12:frame=2", "frame.raw holds 1 frame, frame 2 is asked for\n"),
+    ("320x240:RGGB:12:frame=0", "the frame is 0, frames are counted from 1\n"),
+    ("320x240:RGGB:16p", "packed samples of 16 bits are asked for, those of 10, 12, 14 bits are"),
+    ("320x240:RGGB:12:frame=1:frame=1", "WxH:PATTERN:BITS is needed"),
+    ("320x240:RGGB:12:step=1", "WxH:PATTERN:BITS is needed"),
     ("320x240:BGGR:12", "the raw frame has the pattern BGGR, the descriptor RGGB"),
     ("320x240:RGGB:11", "frame.raw holds a sample of 4095, 11 bits end at 2047"),
     ("320x240:RGGB", "raw is '320x240:RGGB', WxH:PATTERN:BITS is needed, as in 1280x1024:RGGB:12"),

@@ -9,16 +9,19 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from tifffile import TiffFile
 
 from ncdc_model.calibration.camera_tables import file_storage
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE
+from ncdc_model.photo.quiet import captured_stderr
 
 __all__ = ["RemapFile", "are_remap_files", "read_remap"]
 
 _NUMPY = (".npz", ".npy")
-_PICTURE = (".tif", ".tiff", ".exr", ".png", ".bmp", ".pgm", ".jpg", ".jpeg")
+_TIFF = (".tif", ".tiff")
+_PICTURE = (*_TIFF, ".exr", ".png", ".bmp", ".pgm", ".jpg", ".jpeg")
 _ENDS = "xy", "12", "01"       # how the names of a map's two arrays differ
 _LARGEST = 4 * 8 * MAX_SIZE**2 # bytes: two maps of the largest size in float64
 _FRACTION = 5                  # fraction bits of OpenCV's fixed-point maps, per axis
@@ -110,8 +113,11 @@ def _arrays(path, content):
             return _numpy(path, content)
         if suffix == ".exr":
             return {Path(path).name: _openexr(path)}
+        if suffix in _TIFF:
+            return {Path(path).name: _tiff(content)}
         if suffix in _PICTURE:
-            picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+            with captured_stderr():
+                picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
             if picture is None:
                 raise InputError("it holds no picture that can be decoded")
             return {Path(path).name: picture}
@@ -133,6 +139,16 @@ def _numpy(path, content):
         raise InputError(f"its arrays have {size} bytes, {_LARGEST} is the limit")
     with np.load(BytesIO(content), allow_pickle=False) as tables:
         return {name: tables[name] for name in tables.files}
+
+
+def _tiff(content):
+    with TiffFile(BytesIO(content)) as file:
+        if not file.pages:
+            raise ValueError("it has no page")
+        if len(file.pages) > 1:
+            raise InputError(f"it has {len(file.pages)} pages, one is needed: x and y are two "
+                             f"files")
+        return file.pages[0].asarray()
 
 
 def _openexr(path):
