@@ -25,6 +25,8 @@ def scaled(samples, white):
     rounded. Samples above ``white`` become 255.
     """
     bits = white.bit_length()
+    if samples.dtype == np.uint8 and white == 255:
+        return samples
     if white + 1 == 1 << bits and bits >= BITS[0]:
         return np.minimum(samples >> (bits - 8), 255).astype(np.uint8)
     table = (np.arange(white + 1) * 510 + white) // (2 * white)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
+from tokenize import TokenError
 
 import cv2
 import numpy as np
@@ -125,7 +126,8 @@ def _arrays(path, content):
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     except (cv2.error, SystemError, UnicodeDecodeError, ValueError, OSError, EOFError, MemoryError,
-            NotImplementedError, RuntimeError, zipfile.BadZipFile) as error:
+            NotImplementedError, RuntimeError, SyntaxError, TokenError,
+            zipfile.BadZipFile) as error:
         reason = str(error).strip().splitlines()[-1:] or [type(error).__name__]
         raise InputError(f"{path} holds no map that can be read: {reason[0].strip()}") from error
 

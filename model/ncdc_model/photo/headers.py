@@ -24,6 +24,8 @@ def declared_white(kind, content, samples):
     declared = None
     if kind is Kind.PNM and (match := _PNM.match(content) or _PAM.match(content)):
         declared = int(match[1])
+        if content[1:2] in b"23" and declared < 256:
+            declared = 255      # OpenCV scales samples in ASCII, and these alone
     elif kind is Kind.JPEG_2000 and (start := content.find(b"\xff\x4f\xff\x51")) >= 0:
         declared = (1 << (content[start + 42] & 0x7f) + 1) - 1
     elif kind is Kind.AVIF and samples.dtype == np.uint16:

@@ -25,9 +25,9 @@ def read_npy(path, content, bits, warn):
     """
     try:
         samples = np.load(BytesIO(content), allow_pickle=False)
-    except (ValueError, EOFError, OSError, MemoryError, SyntaxError, OverflowError) as error:
-        raise InputError(f"{path} is a NumPy file that cannot be read: "
-                         f"{str(error).splitlines()[0]}") from error
+    except Exception as error:      # also those of Python's tokenizer, which reads the header
+        reason = str(error).splitlines()[:1] or [type(error).__name__]
+        raise InputError(f"{path} is a NumPy file that cannot be read: {reason[0]}") from error
     if samples.dtype.kind != "u" or samples.dtype.itemsize > 2:
         raise InputError(f"{path} holds {samples.dtype} samples, 8 or 16 bit unsigned integers are "
                          f"needed")

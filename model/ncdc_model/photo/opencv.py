@@ -59,16 +59,15 @@ def _header(path, content):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with Image.open(BytesIO(content)) as header:
-                width, height = header.size
-                if width * height > _PIXELS:
-                    raise InputError(f"{path} has {width}x{height} pixels, {_PIXELS} in all are "
-                                     f"the limit")
-                return header.mode, getattr(header, "n_frames", 1)
+                size, mode, pictures = header.size, header.mode, getattr(header, "n_frames", 1)
     except Image.DecompressionBombError as error:
         raise InputError(f"{path} has too many pixels, {_PIXELS} are the limit: {error}") from error
     except (UnidentifiedImageError, OSError, SyntaxError, ValueError, EOFError, IndexError,
             KeyError, OverflowError, TypeError, RuntimeError):
         return None, 1      # damaged, or unknown to Pillow: OpenCV decides
+    if size[0] * size[1] > _PIXELS:
+        raise InputError(f"{path} has {size[0]}x{size[1]} pixels, {_PIXELS} in all are the limit")
+    return mode, pictures
 
 
 def _decoded(content):

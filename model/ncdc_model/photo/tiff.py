@@ -113,8 +113,10 @@ def _page(path, page, bits, warn, length, white=None):
     samples = page.asarray()
     if page.axes == "SYX":
         samples = np.moveaxis(samples, 0, 2)
-    if page.axes not in ("YX", "YXS", "SYX"):
-        raise InputError(f"{path} is a TIFF with the axes {page.axes}, one flat picture is needed")
+    size = page.imagelength, page.imagewidth
+    if samples.shape not in (size, (*size, page.samplesperpixel)) or page.imagedepth != 1:
+        raise InputError(f"{path} is a TIFF with the axes {page.axes} of {samples.shape}, one flat "
+                         f"picture is needed")
     samples = samples.astype(np.uint8) if samples.dtype == bool else samples
     if samples.ndim == 3:
         samples = samples[:, :, 0] if channels == 1 else samples[:, :, :3]
