@@ -51,10 +51,7 @@ def _frame(args, geometry):
     """Raw frame of the photo, or None without one."""
     if args.photo is None:
         return None
-    frame, note = raw_frame(Namespace(image=args.photo, raw=args.raw, bits=args.bits), geometry)
-    if note:
-        print(note, file=sys.stderr)
-    return frame
+    return raw_frame(Namespace(image=args.photo, raw=args.raw, bits=args.bits), geometry)[0]
 
 
 def run(args):

@@ -143,7 +143,7 @@ def test_further_pages_and_previews(tmp_path):
     (RGB, {"photometric": "cielab"}, "the colour space CIELAB, which is not supported"),
     (RGB, {"photometric": "ycbcr", "subsampling": (1, 1)}, "the colour space YCBCR, which"),
     (RGB, {"photometric": "minisblack", "planarconfig": "contig"}, "MINISBLACK with 3 channels, 1"),
-    (np.zeros((16, 16, 16), np.uint8), {"volumetric": True, "tile": (16, 16, 16)}, "one flat pict")],
+    (np.zeros((16, 16, 16), np.uint8), {"volumetric": True, "tile": (16, 16, 16)}, "one flat")],
     ids=lambda value: value if isinstance(value, str) else "")
 def test_other_variants_are_rejected(tmp_path, samples, options, reason):
     with pytest.raises(InputError, match=f"a.tif .*{reason}"):

@@ -3,6 +3,8 @@
 import cv2
 import numpy as np
 import pytest
+import tifffile
+from PIL import Image
 
 from lenses import GEOMETRY, known_network
 from ncdc.cli import main
@@ -10,6 +12,7 @@ from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.geometry import ValidRows
 from ncdc_model.images import read_image
+from photo_files import dng
 
 SHAPE = GEOMETRY.distorted[::-1]
 
@@ -65,6 +68,39 @@ def test_a_dump_is_read(corrected, tmp_path, bits, kind):
     assert status == 0
 
 
+def test_a_packed_dump_of_two_frames_with_a_stride(corrected, tmp_path):
+    raw = samples(10)
+    groups = np.concatenate([(raw >> 2).reshape(240, 80, 4), np.zeros((240, 80, 1), int)], 2)
+    rows = np.pad(groups.reshape(240, 400).astype(np.uint8), ((0, 0), (0, 16)))
+    (tmp_path / "frame.raw").write_bytes(bytes(rows.size) + rows.tobytes())
+    wanted = (raw >> 2).astype(np.uint8)
+    status, said = corrected("frame.raw", "--raw", "320x240:RGGB:10p:stride=416:frame=2",
+                             expected=wanted)
+    assert status == 0 and "frame.raw" not in said
+    status, said = corrected("frame.raw", "--raw", "320x240:RGGB:10p:stride=416",
+                             expected=np.zeros_like(wanted))
+    assert status == 0 and "frame.raw: the first of 2 frames is taken" in said
+
+
+def test_a_camera_raw_file(corrected, tmp_path):
+    raw = samples(12)
+    dng(tmp_path / "frame.dng", raw)
+    status, said = corrected("frame.dng", expected=(raw >> 4).astype(np.uint8))
+    assert status == 0 and "frame.dng is a camera RAW file: its RGGB frame of 320x240" in said
+    dng(tmp_path / "frame.dng", raw, pattern=(2, 1, 1, 0))
+    assert corrected("frame.dng")[0] == 2
+    assert "the raw frame has the pattern BGGR, the descriptor RGGB" in corrected("frame.dng")[1]
+
+
+def test_an_array(corrected, tmp_path):
+    np.save(tmp_path / "frame.npy", samples(12))
+    status, said = corrected("frame.npy", "--bits", "12",
+                             expected=(samples(12) >> 4).astype(np.uint8))
+    assert status == 0 and "frame.npy has one channel: taken as the raw RGGB frame" in said
+    status, said = corrected("frame.npy", "--raw", "320x240:RGGB:12")
+    assert status == 2 and "it is a NumPy file, which is read without --raw" in said
+
+
 @pytest.mark.parametrize("option,sentence", [
     ("320x240:RGGB:8", "frame.raw has 153600 bytes, 320x240 samples of 1 byte need 76800; that is "
                        "one frame of 9 to 16 bits, or two of 8 (:frame=1)\n"),
@@ -110,6 +146,23 @@ def test_what_a_picture_is_taken_for_is_told(corrected):
     assert corrected("grey.jpg") == (2, "ncdc correct: grey.jpg is a grey JPEG, a raw RGGB frame "
                                         "or a colour picture is needed; a grey camera is trained "
                                         "with --bayer MONO\n")
+
+
+def test_a_grey_jpeg_in_a_tiff_is_no_raw_frame(corrected):
+    Image.fromarray((samples(16) >> 8).astype(np.uint8)).save("grey.tif", compression="jpeg")
+    assert "grey.tif is a grey JPEG, a raw RGGB frame" in corrected("grey.tif")[1]
+
+
+@pytest.mark.parametrize("orientation", [3, 6])
+def test_calibrate_turns_no_photo(tmp_path, orientation):
+    photo = cv2.imread("tests/data/opencv/left01.jpg", cv2.IMREAD_GRAYSCALE)
+    points = []
+    for value in (1, orientation):
+        tifffile.imwrite(tmp_path / "left.tif", photo, extratags=[(274, "H", 1, value, True)])
+        assert main(["calibrate", str(tmp_path / "left.tif"), "--target", "chessboard:9x6", "-o",
+                     str(tmp_path / "points.json")]) == 0
+        points.append((tmp_path / "points.json").read_text())
+    assert points[0] == points[1]
 
 
 def test_calibrate_takes_the_same_options(tmp_path, capsys):

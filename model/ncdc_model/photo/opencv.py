@@ -5,7 +5,7 @@ from io import BytesIO
 
 import cv2
 import numpy as np
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
 from ncdc_model.errors import InputError
 from ncdc_model.photo.headers import declared_white, is_grey_png, pnm_pictures
@@ -62,9 +62,8 @@ def _header(path, content):
                 size, mode, pictures = header.size, header.mode, getattr(header, "n_frames", 1)
     except Image.DecompressionBombError as error:
         raise InputError(f"{path} has too many pixels, {_PIXELS} are the limit: {error}") from error
-    except (UnidentifiedImageError, OSError, SyntaxError, ValueError, EOFError, IndexError,
-            KeyError, OverflowError, TypeError, RuntimeError):
-        return None, 1      # damaged, or unknown to Pillow: OpenCV decides
+    except Exception:       # damaged, which raises many kinds, or unknown to Pillow
+        return None, 1
     if size[0] * size[1] > _PIXELS:
         raise InputError(f"{path} has {size[0]}x{size[1]} pixels, {_PIXELS} in all are the limit")
     return mode, pictures
