@@ -154,15 +154,10 @@ def test_a_grey_jpeg_in_a_tiff_is_no_raw_frame(corrected):
 
 
 @pytest.mark.parametrize("orientation", [3, 6])
-def test_calibrate_turns_no_photo(tmp_path, orientation):
-    photo = cv2.imread("tests/data/opencv/left01.jpg", cv2.IMREAD_GRAYSCALE)
-    points = []
-    for value in (1, orientation):
-        tifffile.imwrite(tmp_path / "left.tif", photo, extratags=[(274, "H", 1, value, True)])
-        assert main(["calibrate", str(tmp_path / "left.tif"), "--target", "chessboard:9x6", "-o",
-                     str(tmp_path / "points.json")]) == 0
-        points.append((tmp_path / "points.json").read_text())
-    assert points[0] == points[1]
+def test_a_raw_frame_is_not_turned(corrected, orientation):
+    raw = samples(12)
+    tifffile.imwrite("raw.tif", raw, bitspersample=12, extratags=[(274, "H", 1, orientation, True)])
+    assert corrected("raw.tif", "--bits", "12", expected=(raw >> 4).astype(np.uint8))[0] == 0
 
 
 def test_calibrate_takes_the_same_options(tmp_path, capsys):

@@ -46,6 +46,6 @@ def read_npy(path, content, bits, warn):
         samples = samples[0]
     if colour:
         warn(f"{path} has three channels: taken as R, G, B")
-    samples = np.ascontiguousarray(samples).astype(samples.dtype.newbyteorder("="))
+    samples = np.ascontiguousarray(samples)
     image = eight_bits(samples, 255 if samples.dtype == np.uint8 else None, bits, path, warn)
     return Photo(image)

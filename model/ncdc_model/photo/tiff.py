@@ -88,8 +88,8 @@ def _raw(path, content, first, frames, bits, warn):
     if white is None and dng:
         white = (1 << cfa.bitspersample) - 1
     photo = _page(path, cfa, bits, warn, len(content), white)
-    warn(f"{path} is a TIFF with a raw frame: its page of {cfa.imagewidth}x{cfa.imagelength} "
-         f"samples is taken, filter pattern {photo.bayer or 'not declared'}")
+    warn(f"{path} is a {'DNG' if dng else 'TIFF'} with a raw frame: its page of {cfa.imagewidth}x"
+         f"{cfa.imagelength} samples is taken, filter pattern {photo.bayer or 'not declared'}")
     return photo
 
 
@@ -114,7 +114,7 @@ def _page(path, page, bits, warn, length, white=None):
     if page.axes == "SYX":
         samples = np.moveaxis(samples, 0, 2)
     size = page.imagelength, page.imagewidth
-    if samples.shape not in (size, (*size, page.samplesperpixel)) or page.imagedepth != 1:
+    if samples.shape not in (size, (*size, page.samplesperpixel)):
         raise InputError(f"{path} is a TIFF with the axes {page.axes} of {samples.shape}, one flat "
                          f"picture is needed")
     samples = samples.astype(np.uint8) if samples.dtype == bool else samples
