@@ -87,6 +87,9 @@ def test_an_inverted_file(tmp_path, bits):
     wanted = (full - samples.astype(int)) * 255 if bits == 1 else (full - samples) >> (bits - 8)
     np.testing.assert_array_equal(photo.image, wanted)
     assert any("MinIsWhite): inverted" in text for text in said)
+    if bits == 16:
+        stored(tmp_path, SAMPLES >> 4, photometric="miniswhite")
+        np.testing.assert_array_equal(read(tmp_path / "a.tif", 12)[0].image, 255 - BYTES)
 
 
 def test_a_palette(tmp_path):
@@ -175,6 +178,9 @@ def test_filtered_samples_without_a_camera(tmp_path):
     assert photo.bayer == "GRBG" and "taken as 12-bit" in said[0]
     assert "a TIFF with a raw frame: its page of 64x48 samples is taken, filter pattern GRBG" \
         in said[1]
+    photo, said = stored(tmp_path, BYTES, photometric="minisblack", extratags=tags)
+    assert photo.bayer == "GRBG" and len(said) == 1
+    np.testing.assert_array_equal(photo.image, BYTES)
     photo, said = stored(tmp_path, SAMPLES, 16, photometric="cfa")
     assert photo.bayer is None and "filter pattern not declared" in said[0]
     np.testing.assert_array_equal(photo.image, BYTES)

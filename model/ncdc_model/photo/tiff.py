@@ -72,7 +72,8 @@ def _raw(path, content, first, frames, bits, warn):
 
     LibRaw guesses the filter of a file that is no DNG and names neither maker nor filter.
     """
-    cfa = next((page for page in frames if page.photometric == PHOTOMETRIC.CFA), None)
+    cfa = next((page for page in frames if page.photometric == PHOTOMETRIC.CFA
+                or _CFA_PATTERN in page.tags and page.samplesperpixel == 1), None)
     dng = _DNG in first.tags
     if dng or not cfa or _MAKE in first.tags and _CFA_PATTERN in cfa.tags:
         try:
@@ -125,13 +126,12 @@ def _page(path, page, bits, warn, length, white=None):
     declared = white or (None if width == 16 else full)
     if kind == PHOTOMETRIC.MINISWHITE:
         warn(f"{path} is a TIFF in which 0 is white (MinIsWhite): inverted")
-        image = 255 - eight_bits(samples, declared or full, bits, path, warn)
+        image = 255 - eight_bits(samples, declared or (None if bits else full), bits, path, warn)
     elif kind == PHOTOMETRIC.PALETTE:
         image = _coloured(page, samples)
     else:
         image = eight_bits(samples, declared, bits, path, warn)
-    return Photo(image, _pattern(path, page) if kind == PHOTOMETRIC.CFA else None,
-                 page.compression in _JPEG and width == 8)
+    return Photo(image, _pattern(path, page), page.compression in _JPEG and width == 8)
 
 
 def _check_whole(path, page, length):
