@@ -58,7 +58,7 @@ def run(args):
     points.save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
-        image = read_photo(name, args, tell=lambda sentence: None)      # it was told before
+        image = read_photo(name, args, warn=lambda sentence: None).image    # it warned before
         write_image(overlay, draw_points(image, photo, frame, number))
     progress(1)
     report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),
@@ -156,7 +156,7 @@ def _photos(args, progress):
     """The photos, one after the other, with progress."""
     for done, name in enumerate(args.photos):
         progress(_LENS * done / len(args.photos), f" {Path(name).name}")
-        yield name, read_photo(name, args)
+        yield name, read_photo(name, args).image
 
 
 def judged(points):
