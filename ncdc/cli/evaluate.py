@@ -16,9 +16,9 @@ def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("--against", required=True, action="append", metavar="FILE",
-                        help="points.json of this camera, the one of training or another, its "
-                             "camera file, or a map for OpenCV's remap; given twice, for the "
-                             "tables of x and y in a file each")
+                        help="points.json or points.csv of this camera, the one of training or "
+                             "another, its camera file, or a map for OpenCV's remap; given twice, "
+                             "for the tables of x and y in a file each")
     add_camera(parser)
     add_json(parser)
 

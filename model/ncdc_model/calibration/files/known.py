@@ -1,0 +1,80 @@
+"""Files of other software that are known by their content, and not supported."""
+
+import re
+
+from ncdc_model.errors import InputError
+
+__all__ = ["reject_known_bytes", "reject_known_table", "reject_known_text"]
+
+# What it is, and a pattern of its text. The first that fits counts.
+_TEXTS = (
+    ("a lensfun profile", r"<lensdatabase|<!DOCTYPE lensdatabase"),
+    ("an Adobe lens profile (.lcp)", r"<x:xmpmeta|stCamera:"),
+    ("an Agisoft Metashape or PhotoScan XML",
+     r"<calibration>\s*<projection>|<document[^>]*version[\s\S]*<chunk|<calibration[ >]"
+     r"[\s\S]*<projection>frame"),
+    ("an OCamCalib file", r"(?i)#polynomial coefficients for the DIRECT mapping"),
+    ("a Hugin project", r"(?m)^p f\d+ w\d+ h\d+"),
+    ("a Bundler file", r"^# Bundle file"),
+    ("a Pix4D camera file", r"(?m)^\s*(Pix4D camera calibration file|FOCAL \d|IMWIDTH \d)"),
+    ("a COLMAP images.txt", r"# Image list with two lines of data per image"),
+    ("a COLMAP points3D.txt", r"# 3D point list with one line of data per point"),
+    ("a points file of ncdc export --style discorpy", r"^photo,direction,line,y,x"),
+    ("a descriptor of ncdc train", r"(?m)^format = \"ncdc descriptor\""),
+    ("a picture in PostScript or PDF", r"^%(PDF|!PS)"),
+    ("an HTML page", r"(?i)^\s*<!doctype html|^\s*<html"),
+)
+# What it is, and names that its table holds, all of one of the tuples.
+_TABLES = (
+    ("a Gyroflow lens profile", (("calib_dimension",), ("fisheye_params",))),
+    ("a Kalibr imu file", (("accelerometer_noise_density",), ("gyroscope_noise_density",),
+                           ("imu0",))),
+    ("a Kalibr target file", (("target_type",),)),
+    ("a basalt calibration", (("value0",),)),
+    ("an OpenMVG sfm_data", (("sfm_data_version",), ("root_path", "views"))),
+    ("a Meshroom SfM file", (("intrinsics", "views"),)),
+    ("an Azure Kinect calibration", (("CalibrationInformation",),)),
+    ("a DepthAI (OAK) calibration", (("cameraData",),)),
+    ("an ORB-SLAM settings file", (("Camera.fx",), ("Camera1.fx",), ("Camera.type",))),
+    ("an ROS bag's or node's parameter file", (("ros__parameters",),)),
+    ("a ZED settings file", (("LEFT_CAM_HD",),)),
+    ("a VINS settings file, which names its camera file as cam0_calib",
+     (("cam0_calib",), ("imu_topic", "image_topic"))),
+    ("a GeoJSON file", (("features", "type"),)),
+    ("a report of ncdc", (("map_error_float_px",), ("hidden_neurons",))),
+)
+_BYTES = (("a COLMAP database", b"SQLite format 3"), ("a ROS bag", b"#ROSBAG"),
+          ("a pickle of Python", b"\x80\x03"), ("a pickle of Python", b"\x80\x04"),
+          ("a pickle of Python", b"\x80\x05"), ("a ZIP archive", b"PK\x03\x04"),
+          ("a gzip archive", b"\x1f\x8b"), ("a PDF", b"%PDF"), ("a video", b"\x00\x00\x00\x18ftyp"))
+_OPENSFM = "perspective", "brown", "fisheye", "fisheye_opencv", "radial", "spherical"
+
+
+def reject_known_bytes(content):
+    """Raise :class:`InputError` that names the kind of a known binary file."""
+    for what, start in _BYTES:
+        if content.startswith(start):
+            raise InputError(f"it is {what}, which is not supported")
+
+
+def reject_known_text(text):
+    """Raise :class:`InputError` that names the kind of a known text file."""
+    head = text[:1 << 16]
+    for what, pattern in _TEXTS:
+        if re.search(pattern, head):
+            raise InputError(f"it is {what}, which is not supported")
+    if re.search(r"(?m)^\[(LEFT|RIGHT)_CAM_\w+\]", head):
+        raise InputError("it is a ZED settings file, which is not supported")
+
+
+def reject_known_table(table):
+    """Raise :class:`InputError` that names the kind of a known file of names and values."""
+    for what, kinds in _TABLES:
+        if any(all(name in table for name in names) for names in kinds):
+            raise InputError(f"it is {what}, which is not supported")
+    if str(table.get("sensor_type", "camera")).lower() != "camera":
+        raise InputError(f"it is the file of a sensor of type {table['sensor_type']}, which is not "
+                         f"supported")
+    cameras = [value for value in table.values() if isinstance(value, dict)]
+    if cameras and all(value.get("projection_type") in _OPENSFM for value in cameras):
+        raise InputError("it is an OpenSfM camera_models.json, which is not supported")
