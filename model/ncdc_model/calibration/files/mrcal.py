@@ -4,6 +4,8 @@ import ast
 import re
 from functools import partial
 
+import numpy as np
+
 from ncdc_model.calibration.files.bends import perspective
 from ncdc_model.calibration.files.lens import file_lens, matrix_of, numbers, whole
 from ncdc_model.errors import InputError
@@ -48,6 +50,6 @@ def mrcal_lens(text):
     width, height = table["imagersize"]
     count = _COEFFICIENTS[model]
     values = numbers(table["intrinsics"], f"list of intrinsics of {model}", (4 + count,))
-    k = values[4:] if count else [0.0] * 4
+    k = values[4:] if count else np.zeros(4)
     return file_lens((whole(width, "width"), whole(height, "height")), matrix_of(*values[:4]),
                      partial(perspective, coefficients=k), f"mrcal {model}")
