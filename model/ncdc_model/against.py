@@ -44,7 +44,8 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
         ``hidden_neurons``, ``nodes``, ``measured_on`` (frame and its view, points and their pose,
         trained or fitted), ``map_error_float_px``, ``map_error_fixed_px``,
         ``fixed_minus_float_max_px``, and ``valid_pixels`` or ``points``; of a map
-        ``valid_pixels_differ``, those that have a source in one of the two only.
+        ``valid_pixels_differ``, those that have a source in one of the two only; of a camera file
+        ``notes``, sentences on how it was read.
 
     Raises
     ------
@@ -57,8 +58,8 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
     path, = paths
     points = load_points(path, descriptor.geometry.distorted if is_points_csv(path) else None)
     if points is None:
-        back_map, view = _true_map(descriptor, path, camera)
-        return {"measured_on": f"frame, view {view}",
+        back_map, view, notes = _true_map(descriptor, path, camera)
+        return {"measured_on": f"frame, view {view}", "notes": notes,
                 **evaluate_frame(descriptor, back_map, progress=progress)}
     if camera is not None:
         raise InputError(f"camera {camera} is asked for, {path} holds points")
@@ -93,11 +94,12 @@ def _against_map(descriptor, paths, camera):
 def _true_map(descriptor, path, name):
     geometry, provenance = descriptor.geometry, descriptor.provenance
     camera = load_camera_map(path, geometry.corrected, _WIDE, name, geometry.distorted)
+    notes = [*camera.notes, *camera.warnings]
     if "frame" not in provenance or "homography" in provenance:
-        return fitted_view(descriptor, camera), "fitted"
+        return fitted_view(descriptor, camera), "fitted", notes
     focal, *centre, aspect = [*provenance["frame"], 1.0][:4]
     frame = Frame(geometry.corrected, focal, tuple(centre), aspect)
-    return replace(camera, frame=frame).back_map, "trained"
+    return replace(camera, frame=frame).back_map, "trained", notes
 
 
 def fitted_view(descriptor, camera):

@@ -1,5 +1,7 @@
 """``ncdc evaluate``: the error of an existing descriptor."""
 
+import sys
+
 from ncdc.cli.common import add_camera, add_json, write_report
 from ncdc.cli.train import error_table, nodes_text
 from ncdc.terminal import Progress
@@ -27,6 +29,8 @@ def run(args):
     """Measure and report."""
     report = evaluate_against(Descriptor.load(args.descriptor), args.against, args.camera,
                               Progress("measuring"))
+    for sentence in report.get("notes", ()):
+        print(sentence, file=sys.stderr)
     if write_report(report, args.json):
         return
     count = (f"{report['points']} points" if "points" in report

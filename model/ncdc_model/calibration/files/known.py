@@ -21,6 +21,7 @@ _TEXTS = (
     ("a COLMAP points3D.txt", r"# 3D point list with one line of data per point"),
     ("a points file of ncdc export --style discorpy", r"^photo,direction,line,y,x"),
     ("a descriptor of ncdc train", r"(?m)^format = \"ncdc descriptor\""),
+    ("a ZED settings file", r"(?m)^\[(LEFT|RIGHT)_CAM_\w+\]"),
     ("a picture in PostScript or PDF", r"^%(PDF|!PS)"),
     ("an HTML page", r"(?i)^\s*<!doctype html|^\s*<html"),
 )
@@ -36,17 +37,14 @@ _TABLES = (
     ("an Azure Kinect calibration", (("CalibrationInformation",),)),
     ("a DepthAI (OAK) calibration", (("cameraData",),)),
     ("an ORB-SLAM settings file", (("Camera.fx",), ("Camera1.fx",), ("Camera.type",))),
-    ("an ROS bag's or node's parameter file", (("ros__parameters",),)),
-    ("a ZED settings file", (("LEFT_CAM_HD",),)),
     ("a VINS settings file, which names its camera file as cam0_calib",
      (("cam0_calib",), ("imu_topic", "image_topic"))),
-    ("a GeoJSON file", (("features", "type"),)),
     ("a report of ncdc", (("map_error_float_px",), ("hidden_neurons",))),
 )
-_BYTES = (("a COLMAP database", b"SQLite format 3"), ("a ROS bag", b"#ROSBAG"),
-          ("a pickle of Python", b"\x80\x03"), ("a pickle of Python", b"\x80\x04"),
-          ("a pickle of Python", b"\x80\x05"), ("a ZIP archive", b"PK\x03\x04"),
-          ("a gzip archive", b"\x1f\x8b"), ("a PDF", b"%PDF"), ("a video", b"\x00\x00\x00\x18ftyp"))
+_BYTES = (("an SQLite database, of COLMAP or a ROS 2 bag", b"SQLite format 3"),
+          ("a ROS bag", b"#ROSBAG"), ("a ROS 2 bag (MCAP)", b"\x89MCAP"),
+          *(("a pickle of Python", bytes([0x80, version])) for version in range(2, 6)),
+          ("a ZIP archive", b"PK\x03\x04"), ("a gzip archive", b"\x1f\x8b"))
 _OPENSFM = "perspective", "brown", "fisheye", "fisheye_opencv", "radial", "spherical"
 
 
@@ -63,8 +61,10 @@ def reject_known_text(text):
     for what, pattern in _TEXTS:
         if re.search(pattern, head):
             raise InputError(f"it is {what}, which is not supported")
-    if re.search(r"(?m)^\[(LEFT|RIGHT)_CAM_\w+\]", head):
-        raise InputError("it is a ZED settings file, which is not supported")
+    if head.lstrip().startswith("<") and "<opencv_storage" not in head:
+        root = re.search(r"<([A-Za-z][\w:.-]*)", head)
+        raise InputError(f"it is no camera file: its XML has the root "
+                         f"{root[1] if root else 'none'}, OpenCV's opencv_storage is needed")
 
 
 def reject_known_table(table):

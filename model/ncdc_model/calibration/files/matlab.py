@@ -62,6 +62,8 @@ def mat_lens(content, camera=None):
         raise InputError(f"it is no .mat that can be read: {error}") from error
     if any(_NAME.fullmatch(name) and name.startswith("fc") for name in table):
         return _bouguet(table, camera)
+    if {"ocam_model", "calib_data"} & table.keys():
+        raise InputError("it is a file of OCamCalib, which is not supported")
     structs = _structs(table)
     if not structs:
         raise InputError("it holds no camera: fc, cc and kc of Bouguet's toolbox or a struct is "

@@ -58,7 +58,7 @@ def opencv_lens(table, camera=None):
     KeyError, TypeError, ValueError
         If a value is missing or of the wrong kind.
     """
-    name = str(first(table, _MODEL, "")).lower()
+    name = re.sub(r"[\s-]+", "_", str(first(table, _MODEL, "")).strip().lower())
     if name == "omnidirectional_universal":
         _unnamed(camera)
         return _omnidirectional(table)
