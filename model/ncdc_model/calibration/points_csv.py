@@ -105,7 +105,7 @@ def load_csv(path, size=None):
                                      name=name))
         # Corners are where they are seen: nothing is known of a dot's size.
         return TargetPoints("chessboard", tuple(size), tuple(parts),
-                            aspect=lattice[1][1] / lattice[0][1])
+                            aspect=float(lattice[1][1] / lattice[0][1]))
     except InputError as error:
         text = str(error)
         raise InputError(text if text.startswith(str(path)) else f"{path}: {text}") from error

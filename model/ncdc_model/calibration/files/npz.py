@@ -6,20 +6,19 @@ from io import BytesIO
 import numpy as np
 
 from ncdc_model.calibration.files.opencv import is_opencv, opencv_lens
+from ncdc_model.geometry import MIN_SIZE
 
 __all__ = ["holds_camera", "npz_lens"]
 
-_LARGEST = 1 << 16     # bytes: a matrix, coefficients, a size; maps and poses are larger
-_NOT = "rvecs", "tvecs"
+_LARGEST = 1 << 16     # bytes: a matrix, coefficients, a size; poses may be larger
 
 
 def holds_camera(content):
     """Whether the .npz ``content`` holds a camera, and no map."""
     try:
-        tables = _arrays(content)
+        return not _tables(content) and is_opencv(_arrays(content))
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, NotImplementedError):
         return False
-    return tables is not None and is_opencv(tables)
 
 
 def npz_lens(content, camera=None):
@@ -35,21 +34,32 @@ def npz_lens(content, camera=None):
     return opencv_lens(tables, camera)
 
 
-def _arrays(content):
-    """Small arrays of numbers or text by name; None if there are large ones, as those of maps."""
+def _tables(content):
+    """Whether there is an array as large as a map's, of two dimensions."""
     with zipfile.ZipFile(BytesIO(content)) as archive:
-        sizes = {entry.filename.removesuffix(".npy"): entry.file_size
-                 for entry in archive.infolist()}
-    if any(size > _LARGEST for name, size in sizes.items() if name.lower().startswith("map")):
-        return None
+        for name in archive.namelist():
+            with archive.open(name) as file:
+                version = np.lib.format.read_magic(file)
+                read = (np.lib.format.read_array_header_1_0 if version == (1, 0)
+                        else np.lib.format.read_array_header_2_0)
+                shape = read(file)[0]
+                if len(shape) == 2 and min(shape) >= MIN_SIZE:
+                    return True
+    return False
+
+
+def _arrays(content):
+    """Small arrays of numbers or text by name."""
+    with zipfile.ZipFile(BytesIO(content)) as archive:
+        small = [entry.filename.removesuffix(".npy") for entry in archive.infolist()
+                 if entry.file_size <= _LARGEST]
     found = {}
     with np.load(BytesIO(content), allow_pickle=False) as tables:
-        for name, size in sizes.items():
-            if size <= _LARGEST and name not in _NOT:
-                try:
-                    value = tables[name]
-                except ValueError:      # a list of Python's, as the poses of the tutorial
-                    continue
-                if value.dtype.kind in "biufU":
-                    found[name] = value
+        for name in small:
+            try:
+                value = tables[name]
+            except ValueError:      # a list of Python's, as the poses of the tutorial
+                continue
+            if value.dtype.kind in "biufU":
+                found[name] = value
     return found
