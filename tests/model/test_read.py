@@ -97,7 +97,7 @@ def test_a_calibration_of_another_size_is_that_of_the_resized_picture(tmp_path, 
 def test_a_large_calibration_is_scaled_to_what_the_hardware_takes(tmp_path):
     path = info(tmp_path / "c.json", "plumb_bob", BROWN, width=6400, height=4800,
                 K=(MATRIX * [[10], [10], [1]]).ravel().tolist())
-    with pytest.raises(InputError, match="image width is 6400, the limits are 8 and 4096; --sensor"):
+    with pytest.raises(InputError, match="image width is 6400, the limits are 8 and 4096; --"):
         load_camera_map(path)
     assert load_camera_map(path, sensor=(640, 480)).size == (640, 480)
 
@@ -138,3 +138,13 @@ def test_omnidirectional_file_of_opencv(tmp_path):
     u = x * (1 + k1 * r2 + k2 * r2 * r2) + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
     v = y * (1 + k1 * r2 + k2 * r2 * r2) + 2 * p2 * x * y + p1 * (r2 + 2 * y * y)
     np.testing.assert_allclose(pixels(read), (300 * u + 318.5, 300 * v + 241.25), atol=1e-9)
+
+
+def test_one_of_several_tables_is_chosen(tmp_path):
+    tables = {side: json.loads(info(tmp_path / "c.json", "plumb_bob", [k, 0, 0, 0]).read_text())
+              for side, k in (("left", -.1), ("right", -.2))}
+    (tmp_path / "both.json").write_text(json.dumps(tables))
+    with pytest.raises(InputError, match="holds the cameras left, right, one must be chosen"):
+        load_camera_map(tmp_path / "both.json")
+    x, _ = load_camera_map(tmp_path / "both.json", camera="right").distort(1, 0)
+    assert x == pytest.approx(318.5 + 300 * .8)

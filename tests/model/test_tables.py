@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from ncdc_model.calibration.files.lens import numbers
 from ncdc_model.calibration.files.tables import table_of
 from ncdc_model.errors import InputError
 
@@ -44,3 +45,11 @@ def test_mistakes_are_named(text, message):
 def test_end_marks_and_documents_alike_are_one_table(text):
     table = table_of(text)
     assert table["a"] == 1 and table["b"] == [2, 3]
+
+
+@pytest.mark.parametrize("text", [
+    "%YAML:1.0\n---\nK: !!opencv-matrix\n   rows: 1\n   cols: 2\n   dt: d\n   data: [1., 2.]\n",
+    "K: !!opencv-matrix\n   rows: 1\n   cols: 2\n   dt: d\n   data: [1., 2.]\n",
+    "%YAML 1.2\n---\nK: {rows: 1, cols: 2, data: [1.0,\n 2.0]}\nname: 'it''s'\n"])
+def test_matrices_of_opencv_with_and_without_its_first_line(text):
+    assert numbers(table_of(text)["K"], "K").tolist() == [1, 2]

@@ -129,7 +129,8 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
         return _of_camera(path, size, zoom, camera, sensor, options)
     if camera is not None:
         raise InputError(f"camera {camera} is asked for, {path} holds points")
-    return _of_points(path, points, size, zoom, options)
+    kind = "CSV" if is_points_csv(path) else points.target
+    return _of_points(path, points, kind, size, zoom, options)
 
 
 def load_points(path, sensor=None):
@@ -177,13 +178,13 @@ def _of_remap(paths, frame, sensor, camera, options):
                   back_map=tables.back_map, provenance=provenance, facts=facts)
 
 
-def _of_points(path, points, size, zoom, options):
+def _of_points(path, points, kind, size, zoom, options):
     frame = ideal_frame(points, size, zoom or "fit")
     geometry = Geometry(*frame.camera.frame.size, *points.size, **options)
     (u, v), (x, y) = frame.corrected.T, frame.distorted.T
     pitch = grid_pitch([(u[frame.photo == k], v[frame.photo == k]) for k in np.unique(frame.photo)])
     matrices = [_digits(matrix.ravel()) for matrix in frame.homographies]
-    provenance = {"source": Path(path).name, "source_kind": f"{points.target} points",
+    provenance = {"source": Path(path).name, "source_kind": f"{kind} points",
                   "source_hash": points.digest, "frame": _numbers(frame.camera.frame),
                   "points_dropped": sum(frame.rejected.values()),
                   "homography": matrices[0] if len(matrices) == 1 else matrices}

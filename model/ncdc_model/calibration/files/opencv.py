@@ -48,7 +48,7 @@ def opencv_lens(table, camera=None):
     to a matrix named K are a fisheye's, as OpenCV's documentation writes them, and others are
     perspective. Rectification, projection, binning and region of interest:
     :mod:`ncdc_model.calibration.files.camera_info`. Of the file of a stereo pair ``camera`` is 1
-    or 2, left or right.
+    or 2, left or right; of a table of several such tables, the name of one.
 
     Raises
     ------
@@ -62,6 +62,10 @@ def opencv_lens(table, camera=None):
     if name == "omnidirectional_universal":
         _unnamed(camera)
         return _omnidirectional(table)
+    inner = {key: value for key, value in table.items()
+             if isinstance(value, dict) and is_opencv(value)}
+    if inner and not is_opencv(table):
+        return opencv_lens(inner[choose(inner, camera)])
     sides = {} if any(key in table for key in _MATRIX) else _sides(table)
     if sides:
         chosen = choose(sides, camera)

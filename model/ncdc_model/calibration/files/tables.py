@@ -36,7 +36,7 @@ def table_of(text):
     except yaml.YAMLError as error:
         raise InputError(f"it is no camera file: {_in_words(error)}") from error
     except (cv2.error, SystemError) as error:
-        raise InputError(f"it is no camera file: {_of_opencv(text, error)}") from error
+        raise InputError(f"it is no camera file: {_of_opencv(error)}") from error
     except ValueError as error:
         if isinstance(error, InputError):
             raise
@@ -59,6 +59,11 @@ class _Loader(yaml.SafeLoader):
                                      f"{mark.line + 1}, column {mark.column + 1}")
                 seen.add(key.value)
         return super().construct_mapping(node, deep)
+
+
+# Matrices of OpenCV in a file without its first line, %YAML.
+_Loader.add_constructor("tag:yaml.org,2002:opencv-matrix",
+                        lambda loader, node: loader.construct_mapping(node, deep=True))
 
 
 def _one(documents):
@@ -93,7 +98,15 @@ def _json(text):
 
 def _opencv(text):
     # An end mark, which OpenCV takes for a name.
-    return file_storage(re.sub(r"\n(---|\.\.\.)\s*\Z", "\n", text))
+    try:
+        return file_storage(re.sub(r"\n(---|\.\.\.)\s*\Z", "\n", text))
+    except (cv2.error, SystemError):
+        if not text.startswith("%YAML"):
+            raise
+        # YAML that OpenCV does not understand, or a mistake that PyYAML names by its column. The
+        # first line stays, as an empty one.
+        return _one([part for part in yaml.load_all(text[text.index("\n"):], _Loader)
+                     if part is not None]) if "\n" in text else {}
 
 
 def _in_words(error):
@@ -108,16 +121,8 @@ def _in_words(error):
     return " ".join(text.replace("'<stream end>'", "the end of the file").split())
 
 
-def _of_opencv(text, error):
-    """Line, column where PyYAML finds it too, and problem of OpenCV's ``error``."""
-    if text.startswith("%YAML"):
-        try:
-            list(yaml.parse(text.partition("\n")[2]))
-        except yaml.YAMLError as found:
-            for name in ("problem_mark", "context_mark"):
-                if getattr(found, name, None) is not None:
-                    getattr(found, name).line += 1
-            return _in_words(found)
+def _of_opencv(error):
+    """Line and problem of OpenCV's ``error``."""
     reason = " ".join(str(error.__cause__ or error).split())
     found = re.search(r"'?\((\d+)\): (.*?)'?$", reason)
     return f"line {found[1]}: {found[2]}" if found else reason.rpartition(": ")[2]
