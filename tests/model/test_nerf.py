@@ -60,8 +60,21 @@ def test_cameras_of_the_frames(tmp_path):
     with pytest.raises(InputError, match="frames 0.png, 50.png, one must be chosen"):
         load_camera_map(path)
     assert load_camera_map(path, camera="50.png").distort(1, 0)[0] == 668
+    mixed = write(tmp_path / "m.json", **OWN, frames=[
+        {**frames[0], "fl_x": 300.0, "camera_model": "OPENCV_FISHEYE"}, {"file_path": "b.png"}])
+    with pytest.raises(InputError, match="frames 0.png, b.png, one must be chosen"):
+        load_camera_map(mixed)
+    assert load_camera_map(mixed, camera="0.png", zoom=.5).model == "NeRF OPENCV_FISHEYE"
+    assert load_camera_map(mixed, camera="b.png").model == "NeRF OPENCV"
     same = write(tmp_path / "s.json", frames=[{**frame, "fl_x": 300.0} for frame in frames])
     assert load_camera_map(same).distort(1, 0)[0] == 618
+
+
+def test_size_that_the_file_does_not_say(tmp_path):
+    path = write(tmp_path / "t.json", **{name: OWN[name] for name in ("fl_x", "cx", "cy")})
+    with pytest.raises(InputError, match="does not say the size of the image; --sensor"):
+        load_camera_map(path)
+    assert load_camera_map(path, sensor=(640, 480)).distort(1, 0)[0] == 618
 
 
 @pytest.mark.parametrize("change,message", [

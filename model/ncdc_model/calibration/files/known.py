@@ -14,6 +14,7 @@ _TEXTS = (
      r"<calibration>\s*<projection>|<document[^>]*version[\s\S]*<chunk|<calibration[ >]"
      r"[\s\S]*<projection>frame"),
     ("an OCamCalib file", r"(?i)#polynomial coefficients for the DIRECT mapping"),
+    ("a CAHVOR model", r"(?m)^Model = CAHV"),
     ("a Hugin project", r"(?m)^p f\d+ w\d+ h\d+"),
     ("a Bundler file", r"^# Bundle file"),
     ("a Pix4D camera file", r"(?m)^\s*(Pix4D camera calibration file|FOCAL \d|IMWIDTH \d)"),

@@ -12,7 +12,7 @@ __all__ = ["is_nerf", "nerf_lens"]
 
 _FOCAL = "fl_x", "camera_angle_x"
 _OWN = ("fl_x", "fl_y", "cx", "cy", "w", "h", "k1", "k2", "k3", "k4", "p1", "p2",
-        "camera_angle_x", "camera_angle_y")
+        "camera_angle_x", "camera_angle_y", "camera_model")
 _PERSPECTIVE = ("", "OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL",
                 "PERSPECTIVE")
 _CORNER = 0.5          # pixels count from the corner of the first one, we from its centre
@@ -40,16 +40,17 @@ def nerf_lens(table, camera=None):
         If a value is missing or of the wrong kind.
     """
     frames = {str(frame.get("file_path", k)): {**table, **frame}
-              for k, frame in enumerate(table.get("frames") or ())
-              if any(name in frame for name in _OWN)}
-    if frames:
+              for k, frame in enumerate(table.get("frames") or ())}
+    if any(name in frame for frame in table.get("frames") or () for name in _OWN):
         own = [[frame.get(name) for name in _OWN] for frame in frames.values()]
         if all(values == own[0] for values in own) and camera is None:
             camera = next(iter(frames))
         table = frames[choose(frames, camera, "frames")]
     elif camera is not None:
         raise InputError(f"camera {camera} is asked for, the file holds one camera without a name")
-    width, height = whole(table["w"], "width"), whole(table["h"], "height")
+    size = None
+    if "w" in table or "h" in table or "fl_x" not in table:
+        size = width, height = whole(table["w"], "width"), whole(table["h"], "height")
     fx = table["fl_x"] if "fl_x" in table else _focal(width, table["camera_angle_x"])
     fy = table["fl_y"] if "fl_y" in table else (
         _focal(height, table["camera_angle_y"]) if "camera_angle_y" in table else fx)
@@ -65,10 +66,10 @@ def nerf_lens(table, camera=None):
         bend = partial(unified_sphere, offset=0.0, radial=radial, tangential=tangential)
     else:
         raise InputError(f"the camera model is {model}, OPENCV or OPENCV_FISHEYE is needed")
-    return file_lens((width, height),
-                     matrix_of(fx, fy, float(table.get("cx", width / 2)) - _CORNER,
-                               float(table.get("cy", height / 2)) - _CORNER),
-                     bend, f"NeRF {model or 'OPENCV'}")
+    cx, cy = (table[name] if size is None else table.get(name, side / 2)
+              for name, side in zip(("cx", "cy"), size or (0, 0)))
+    return file_lens(size, matrix_of(fx, fy, float(cx) - _CORNER, float(cy) - _CORNER), bend,
+                     f"NeRF {model or 'OPENCV'}")
 
 
 def _focal(side, angle):
