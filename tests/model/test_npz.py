@@ -1,4 +1,4 @@
-"""Cameras in .npz, as the tutorial of OpenCV keeps them; maps in .npz are told apart."""
+"""Cameras in .npz, as the tutorial of OpenCV keeps them; a map in .npz is no camera."""
 
 import cv2
 import numpy as np

@@ -24,7 +24,7 @@ _MODELS = {"SIMPLE_PINHOLE": (0, 1, 0), "PINHOLE": (1, 2, 0), "SIMPLE_RADIAL": (
            "FULL_OPENCV": (6, 2, 8), "FOV": (7, 2, 1), "SIMPLE_RADIAL_FISHEYE": (8, 1, 1),
            "RADIAL_FISHEYE": (9, 1, 2), "THIN_PRISM_FISHEYE": (10, 2, 8),
            "SIMPLE_FISHEYE": (14, 1, 0), "FISHEYE": (15, 2, 0)}
-# Known, not supported; their sizes tell where the next camera of cameras.bin starts.
+# Known, not supported; where the next camera of cameras.bin starts follows from their sizes.
 _OTHERS = {"RAD_TAN_THIN_PRISM_FISHEYE": (11, 16), "SIMPLE_DIVISION": (12, 4),
            "DIVISION": (13, 5), "EUCM": (16, 6), "EQUIRECTANGULAR": (17, 2)}
 _LINE = re.compile(r"\d+ +[A-Z][A-Z_]+ +\d+ +\d+( +\S+)+")

@@ -28,7 +28,7 @@ def read_lens(path, content, camera=None, sensor=None):
     Parameters
     ----------
     path : path
-        Its suffix tells .npz, .mat and .bin.
+        Its suffix distinguishes .npz, .mat and .bin.
     content : bytes
     camera : str, optional
         Which of several cameras in the file.
