@@ -2,6 +2,8 @@
 
 import json
 
+import cv2
+import numpy as np
 import pytest
 
 from ncdc_model.calibration.files.lens import numbers
@@ -26,6 +28,11 @@ from ncdc_model.errors import InputError
     ("c:\n  a: 1\n  a: 3\n", "the name a stands in it twice, again in line 3, column 3"),
     ("%YAML:1.0\n---\na: 1\na: 2\n", "the name a stands in it twice"),
     ('{"a": 1, "b": {"c": 1, "c": 2}}', "the name c stands in it twice"),
+    ("%YAML:1.0\n---\nK: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n"
+     "   data: [ 1., 2., 3., 4. ]\n",
+     "a matrix of 3 rows and 1 columns has 4 values"),
+    ("%YAML:1.0\n---\nK: !!opencv-matrix\n   rows: x\n   cols: 1\n   dt: d\n   data: [1.]\n",
+     "lacks its type, or a whole number of rows"),
     ("a: 1\n---\na: 2\n---\na: 1\n", "holds 3 YAML documents that differ"),
     ("", "holds no names and values"), ("---\n", "holds no names and values"),
     ("- 1\n- 2\n", "holds no names and values"),
@@ -53,3 +60,16 @@ def test_end_marks_and_documents_alike_are_one_table(text):
     "%YAML 1.2\n---\nK: {rows: 1, cols: 2, data: [1.0,\n 2.0]}\nname: 'it''s'\n"])
 def test_matrices_of_opencv_with_and_without_its_first_line(text):
     assert numbers(table_of(text)["K"], "K").tolist() == [1, 2]
+
+
+@pytest.mark.parametrize("end", ["yml", "xml", "json"])
+def test_what_opencv_writes_is_what_is_read(tmp_path, end):
+    arrays = {"a": np.eye(3), "b": np.full((9, 8), 1.5, np.float32), "c": np.zeros((0, 0)),
+              "d": np.arange(128, dtype=np.int16).reshape(8, 8, 2), "e": np.ones((1, 5))}
+    storage = cv2.FileStorage(str(tmp_path / f"x.{end}"), cv2.FILE_STORAGE_WRITE)
+    for name, array in arrays.items():
+        storage.write(name, array)
+    storage.release()
+    table = table_of((tmp_path / f"x.{end}").read_text())
+    for name, array in arrays.items():
+        np.testing.assert_array_equal(table[name], array)

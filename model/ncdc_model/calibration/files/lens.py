@@ -50,7 +50,8 @@ class FileLens:
         if self.rotation is not None:
             a, b = _turned(np.linalg.inv(self.rotation), a, b)
         good = np.hypot(a, b) < self.limit
-        x, y = self.bend(np.where(good, a, 0), np.where(good, b, 0))
+        with np.errstate(all="ignore"):
+            x, y = self.bend(np.where(good, a, 0), np.where(good, b, 0))
         k = self.matrix
         return (np.where(good, k[0, 0] * x + k[0, 1] * y + k[0, 2], np.nan),
                 np.where(good, k[1, 1] * y + k[1, 2], np.nan))

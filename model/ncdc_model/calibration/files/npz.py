@@ -6,6 +6,7 @@ from io import BytesIO
 import numpy as np
 
 from ncdc_model.calibration.files.opencv import is_opencv, opencv_lens
+from ncdc_model.errors import InputError
 from ncdc_model.geometry import MIN_SIZE
 
 __all__ = ["holds_camera", "npz_lens"]
@@ -29,8 +30,11 @@ def npz_lens(content, camera=None):
     InputError, KeyError, TypeError, ValueError
         As of :func:`~ncdc_model.calibration.files.opencv.opencv_lens`.
     """
-    tables = {name: value.item() if value.ndim == 0 else value
-              for name, value in _arrays(content).items()}
+    try:
+        tables = {name: value.item() if value.ndim == 0 else value
+                  for name, value in _arrays(content).items()}
+    except (OSError, EOFError, zipfile.BadZipFile, NotImplementedError) as error:
+        raise InputError(f"it is no .npz that can be read: {error}") from error
     return opencv_lens(tables, camera)
 
 

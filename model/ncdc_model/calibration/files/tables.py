@@ -145,11 +145,28 @@ def file_storage(text):
         storage.release()
 
 
+def _check_matrix(node):
+    """Whether a matrix holds values. One with more than it says makes OpenCV write past its end:
+    rejected."""
+    kind, data = node.getNode("dt"), node.getNode("data")
+    channels = re.fullmatch(r"(\d*)[ucwsifdhUIBb]", kind.string() if kind.isString() else "")
+    sides = [node.getNode(name) for name in ("rows", "cols")]
+    if channels is None or not all(side.isInt() for side in sides):
+        raise InputError("a matrix lacks its type, or a whole number of rows and columns")
+    rows, columns = (int(side.real()) for side in sides)
+    count = data.size() if data.isSeq() else int(not data.empty())
+    if not rows * columns:
+        return False
+    if count != rows * columns * int(channels[1] or 1) or min(rows, columns) < 0:
+        raise InputError(f"a matrix of {rows} rows and {columns} columns has {count} values")
+    return True
+
+
 def _plain(node):
     if node.isMap():
         names = node.keys()
         if {"rows", "cols", "data"} <= set(names):
-            return np.atleast_2d(node.mat())
+            return np.atleast_2d(node.mat()) if _check_matrix(node) else np.zeros((0, 0))
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"the name {name} stands in it twice")
