@@ -180,8 +180,8 @@ IMPORTED = {
     "ost.ini": ("[image]\nwidth\n320\nheight\n240\n[cam]\ncamera matrix\n160.0 0.0 160.0\n"
                 "0.0 160.0 120.0\n0.0 0.0 1.0\ndistortion\n-0.1 0.01 0.0 0.0 0.0\n"),
     "stereo.yml": ("%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   "
-                   "data: [ 160., 0., 160., 0., 160., 120., 0., 0., 1. ]\nD1: !!opencv-matrix\n   rows: 1"
-                   "\n   cols: 5\n   dt: d\n   data: [ -0.1, 0.01, 0., 0., 0. ]\n"
+                   "data: [ 160., 0., 160., 0., 160., 120., 0., 0., 1. ]\nD1: !!opencv-matrix\n"
+                   "   rows: 1\n   cols: 5\n   dt: d\n   data: [ -0.1, 0.01, 0., 0., 0. ]\n"
                    "image_size: [ 320, 240 ]\n")}
 
 
