@@ -44,6 +44,10 @@ ORB_SLAM = ('%YAML:1.0\n\nCamera.type: "PinHole"\nCamera.fx: 458.654\nCamera.fy:
     ("p.pto", "p f2 w3000 h1500 v360\ni w1280 h960 f3 v120\n", "a Hugin project"),
     ("x.yaml", "colour: red\nsize: 3\n", "none of the camera files that are known: its names are "
      "colour, size"),
+    ("net.toml", "# NCDC descriptor: a trained camera\n", "a descriptor of ncdc train"),
+    ("c.toml", "[cam_0]\nsize = [1920, 1080]\ndistortions = [0.1, 0, 0, 0]\n", "an Anipose or"),
+    ("results-cam.txt", "Calibration results \n===\nCamera parameters:\n", "results file of"),
+    ("c.json", json.dumps({"Calibration": {"cameras": []}}), "a calib.io calibration"),
     ("x.json", json.dumps({"hidden_neurons": 8}), "a report of ncdc"),
 ])
 def test_known_text_is_named(tmp_path, name, text, message):

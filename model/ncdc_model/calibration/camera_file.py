@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ncdc_model.calibration.files.known import reject_known_text
 from ncdc_model.calibration.files.read import read_lens
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
@@ -87,9 +88,8 @@ def load_camera_map(path, size=None, zoom=None, camera=None, sensor=None):
         suit the zoom or the sensor, or not the ``camera``.
     """
     content = read_bytes(path)
-    digest = hashlib.sha256(content).hexdigest()[:12]
     if Path(path).suffix.lower() == ".toml":
-        return _ours(path, digest, size, zoom, camera, sensor)
+        return _ours(path, content, size, zoom, camera, sensor)
     try:
         lens = read_lens(path, content, camera, sensor)
         size, notes = tuple(size or lens.size), lens.notes
@@ -102,21 +102,30 @@ def load_camera_map(path, size=None, zoom=None, camera=None, sensor=None):
             frame = choose_frame(lens.undistort, lens.distort, lens.size, size, zoom or "fit")
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return CameraMap(lens.size, frame, lens.distort, lens.undistort, lens.model, digest, notes,
-                     lens.warnings)
+    return CameraMap(lens.size, frame, lens.distort, lens.undistort, lens.model,
+                     _digest(content), notes, lens.warnings)
 
 
-def _ours(path, digest, size, zoom, camera, sensor):
+def _ours(path, content, size, zoom, camera, sensor):
     if camera is not None:
         raise InputError(f"{path}: camera {camera} is asked for, the file holds one camera without "
                          f"a name")
+    try:
+        reject_known_text(content.decode("utf-8", "replace"))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
     ours = Camera.load(path)
     if sensor is not None and tuple(sensor) != ours.size:
         raise InputError("{}: the camera is for {}x{} pixels, the sensor has {}x{}; a camera file "
                          "of ours is not scaled".format(path, *ours.size, *sensor))
     if size is not None or zoom is not None:
         ours = ours.framed(size, zoom or "fit")
-    return CameraMap(ours.size, ours.frame, ours.distort, ours.undistort, "ncdc camera", digest)
+    return CameraMap(ours.size, ours.frame, ours.distort, ours.undistort, "ncdc camera",
+                     _digest(content))
+
+
+def _digest(content):
+    return hashlib.sha256(content).hexdigest()[:12]
 
 
 def training_grid(back_map, geometry, grid=GRID, border=BORDER, without=None):
