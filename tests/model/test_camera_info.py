@@ -132,6 +132,15 @@ def test_a_matrix_of_binned_frames_is_not_divided_again():
         load_camera_map(path)
 
 
+@pytest.mark.parametrize("x,y", [(2, 2), (3, 1), (1, 2), (8, 8)])
+def test_a_matrix_of_binned_frames_is_found_on_each_axis(tmp_path, x, y):
+    to = np.diag([1 / x, 1 / y, 1])
+    path = camera_info(tmp_path / "info.yaml", binning_x=x, binning_y=y,
+                       K=(to @ K).ravel().tolist(), P=None, R=None)
+    with pytest.raises(InputError, match=f"binning_x and binning_y are {x} and {y}, but the cam"):
+        load_camera_map(path)
+
+
 def box(x, y, width, height, **more):
     return {"roi": {"x_offset": x, "y_offset": y, "width": width, "height": height, **more}}
 

@@ -120,9 +120,9 @@ def windowed(lens, table):
 
 def _check_binning(lens, binning, size):
     """Reject a matrix that was calibrated on binned frames: divided again it would be wrong."""
-    centre = lens.matrix[:2, 2]
-    if binning != [1, 1] and (centre < np.array(lens.size) / 3).all() and \
-            (np.abs(centre - np.array(size) / 2) < np.array(size) / 4).all():
+    centre, full = lens.matrix[:2, 2], np.array(lens.size)
+    already = (centre < full / 3) & (np.abs(centre - np.array(size) / 2) < np.array(size) / 4)
+    if (already & (np.array(binning) > 1)).any():
         raise InputError(
             f"binning_x and binning_y are {binning[0]} and {binning[1]}, but the camera matrix "
             f"has its centre at ({centre[0]:.1f}, {centre[1]:.1f}), near the middle of the binned "
