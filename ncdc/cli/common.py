@@ -102,8 +102,8 @@ def straightness_text(report, points):
 def add_camera(parser):
     """Declare the option --camera."""
     parser.add_argument("--camera", metavar="NAME",
-                        help="which camera of a Kalibr camchain, as in cam1, or which of "
-                             "several maps in a file, as in left")
+                        help="which of several cameras or maps in a file: cam1 of a Kalibr "
+                             "camchain, the id in COLMAP's cameras, left of a stereo pair")
 
 
 def add_json(parser):

@@ -12,7 +12,8 @@ import cv2
 import numpy as np
 from tifffile import TiffFile
 
-from ncdc_model.calibration.camera_tables import file_storage
+from ncdc_model.calibration.files.npz import holds_camera
+from ncdc_model.calibration.files.tables import file_storage
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE
@@ -66,11 +67,14 @@ def are_remap_files(path):
 
 
 def _holds_map(path):
-    if Path(path).suffix.lower() in _NUMPY + _PICTURE:
+    suffix = Path(path).suffix.lower()
+    if suffix == ".npz":
+        return not holds_camera(read_bytes(path))
+    if suffix in _NUMPY + _PICTURE:
         return True
     try:
         return bool(_maps(_storage(read_bytes(path))))
-    except (cv2.error, SystemError, UnicodeDecodeError):
+    except (cv2.error, SystemError, ValueError):
         return False
 
 
