@@ -1,12 +1,14 @@
 """``ncdc calibrate``: finds a target's points in real photos."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ncdc.cli.common import (
     add_json,
+    add_page,
     add_samples,
     read_photo,
     straightness_text,
@@ -42,6 +44,7 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
                              "drawn over it goes beside it as a PNG")
+    add_page(parser)
     add_samples(parser)
     add_json(parser)
 
@@ -49,7 +52,7 @@ def add_arguments(parser):
 def run(args):
     """Detect, write the points file and the overlays, report."""
     progress = Progress("calibrate")
-    points = detect_points(_photos(args, progress), args.target)
+    points = replace(detect_points(_photos(args, progress), args.target), page=args.page or "")
     output = Path(args.output)
     used = [name for name in dict.fromkeys(args.photos) if name not in points.rejected_photos]
     overlays = _overlays(output, used, args)

@@ -13,11 +13,21 @@ from ncdc_model.photo.photo import Photo
 from ncdc_model.raw_dump import RawDump
 from ncdc_model.samples import check_bits
 
-__all__ = ["add_camera", "add_json", "add_samples", "raw_frame", "read_photo",
+__all__ = ["add_camera", "add_json", "add_page", "add_samples", "raw_frame", "read_photo",
            "straightness_text", "to_stderr", "write_report"]
 
 
 _RELIEF = 0.005        # px rms: less would be told as a relief of 0.00 px
+
+
+def add_page(parser):
+    """Declare the options --flat and --relief."""
+    page = parser.add_mutually_exclusive_group()
+    page.add_argument("--flat", dest="page", action="store_const", const="flat",
+                      help="the target is flat: what no smooth lens explains is the lens's own")
+    page.add_argument("--relief", dest="page", action="store_const", const="relief",
+                      help="the target is wavy or dented: what moves its points along its normal "
+                           "only is taken off (default: only if several photos prove it)")
 
 
 def add_samples(parser):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc.cli.common import add_camera, add_json, straightness_text, write_report
+from ncdc.cli.common import add_camera, add_json, add_page, straightness_text, write_report
 from ncdc.terminal import Progress
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
@@ -80,6 +80,7 @@ def add_arguments(parser):
     _add_hardware(parser)
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
                         help="descriptor (default: net.toml); plots go beside it")
+    add_page(parser)
     add_camera(parser)
     add_json(parser)
 
@@ -126,7 +127,7 @@ def run(args):
     if args.zoom is not None:
         parse_zoom(args.zoom)
     source = load_source(args.source, size, args.zoom, args.bayer, fill, args.camera, sensor,
-                         interpolation_of(args.interpolation))
+                         interpolation_of(args.interpolation), args.page)
     _tell_map(source)
     trained = _train(args, source, choices)
     trained.descriptor.save(args.output)

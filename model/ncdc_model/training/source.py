@@ -1,7 +1,7 @@
 """What a network is trained on: points of photos, the file of a calibrated camera, or a map."""
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from ncdc_model.calibration.camera_file import load_camera_map, training_grid
 from ncdc_model.calibration.frame import IdealFrame, ideal_frame
 from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.calibration.quality import uneven
 from ncdc_model.calibration.points_csv import is_points_csv, load_csv
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
@@ -94,7 +95,7 @@ def is_points_file(path):
 
 
 def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None,
-                sensor=None, interpolation=DEFAULT):
+                sensor=None, interpolation=DEFAULT, page=None):
     """Read a points or camera file and choose the corrected frame, or read remap tables.
 
     Parameters
@@ -113,6 +114,8 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
     sensor : (int, int), optional
         Width and height of the distorted image, of remap tables, camera files and points that do
         not say; a camera file of another size of the same aspect is scaled.
+    page : str, optional
+        ``flat`` or ``relief``, as in :class:`TargetPoints`; default what the points file says.
 
     Raises
     ------
@@ -121,6 +124,9 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
     """
     options = dict(bayer=bayer, fill=tuple(fill), interpolation=interpolation)
     paths, tables = are_remap_files(path)
+    if page and (tables or load_points(paths[0], sensor) is None):
+        raise InputError(f"--{page} states the shape of a photographed target, {paths[0]} holds no "
+                         f"points of one")
     if tables:
         return _of_remap(paths, size or zoom, sensor, camera, options)
     path, = paths
@@ -129,6 +135,7 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
         return _of_camera(path, size, zoom, camera, sensor, options)
     if camera is not None:
         raise InputError(f"camera {camera} is asked for, {path} holds points")
+    points = replace(points, page=page or points.page)
     kind = "CSV" if is_points_csv(path) else points.target
     return _of_points(path, points, kind, size, zoom, options)
 
@@ -187,13 +194,15 @@ def _of_points(path, points, kind, size, zoom, options):
     provenance = {"source": Path(path).name, "source_kind": f"{kind} points",
                   "source_hash": points.digest, "frame": _numbers(frame.camera.frame),
                   "points_dropped": sum(frame.rejected.values()),
+                  **({"page": points.page} if points.page else {}),
                   "homography": matrices[0] if len(matrices) == 1 else matrices}
     calibrated = Calibrated(u, v, x, y, REACH * pitch)
     smooth = frame.camera.back_map
     anchors = training_grid(smooth, geometry, _ANCHORS, sum(_ANCHORS),
                             without=calibrated.mask(smooth, geometry))
     return Source((u, v, x, y), geometry, calibrated=calibrated, smooth_map=smooth,
-                  anchors=anchors, provenance=provenance, frame=frame)
+                  anchors=anchors, provenance=provenance, frame=frame,
+                  facts={"warnings": uneven(points, frame)})
 
 
 def _numbers(frame):
