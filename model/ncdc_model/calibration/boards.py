@@ -95,7 +95,9 @@ def grey_picture(image):
     """Eight-bit grey picture; a raw frame is made grey by flat-fielding each filter colour."""
     if image.ndim == 3:
         return cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    return np.clip(110 * flat_field(image), 0, 255).astype(np.uint8)
+    flat = flat_field(image)
+    flat *= 110
+    return np.clip(flat, 0, 255, out=flat).astype(np.uint8)
 
 
 def _held(image, index, xy):
