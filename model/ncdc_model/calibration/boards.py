@@ -15,6 +15,8 @@ __all__ = ["board_of_size", "find_any_chessboard", "find_boards", "find_chessboa
            "grey_picture"]
 
 _ENOUGH = 12           # corners of a part of a board
+_LARGEST = 1 << 21     # pixels of a picture that OpenCV searches: it takes 200 bytes for each
+_COPY = 1_500_000      # pixels of the copy that it searches of a larger one
 
 
 def find_boards(image):
@@ -137,9 +139,15 @@ def _turned(board, columns, rows):
 def _by_opencv(image, columns, rows):
     """Those of OpenCV's corners that are a chessboard's and agree with each other, or None.
 
-    At the rim of a fisheye OpenCV has placed corners far beside the board.
+    At the rim of a fisheye OpenCV has placed corners far beside the board. A picture of more than
+    two million pixels is searched in a smaller copy.
     """
     grey = grey_picture(image)
+    scale = 1.0, 1.0
+    if grey.size > _LARGEST:
+        full, shrink = np.array(grey.shape[::-1]), np.sqrt(_COPY / grey.size)
+        grey = cv2.resize(grey, np.rint(shrink * full).astype(int), interpolation=cv2.INTER_AREA)
+        scale = full / grey.shape[::-1]
     flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
     for effort in (0, cv2.CALIB_CB_EXHAUSTIVE):
         found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags | effort)
@@ -155,6 +163,6 @@ def _by_opencv(image, columns, rows):
     if not check_squares(cv2.GaussianBlur(grey, (0, 0), 1).astype(np.float32), index, xy).all():
         return None
     try:
-        return _held(image, index, xy)
+        return _held(image, index, (xy + 0.5) * scale - 0.5)
     except InputError:
         return None
