@@ -1,6 +1,7 @@
 """``ncdc calibrate``: finds a target's points in real photos."""
 
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -48,8 +49,8 @@ def add_arguments(parser):
 
 def run(args):
     """Detect, write the points file and the overlays, report."""
-    progress = Progress("calibrate")
-    points = detect_points(_photos(args, progress), args.target)
+    progress, tell = Progress("calibrate"), _once()
+    points = detect_points(_photos(args, progress, tell), args.target)
     output = Path(args.output)
     used = [name for name in dict.fromkeys(args.photos) if name not in points.rejected_photos]
     overlays = _overlays(output, used, args)
@@ -58,7 +59,7 @@ def run(args):
     points.save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
-        image = read_photo(name, args, tell=lambda sentence: None)      # it was told before
+        image = read_photo(name, args, tell)
         write_image(overlay, draw_points(image, photo, frame, number))
     progress(1)
     report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),
@@ -152,11 +153,22 @@ def _print(report, photos, measured):
     print(f"{report['points']}; look at {first}" + (" and the others" if others else ""))
 
 
-def _photos(args, progress):
-    """The photos, one after the other, with progress."""
+def _photos(args, progress, tell):
+    """The photos, as functions that read them, one after the other, with progress."""
     for done, name in enumerate(args.photos):
         progress(_LENS * done / len(args.photos), f" {Path(name).name}")
-        yield name, read_photo(name, args)
+        yield name, partial(read_photo, name, args, tell)
+
+
+def _once():
+    """Function that writes a sentence to stderr, each sentence once: photos are read again."""
+    written = set()
+
+    def tell(sentence):
+        if sentence not in written:
+            print(sentence, file=sys.stderr)
+        written.add(sentence)
+    return tell
 
 
 def judged(points):

@@ -42,13 +42,13 @@ def find_chessboard(image, columns, rows):
     InputError
         If no such board, no 12 corners of one, or a larger one is found.
     """
-    return board_of_size(find_boards(image), columns, rows, image)
+    return board_of_size(find_boards(image), columns, rows, lambda: image)
 
 
-def board_of_size(boards, columns, rows, image=None):
+def board_of_size(boards, columns, rows, image):
     """The one of ``boards``, as of :func:`find_boards`, that is ``columns`` x ``rows`` or a part.
 
-    Where none is whole and the ``image`` is given, OpenCV looks for it too; it takes more time.
+    Where none is whole, OpenCV looks for it too in what ``image()`` returns; it takes more time.
     Raises :class:`InputError` as :func:`find_chessboard`.
     """
     for side, count in (("columns", columns), ("rows", rows)):
@@ -62,8 +62,8 @@ def board_of_size(boards, columns, rows, image=None):
         raise InputError(f"it shows a chessboard of at least {across}x{down} inner corners, not of "
                          f"{columns}x{rows}")
     whole = [board for board in fitting if len(board.index) == columns * rows]
-    if not whole and image is not None:
-        other = _by_opencv(image, columns, rows)
+    if not whole:
+        other = _by_opencv(image(), columns, rows)
         if other is not None and len(other.index) > len(fitting[0].index if fitting else ()):
             whole = [other]
     best = (whole or fitting or [None])[0]

@@ -47,7 +47,8 @@ def parse_target(text):
 def detect_points(images, target="auto"):
     """Points of the target on every one of ``images``, pairs (name, uint8 image).
 
-    ``images`` may be an iterator. ``auto`` settles on the kind and size of target that most photos
+    ``images`` may be an iterator, and in place of an image may be a function that returns it: it
+    is called again when needed, so that only one photo is in memory. ``auto`` settles on the kind and size of target that most photos
     show; parts of it do not count against the whole. A photo without the target, of another size
     in pixels than most, or with the very points of an earlier one, is left out with its reason; of
     a target that is seen in part, the part is used.
@@ -76,6 +77,8 @@ def detect_points(images, target="auto"):
         except InputError as error:
             rejected[look.name] = look.doubt or str(error)
             continue
+        finally:
+            look.release()
         photos.append(replace(found, name=Path(look.name).name))
     if not photos:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
@@ -87,7 +90,7 @@ def detect_points(images, target="auto"):
 
 def _looks(images, kind):
     """A :class:`Look` at each photo, and why some are of no use. With ``auto`` each is
-    recognised; a photo is kept in memory only as long as something may still be looked for."""
+    recognised."""
     looks, rejected, seen = [], {}, set()
     for name, image in images:
         name = f"{name} (again)" if str(name) in seen else str(name)
@@ -151,7 +154,7 @@ def _find(look, kind, columns, rows):
         return grid_of_size(look.spots, columns, rows, kind == "acircles")
     if kind == "charuco":
         return look.charuco(columns, rows)
-    return board_of_size(look.boards, columns, rows, look.image)
+    return board_of_size(look.boards, columns, rows, lambda: look.image)
 
 
 def _same(first, second):

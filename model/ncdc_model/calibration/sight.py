@@ -41,13 +41,28 @@ class Look:
     Parameters
     ----------
     name : str
-    image : ndarray of uint8
-        Dropped by :meth:`prepare` when nothing more is to be looked for.
+    image : ndarray of uint8, or a function without arguments that returns it
+        What the function returned is dropped by :meth:`release`, and read again when needed: so
+        only one of many photos is in memory.
     """
 
     def __init__(self, name, image):
-        self.name, self.image, self.size = name, image, image.shape[1::-1]
+        self.name, self._image = name, None if callable(image) else image
+        self._read = image if callable(image) else None
         self.sight, self.doubt = None, ""
+        self.size = self.image.shape[1::-1]
+
+    @property
+    def image(self):
+        """The photo, ndarray of uint8."""
+        if self._image is None:
+            self._image = self._read()
+        return self._image
+
+    def release(self):
+        """Drop the photo, if it can be read again."""
+        if self._read is not None:
+            self._image = None
 
     def prepare(self, kind):
         """Look for targets of ``kind``; with ``auto`` for all, and settle on the best, ``sight``,
@@ -64,11 +79,10 @@ class Look:
             try:
                 self.page
             except InputError:
-                return
-        else:
-            # OpenCV may have to look again, for a size that only all photos together tell.
-            return
-        self.image = None
+                pass
+        elif kind in ("chessboard", "charuco"):
+            self.boards
+        self.release()
 
     @cached_property
     def boards(self):
