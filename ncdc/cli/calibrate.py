@@ -42,7 +42,7 @@ def add_arguments(parser):
                              "(default)")
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
-                             "drawn over it goes beside it as a PNG")
+                             "drawn over it goes next to it, as points.overlay.png")
     add_samples(parser)
     add_json(parser)
 
@@ -73,9 +73,9 @@ def run(args):
 
 
 def _overlays(output, used, args):
-    """Where the pictures go, beside ``output``; no file may replace a photo."""
+    """Where the pictures go, next to ``output``; no file may replace a photo."""
     tags = [""] if len(used) == 1 else [f"-{k}-{Path(name).stem}" for k, name in enumerate(used, 1)]
-    overlays = [str(output.with_name(f"{output.stem}{tag}.png")) for tag in tags]
+    overlays = [str(output.with_name(f"{output.stem}.overlay{tag}.png")) for tag in tags]
     inputs = {Path(name).resolve() for name in args.photos}
     for path in (args.output, *overlays):
         if Path(path).resolve() in inputs:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.calibration.boards import board_of_size
+from ncdc_model.calibration.boards import board_of_size, grey_picture
+from ncdc_model.calibration.fiducials import other_board
 from ncdc_model.calibration.grids import grid_of_size
 from ncdc_model.calibration.points import TARGETS, TargetPoints
 from ncdc_model.calibration.sight import MIN_DOTS, Look
@@ -48,10 +49,10 @@ def detect_points(images, target="auto"):
     """Points of the target on every one of ``images``, pairs (name, uint8 image).
 
     ``images`` may be an iterator, and in place of an image may be a function that returns it: it
-    is called again when needed, so that only one photo is in memory. ``auto`` settles on the kind and size of target that most photos
-    show; parts of it do not count against the whole. A photo without the target, of another size
-    in pixels than most, or with the very points of an earlier one, is left out with its reason; of
-    a target that is seen in part, the part is used.
+    is called again when needed, so that only one photo is in memory. ``auto`` settles on the kind
+    and size of target that most photos show; parts of it do not count against the whole. A photo
+    without the target, of another size in pixels than most, or with the very points of an earlier
+    one, is left out with its reason; of a target that is seen in part, the part is used.
 
     Raises
     ------
@@ -69,13 +70,13 @@ def detect_points(images, target="auto"):
         if look.name in rejected:
             continue
         try:
-            found = _find(look, kind, columns, rows)
+            found = _found(look, kind, columns, rows)
             twin = next((photo.name for photo in photos if _same(photo, found)), None)
             if twin:
                 raise InputError(f"it shows the same as {twin}: points within {_SAME} pixels of "
                                  f"each other")
         except InputError as error:
-            rejected[look.name] = look.doubt or str(error)
+            rejected[look.name] = str(error)
             continue
         finally:
             look.release()
@@ -145,6 +146,17 @@ def _agreed(looks, rejected):
         if sight.kind != first.kind and not {sight.kind, first.kind} <= {"dots", "circles"}:
             rejected[photo] = f"it shows {sight}, most photos show {name}"
     return first.kind, first.columns, first.rows, choice
+
+
+def _found(look, kind, columns, rows):
+    """Points on one photo as PhotoPoints; the InputError names another board, if it shows one."""
+    try:
+        return _find(look, kind, columns, rows)
+    except InputError as error:
+        if look.doubt:
+            raise InputError(look.doubt) from error
+        raise InputError(other_board(grey_picture(look.image), kind == "charuco")
+                         or str(error)) from error
 
 
 def _find(look, kind, columns, rows):

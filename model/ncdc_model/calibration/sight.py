@@ -6,9 +6,10 @@ from functools import cached_property
 import numpy as np
 
 from ncdc_model.calibration.belief import oblique
-from ncdc_model.calibration.boards import find_boards
+from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco, has_markers
 from ncdc_model.calibration.dots import dots_of, find_spots
+from ncdc_model.calibration.fiducials import other_board
 from ncdc_model.calibration.grids import corners_touch, read_grid
 from ncdc_model.calibration.smooth import misfit
 from ncdc_model.errors import InputError
@@ -140,9 +141,9 @@ class Look:
         # Dots out of focus look like squares that stand on their corners: a ragged lattice of them.
         if board is not None and _filled(board) > _BOARD_FILLED and min(span) >= 3:
             return Sight("chessboard", int(max(span)), int(min(span)))
-        doubt = self.spots.doubt
+        doubt, board = self.spots.doubt, other_board(grey_picture(self.image))
         raise InputError(
-            "neither a whole grid of circles, a page of at least "
+            board or "neither a whole grid of circles, a page of at least "
             f"{MIN_DOTS} dots, a chessboard nor a ChArUco board was found"
             + (f"; of what looks like dots, {doubt}" if doubt else ""))
 
