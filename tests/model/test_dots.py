@@ -152,3 +152,19 @@ def test_real_dot_pages(where, name, dots):
              / np.linalg.norm(place[i + 1, j] - place[i, j])
              for i, j in place if (i - 1, j) in place and (i + 1, j) in place]
     assert len(bends) > 0.9 * dots and max(bends) < 0.25
+
+
+def test_more_dots_than_opencv_takes_rows_in_a_call():
+    """Rings around 11,200 dots are 33,600 rows of samples."""
+    columns, rows, step, samples = 112, 100, 9.0, 4
+    offset = (np.arange(samples) + 0.5) / samples - 0.5
+    x = (np.arange(int(step * (columns + 0.5)))[:, None] + offset).ravel()
+    y = (np.arange(int(step * (rows + 0.5)))[:, None] + offset).ravel()
+    (dx, right), (dy, below) = (
+        (np.minimum(value % step, step - value % step)**2, value > step / 2) for value in (x, y))
+    ink = (dy[:, None] + dx < 2.6**2) & below[:, None] & right
+    page = np.where(ink, 30.0, 220.0)
+    page = page.reshape(len(y) // samples, samples, -1, samples).mean(axis=(1, 3))
+    found = find_dots(np.rint(page).astype(np.uint8))
+    assert len(found.index) == columns * rows
+    np.testing.assert_allclose(found.xy, step * (found.index + 1), atol=0.05)
