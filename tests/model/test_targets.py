@@ -260,3 +260,9 @@ def test_one_photo_is_in_memory():
         width, width - 80, width - 10)], "auto")
     assert points.target_size == (9, 6) and len(points.photos) == 2
     assert reads == [width, width - 80, width - 10, width - 80]
+
+
+@pytest.mark.parametrize("shape, limit", [((7, 99), 8), ((20, 32767), 32766)])
+def test_photos_beyond_the_limits_are_named(shape, limit):
+    with pytest.raises(InputError, match=f"it is {shape[1]}x{shape[0]}, {limit} pixels on a side"):
+        detect_points([("photo", np.full(shape, 200, np.uint8))], "dots")

@@ -18,6 +18,7 @@ from ncdc_model.geometry import MIN_SIZE
 __all__ = ["MIN_DOTS", "detect_points", "parse_target"]
 
 _MAX_SIDE = 200        # columns or rows of a target
+_MAX_PHOTO = 32766     # pixels on a side: OpenCV samples no larger picture
 _SAME = 0.05           # pixels: two photos whose points differ by less are one photo
 # Rows' distance over that of columns in a staggered grid: OpenCV's, and of equal distances between
 # all neighbours, lines lying or standing.
@@ -100,6 +101,9 @@ def _looks(images, kind):
         looks.append(look)
         if min(look.size) < MIN_SIZE:
             rejected[name] = (f"it is {look.size[0]}x{look.size[1]}, {MIN_SIZE} pixels on a side "
+                              f"are the limit")
+        elif max(look.size) > _MAX_PHOTO:
+            rejected[name] = (f"it is {look.size[0]}x{look.size[1]}, {_MAX_PHOTO} pixels on a side "
                               f"are the limit")
         else:
             look.prepare(kind)
