@@ -9,8 +9,8 @@ import numpy as np
 from ncdc_model.calibration.camera_file import load_camera_map, training_grid
 from ncdc_model.calibration.frame import IdealFrame, ideal_frame
 from ncdc_model.calibration.points import TargetPoints
-from ncdc_model.calibration.quality import uneven
 from ncdc_model.calibration.points_csv import is_points_csv, load_csv
+from ncdc_model.calibration.quality import uneven
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.errors import InputError
