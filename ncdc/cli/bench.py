@@ -14,6 +14,7 @@ from ncdc.bench.synth.flows import SynthesisError
 from ncdc.bench.system import command as system
 from ncdc.bench.tansig import command as tansig
 from ncdc.bench.throughput import command as throughput
+from ncdc.bench.truth import command as truth
 from ncdc.bench.window import command as window
 
 __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
@@ -23,7 +24,7 @@ EXAMPLE = "ncdc bench tansig --sampled --no-synth"
 BENCHES = {"accuracy": accuracy, "client": client, "lines": lines,
            "network": network, "nodes": nodes, "photos": photos, "pictures": pictures,
            "synth": synth, "system": system, "tansig": tansig, "throughput": throughput,
-           "window": window}
+           "truth": truth, "window": window}
 
 
 def add_arguments(parser):

@@ -61,12 +61,13 @@ class Region:
 
         Two dicts of ``mse``, ``mean`` and ``max`` as :func:`ncdc_model.evaluate.map_error` gives
         them: the expected square of the error, and the largest error with three times the standard
-        deviation of its estimate. The second is not-a-number if no pixel lies beyond the points.
+        deviation of its estimate, in this corrected picture or in the one that another flat
+        picture would make it. The second is not-a-number if no pixel lies beyond the points.
         """
-        x, y = back_map(self.u, self.v)
-        off = np.hypot(x - self.x, y - self.y)
-        square = off**2 + 2 * self.sigma**2
-        worst = off + _SIGMAS * self.sigma
+        off = np.stack(back_map(self.u, self.v), axis=1) - np.stack([self.x, self.y], axis=1)
+        square = (off**2).sum(axis=1) + 2 * self.sigma**2
+        worst = _SIGMAS * self.sigma + np.maximum(
+            np.hypot(*off.T), np.hypot(*self._without_view(back_map, off).T))
         result = []
         for which in (np.ones(len(off), bool), self.beyond):
             even = which & ~self.border if (which & ~self.border).any() else which
@@ -75,6 +76,23 @@ class Region:
                 "max": float(worst[which].max())} if which.any() else
                 dict.fromkeys(("mse", "mean", "max"), float("nan")))
         return tuple(result)
+
+    def _without_view(self, back_map, off):
+        """``off`` (n, 2) less what the best small homography of the corrected picture explains."""
+        u, v = self.u.astype(np.float64), self.v.astype(np.float64)
+        along_u, along_v = (np.stack(back_map(u + du, v + dv), axis=1)
+                            - np.stack(back_map(u - du, v - dv), axis=1)
+                            for du, dv in ((.5, 0), (0, .5)))
+        a, b = ((values - values.mean()) / max(values.std(), 1.0) for values in (u, v))
+        one, nothing = np.ones_like(a), np.zeros_like(a)
+        moves = [(one, nothing), (a, nothing), (b, nothing), (nothing, one), (nothing, a),
+                 (nothing, b), (a * a, a * b), (a * b, b * b)]
+        terms = np.stack([du[:, None] * along_u + dv[:, None] * along_v for du, dv in moves],
+                         axis=2)
+        even = ~self.border if (~self.border).sum() > len(moves) else np.ones(len(u), bool)
+        solution = np.linalg.lstsq(terms[even].reshape(-1, len(moves)), off[even].ravel(),
+                                   rcond=1e-9)[0]
+        return off - terms @ solution
 
 
 def region_of(frame, geometry):

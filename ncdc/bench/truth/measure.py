@@ -63,11 +63,13 @@ def measure(lens, points, neurons, choices=TrainingChoices()):
         source = load_source(path, bayer="MONO")
     trained = train_camera(source, neurons, choices)
     rms, worst = true_errors(lens, trained.descriptor)
-    report = trained.report
+    report, beyond = trained.report, trained.report.get("beyond_points")
     return {"lens": lens.name, "photos": len(points.photos), "hidden_neurons": neurons,
             "relief_px": report["relief_rms_px"], "true_rms_px": rms, "true_max_px": worst,
             "reported_rms_px": report["map_error_fixed_px"]["mse"]**.5,
-            "reported_max_px": report["map_error_fixed_px"]["max"]}
+            "reported_max_px": report["map_error_fixed_px"]["max"],
+            "reported_beyond_max_px": beyond["map_error_fixed_px"]["max"] if beyond else None,
+            "held_out_max_px": report["held_out"]["map_error_fixed_px"]["max"]}
 
 
 def true_errors(lens, descriptor):
