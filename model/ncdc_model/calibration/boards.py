@@ -9,6 +9,7 @@ from ncdc_model.calibration.belief import believed, place_of
 from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
 from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.calibration.subpixel import UNSURE, unsure
 from ncdc_model.errors import InputError
 
 __all__ = ["board_of_size", "find_any_chessboard", "find_boards", "find_chessboard",
@@ -25,7 +26,7 @@ def find_boards(image):
     grey, boards = grey_picture(image), []
     for board in find_corner_lattices(grey):
         try:
-            boards.append(_held(image, board.index, board.xy))
+            boards.append(_held(image, board.index, board.xy, board.apart))
         except InputError:
             pass
     boards = [board for board in boards if len(board.index) >= 9]
@@ -98,10 +99,12 @@ def grey_picture(image):
     return np.clip(110 * flat_field(image), 0, 255).astype(np.uint8)
 
 
-def _held(image, index, xy):
+def _held(image, index, xy, apart=None):
     order = np.lexsort(index.T)
-    return believed(image.shape[1::-1], PhotoPoints(index=index[order], xy=xy[order],
-                                                    area=np.zeros(len(xy))))
+    photo = PhotoPoints(index=index[order], xy=xy[order], area=np.zeros(len(xy)))
+    if apart is not None:
+        photo = photo.without(unsure(photo.index, photo.xy, apart[order]), UNSURE)
+    return believed(image.shape[1::-1], photo)
 
 
 def _fits(board, columns, rows):
