@@ -36,13 +36,15 @@ def believed(size, photo):
         If the points scatter by more than 4 % of their distance: they are no printed target's.
     """
     area = photo.area if photo.area.any() else None
-    # Of corners, oblique steps mean a board seen from the side; of circles, a staggered grid.
-    smooth = None if area is not None and oblique(photo) else _lens(size, photo)
+    smooth = _lens(size, photo)
     held = hold(photo.index, photo.xy, area, size=size)
     if smooth is not None:
-        # A polynomial that describes them far better: oblique steps, which no lens explains.
+        # A polynomial that describes them far better: oblique steps, which no lens explains. Of
+        # corners, such steps mean a board seen from the side; of circles, a staggered grid, unless
+        # the lens is strong: there it has to be the better one.
         by_lens = hold(photo.index, photo.xy, area, smooth, size)
-        held = held if by_lens.sigma > _FAR_BETTER * held.sigma else by_lens
+        far_better = 1.0 if area is not None and oblique(photo) else _FAR_BETTER
+        held = held if by_lens.sigma > far_better * held.sigma else by_lens
     if held.keep.any() and held.sigma > _UNEVEN * held.step:
         raise InputError(f"its points scatter by {held.sigma:.1f} pixels about a smooth lattice, "
                          f"{100 * held.sigma / held.step:.0f} % of their distance, "
@@ -73,7 +75,7 @@ def separated(photo):
 
 
 def _lens(size, photo):
-    """Where a smooth lens has the points (n, 2), or None: of oblique steps it explains nothing."""
+    """Where a smooth lens has the points (n, 2), or None if it explains nothing."""
     if len(photo.index) < MIN_POINTS:
         return None
     tried = np.random.default_rng(1).permutation(len(photo.index))[:_FEW]
