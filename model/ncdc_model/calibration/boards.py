@@ -8,6 +8,7 @@ import numpy as np
 from ncdc_model.calibration.belief import believed, place_of
 from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
+from ncdc_model.calibration.focus import with_focus
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.subpixel import UNSURE, unsure
 from ncdc_model.errors import InputError
@@ -26,7 +27,7 @@ def find_boards(image):
     grey, boards = grey_picture(image), []
     for board in find_corner_lattices(grey):
         try:
-            boards.append(_held(image, board.index, board.xy, board.apart))
+            boards.append(with_focus(grey, _held(image, board.index, board.xy, board.apart)))
         except InputError:
             pass
     boards = [board for board in boards if len(board.index) >= 9]

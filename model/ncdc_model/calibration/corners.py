@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from scipy.ndimage import map_coordinates
 
+from ncdc_model.calibration.board_edges import on_edges, readings
 from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.calibration.subpixel import refine
 
@@ -70,7 +71,12 @@ def _at_scale(grey, scale, most):
     boards = []
     for lattice in find_lattices(places, np.median(places, axis=0), most + 1):
         index, xy = lattice.index, places[lattice.where]
-        keep = check_squares(smooth, index, xy)
+        for reading in readings():
+            keep = check_squares(smooth, index @ reading, xy)
+            if keep.sum() >= max(_LEAST, _ALIKE * len(index)):
+                index = index @ reading
+                keep[keep] = on_edges(smooth, index[keep], xy[keep])
+                break
         if keep.sum() >= max(_LEAST, _ALIKE * len(index)):
             keep = trimmed(index, keep)
         else:

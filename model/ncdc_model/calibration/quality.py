@@ -4,6 +4,10 @@ from enum import Enum
 
 import numpy as np
 
+from ncdc_model.calibration.coverage import uncovered
+from ncdc_model.calibration.flatness import left, not_flat
+from ncdc_model.calibration.seams import find_seam, seam_text
+
 __all__ = ["Dropped", "check_share", "warnings_of"]
 
 _SCATTER = 0.25        # pixels: a point farther off its line's smooth course than this is noisy
@@ -51,6 +55,9 @@ def warnings_of(points, frame, measured):
             found.append(f"{photo.name}: dots are usually only {100 * photo.contrast:.0f} % darker "
                          f"than the page, less than {100 * _PALE:.0f} %: out of focus or "
                          f"overexposed, points at the rim may be off by more than a pixel")
+        found += [f"{photo.name}: {text}" for text in photo.warnings]
+        found += uncovered(photo, photo.name, points.target == "acircles")
+    found += _seams(frame, points) + not_flat(frame, points.size[0])
     found += _odd_photos(frame)
     if measured["straightness_rms_px"] > _BENT:
         found.append(f"rows and columns are straight to {measured['straightness_rms_px']:.1f} px "
@@ -68,6 +75,20 @@ def warnings_of(points, frame, measured):
     if wrong > _DROPPED * count:
         found.append(f"{wrong} of {count} points, {100 * wrong / count:.1f} %, disagree with their "
                      f"neighbours and are not used: indices or points may be wrong")
+    return found
+
+
+def _seams(frame, points):
+    """A sentence for each photo whose lattice has a step."""
+    if points.target == "acircles":
+        return []
+    rest, found = left(frame), []
+    for number, name in enumerate(frame.names):
+        on = frame.photo == number
+        seam = find_seam(frame.index[on], frame.distorted[on], rest[on],
+                         points.size[0]) if on.any() else None
+        if seam:
+            found.append(f"{name}: {seam_text(seam)}")
     return found
 
 

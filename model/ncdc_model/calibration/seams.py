@@ -6,16 +6,18 @@ import numpy as np
 
 from ncdc_model.calibration.relief import polynomial
 
-__all__ = ["Seam", "find_seam"]
+__all__ = ["Seam", "find_seam", "seam_text", "steps"]
 
 _SIDE = 4              # points on either side of a gap that are looked at
-_LEAST = 2             # of them that must be there
+_LEAST = 3, 2          # of them that must be there; the second on lines of fewer than ten points
+_SHORT = 10
 _DEGREE = 5            # of the polynomial that takes off most of the lens
 _SLOPES = 21           # ways that a seam may lie across the lines, at most half a column per row
 _LINES = 5             # lines that must show the step
-_STEP = 0.4            # pixels: a smaller step moves no point by more than 0.2
-_SIGMAS = 7.0          # times the standard error of the median step
-_ELSEWHERE = 4.0       # times what is usual of the other gaps: bumps of the lens
+_STEP = 0.6            # pixels, for up to a width of 1280: a smaller step moves no point by 0.5
+_WIDTH = 1280
+_SIGMAS = 12.0         # times the standard error of the median step
+_ELSEWHERE = 2.5       # times the largest of other gaps, nearby if opposite: bumps and waves
 
 
 @dataclass(frozen=True)
@@ -26,15 +28,15 @@ class Seam:
     ----------
     axis : int
         0 for a gap between columns, 1 for one between rows.
-    gap : float
-        Column or row, with a half, in the middle of the other axis.
+    gap : int
+        Column or row beyond which it lies, in the middle of the other axis.
     step : ndarray, shape (2,)
         Pixels by which what lies beyond is moved.
     ends : ndarray, shape (2, 2)
-        Pixels of the first and last place of it that was looked at.
+        Pixels of its first and last point.
     """
     axis: int
-    gap: float
+    gap: int
     step: np.ndarray
     ends: np.ndarray
 
@@ -56,7 +58,8 @@ def steps(index, xy, axis):
     there = np.isfinite(window[..., 0])
     offset = np.arange(2 * _SIDE) - _SIDE + 0.5
     terms = np.stack([offset > 0, offset**0, offset, offset**2, offset**3], axis=1).astype(float)
-    enough = (there[..., :_SIDE].sum(axis=2) >= _LEAST) & (there[..., _SIDE:].sum(axis=2) >= _LEAST)
+    least = _LEAST[grid.shape[0] < _SHORT]
+    enough = (there[..., :_SIDE].sum(axis=2) >= least) & (there[..., _SIDE:].sum(axis=2) >= least)
     number = there.sum(axis=2)
     step, gain = np.full((*number.shape, 2), np.nan), np.full(number.shape, np.nan)
     for parts, which in ((5, enough & (number >= 7)), (4, enough & (number >= 5) & (number < 7))):
@@ -73,17 +76,43 @@ def steps(index, xy, axis):
     return step, gain
 
 
-def find_seam(index, xy):
+def find_seam(index, xy, rest, width=0):
     """The :class:`Seam` of the points ``index`` (n, 2), ``xy`` (n, 2) of a lattice, or None.
+
+    ``rest`` (n, 2): pixels that a smooth lens leaves of them.
 
     The steps of all lines across one gap, which may lie askew, or of half of the lines, agree there
     and not elsewhere: the median of both coordinates is far larger than its standard error, and
-    than that of gaps away from it. A bump of the lens shows in few lines.
+    than those of all gaps away from it. A bump of the lens shows in few lines, a wave of the page
+    in more gaps than one. ``width``: of the photo; on those wider than 1280 a step must be larger in
+    proportion.
     """
-    index = index - index.min(axis=0)
-    rest = xy - _smooth(index, xy)
-    seams = [seam for seam in (_along(index, xy, rest, axis) for axis in (0, 1)) if seam]
-    return max(seams, key=lambda pair: pair[0])[1] if seams else None
+    origin = index.min(axis=0)
+    index = index - origin
+    rest, best = rest - _smooth(index, rest), None
+    for axis in (0, 1):
+        step, gain = steps(index, rest, axis)
+        if np.isfinite(gain).any() and step.shape[1] >= _LINES:
+            found = _largest(step, gain, _STEP * max(1.0, width / _WIDTH))
+            if found and (best is None or found[0] > best[0]):
+                best = (*found, axis)
+    if best is None or best[0] < 1:
+        return None
+    _, gap, slope, size, axis = best
+    middle = (np.ptp(index, axis=0)[1 - axis]) / 2
+    near = np.abs(index[:, axis] - 0.5 - gap - slope * (index[:, 1 - axis] - middle)) <= 1
+    order = np.argsort(index[near][:, 1 - axis])
+    return Seam(axis, gap + int(origin[axis]), size, xy[near][order][[0, -1]])
+
+
+def seam_text(seam):
+    """One sentence about a :class:`Seam`."""
+    (left, top), (right, bottom) = seam.ends
+    line, side = (("column", "right of"), ("row", "below"))[seam.axis]
+    return (f"the points {side} {line} {seam.gap}, from ({left:.0f}, {top:.0f}) to ({right:.0f}, "
+            f"{bottom:.0f}), are moved by ({seam.step[0]:.1f}, {seam.step[1]:.1f}) px from where the "
+            f"others predict them: a step, which no lens makes; the target may be of two sheets, or "
+            f"folded")
 
 
 def _smooth(index, xy):
@@ -93,38 +122,38 @@ def _smooth(index, xy):
     return basis @ np.linalg.lstsq(basis, xy, rcond=1e-9)[0]
 
 
-def _along(index, xy, rest, axis):
-    step, gain = steps(index, rest, axis)
-    if not np.isfinite(gain).any() or step.shape[1] < _LINES:
-        return None
-    usual = np.nanmedian(np.abs(step - np.nanmedian(step, axis=(0, 1))) / np.sqrt(gain)[..., None])
-    sigma = 1.4826 * usual
+def _largest(step, gain, least):
+    """(score, gap, slope, step) of the most certain step; a score of 1 is the limit. None if no
+    gap has enough lines."""
+    centre = np.nanmedian(step, axis=(0, 1))
+    sigma = 1.4826 * np.nanmedian(np.abs(step - centre) / np.sqrt(gain)[..., None])
     gaps, lines = step.shape[:2]
-    middle = (lines - 1) / 2
     best = None
     for part in (slice(0, lines), slice(0, lines // 2), slice(lines // 2, lines)):
+        row = np.arange(lines)[part]
         for slope in np.linspace(-0.5, 0.5, _SLOPES):
-            row = np.arange(lines)[part]
-            gap = np.rint(np.arange(gaps)[:, None] + slope * (row - middle)).astype(int)
-            inside = (gap >= 0) & (gap < gaps)
-            seen = np.where(inside[..., None], step[np.clip(gap, 0, gaps - 1), row], np.nan)
+            gap = np.rint(np.arange(gaps)[:, None] + slope * (row - (lines - 1) / 2)).astype(int)
+            inside, at = (gap >= 0) & (gap < gaps), (np.clip(gap, 0, gaps - 1), row)
+            seen = np.where(inside[..., None], step[at], np.nan)
             count = np.isfinite(seen[..., 0]).sum(axis=1)
             enough = count >= max(_LINES, 0.6 * len(row))
             if not enough.any():
                 continue
             found = np.zeros((gaps, 2))
             found[enough] = np.nanmedian(seen[enough], axis=1)
-            size = np.linalg.norm(found, axis=1)
+            size = np.maximum(np.linalg.norm(found, axis=1), 1e-9)
             k = int(size.argmax())
-            away = enough & (np.abs(np.arange(gaps) - k) > _SIDE)
-            floor = np.median(size[away]) if away.any() else 0.0
-            spread = np.sqrt(np.nanmedian(np.where(inside, gain[np.clip(gap, 0, gaps - 1), row],
-                                                   np.nan)[k]))
-            error = 1.25 * sigma * spread / np.sqrt(count[k])
-            score = size[k] / max(_STEP, _SIGMAS * error, _ELSEWHERE * floor)
-            if best is None or score > best[0]:
-                best = score, k, slope, part, found[k], size[k], floor, error
-    return best
+            far = np.abs(np.arange(gaps) - k)
+            rivals = np.where(far > _SIDE, size, np.where(far > 2, -found @ found[k] / size[k], 0))
+            spread = np.nanmedian(np.where(inside[k], gain[at[0][k], row], np.nan))
+            error = 1.25 * sigma * np.sqrt(spread / count[k])
+            certain = size[k] / max(least, _SIGMAS * error)
+            if best is None or certain > best[0]:
+                best = certain, k, slope, found[k], _ELSEWHERE * rivals.max(initial=0.0)
+    if best is None:
+        return None
+    certain, *found, elsewhere = best
+    return min(certain, float(np.linalg.norm(found[2])) / max(elsewhere, 1e-9)), *found
 
 
 def _grid(index, xy):

@@ -56,7 +56,7 @@ def _steep(kind, expect, tilts, columns, rows, step):
 
 
 def _near(kind, columns, rows, step):
-    return case(f"{kind}, steps of {round(0.42 * _SIZE[0] * step)} px", USE,
+    return case(f"{kind}, {columns}x{rows}, steps of {round(0.42 * _SIZE[0] * step)} px", USE,
                 lambda b: _seen(b, kind, columns, rows, Pose((0.0, 0.0), step, 4.0, (6.0, -5.0))))
 
 
@@ -92,5 +92,5 @@ DEFECTS = [
     _steep("board", USE, (62.0, 0.0), 8, 6, 0.16),
     _steep("board", USE, (0.0, 66.0), 8, 6, 0.16),
     _steep("board", EITHER, (0.0, 72.0), 8, 6, 0.16),
-    _near("board", 5, 4, 0.38), _near("board", 4, 3, 0.6), _near("board", 3, 3, 0.75),
+    _near("board", 5, 4, 0.38), _near("board", 4, 3, 0.6), _near("board", 4, 4, 0.4),
     _near("circles", 5, 4, 0.38), _near("circles", 4, 3, 0.5), _near("dots", 9, 7, 0.36)]
