@@ -10,7 +10,6 @@ from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
 from ncdc_model.calibration.focus import with_focus
 from ncdc_model.calibration.points import PhotoPoints
-from ncdc_model.calibration.subpixel import UNSURE, unsure
 from ncdc_model.errors import InputError
 
 __all__ = ["board_of_size", "find_any_chessboard", "find_boards", "find_chessboard",
@@ -27,7 +26,7 @@ def find_boards(image):
     grey, boards = grey_picture(image), []
     for board in find_corner_lattices(grey):
         try:
-            boards.append(with_focus(grey, _held(image, board.index, board.xy, board.apart)))
+            boards.append(with_focus(grey, _held(image, board.index, board.xy)))
         except InputError:
             pass
     boards = [board for board in boards if len(board.index) >= 9]
@@ -100,12 +99,10 @@ def grey_picture(image):
     return np.clip(110 * flat_field(image), 0, 255).astype(np.uint8)
 
 
-def _held(image, index, xy, apart=None):
+def _held(image, index, xy):
     order = np.lexsort(index.T)
-    photo = PhotoPoints(index=index[order], xy=xy[order], area=np.zeros(len(xy)))
-    if apart is not None:
-        photo = photo.without(unsure(photo.index, photo.xy, apart[order]), UNSURE)
-    return believed(image.shape[1::-1], photo)
+    return believed(image.shape[1::-1], PhotoPoints(index=index[order], xy=xy[order],
+                                                    area=np.zeros(len(xy))))
 
 
 def _fits(board, columns, rows):

@@ -57,7 +57,7 @@ def find_charuco(image, columns, rows, boards=None):
     photo = None
     if found[0] is not None and len(found[0]):
         index = np.stack([found[1] % (columns - 1), found[1] // (columns - 1)], axis=1)
-        xy = refine(grey, index, found[0], _SCALE)[0]
+        xy = refine(grey, index, found[0], _SCALE)
         photo = _numbered(image, index, xy, (columns - 1, rows - 1),
                           find_boards(image) if boards is None else boards)
     count = 0 if photo is None else len(photo.index)

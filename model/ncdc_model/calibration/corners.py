@@ -27,12 +27,11 @@ _INSET = 0.22          # of a square, from its rim: where its brightness is look
 
 @dataclass(frozen=True)
 class CornerLattice:
-    """Corners of one board: ``index`` (n, 2), ``xy`` (n, 2) in pixels, ``scale``, the blur in pixels
-    at which they were found, and ``apart`` (n,), pixels to their places at twice the scale."""
+    """Corners of one board: ``index`` (n, 2), ``xy`` (n, 2) in pixels, and ``scale``, the blur in
+    pixels at which they were found."""
     index: np.ndarray
     xy: np.ndarray
     scale: float
-    apart: np.ndarray | None = None
 
 
 def find_corner_lattices(grey, most=2):
@@ -58,8 +57,8 @@ def find_corner_lattices(grey, most=2):
     boards = []
     for board in best:
         xy = (board.xy + 0.5) / shrink - 0.5
-        xy, apart = refine(grey, board.index, xy, board.scale / shrink)
-        boards.append(CornerLattice(board.index, xy, board.scale / shrink, apart))
+        xy = refine(grey, board.index, xy, board.scale / shrink)
+        boards.append(CornerLattice(board.index, xy, board.scale / shrink))
     return boards
 
 

@@ -20,8 +20,8 @@ def uncovered(photo, name="", staggered=False):
     """Sentences on what of a photo's lattice is not used, PhotoPoints; a list.
 
     The points that had a number and were dropped get one again from the used points next to them.
-    More than a tenth of all is named with its reasons, a row or column of which a quarter or less is
-    used with its number, and so is a region of at least nine places without a point.
+    More than a tenth of all is named with its reasons, a row or column of which a quarter or less
+    is used with its number, and so is a region of at least nine places without a point.
     """
     photo = photo.whole
     dropped = [(x, y, reason) for x, y, reason in photo.dropped if reason != _STRAY]

@@ -22,7 +22,7 @@ __all__ = ["Spots", "dots_of", "find_dots", "find_spots"]
 _JOINED = 0.90         # of a lattice's points must be believed, else it may be two that join
 _ALIKE = 1.7           # times as large as its only neighbour a dot at the rim may be
 _ENOUGH = 25           # numbered dots below which a photo does not show a page of dots
-_NEXT = 2.5            # steps between two lattices that may be one page's
+_NEXT = 3.5            # steps between two lattices that may be one page's
 _INVERTED = 12         # bright spots on one lattice that are a target
 
 
@@ -145,7 +145,8 @@ def dots_of(spots, image):
     return replace(
         page, index=index - index.min(axis=0), xy=np.vstack([page.xy, cut_xy]),
         area=np.concatenate([page.area, cut_area]), rejected=rejected,
-        cut=np.arange(len(index)) >= len(page.xy), warnings=page.warnings + joined, remarks=page.remarks + tuple(
+        cut=np.arange(len(index)) >= len(page.xy), warnings=page.warnings + joined,
+        remarks=page.remarks + tuple(
             f"another page, {len(other.index)} dots {place_of(other)}, is not used"
             for other in others if not _join(page, other)))
 

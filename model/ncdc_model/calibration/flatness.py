@@ -37,6 +37,6 @@ def not_flat(frame, width):
             x, y = frame.distorted[on][far.argmax()]
             found.append(f"{name}: points lie {rms:.2f} px rms, {far.max():.1f} px around "
                          f"({x:.0f}, {y:.0f}), from where a smooth lens has those of a flat "
-                         f"target, {limit:.2f} px is the limit: the target may be bent, the shutter "
-                         f"rolling, or the lens uneven there")
+                         f"target, {limit:.2f} px is the limit: the target may be bent or of two "
+                         f"sheets, the shutter rolling, or the lens uneven there")
     return found

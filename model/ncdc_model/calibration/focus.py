@@ -50,9 +50,9 @@ def part_out_of_focus(grey, photo):
     beyond = blur > np.sqrt(sharp * soft)
     (x, y), (left, top), (right, bottom) = (part(xy[beyond], axis=0) for part in
                                             (np.mean, np.min, np.max))
-    return (f"a part is out of focus: edges are blurred by {soft:.1f} px around ({x:.0f}, {y:.0f}), "
-            f"x from {left:.0f} to {right:.0f}, y from {top:.0f} to {bottom:.0f}, and by "
-            f"{sharp:.1f} px elsewhere; points where the focus ends may be off by more than a pixel")
+    return (f"a part is out of focus: edges are blurred by {soft:.1f} px around ({x:.0f}, "
+            f"{y:.0f}), x from {left:.0f} to {right:.0f}, y from {top:.0f} to {bottom:.0f}, and by "
+            f"{sharp:.1f} px elsewhere; points where the focus ends may be off by over a pixel")
 
 
 def dot_blur(grey, photo):

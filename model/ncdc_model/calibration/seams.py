@@ -16,7 +16,7 @@ _SLOPES = 21           # ways that a seam may lie across the lines, at most half
 _LINES = 5             # lines that must show the step
 _STEP = 0.6            # pixels, for up to a width of 1280: a smaller step moves no point by 0.5
 _WIDTH = 1280
-_SIGMAS = 12.0         # times the standard error of the median step
+_SIGMAS = 8.0          # times the standard error of the median step
 _ELSEWHERE = 2.5       # times the largest of other gaps, nearby if opposite: bumps and waves
 
 
@@ -33,7 +33,7 @@ class Seam:
     step : ndarray, shape (2,)
         Pixels by which what lies beyond is moved.
     ends : ndarray, shape (2, 2)
-        Pixels of its first and last point.
+        Pixels of its first and last place.
     """
     axis: int
     gap: int
@@ -84,16 +84,18 @@ def find_seam(index, xy, rest, width=0):
     The steps of all lines across one gap, which may lie askew, or of half of the lines, agree there
     and not elsewhere: the median of both coordinates is far larger than its standard error, and
     than those of all gaps away from it. A bump of the lens shows in few lines, a wave of the page
-    in more gaps than one. ``width``: of the photo; on those wider than 1280 a step must be larger in
-    proportion.
+    in more gaps than one. ``width``: of the photo; on those wider than 1280 a step must be larger
+    in proportion.
     """
     origin = index.min(axis=0)
     index = index - origin
     rest, best = rest - _smooth(index, rest), None
-    for axis in (0, 1):
-        step, gain = steps(index, rest, axis)
+    fields = [steps(index, rest, axis) for axis in (0, 1)]
+    # A seam is across one axis only; the other tells how much points scatter.
+    sigma = min((_scatter(*field) for field in fields if np.isfinite(field[1]).any()), default=0.0)
+    for axis, (step, gain) in enumerate(fields):
         if np.isfinite(gain).any() and step.shape[1] >= _LINES:
-            found = _largest(step, gain, _STEP * max(1.0, width / _WIDTH))
+            found = _largest(step, gain, sigma, _STEP * max(1.0, width / _WIDTH))
             if found and (best is None or found[0] > best[0]):
                 best = (*found, axis)
     if best is None or best[0] < 1:
@@ -101,8 +103,9 @@ def find_seam(index, xy, rest, width=0):
     _, gap, slope, size, axis = best
     middle = (np.ptp(index, axis=0)[1 - axis]) / 2
     near = np.abs(index[:, axis] - 0.5 - gap - slope * (index[:, 1 - axis] - middle)) <= 1
-    order = np.argsort(index[near][:, 1 - axis])
-    return Seam(axis, gap + int(origin[axis]), size, xy[near][order][[0, -1]])
+    line = index[near, 1 - axis]
+    ends = np.array([xy[near][line == end].mean(axis=0) for end in (line.min(), line.max())])
+    return Seam(axis, gap + int(origin[axis]), size, ends)
 
 
 def seam_text(seam):
@@ -110,9 +113,9 @@ def seam_text(seam):
     (left, top), (right, bottom) = seam.ends
     line, side = (("column", "right of"), ("row", "below"))[seam.axis]
     return (f"the points {side} {line} {seam.gap}, from ({left:.0f}, {top:.0f}) to ({right:.0f}, "
-            f"{bottom:.0f}), are moved by ({seam.step[0]:.1f}, {seam.step[1]:.1f}) px from where the "
-            f"others predict them: a step, which no lens makes; the target may be of two sheets, or "
-            f"folded")
+            f"{bottom:.0f}), are moved by ({seam.step[0]:.1f}, {seam.step[1]:.1f}) px from where "
+            f"the others predict them: a step, which no lens makes; the target may be of two "
+            f"sheets, or folded")
 
 
 def _smooth(index, xy):
@@ -122,11 +125,15 @@ def _smooth(index, xy):
     return basis @ np.linalg.lstsq(basis, xy, rcond=1e-9)[0]
 
 
-def _largest(step, gain, least):
+def _scatter(step, gain):
+    """Standard deviation of a point that the scatter of all ``step`` shows."""
+    off = np.abs(step - np.nanmedian(step, axis=(0, 1))) / np.sqrt(gain)[..., None]
+    return float(1.4826 * np.nanmedian(off))
+
+
+def _largest(step, gain, sigma, least):
     """(score, gap, slope, step) of the most certain step; a score of 1 is the limit. None if no
     gap has enough lines."""
-    centre = np.nanmedian(step, axis=(0, 1))
-    sigma = 1.4826 * np.nanmedian(np.abs(step - centre) / np.sqrt(gain)[..., None])
     gaps, lines = step.shape[:2]
     best = None
     for part in (slice(0, lines), slice(0, lines // 2), slice(lines // 2, lines)):
@@ -146,7 +153,8 @@ def _largest(step, gain, least):
             far = np.abs(np.arange(gaps) - k)
             rivals = np.where(far > _SIDE, size, np.where(far > 2, -found @ found[k] / size[k], 0))
             spread = np.nanmedian(np.where(inside[k], gain[at[0][k], row], np.nan))
-            error = 1.25 * sigma * np.sqrt(spread / count[k])
+            uneven = 1.4826 * np.nanmedian(np.linalg.norm(seen[k] - found[k], axis=1))
+            error = 1.25 * max(sigma * np.sqrt(spread), uneven) / np.sqrt(count[k])
             certain = size[k] / max(least, _SIGMAS * error)
             if best is None or certain > best[0]:
                 best = certain, k, slope, found[k], _ELSEWHERE * rivals.max(initial=0.0)

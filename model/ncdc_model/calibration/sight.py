@@ -101,7 +101,8 @@ class Look:
         if _filled(self.boards[0]) > _BOARD_FILLED:
             return True
         grid = None if lattice is None else read_grid(self.size, lattice)
-        return grid is not None and grid.staggered and corners_touch(self.spots.dark(self.image), grid)
+        return (grid is not None and grid.staggered
+                and corners_touch(self.spots.dark(self.image), grid))
 
     def charuco(self, columns, rows):
         """The ChArUco board as PhotoPoints."""

@@ -1,20 +1,13 @@
-"""Sub-pixel places of a board's corners, compared at two scales, and the blur of their edges."""
+"""Sub-pixel places of a board's corners, and the blur of their edges."""
 
 import cv2
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-from ncdc_model.calibration.neighbours import displaced
-
-__all__ = ["UNSURE", "edge_blur", "gaps", "refine", "unsure"]
-
-UNSURE = "elsewhere at twice the scale: half out of focus, or touched"
+__all__ = ["edge_blur", "gaps", "refine"]
 
 _SCALE = 1.0, 2.0      # pixels: Gaussian that a corner's place is found at, from and to
 _PART = 0.09           # of the way to the nearest corner: the same
-_TWICE = 2.0           # times that scale: the second one
-_APART = 1.0           # pixels between the places at both scales: more is doubtful
-_MOVED = 0.35, 0.012   # pixels and parts of a step from where a doubtful corner's neighbours expect it
 _STEPS = 8             # of Newton, at most
 _RINGS = 0.35, 0.13    # of the way to the nearest corner: radius at which edges are looked at;
                        # the second where markers lie in the squares
@@ -39,29 +32,15 @@ def refine(grey, index, xy, scale):
 
     Returns
     -------
-    xy : ndarray, shape (n, 2)
-    apart : ndarray, shape (n,)
-        Pixels between the saddles at this scale and at twice as large a one: much where one side
-        of a corner is sharp and the other is not, or where something touches it.
+    ndarray, shape (n, 2)
     """
     if len(xy) < 2:
-        return xy, np.zeros(len(xy))
+        return xy
     sigma = np.clip(_PART * gaps(index, xy), *_SCALE)
     light = grey.astype(np.float32)
-    first, found = _saddles(light, xy, sigma)
-    good = found & (np.linalg.norm(first - xy, axis=1) <= 1 + scale)
-    first = np.where(good[:, None], first, xy)
-    second, found = _saddles(light, first, _TWICE * sigma)
-    return first, np.where(found, np.linalg.norm(second - first, axis=1), np.inf)
-
-
-def unsure(index, xy, apart):
-    """Which corners (n,) are elsewhere at twice the scale, ``apart`` (n,) pixels as of
-    :func:`refine`, and not where their neighbours predict them."""
-    if len(xy) < 9:
-        return np.zeros(len(xy), bool)
-    limit = np.maximum(_MOVED[0], _MOVED[1] * gaps(index, xy))
-    return (apart > _APART) & (displaced(index, xy) > limit)
+    moved, found = _saddles(light, xy, sigma)
+    good = found & (np.linalg.norm(moved - xy, axis=1) <= 1 + scale)
+    return np.where(good[:, None], moved, xy)
 
 
 def _saddles(light, xy, sigma):

@@ -5,6 +5,8 @@ is vignetted, compressed, inverted, of a screen, from far aside or from near. Th
 written as in :mod:`ncdc.bench.photos.cases`, before detection was first run on these photos.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ncdc.bench.photos import spoil
@@ -14,6 +16,7 @@ from ncdc.bench.photos.targets import Pose
 __all__ = ["DEFECTS"]
 
 _SIZE = 1024, 768
+_VIEW = 0.42           # focal length in widths
 _NOT_FLAT = "flat|bent|uneven"
 
 
@@ -22,14 +25,29 @@ def _seen(bank, kind, columns, rows, pose, clutter=True, **more):
                        clutter=clutter, size=_SIZE, **more)
 
 
-def _full(bank, kind, bend=0.0, **more):
-    """A target of ``kind`` that nearly fills a small picture."""
-    columns, rows, pose = {
-        "dots": (25, 19, Pose((0.05, 0.0), 0.1, 4.0, (9.0, -7.0), bend)),
-        "circles": (9, 7, Pose((0.0, 0.05), 0.2, -5.0, (-8.0, 7.0), bend)),
-        "board": (11, 8, Pose((0.0, 0.0), 0.21, 3.0, (6.0, 8.0), bend)),
-        "charuco": (9, 7, Pose((0.0, 0.0), 0.21, 3.0, (6.0, 8.0), bend))}[kind]
-    return _seen(bank, kind, columns, rows, pose, False, **more)
+_FULL = {"dots": (25, 19, Pose((0.05, 0.0), 0.1, 4.0, (9.0, -7.0))),
+         "circles": (9, 7, Pose((0.0, 0.05), 0.2, -5.0, (-8.0, 7.0))),
+         "board": (11, 8, Pose((0.0, 0.0), 0.21, 3.0, (6.0, 8.0))),
+         "charuco": (9, 7, Pose((0.0, 0.0), 0.21, 3.0, (6.0, 8.0)))}
+
+
+def _full(bank, kind, page=None, **more):
+    """A target of ``kind`` that nearly fills a small picture; ``page``: changes of its pose."""
+    columns, rows, pose = _FULL[kind]
+    return _seen(bank, kind, columns, rows, replace(pose, **(page or {})), False, **more)
+
+
+def _sheets(kind, *shifts, axis=0):
+    """Two sheets, what is right of or below the middle moved by each of ``shifts``, pixels."""
+    columns, rows, pose = _FULL[kind]
+    line = (columns, rows)[axis] // 2
+
+    def make(bank, shift):
+        steps = np.array(shift) / (_VIEW * _SIZE[0] * pose.step)
+        return _full(bank, kind, {"sheets": (axis, line, steps)})
+    return [case(f"{kind}, two sheets, {('right', 'lower')[axis]} one by {shift} px", EITHER,
+                 lambda b, shift=shift: make(b, shift), word="sheet|step|apart")
+            for shift in shifts]
 
 
 def _each(name, strengths, spoiled, kinds=("dots", "circles", "board"), word=""):
@@ -42,7 +60,8 @@ def _each(name, strengths, spoiled, kinds=("dots", "circles", "board"), word="")
 
 def _bent(kind, *bends):
     return [case(f"{kind}, round a cylinder, {bend:g} a step", EITHER,
-                 lambda b, bend=bend: _full(b, kind, bend), word=_NOT_FLAT) for bend in bends]
+                 lambda b, bend=bend: _full(b, kind, {"bend": bend}), word=_NOT_FLAT)
+            for bend in bends]
 
 
 def _rolling(kind, name, shift):
@@ -56,17 +75,16 @@ def _steep(kind, expect, tilts, columns, rows, step):
 
 
 def _near(kind, columns, rows, step):
-    return case(f"{kind}, {columns}x{rows}, steps of {round(0.42 * _SIZE[0] * step)} px", USE,
+    return case(f"{kind}, {columns}x{rows}, steps of {round(_VIEW * _SIZE[0] * step)} px", USE,
                 lambda b: _seen(b, kind, columns, rows, Pose((0.0, 0.0), step, 4.0, (6.0, -5.0))))
 
 
 DEFECTS = [
     *_bent("dots", 0.01, 0.03, -0.02, -0.06), *_bent("circles", 0.05, -0.1),
     *_bent("board", 0.04, 0.1, -0.06),
-    *_each("two sheets, px:", [(EITHER, (0, 5)), (EITHER, (3, -2)), (EITHER, (9, 4))],
-           lambda photo, shift: spoil.seam(photo, shift, 5.0), word="sheet|step"),
-    *_each("two sheets, one below, px:", [(EITHER, (4, 3))],
-           lambda photo, shift: spoil.seam(photo, shift, 88.0), ("dots", "board"), "sheet|step"),
+    *[made for kind in ("dots", "circles", "board")
+      for made in _sheets(kind, (0, 5), (3, -2), (9, 4))],
+    *_sheets("dots", (4, 3), axis=1), *_sheets("board", (4, 3), axis=1),
     *_each("partly blurred, px:", [(USE, 4), (EITHER, 9)],
            lambda photo, sigma: spoil.part_focus(photo, sigma, 5.0, 0.58),
            ("dots", "circles", "board", "charuco"), "focus"),

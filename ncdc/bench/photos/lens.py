@@ -1,4 +1,4 @@
-"""The lens and the page of rendered photos, in closed form, and what a flat page would look like."""
+"""The lens and the page of rendered photos in closed form, and how far points are off flat."""
 
 from dataclasses import dataclass
 
@@ -8,6 +8,9 @@ from scipy.optimize import least_squares
 from ncdc_model.lens import rotation
 
 __all__ = ["Lens", "Plane"]
+
+_ASKEW = 0.07          # steps across, for each along, of the seam of two sheets
+_CUT = 0.5             # steps from it: nearer points may be cut by it
 
 
 @dataclass(frozen=True)
@@ -56,12 +59,14 @@ class Plane:
 
     def __init__(self, pose, extent):
         turn = rotation(*np.radians([*pose.tilts, -pose.turn]))
-        self.axes, self.bend = pose.step * turn, pose.bend
+        self.axes, self.bend, self.sheets = pose.step * turn, pose.bend, pose.sheets
         self.middle = (np.array(extent) - 1) / 2
         self.origin = np.array([*pose.middle, 1.0])
 
     def rays(self, index):
         """Directions (n, 3) to the points ``index`` (n, 2)."""
+        if self.sheets:
+            index = index + (self._beyond(*index.T) > 0)[:, None] * self.sheets[2]
         across, down = (index - self.middle).T
         deep = np.zeros_like(across)
         if self.bend:
@@ -88,5 +93,22 @@ class Plane:
             if self.bend:
                 across = np.arctan2(self.bend * across, 1 - self.bend * deep) / self.bend
         inside = (far > 0) & np.isfinite(across)
-        return (np.where(inside, across + self.middle[0], np.nan),
-                np.where(inside, down + self.middle[1], np.nan))
+        cells = [np.where(inside, part + middle, np.nan)
+                 for part, middle in zip((across, down), self.middle)]
+        if self.sheets:
+            beyond = self._beyond(*cells) > 0
+            cells = [np.where(beyond, part - shift, part)
+                     for part, shift in zip(cells, self.sheets[2])]
+        return cells
+
+    def whole(self, index):
+        """Which points (n,) no seam cuts."""
+        if not self.sheets:
+            return np.ones(len(index), bool)
+        return np.abs(self._beyond(*index.T)) > _CUT
+
+    def _beyond(self, columns, rows):
+        """Steps from the seam, which lies a little askew, to each place."""
+        axis, line, _ = self.sheets
+        along = (rows, columns)[axis] - self.middle[1 - axis]
+        return (columns, rows)[axis] - line - 0.5 + _ASKEW * along

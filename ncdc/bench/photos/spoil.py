@@ -8,7 +8,7 @@ import numpy as np
 from ncdc.bench.photos.targets import Photo
 
 __all__ = ["blur", "brighten", "compress", "cover", "darken", "fill", "glare", "mirror_border",
-           "invert", "moire", "noise", "on_clutter", "part_focus", "pen", "raw", "seam", "shake",
+           "invert", "moire", "noise", "on_clutter", "part_focus", "pen", "raw", "shake",
            "shade", "turn", "vignette", "warp"]
 
 _SKIN = 208, 160, 130
@@ -189,36 +189,12 @@ def part_focus(photo, sigma, degrees=0.0, at=0.6, soft=0.03):
     return replace(photo, image=_clipped(sharp + beyond * (wide - sharp)))
 
 
-def seam(photo, shift, degrees=0.0, at=0.5):
-    """Two sheets: what lies beyond the part ``at`` of the width, across a line turned by
-    ``degrees``, is moved by ``shift``, whole pixels."""
-    picture = photo.image.copy()
-    moved = np.roll(picture, shift[::-1], (0, 1))
-    beyond = _beyond(photo, degrees, at) > 0
-    picture[beyond] = moved[beyond]
-    truths = []
-    for truth in photo.truths:
-        on = truth.xy + np.where(_side(truth.xy, photo.size, degrees, at) > 0, 1, 0)[:, None] * (
-            np.array(shift))
-        # A point that the seam cuts is of no sheet.
-        near = np.abs(_side(truth.xy, photo.size, degrees, at)) < 2 * np.abs(shift).max()
-        inside = ((on >= 0) & (on <= np.array(photo.size) - 1)).all(axis=1)
-        truths.append(replace(truth, xy=on, visible=truth.visible & ~near & inside))
-    return Photo(picture, tuple(truths))
-
-
 def _beyond(photo, degrees, at):
-    """Pixels (h, w) that the picture's pixels lie beyond a line; see :func:`_side`."""
+    """Pixels (h, w) that each pixel lies right of the line through the part ``at`` of the width at
+    half of the height, turned by ``degrees``."""
     y, x = np.indices(photo.image.shape[:2])
-    return _side(np.stack([x, y], axis=-1), photo.size, degrees, at)
-
-
-def _side(xy, size, degrees, at):
-    """Pixels that places (..., 2) lie right of the line through the part ``at`` of the width at half
-    of the height, turned by ``degrees``."""
-    angle = np.radians(degrees)
-    return ((xy[..., 0] - at * size[0]) * np.cos(angle)
-            + (xy[..., 1] - 0.5 * size[1]) * np.sin(angle))
+    angle, (width, height) = np.radians(degrees), photo.size
+    return (x - at * width) * np.cos(angle) + (y - 0.5 * height) * np.sin(angle)
 
 
 def vignette(photo, corner):

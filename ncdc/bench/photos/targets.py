@@ -64,12 +64,15 @@ class Photo:
 class Pose:
     """Where a rendered target lies: its middle in the ideal plane, one step's length there, its
     turn in the picture, its two tilts in degrees, and the curvature of a page that is bent round a
-    cylinder along its columns: 1 / radius, in steps."""
+    cylinder along its columns: 1 / radius, in steps. A page of two sheets: the axis across their
+    seam (0: it lies right of a column, 1: below a row), that column or row in the middle, and the
+    steps (columns, rows) by which what is beyond is moved."""
     middle: tuple = (0.0, 0.0)
     step: float = 0.16
     turn: float = 5.0
     tilts: tuple = (8.0, -6.0)
     bend: float = 0.0
+    sheets: tuple | None = None
 
 
 def _discs(x, y, radius, columns, rows, parity=None):
@@ -198,7 +201,7 @@ class Bank:
             picture = picture * (1 - share) + light * np.array([1.0, 0.97, 0.9])
             xy = lens.pixels(plane.rays(index))
             xy[:, 0] += late(xy[:, 1])
-            truths.append(Truth(kind, index, xy, np.ones(len(index), bool), lens))
+            truths.append(Truth(kind, index, xy, plane.whole(index), lens))
         lamp = 1 - 0.25 * (np.hypot(*np.meshgrid(np.linspace(-1, 1, width),
                                                  np.linspace(-1, 1, height))))[:, :, None]**2
         noise = np.random.default_rng(seed).normal(0, 1.5, picture.shape)
