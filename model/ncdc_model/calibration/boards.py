@@ -10,12 +10,14 @@ from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
 from ncdc_model.calibration.focus import with_focus
 from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.calibration.subpixel import refine
 from ncdc_model.errors import InputError
 
 __all__ = ["board_of_size", "find_any_chessboard", "find_boards", "find_chessboard",
            "grey_picture"]
 
 _ENOUGH = 12           # corners of a part of a board
+_SCALE = 2.0           # pixels: blur at which OpenCV finds corners
 
 
 def find_boards(image):
@@ -154,6 +156,6 @@ def _by_opencv(image, columns, rows):
     if not check_squares(cv2.GaussianBlur(grey, (0, 0), 1).astype(np.float32), index, xy).all():
         return None
     try:
-        return _held(image, index, xy)
+        return with_focus(grey, _held(image, index, refine(grey, index, xy, _SCALE)))
     except InputError:
         return None

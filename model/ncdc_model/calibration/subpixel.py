@@ -8,6 +8,11 @@ __all__ = ["edge_blur", "gaps", "refine"]
 
 _SCALE = 1.0, 2.0      # pixels: Gaussian that a corner's place is found at, from and to
 _PART = 0.09           # of the way to the nearest corner: the same
+_TWICE = 2.0           # times that scale: the second one
+_APART = 0.5           # pixels between the places at both: less is a corner of four equal squares
+_SHARP = 3.0           # pixels of blur: less is sharp
+_HALF = 5              # pixels to either side that a sharp corner's edges are seen in, at most
+_STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-3)
 _STEPS = 8             # of Newton, at most
 _RINGS = 0.35, 0.13    # of the way to the nearest corner: radius at which edges are looked at;
                        # the second where markers lie in the squares
@@ -19,8 +24,9 @@ def refine(grey, index, xy, scale):
 
     At half of a turn a corner looks like itself, however much it is blurred: so the saddle of the
     smoothed brightness is its place, at every scale. A parabola is fitted to nine places one scale
-    apart, and moved to where it is level, until it stays. A corner that moves by more than
-    ``scale`` and a pixel, or has no saddle, keeps its first place.
+    apart, and moved to where it is level, until it stays. Where the place at twice the scale is
+    another, the squares are lit unevenly: there a sharp corner is where its edges point. A
+    corner that moves by more than ``scale`` and a pixel, or has no saddle, keeps its first place.
 
     Parameters
     ----------
@@ -36,11 +42,30 @@ def refine(grey, index, xy, scale):
     """
     if len(xy) < 2:
         return xy
-    sigma = np.clip(_PART * gaps(index, xy), *_SCALE)
+    near = gaps(index, xy)
+    sigma = np.clip(_PART * near, *_SCALE)
     light = grey.astype(np.float32)
     moved, found = _saddles(light, xy, sigma)
+    again, still = _saddles(light, moved, _TWICE * sigma)
+    # In a shadow or glare the four squares differ: their edges tell better, if they are sharp.
+    uneven = found & ~(still & (np.linalg.norm(again - moved, axis=1) < _APART))
+    if uneven.any():
+        uneven[uneven] = edge_blur(grey, xy[uneven], near[uneven]) < _SHARP
+        moved[uneven] = _by_edges(grey, xy[uneven], near[uneven])
     good = found & (np.linalg.norm(moved - xy, axis=1) <= 1 + scale)
     return np.where(good[:, None], moved, xy)
+
+
+def _by_edges(grey, xy, near):
+    """Places (n, 2) past which the brightness' gradient points all around."""
+    moved, limit = xy.astype(np.float64).copy(), np.array(grey.shape[::-1])
+    half = int(np.clip(near.min() / 3, 2, _HALF)) if len(near) else 2
+    inside = ((xy > half + 1) & (xy < limit - half - 2)).all(axis=1)
+    if inside.any():
+        corners = xy[inside].astype(np.float32).reshape(-1, 1, 2).copy()
+        moved[inside] = cv2.cornerSubPix(grey, corners, (half, half), (-1, -1),
+                                         _STOP).reshape(-1, 2)
+    return moved
 
 
 def _saddles(light, xy, sigma):
