@@ -9,14 +9,14 @@ from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.camera_file import load_camera_map
 from ncdc_model.calibration.frame import ideal_frame
-from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.calibration.points_csv import is_points_csv
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
 from ncdc_model.lens import Frame
 from ncdc_model.lens.inverse import planar_inverse
-from ncdc_model.training.source import is_points_file
+from ncdc_model.training.source import load_points
 from ncdc_model.valid import valid_mask
 
 __all__ = ["corrected_points", "evaluate_against", "fitted_view"]
@@ -44,7 +44,8 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
         ``hidden_neurons``, ``nodes``, ``measured_on`` (frame and its view, points and their pose,
         trained or fitted), ``map_error_float_px``, ``map_error_fixed_px``,
         ``fixed_minus_float_max_px``, and ``valid_pixels`` or ``points``; of a map
-        ``valid_pixels_differ``, those that have a source in one of the two only.
+        ``valid_pixels_differ``, those that have a source in one of the two only; of a camera file
+        ``notes``, sentences on how it was read.
 
     Raises
     ------
@@ -55,13 +56,13 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
     if tables:
         return _against_map(descriptor, paths, camera)
     path, = paths
-    if not is_points_file(path):
-        back_map, view = _true_map(descriptor, path, camera)
-        return {"measured_on": f"frame, view {view}",
+    points = load_points(path, descriptor.geometry.distorted if is_points_csv(path) else None)
+    if points is None:
+        back_map, view, notes = _true_map(descriptor, path, camera)
+        return {"measured_on": f"frame, view {view}", "notes": notes,
                 **evaluate_frame(descriptor, back_map, progress=progress)}
     if camera is not None:
         raise InputError(f"camera {camera} is asked for, {path} holds points")
-    points = TargetPoints.load(path)
     u, v, x, y, pose = corrected_points(descriptor, points, path)
     report = evaluate_points(descriptor, u, v, x, y)
     if not report["points"]:
@@ -92,13 +93,13 @@ def _against_map(descriptor, paths, camera):
 
 def _true_map(descriptor, path, name):
     geometry, provenance = descriptor.geometry, descriptor.provenance
-    camera = load_camera_map(path, geometry.corrected, _WIDE, name)
-    _same_size(geometry, camera.size, path)
+    camera = load_camera_map(path, geometry.corrected, _WIDE, name, geometry.distorted)
+    notes = [*camera.notes, *camera.warnings]
     if "frame" not in provenance or "homography" in provenance:
-        return fitted_view(descriptor, camera), "fitted"
-    focal, *centre = provenance["frame"]
-    frame = Frame(geometry.corrected, focal, tuple(centre))
-    return replace(camera, frame=frame).back_map, "trained"
+        return fitted_view(descriptor, camera), "fitted", notes
+    focal, *centre, aspect = [*provenance["frame"], 1.0][:4]
+    frame = Frame(geometry.corrected, focal, tuple(centre), aspect)
+    return replace(camera, frame=frame).back_map, "trained", notes
 
 
 def fitted_view(descriptor, camera):

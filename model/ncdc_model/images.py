@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.files import read_bytes, replace_file
+from ncdc_model.files import replace_file
 from ncdc_model.geometry import BAYER_PHASE, MONO
-from ncdc_model.samples import eight_bits
+from ncdc_model.photo.read import read_photo
 
 __all__ = ["ANIMATIONS", "check_animation", "check_suffix", "demosaic", "is_raw", "mosaic",
            "read_image", "write_animation", "write_image"]
@@ -21,32 +21,12 @@ _OPENCV = {"RGGB": "BG", "GRBG": "GB", "GBRG": "GR", "BGGR": "RG"}
 _METHODS = {"bilinear": "", "edge-aware": "_EA", "vng": "_VNG"}     # of OpenCV's demosaicing
 
 
-def read_image(path, bits=None, told=lambda sentence: None):
-    """The image file ``path`` as uint8: (height, width) if single-channel, else (h, w, 3) RGB.
+def read_image(path, bits=None, warn=lambda sentence: None):
+    """The image in the file ``path`` as uint8, (height, width) or (height, width, 3) RGB.
 
-    Of the ``bits`` bits of a sample the upper eight are kept; None guesses them of a 16-bit file
-    and says so by ``told`` (:func:`ncdc_model.samples.eight_bits`). An alpha channel is dropped.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or holds no image that OpenCV can decode.
+    See :func:`ncdc_model.photo.read.read_photo`.
     """
-    data = np.frombuffer(read_bytes(path), np.uint8)
-    try:
-        image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
-    except cv2.error:
-        image = None
-    if image is None:
-        raise InputError(f"{path} holds no image that can be decoded")
-    if image.dtype not in (np.uint8, np.uint16):
-        raise InputError(f"{path} holds {image.dtype} samples, 8 or 16 bit integers are needed")
-    image = eight_bits(image, bits, path, told)
-    if image.ndim == 3 and image.shape[2] == 1:
-        return image[:, :, 0]
-    if image.ndim == 3:
-        return np.ascontiguousarray(image[:, :, 2::-1])
-    return image
+    return read_photo(path, bits, warn).image
 
 
 def check_suffix(path):

@@ -1,14 +1,10 @@
-"""Samples of a sensor in files: how many of their bits hold light, and dumps without a header."""
-
-from dataclasses import dataclass
+"""Depth of samples: what a file declares, what the user says, and the upper eight bits."""
 
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.files import read_bytes
-from ncdc_model.geometry import BAYERS, MAX_SIZE, MIN_SIZE
 
-__all__ = ["RawDump", "check_bits", "eight_bits"]
+__all__ = ["check_bits", "eight_bits", "scaled"]
 
 BITS = 8, 16           # least and most bits of a sample
 _USUAL = 8, 10, 12, 14, 16
@@ -22,70 +18,49 @@ def check_bits(bits):
     return bits
 
 
-def eight_bits(samples, bits, name, told):
-    """The upper eight of the ``bits`` bits of ``samples``, uint8 or uint16, as uint8.
+def scaled(samples, white):
+    """uint8 of integer ``samples`` of 0 to ``white``.
 
-    Sensors of 10 or 12 bits are written to files of 16 with zeros above. If ``bits`` is None, the
-    least usual number that holds the brightest sample is taken, and ``told`` is called with a
-    sentence that says so.
+    Where ``white`` is all ones in 8 to 16 bits, the upper eight bits; else 255 samples / white,
+    rounded. Samples above ``white`` become 255.
+    """
+    bits = white.bit_length()
+    if samples.dtype == np.uint8 and white == 255:
+        return samples
+    if white + 1 == 1 << bits and bits >= BITS[0]:
+        return np.minimum(samples >> (bits - 8), 255).astype(np.uint8)
+    table = (np.arange(white + 1) * 510 + white) // (2 * white)
+    return table.astype(np.uint8)[np.minimum(samples, white)]
+
+
+def eight_bits(samples, declared, bits, name, warn):
+    """The upper eight of the bits of ``samples``, uint8 or uint16, as uint8.
+
+    ``declared`` is the largest value that the file says a sample can have, or None if it only says
+    16 bits: sensors of 10 or 12 bits are written to such files with zeros above. Then ``bits``
+    decides; if that is None too, the least usual number that holds the brightest sample is taken,
+    and ``warn`` is called with a sentence that says so.
 
     Raises
     ------
     InputError
-        If ``bits`` is out of range or a sample needs more.
+        If ``bits`` is out of range or not what is declared, or a sample is larger than declared.
     """
     peak = int(samples.max(initial=0))
-    if bits is None and samples.dtype == np.uint8:
-        return samples
+    if bits is not None:
+        check_bits(bits)
+    if declared is not None:
+        if bits not in (None, declared.bit_length()):
+            raise InputError(f"{name} declares samples of {declared.bit_length()} bits (0 to "
+                             f"{declared}), --bits says {bits}")
+        if peak > declared:
+            raise InputError(f"{name} holds a sample of {peak} and declares {declared} as the "
+                             f"largest")
+        return scaled(samples, declared)
     if bits is None:
         bits = next(count for count in _USUAL if peak < 1 << count)
-        told(f"{name} has 16-bit samples, the brightest is {peak}: taken as {bits}-bit; "
+        warn(f"{name} has 16-bit samples, the brightest is {peak}: taken as {bits}-bit; "
              f"--bits says otherwise")
-    if peak >> check_bits(bits):
+    if peak >> bits:
         raise InputError(f"{name} holds a sample of {peak}, {bits} bits end at {(1 << bits) - 1}")
-    return (samples >> (bits - 8)).astype(np.uint8)
-
-
-@dataclass(frozen=True)
-class RawDump:
-    """What a file of bare samples, row by row, does not say itself.
-
-    Samples of 8 bits are bytes; of 9 to 16 bits two bytes each, the lower first, zeros above.
-    """
-    width: int
-    height: int
-    bayer: str
-    bits: int
-
-    @classmethod
-    def parse(cls, text):
-        """Of "WxH:PATTERN:BITS"; raises :class:`InputError` if ``text`` says anything else."""
-        size, _, rest = text.partition(":")
-        bayer, _, bits = rest.partition(":")
-        sides = size.lower().split("x")
-        if (len(sides) != 2 or not all(part.isdecimal() for part in (*sides, bits))
-                or bayer.upper() not in BAYERS):
-            raise InputError(f"raw is {text!r}, WxH:PATTERN:BITS is needed, as in "
-                             f"1280x1024:RGGB:12; the patterns are {', '.join(BAYERS)}")
-        for side in map(int, sides):
-            if not MIN_SIZE <= side <= MAX_SIZE:
-                raise InputError(f"a side of the raw frame is {side}, the limits are {MIN_SIZE} "
-                                 f"and {MAX_SIZE}")
-        return cls(*map(int, sides), bayer.upper(), check_bits(int(bits)))
-
-    def read(self, path):
-        """Frame of the file ``path``: uint8 (height, width), its upper eight bits.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be read, has another length, or holds a sample of more bits.
-        """
-        content, size = read_bytes(path), 1 if self.bits == 8 else 2
-        wanted = self.width * self.height * size
-        if len(content) != wanted:
-            raise InputError(f"{path} has {len(content)} bytes, {self.width}x{self.height} samples "
-                             f"of {size} byte{'s' if size > 1 else ''} need {wanted}; packed "
-                             f"samples are not read")
-        samples = np.frombuffer(content, f"<u{size}").reshape(self.height, self.width)
-        return eight_bits(samples, self.bits, path, None)
+    return scaled(samples, (1 << bits) - 1)

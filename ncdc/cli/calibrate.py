@@ -1,15 +1,19 @@
 """``ncdc calibrate``: finds a target's points in real photos."""
 
 import sys
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from ncdc.cli.common import (
     add_json,
+    add_page,
     add_samples,
     read_photo,
     straightness_text,
+    to_stderr,
     write_report,
 )
 from ncdc.terminal import Progress
@@ -41,15 +45,17 @@ def add_arguments(parser):
                              "(default)")
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
-                             "drawn over it goes beside it as a PNG")
+                             "drawn over it goes next to it, as points.overlay.png")
+    add_page(parser)
     add_samples(parser)
     add_json(parser)
 
 
 def run(args):
     """Detect, write the points file and the overlays, report."""
-    progress = Progress("calibrate")
-    points = detect_points(_photos(args, progress), args.target)
+    progress, warn = Progress("calibrate"), _once()
+    points = replace(detect_points(_photos(args, progress, warn), args.target),
+                     page=args.page or "")
     output = Path(args.output)
     used = [name for name in dict.fromkeys(args.photos) if name not in points.rejected_photos]
     overlays = _overlays(output, used, args)
@@ -58,7 +64,7 @@ def run(args):
     points.save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
-        image = read_photo(name, args, tell=lambda sentence: None)      # it was told before
+        image = read_photo(name, args, warn).image
         write_image(overlay, draw_points(image, photo, frame, number))
     progress(1)
     report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),
@@ -72,9 +78,9 @@ def run(args):
 
 
 def _overlays(output, used, args):
-    """Where the pictures go, beside ``output``; no file may replace a photo."""
+    """Where the pictures go, next to ``output``; no file may replace a photo."""
     tags = [""] if len(used) == 1 else [f"-{k}-{Path(name).stem}" for k, name in enumerate(used, 1)]
-    overlays = [str(output.with_name(f"{output.stem}{tag}.png")) for tag in tags]
+    overlays = [str(output.with_name(f"{output.stem}.overlay{tag}.png")) for tag in tags]
     inputs = {Path(name).resolve() for name in args.photos}
     for path in (args.output, *overlays):
         if Path(path).resolve() in inputs:
@@ -152,11 +158,26 @@ def _print(report, photos, measured):
     print(f"{report['points']}; look at {first}" + (" and the others" if others else ""))
 
 
-def _photos(args, progress):
-    """The photos, one after the other, with progress."""
+def _photos(args, progress, warn):
+    """The photos, as functions that read them, one after the other, with progress."""
     for done, name in enumerate(args.photos):
         progress(_LENS * done / len(args.photos), f" {Path(name).name}")
-        yield name, read_photo(name, args)
+        yield name, partial(_picture, name, args, warn)
+
+
+def _picture(name, args, warn):
+    return read_photo(name, args, warn).image
+
+
+def _once():
+    """Function that writes a sentence to stderr, each sentence once: photos are read again."""
+    written = set()
+
+    def warn(sentence):
+        if sentence not in written:
+            to_stderr(sentence)
+        written.add(sentence)
+    return warn
 
 
 def judged(points):

@@ -5,36 +5,51 @@ import math
 import sys
 
 from ncdc_model.errors import InputError
-from ncdc_model.files import read_bytes, write_stream
+from ncdc_model.files import write_stream
 from ncdc_model.geometry import MONO
-from ncdc_model.images import is_raw, mosaic, read_image
-from ncdc_model.samples import RawDump, check_bits
+from ncdc_model.images import is_raw, mosaic
+from ncdc_model.photo import read
+from ncdc_model.photo.photo import Photo
+from ncdc_model.raw_dump import RawDump
+from ncdc_model.samples import check_bits
 
-__all__ = ["add_camera", "add_json", "add_samples", "raw_frame", "read_photo",
-           "straightness_text", "write_report"]
+__all__ = ["add_camera", "add_json", "add_page", "add_samples", "raw_frame", "read_photo",
+           "straightness_text", "to_stderr", "write_report"]
 
 
 _RELIEF = 0.005        # px rms: less would be told as a relief of 0.00 px
 
 
+def add_page(parser):
+    """Declare the options --flat and --relief."""
+    page = parser.add_mutually_exclusive_group()
+    page.add_argument("--flat", dest="page", action="store_const", const="flat",
+                      help="the target is flat: what no smooth lens explains is the lens's own")
+    page.add_argument("--relief", dest="page", action="store_const", const="relief",
+                      help="the target is wavy or dented: what moves its points along its normal "
+                           "only is taken off (default: only if several photos prove it)")
+
+
 def add_samples(parser):
     """Declare the options --bits and --raw."""
     parser.add_argument("--bits", type=int, metavar="N",
-                        help="bits of a sample in 16-bit files, 8 to 16 (default: the least usual "
-                             "number that holds the brightest sample)")
-    parser.add_argument("--raw", metavar="WxH:PATTERN:BITS",
+                        help="bits of a sample, 8 to 16, of files that only say 16 (default: the "
+                             "least usual number that holds the brightest sample)")
+    parser.add_argument("--raw", metavar="WxH:PATTERN:BITS[p][:stride=N][:frame=K]",
                         help="the file is a dump of bare samples, as in 1280x1024:RGGB:12: bytes, "
-                             "or from 9 bits on two bytes each, lower first")
+                             "or from 9 bits on two bytes each, lower first; 10p, 12p, 14p: packed "
+                             "as MIPI does; stride: bytes a row; frame: which one, from 1")
 
 
-def _to_stderr(sentence):
+def to_stderr(sentence):
+    """Print ``sentence`` on standard error."""
     print(sentence, file=sys.stderr)
 
 
-def read_photo(path, args, tell=_to_stderr):
-    """Picture of the file ``path`` by the options of :func:`add_samples`.
+def read_photo(path, args, warn=to_stderr):
+    """The :class:`ncdc_model.photo.photo.Photo` in ``path`` by the options of :func:`add_samples`.
 
-    ``tell`` is called with a sentence if the number of bits is a guess.
+    ``warn`` is called with a sentence where something is a guess, or only a part is taken.
 
     Raises
     ------
@@ -44,32 +59,38 @@ def read_photo(path, args, tell=_to_stderr):
     if args.raw is not None:
         if args.bits is not None:
             raise InputError("--bits and --raw are given, --raw says the bits itself")
-        return RawDump.parse(args.raw).read(path)
+        dump = RawDump.parse(args.raw)
+        return Photo(dump.read(path, warn), dump.bayer)
     if args.bits is not None:
         check_bits(args.bits)
-    return read_image(path, args.bits, tell)
+    return read.read_photo(path, args.bits, warn)
 
 
-def raw_frame(args, geometry):
+def raw_frame(args, geometry, warn=to_stderr):
     """The raw Bayer frame of the file ``args.image``, and a note on what it was taken for.
 
     A picture of one channel is taken for the raw frame itself; of a colour picture, each pixel
-    keeps the colour that the filter would have passed. A grey JPEG is refused, as it cannot be the
+    keeps the colour that the filter would have passed. A grey JPEG is rejected, as it cannot be the
     raw frame of a colour sensor. Of a grey sensor any grey picture may be the frame, and of a
     colour picture the brightness is taken.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or its filter pattern is not that of ``geometry``.
     """
-    path, image = args.image, read_photo(args.image, args)
-    if args.raw is not None:
-        bayer = RawDump.parse(args.raw).bayer
-        if bayer != geometry.bayer:
-            raise InputError(f"the raw frame has the pattern {bayer}, the descriptor "
+    path, photo = args.image, read_photo(args.image, args, warn)
+    image = photo.image
+    if photo.bayer is not None:
+        if photo.bayer != geometry.bayer:
+            raise InputError(f"the raw frame has the pattern {photo.bayer}, the descriptor "
                              f"{geometry.bayer}")
         return image, None
     if geometry.mono:
         return ((image, f"{path} has one channel: taken as the grey frame") if is_raw(image) else
                 (mosaic(image, MONO), f"{path} is a colour picture: its brightness is taken"))
     if is_raw(image):
-        if read_bytes(path)[:2] == b"\xff\xd8":
+        if photo.lossy:
             raise InputError(f"{path} is a grey JPEG, a raw {geometry.bayer} frame or a colour "
                              f"picture is needed; a grey camera is trained with --bayer {MONO}")
         return image, f"{path} has one channel: taken as the raw {geometry.bayer} frame"
@@ -91,8 +112,8 @@ def straightness_text(report, points):
 def add_camera(parser):
     """Declare the option --camera."""
     parser.add_argument("--camera", metavar="NAME",
-                        help="which camera of a Kalibr camchain, as in cam1, or which of "
-                             "several maps in a file, as in left")
+                        help="which of several cameras or maps in a file: cam1 of a Kalibr "
+                             "camchain, the id in COLMAP's cameras, left of a stereo pair")
 
 
 def add_json(parser):

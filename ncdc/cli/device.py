@@ -3,12 +3,13 @@
 import signal
 import sys
 import time
+from argparse import Namespace
 from ipaddress import IPv4Address
 
+from ncdc.cli.common import add_samples, raw_frame
 from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
-from ncdc_model.images import read_image
 from ncdc_model.interface.gvcp import PORT
 from ncdc_model.interface.table_one import TCP_PORT
 
@@ -28,6 +29,7 @@ def add_arguments(parser):
     serve.add_argument("--photo", metavar="IMAGE",
                        help="what the camera looks at: a raw frame, or a colour picture to be "
                        "mosaiced (default: the built-in scene, in motion)")
+    add_samples(serve)
     serve.add_argument("--address", default="127.0.0.2", metavar="IP",
                        help="of this machine; further devices take the following ones "
                        "(default: 127.0.0.2)")
@@ -45,14 +47,21 @@ def add_arguments(parser):
                        help=f"of Table I (default: {TCP_PORT})")
 
 
+def _frame(args, geometry):
+    """Raw frame of the photo, or None without one."""
+    if args.photo is None:
+        return None
+    return raw_frame(Namespace(image=args.photo, raw=args.raw, bits=args.bits), geometry)[0]
+
+
 def run(args):
     """Serve until the process is told to end."""
     if not 1 <= args.count <= _COUNT_MAX:
         raise InputError(f"{args.count} devices are asked for, the limits are 1 and {_COUNT_MAX}")
     if not 0 <= args.tcp_port <= 0xFFFF:
         raise InputError(f"the TCP port is {args.tcp_port}, the limits are 0 and 65535")
-    image = None if args.photo is None else read_image(args.photo)
     descriptors = [Descriptor.load(path) for path in args.descriptors]
+    image = _frame(args, descriptors[0].geometry)
     try:
         first = IPv4Address(args.address)
         addresses = [str(first + k) for k in range(args.count)]

@@ -1,5 +1,7 @@
 """``ncdc evaluate``: the error of an existing descriptor."""
 
+import sys
+
 from ncdc.cli.common import add_camera, add_json, write_report
 from ncdc.cli.train import error_table, nodes_text
 from ncdc.terminal import Progress
@@ -16,9 +18,9 @@ def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("--against", required=True, action="append", metavar="FILE",
-                        help="points.json of this camera, the one of training or another, its "
-                             "camera file, or a map for OpenCV's remap; given twice, for the "
-                             "tables of x and y in a file each")
+                        help="points.json or points.csv of this camera, the one of training or "
+                             "another, its camera file, or a map for OpenCV's remap; given twice, "
+                             "for the tables of x and y in a file each")
     add_camera(parser)
     add_json(parser)
 
@@ -27,6 +29,8 @@ def run(args):
     """Measure and report."""
     report = evaluate_against(Descriptor.load(args.descriptor), args.against, args.camera,
                               Progress("measuring"))
+    for sentence in report.get("notes", ()):
+        print(sentence, file=sys.stderr)
     if write_report(report, args.json):
         return
     count = (f"{report['points']} points" if "points" in report

@@ -50,7 +50,7 @@ def run_moving(args, descriptor):
     plan, corner = setup_around(args.camera, descriptor.geometry,
                                 exposure_us=args.exposure_us)
     raw, note = raw_frame(args, descriptor.geometry)
-    photo = read_photo(args.image, args)
+    photo = read_photo(args.image, args, warn=lambda sentence: None).image   # it warned before
     light = (still_raw(plan, corner, raw) if is_raw(photo)
              else moving_photo(descriptor, plan, corner, photo, args.frames, velocity))
     result = simulate_camera(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc.cli.common import add_camera, add_json, straightness_text, write_report
+from ncdc.cli.common import add_camera, add_json, add_page, straightness_text, write_report
 from ncdc.terminal import Progress
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
@@ -37,10 +37,11 @@ EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("source", metavar="FILE", nargs="+",
-                        help="points.json of ncdc calibrate; a camera file: OpenCV, ROS, "
-                             "Kalibr, BoofCV (YAML, XML, JSON), or our own (TOML); or a map for "
-                             "OpenCV's remap: one file with both tables (.npz, YAML, XML, JSON), "
-                             "or one each (.npy, TIFF, OpenEXR too)")
+                        help="points.json of ncdc calibrate; points.csv of another detector; a "
+                             "camera file: OpenCV, ROS, Kalibr, camodocal, COLMAP, mrcal, MATLAB, "
+                             "RealSense, NeRF, BoofCV, or our own (TOML); or a map for OpenCV's "
+                             "remap: one file with both tables (.npz, YAML, XML, JSON), or one "
+                             "each (.npy, TIFF, OpenEXR too)")
     parser.add_argument("--neurons", type=_neurons, required=True, metavar="N",
                         help="hidden neurons, 4 to 12 are usual; auto: the fewest, up to 16, that "
                              "meet --max-error, or 0.1 px without it")
@@ -50,8 +51,9 @@ def add_arguments(parser):
                              "without this option 0.1 is the goal, and if none of the networks "
                              "meets it, the smallest of the best ones is taken")
     parser.add_argument("--sensor", metavar="WxH",
-                        help="of a map: size of the distorted picture, where the file does not "
-                             "tell it as `sensor`")
+                        help="size of the sensor's frames, where the file does not say it: a map, "
+                             "a CSV of points, some camera files; a camera file of another size "
+                             "of the same aspect is scaled to it")
     parser.add_argument("--skip", action="store_true",
                         help="add a linear path from the inputs straight to the outputs: four "
                              "products that save about one hidden neuron")
@@ -63,8 +65,9 @@ def add_arguments(parser):
     parser.add_argument("--size", metavar="WxH",
                         help="corrected picture (default: as large as the camera's)")
     parser.add_argument("--zoom", metavar="Z",
-                        help="fit: the camera's full width fills the picture (default); fill: no "
-                             "pixel without a source; or a number: magnification in the middle")
+                        help="fit: the camera's full width fills the picture (default, except "
+                             "for a file with a projection matrix, which says its frame); fill: "
+                             "no pixel without a source; or a number: magnification in the middle")
     parser.add_argument("--seed", type=int, default=0, metavar="S",
                         help="same seed, same descriptor (default: 0)")
     parser.add_argument("--held-out", type=int, default=HELD_OUT, metavar="K",
@@ -77,6 +80,7 @@ def add_arguments(parser):
     _add_hardware(parser)
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
                         help="descriptor (default: net.toml); plots go beside it")
+    add_page(parser)
     add_camera(parser)
     add_json(parser)
 
@@ -123,7 +127,7 @@ def run(args):
     if args.zoom is not None:
         parse_zoom(args.zoom)
     source = load_source(args.source, size, args.zoom, args.bayer, fill, args.camera, sensor,
-                         interpolation_of(args.interpolation))
+                         interpolation_of(args.interpolation), args.page)
     _tell_map(source)
     trained = _train(args, source, choices)
     trained.descriptor.save(args.output)
@@ -167,12 +171,14 @@ def _print_report(args, source, report):
 
 
 def _tell_map(source):
-    """What of the sensor a map reads, and what is odd about it, before the training takes time."""
+    """Print what of the sensor a map reads, how a file was read, and what is odd about it."""
     if "source_columns" in source.facts:
         width, height = source.geometry.distorted
         (left, right), (top, bottom) = source.facts["source_columns"], source.facts["source_rows"]
         print(f"the map reads columns {left:.1f} to {right:.1f} of 0 to {width - 1} and rows "
               f"{top:.1f} to {bottom:.1f} of 0 to {height - 1}", file=sys.stderr)
+    for sentence in source.facts.get("notes", ()):
+        print(sentence, file=sys.stderr)
     for sentence in source.facts.get("warnings", ()):
         _warn(sentence)
 

@@ -155,12 +155,13 @@ def test_real_omnidirectional_file_needs_a_number_as_zoom():
 
 
 @pytest.mark.parametrize("text,message", [
-    ("image_width: 640\n", "lacks the value image_height or imageHeight or height"),
+    (ros_text("plumb_bob", [0] * 5).replace("image_height", "h"),
+     "lacks the value image_height or image_Height or imageHeight or height"),
     (ros_text("plumb_bob", [0] * 5).replace("camera_matrix", "other"), "lacks the value camera_m"),
     (ros_text("plumb_bob", [0] * 5).replace("640", "9000"), "width is 9000, the limits are 8"),
     (ros_text("plumb_bob", [0] * 5).replace("640", "wide"), "a value of the wrong kind: .*wide"),
-    (ros_text("plumb_bob", [0] * 7), "plumb_bob has 7 coefficients, 4 or 5 are needed"),
-    (ros_text("equidistant", [0] * 5), "fisheye model has 5 coefficients, 4 are needed"),
+    (ros_text("plumb_bob", [.1] * 7), "plumb_bob has 7 coefficients, 4 or 5 are needed"),
+    (ros_text("equidistant", [.1] * 5), "model fisheye has 5 coefficients, 4 are needed"),
     (ros_text("double_sphere", [0] * 5), "distortion model is 'double_sphere', one of plumb_bob"),
     (ros_text("plumb_bob", [0, 0, ".nan", 0, 0]), "coefficients holds a number that is not finite"),
     (ros_text("plumb_bob", [0] * 5).replace("300.0", "-3.0"), "are -3 and -3, they must be"),

@@ -152,3 +152,18 @@ def test_real_dot_pages(where, name, dots):
              / np.linalg.norm(place[i + 1, j] - place[i, j])
              for i, j in place if (i - 1, j) in place and (i + 1, j) in place]
     assert len(bends) > 0.9 * dots and max(bends) < 0.25
+
+
+def test_more_dots_than_opencv_takes_rows_in_a_call():
+    """Rings around 11,200 dots are 33,600 rows of samples."""
+    columns, rows, step, samples = 112, 100, 9.0, 4
+    offset = (np.arange(samples) + 0.5) / samples - 0.5
+    x, y = ((np.arange(int(step * (count + 1)))[:, None] + offset).ravel()
+            for count in (columns, rows))
+    dx, dy = (value - step * np.clip(np.rint(value / step), 1, count)
+              for value, count in ((x, columns), (y, rows)))
+    page = np.where(dy[:, None]**2 + dx**2 < 2.6**2, 30.0, 220.0)
+    page = page.reshape(len(y) // samples, samples, -1, samples).mean(axis=(1, 3))
+    found = find_dots(np.rint(page).astype(np.uint8))
+    assert len(found.index) == columns * rows
+    np.testing.assert_allclose(found.xy, step * (found.index + 1), atol=0.05)

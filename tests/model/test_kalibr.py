@@ -121,7 +121,7 @@ def test_one_camera_of_several_is_chosen_by_name(tmp_path, capsys):
     (entry("spherical"), "cam0 has the model 'spherical', one of pinhole, omni, eucm, ds"),
     (entry("ds", [0, .5], "radtan"), "cam0 has the distortion 'radtan', with ds one of none"),
     (entry("omni", ()), "list of intrinsics has 4 numbers, 5 are needed"),
-    (entry("pinhole", (), "radtan", [0] * 5), "distortion coefficients has 5 numbers, 4 are"),
+    (entry("pinhole", (), "radtan", [.1] * 5), "cam0 radtan has 5 coefficients, 4 are needed"),
     (entry("pinhole", (), "fov", [4.0]), "field of view is 4 rad, it must lie between 0 and pi"),
     (entry() | {"resolution": [640]}, "a value of the wrong kind"),
     ({"camera_model": "pinhole"}, "lacks the value distortion_model"),

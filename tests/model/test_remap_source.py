@@ -4,8 +4,10 @@ import cv2
 import numpy as np
 import OpenEXR
 import pytest
+import tifffile
 
 from ncdc_model.calibration.camera_file import training_grid
+from ncdc_model.calibration.remap_file import read_remap
 from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.errors import InputError
 from ncdc_model.training.source import load_source
@@ -245,6 +247,16 @@ def test_files_that_are_none(tmp_path):
             load_source(path, sensor=SIZE)
     with pytest.raises(InputError, match="cannot read .*absent.npz"):
         load_source(tmp_path / "absent.npz")
+
+
+def test_a_tiff_is_not_turned_and_has_one_page(tmp_path):
+    paths = two_pictures(tmp_path, ".tif")
+    for path, table in zip(paths, (X, Y)):
+        tifffile.imwrite(path, table, extratags=[(274, "H", 1, 3, True)])
+    np.testing.assert_array_equal(read_remap(paths).x, X)
+    tifffile.imwrite(paths[0], np.stack([X, Y]))
+    with pytest.raises(InputError, match="x.tif: it has 2 pages, one is needed"):
+        read_remap(paths)
 
 
 def test_more_careless_calls(tmp_path):

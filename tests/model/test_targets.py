@@ -1,5 +1,8 @@
 """Circle grids and chessboards: rendered with known points, and real photos."""
 
+import weakref
+from functools import partial
+
 import cv2
 import numpy as np
 import pytest
@@ -239,3 +242,27 @@ def test_overlay_draws_on_the_points():
     middle = drawn[y[0], (x[0] + x[1]) // 2]
     assert np.ptp(middle.astype(int)) > 60                        # a coloured line between them
     assert np.ptp(drawn[5, 5].astype(int)) == 0                   # and none elsewhere
+
+
+def test_one_photo_is_in_memory():
+    """A photo is read again only where OpenCV looks for a size that all photos together tell."""
+    board = cv2.GaussianBlur(chessboard(9, 6, step=20)[0], (0, 0), 1)
+    width, alive, reads = board.shape[1], [], []
+
+    def photo(seen):
+        assert all(other() is None for other in alive), "an earlier photo is still in memory"
+        picture = board.copy()
+        picture[:, seen:] = 200
+        alive.append(weakref.ref(picture))
+        reads.append(seen)
+        return picture
+    points = detect_points([(str(seen), partial(photo, seen)) for seen in (
+        width, width - 80, width - 10)], "auto")
+    assert points.target_size == (9, 6) and len(points.photos) == 2
+    assert reads == [width, width - 80, width - 10, width - 80]
+
+
+@pytest.mark.parametrize("shape, limit", [((7, 99), 8), ((20, 32767), 32766)])
+def test_photos_beyond_the_limits_are_named(shape, limit):
+    with pytest.raises(InputError, match=f"it is {shape[1]}x{shape[0]}, {limit} pixels on a side"):
+        detect_points([("photo", np.full(shape, 200, np.uint8))], "dots")

@@ -1,12 +1,13 @@
 """``ncdc bench accuracy``: rows, figures, plots, bad requests, the goals on reference lenses."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from kept import kept_trainer
-from ncdc.bench.accuracy.command import table
+from ncdc.bench.accuracy.command import by_lens, table
 from ncdc.bench.accuracy.measure import MODELS, NETWORKS, fits_of, jobs_of, reliability
 from ncdc.bench.accuracy.plots import plot_accuracy
 from ncdc.cli import main
@@ -15,8 +16,8 @@ from ncdc_model.reference_lenses import REFERENCE_LENSES, ReferenceLens
 from ncdc_model.training.train import TRAINERS
 
 regress = pytest.mark.regress
-KEYS = {"lens", "model", "hidden_neurons", "seed", "mse", "mean", "max", "fixed_mse", "fixed_mean",
-        "fixed_max", "fixed_added_max", "dots_mse", "seconds"}
+KEYS = {"lens", "residual", "model", "hidden_neurons", "seed", "mse", "mean", "max", "fixed_mse",
+        "fixed_mean", "fixed_max", "fixed_added_max", "dots_mse", "seconds"}
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +66,35 @@ def test_errors_are_those_of_the_map():
     assert fit.row["dots_mse"] == pytest.approx(((x - dots.x)**2 + (y - dots.y)**2).mean())
 
 
+def test_a_lens_without_residual_is_one_that_a_model_describes(tmp_path):
+    """OpenCV's five coefficients are four times nearer, and the command writes the table of it."""
+    report, written = tmp_path / "report.json", tmp_path / "table.md"
+    assert main(["bench", "accuracy", "--lens", "PC120", "--model", "brown5", "--residual", "0",
+                 "--json", str(report), "--table", str(written)]) == 0
+    row, = json.loads(report.read_text())["rows"]
+    whole, = fits_of("PC120", [("brown5", None, None)])
+    assert row["residual"] == 0 and whole.row["residual"] == 1
+    assert row["mse"] < whole.row["mse"] / 4
+    assert written.read_text() == by_lens([row])
+    assert f"| `brown5` | {row['mse']:.3g} / {row['max']:.3g} |" in written.read_text()
+
+
+def test_a_residual_beyond_the_limits_is_rejected(capsys):
+    assert main(["bench", "accuracy", "--lens", "PC105", "--residual", "nan"]) == 2
+    assert "the residual is nan times the lens's own, the limits are 0 and 1" in (
+        capsys.readouterr().err)
+
+
+def test_the_page_s_table_is_the_command_s():
+    docs = Path(__file__).resolve().parents[2] / "docs"
+    rows = json.loads((docs / "figures/accuracy-residual-0.json").read_text())["rows"]
+    assert by_lens(rows) in (docs / "accuracy.md").read_text()
+    best = {row["lens"]: row["mse"] for row in rows if row["model"] == "opencv-full"}
+    times = [row["mse"] / best[row["lens"]] for row in rows if row["hidden_neurons"] == 12]
+    text = f"its MSE is {min(times):.1f} to {max(times):.0f} times less"
+    assert text in (docs / "accuracy.md").read_text()
+
+
 def test_jobs():
     assert jobs_of(["pbm6-shared", "ncdc"], [4, 5], 2) == [
         ("pbm6-shared", None, None), ("ncdc", 4, 0), ("ncdc", 4, 1), ("ncdc", 5, 0), ("ncdc", 5, 1)]
@@ -80,7 +110,7 @@ def test_jobs():
 def test_what_is_done_without_options(options, networks, slow, monkeypatch, capsys):
     asked = {}
 
-    def fits_of(lens, jobs):
+    def fits_of(lens, jobs, residual):
         asked[lens] = jobs
         return []
     monkeypatch.setattr("ncdc.bench.accuracy.command.fits_of", fits_of)

@@ -2,7 +2,10 @@
 
 import argparse
 import json
+import subprocess
+import sys
 
+import cv2
 import numpy as np
 import pytest
 
@@ -36,8 +39,8 @@ def test_one_photo(folder, capsys):
     assert (report["columns"], report["rows"]) == (points.columns, points.rows) == (27, 20)
     assert report["photos_used"] == 1 and report["photos_rejected"] == {}
     assert report["points_rejected"] == sum(report["points_rejected_by_reason"].values()) > 0
-    assert report["overlays"] == [str(out.with_suffix(".png"))]
-    assert read_image(out.with_suffix(".png")).shape == (480, 640, 3)
+    assert report["overlays"] == [str(out.with_name("points.overlay.png"))]
+    assert read_image(out.with_name("points.overlay.png")).shape == (480, 640, 3)
 
 
 def test_unusable_photo_is_named_and_the_other_used(folder, capsys):
@@ -59,10 +62,35 @@ def test_nothing_usable(folder):
 
 def test_photo_is_never_replaced(folder):
     before = (folder / "page.png").read_bytes()
-    for name in ("page.json", "page.png"):
-        with pytest.raises(InputError, match="would replace the photo of that name"):
-            command(folder / "page.png", "-o", folder / name)
-    assert (folder / "page.png").read_bytes() == before and not (folder / "page.json").exists()
+    with pytest.raises(InputError, match="would replace the photo of that name"):
+        command(folder / "page.png", "--target", "dots", "-o", folder / "page.png")
+    write_image(folder / "own.overlay.png", target_photo(example_camera()))
+    with pytest.raises(InputError, match="own.overlay.png would replace the photo of that name"):
+        command(folder / "own.overlay.png", "--target", "dots", "-o", folder / "own.json")
+    assert not (folder / "own.json").exists()
+    command(folder / "page.png", "--target", "dots", "-o", folder / "page.json")
+    assert (folder / "page.json").exists() and (folder / "page.overlay.png").exists()
+    assert (folder / "page.png").read_bytes() == before
+
+
+def test_what_is_said_of_a_photo_is_said_once(folder, capsys):
+    cv2.imwrite(str(folder / "deep.png"), target_photo(example_camera()).astype(np.uint16) * 16)
+    command(folder / "deep.png", "--target", "dots", "-o", folder / "deep.json")
+    assert capsys.readouterr().err.count("deep.png has 16-bit samples") == 1
+
+
+def test_nothing_but_our_sentences_on_stderr(tmp_path):
+    """Markers so large make OpenCV's board write warnings."""
+    family = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    board = cv2.aruco.GridBoard((5, 4), 1.0, 0.1, family)
+    photo, out = tmp_path / "markers.png", tmp_path / "points.json"
+    write_image(photo, board.generateImage((600, 490), marginSize=30))
+    result = subprocess.run([sys.executable, "-c", "from ncdc.cli import main; raise SystemExit("
+                             f"main(['calibrate', {str(photo)!r}, '-o', {str(out)!r}]))"],
+                            capture_output=True, text=True)
+    lines = [line for line in result.stderr.splitlines() if not line.startswith("calibrate: ")]
+    assert result.returncode == 2 and len(lines) == 1 and not out.exists()
+    assert "it shows 20 markers of the family 4X4_1000 but no ChArUco board" in lines[0]
 
 
 def test_another_target_is_refused_and_the_earlier_file_stays(folder):

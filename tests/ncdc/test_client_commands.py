@@ -101,6 +101,8 @@ def test_one_sentence(one, command, status, message, capsys):
     ("net.toml other.toml", "lens 2 has other sizes"),
     ("net.toml --photo small.png", "the picture has 47x40 pixels, the descriptor is for 64x48"),
     ("net.toml --photo net.toml", "holds no image"),
+    ("net.toml --photo small.png --raw 64x48:RGGB:8", "small.png has "),
+    ("net.toml --photo small.png --bits 12", "small.png declares samples of 8 bits"),
     ("net.toml --count 0", "0 devices are asked for, the limits are 1 and 16"),
     ("net.toml --fps 0", "fps is 0, the limits are 0.1 and 120"),
     ("net.toml --loss 0.6", "loss is 0.6, the limits are 0 and 0.5"),

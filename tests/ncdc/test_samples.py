@@ -3,6 +3,8 @@
 import cv2
 import numpy as np
 import pytest
+import tifffile
+from PIL import Image
 
 from lenses import GEOMETRY, known_network
 from ncdc.cli import main
@@ -10,6 +12,7 @@ from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.geometry import ValidRows
 from ncdc_model.images import read_image
+from photo_files import dng
 
 SHAPE = GEOMETRY.distorted[::-1]
 
@@ -65,9 +68,55 @@ def test_a_dump_is_read(corrected, tmp_path, bits, kind):
     assert status == 0
 
 
+def test_a_packed_dump_of_two_frames_with_a_stride(corrected, tmp_path):
+    raw = samples(10)
+    groups = np.concatenate([(raw >> 2).reshape(240, 80, 4), np.zeros((240, 80, 1), int)], 2)
+    rows = np.pad(groups.reshape(240, 400).astype(np.uint8), ((0, 0), (0, 16)))
+    (tmp_path / "frame.raw").write_bytes(bytes(rows.size) + rows.tobytes())
+    wanted = (raw >> 2).astype(np.uint8)
+    status, said = corrected("frame.raw", "--raw", "320x240:RGGB:10p:stride=416:frame=2",
+                             expected=wanted)
+    assert status == 0 and "frame.raw" not in said
+    status, said = corrected("frame.raw", "--raw", "320x240:RGGB:10p:stride=416",
+                             expected=np.zeros_like(wanted))
+    assert status == 0 and "frame.raw: the first of 2 frames is taken" in said
+
+
+def test_a_camera_raw_file(corrected, tmp_path):
+    raw = samples(12)
+    dng(tmp_path / "frame.dng", raw)
+    status, said = corrected("frame.dng", expected=(raw >> 4).astype(np.uint8))
+    assert status == 0 and "frame.dng is a camera RAW file: its RGGB frame of 320x240" in said
+    dng(tmp_path / "frame.dng", raw, pattern=(2, 1, 1, 0))
+    assert corrected("frame.dng")[0] == 2
+    assert "the raw frame has the pattern BGGR, the descriptor RGGB" in corrected("frame.dng")[1]
+
+
+def test_an_array(corrected, tmp_path):
+    np.save(tmp_path / "frame.npy", samples(12))
+    status, said = corrected("frame.npy", "--bits", "12",
+                             expected=(samples(12) >> 4).astype(np.uint8))
+    assert status == 0 and "frame.npy has one channel: taken as the raw RGGB frame" in said
+    status, said = corrected("frame.npy", "--raw", "320x240:RGGB:12")
+    assert status == 2 and "it is a NumPy file, which is read without --raw" in said
+
+
 @pytest.mark.parametrize("option,sentence", [
-    ("320x240:RGGB:8", "frame.raw has 153600 bytes, 320x240 samples of 1 byte need 76800"),
-    ("320x241:RGGB:12", "320x241 samples of 2 bytes need 154240; packed samples are not read"),
+    ("320x240:RGGB:8", "frame.raw has 153600 bytes, 320x240 samples of 1 byte need 76800; that is "
+                       "one frame of 9 to 16 bits, or two of 8 (:frame=1)\n"),
+    ("320x241:RGGB:12", "320x241 samples of 2 bytes need 154240; by bits: 8 77120, 9 to 16 154240, "
+                        "10p 96400, 12p 115680, 14p 134960\n"),
+    ("320x240:RGGB:10p", "320x240 packed samples of 10 bits need 96000; that is one frame of 9 to "
+                         "16 bits\n"),
+    ("300x240:RGGB:12", "153600 bytes, 300x240 samples of 2 bytes need 144000; rows of 640 bytes "
+                        "would fit (:stride=)\n"),
+    ("320x240:RGGB:12:stride=1000", "153600 bytes, 240 rows of 1000 bytes need 240000"),
+    ("320x240:RGGB:12:stride=639", "the stride is 639 bytes, the samples of a row need 640\n"),
+    ("320x240:RGGB:12:frame=2", "frame.raw holds 1 frame, frame 2 is asked for\n"),
+    ("320x240:RGGB:12:frame=0", "the frame is 0, frames are counted from 1\n"),
+    ("320x240:RGGB:16p", "packed samples of 16 bits are asked for, those of 10, 12, 14 bits are"),
+    ("320x240:RGGB:12:frame=1:frame=1", "WxH:PATTERN:BITS is needed"),
+    ("320x240:RGGB:12:step=1", "WxH:PATTERN:BITS is needed"),
     ("320x240:BGGR:12", "the raw frame has the pattern BGGR, the descriptor RGGB"),
     ("320x240:RGGB:11", "frame.raw holds a sample of 4095, 11 bits end at 2047"),
     ("320x240:RGGB", "raw is '320x240:RGGB', WxH:PATTERN:BITS is needed, as in 1280x1024:RGGB:12"),
@@ -97,6 +146,18 @@ def test_what_a_picture_is_taken_for_is_told(corrected):
     assert corrected("grey.jpg") == (2, "ncdc correct: grey.jpg is a grey JPEG, a raw RGGB frame "
                                         "or a colour picture is needed; a grey camera is trained "
                                         "with --bayer MONO\n")
+
+
+def test_a_grey_jpeg_in_a_tiff_is_no_raw_frame(corrected):
+    Image.fromarray((samples(16) >> 8).astype(np.uint8)).save("grey.tif", compression="jpeg")
+    assert "grey.tif is a grey JPEG, a raw RGGB frame" in corrected("grey.tif")[1]
+
+
+@pytest.mark.parametrize("orientation", [3, 6])
+def test_a_raw_frame_is_not_turned(corrected, orientation):
+    raw = samples(12)
+    tifffile.imwrite("raw.tif", raw, bitspersample=12, extratags=[(274, "H", 1, orientation, True)])
+    assert corrected("raw.tif", "--bits", "12", expected=(raw >> 4).astype(np.uint8))[0] == 0
 
 
 def test_calibrate_takes_the_same_options(tmp_path, capsys):

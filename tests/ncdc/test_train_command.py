@@ -235,7 +235,7 @@ def test_bad_options_are_named(folder, tmp_path, options, message):
 def test_a_camera_of_another_size_is_refused(folder, tmp_path):
     camera = lens().to_dict() | {"width": 640}
     Camera.from_dict(camera).save(tmp_path / "other.toml")
-    with pytest.raises(InputError, match="camera with 640x240 pixels, the descriptor is for 3"):
+    with pytest.raises(InputError, match="camera is for 640x240 pixels, the sensor has 320x240"):
         call(evaluate, folder / "net.toml", "--against", tmp_path / "other.toml")
 
 

@@ -100,7 +100,7 @@ def test_the_neurons_of_a_map_are_chosen_by_its_whole_frame(tmp_path, few_starts
      "size and zoom choose the frame of points and camera files, the map of x.tif has its own"),
     (["train", "photo.png", "--neurons", "4"], "photo.png holds photo.png 20x30x3: a map has two"),
     (["train", "camera.toml", "--neurons", "4", "--sensor", "320x240"],
-     "the sensor's size is given, which camera.toml tells itself: it is no map"),
+     "camera.toml: the camera is for 320x200 pixels, the sensor has 320x240"),
     (["evaluate", "net.toml", "--against", "x.tif", "--against", "y.tif"],
      "x.tif and y.tif is the map of a corrected picture with 192x144 pixels, the descriptor is "
      "for 96x80"),
@@ -112,7 +112,8 @@ def test_bad_calls_are_one_sentence(tmp_path, monkeypatch, capsys, arguments, me
     assert cv2.imwrite("x.tif", x) and cv2.imwrite("y.tif", y)
     assert cv2.imwrite("photo.png", np.zeros((20, 30, 3), np.uint8))
     np.savez("other.npz", map_x=x, map_y=y, sensor=SIZE)
-    (tmp_path / "camera.toml").write_text("width = 320\n")
+    (tmp_path / "camera.toml").write_text(
+        "width = 320\nheight = 200\nf_distorted = 200.0\ncentre = [160.0, 100.0]\n")
     barrel_descriptor((96, 80), (200, 150), hidden_neurons=3, strength=.4).save("net.toml")
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     assert main(arguments) == 2

@@ -8,6 +8,7 @@ import numpy as np
 
 from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.neighbours import displaced, neighbours
+from ncdc_model.calibration.sampling import sample
 
 __all__ = ["alike"]
 
@@ -19,6 +20,7 @@ _FLOOR = 0.35          # of a dot's contrast, that it may differ in any case
 # Pixels and parts of a step from its prediction: a dot that looks odd but is nearer is right.
 _MOVED = 0.35, 0.012
 _LEAST = 3             # neighbours that tell how a dot looks
+_BLOCK = 1 << 10       # dots at a time, which bounds the memory
 REASON = "touched or partly covered: it looks otherwise than the dots around it"
 
 
@@ -48,26 +50,36 @@ def alike(image, photo):
 def difference(image, photo, near):
     """By how much (n,) of its contrast each dot differs from the usual picture around it, in the
     quarter turn where it differs most."""
-    seen = _pictures(image, photo, near)
+    flat = cv2.GaussianBlur(flat_field(image), (0, 0), 0.7)
+    steps, blocks = _steps(photo, near), _blocks(len(near))
+    seen = np.concatenate([_pictures(flat, photo.xy[part], photo.area[part],
+                                     *(step[part] for step in steps)) for part in blocks])
+    return np.concatenate([_differs(seen, part, near[part]) for part in blocks])
+
+
+def _blocks(count):
+    return [slice(start, start + _BLOCK) for start in range(0, count, _BLOCK)]
+
+
+def _differs(seen, part, near):
+    """:func:`difference` of the dots ``part``, a slice, whose neighbours are ``near``."""
     there = near >= 0
     around = np.where(there[:, :, None, None], seen[near], np.nan)
     told = there.sum(axis=1) >= _LEAST
-    usual = np.zeros_like(seen)
+    usual = np.zeros_like(seen[part])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)    # all neighbours beyond the border
         usual[told] = np.nanmedian(around[told], axis=1)
-    off = np.where(told[:, None, None], np.nan_to_num(seen - usual), 0)
+    off = np.where(told[:, None, None], np.nan_to_num(seen[part] - usual), 0)
     wide = sum(np.roll(off, k, axis=2) for k in range(_SECTORS // 4)) / (_SECTORS // 4)
     return np.abs(wide).max(axis=(1, 2))
 
 
-def _pictures(image, photo, near):
+def _pictures(flat, xy, area, across, down):
     """Depth (n, rings, sectors) below the page, in parts of each dot's own; not-a-number beyond the
-    photo's border."""
-    flat = cv2.GaussianBlur(flat_field(image), (0, 0), 0.7)
-    across, down = _steps(photo, near)
+    photo's border. ``across`` and ``down`` are the steps (n, 2) of the lattice."""
     cell = np.abs(across[:, 0] * down[:, 1] - across[:, 1] * down[:, 0])
-    radius = np.sqrt(photo.area / np.maximum(cell, 1e-9) / np.pi)
+    radius = np.sqrt(area / np.maximum(cell, 1e-9) / np.pi)
     angle = 2 * np.pi * np.arange(_SECTORS) / _SECTORS
     way = (np.cos(angle)[None, :, None] * across[:, None]
            + np.sin(angle)[None, :, None] * down[:, None])
@@ -76,25 +88,13 @@ def _pictures(image, photo, near):
     outer = np.minimum(radius[:, None] + _BEYOND / np.maximum(pixels, 1e-6), 0.5)
     rings = np.stack([_INNER * radius[:, None] + 0 * outer, radius[:, None] + 0 * outer, outer],
                      axis=1)
-    places = photo.xy[:, None, None] + rings[..., None] * way[:, None]
-    bright = _at(flat, places)
+    places = xy[:, None, None] + rings[..., None] * way[:, None]
+    bright = sample(flat, places)
     page = np.median(bright[:, -1], axis=1)
-    depth = np.maximum(page - _at(flat, photo.xy[:, None, None])[:, 0, 0], 0.02)
+    depth = np.maximum(page - sample(flat, xy), 0.02)
     seen = (page[:, None, None] - bright) / depth[:, None, None]
     inside = ((places >= 0) & (places <= np.array(flat.shape[::-1]) - 1)).all(axis=-1)
     return np.where(inside, seen, np.nan)
-
-
-def _usual(values, near):
-    """Median (n,) of each point's neighbours' values and its own."""
-    around = np.where(near >= 0, values[near], np.nan)
-    return np.nanmedian(np.column_stack([around, values]), axis=1)
-
-
-def _at(flat, places):
-    x, y = places.reshape(-1, places.shape[-2], 2).transpose(2, 0, 1).astype(np.float32)
-    return cv2.remap(flat, np.ascontiguousarray(x), np.ascontiguousarray(y), cv2.INTER_LINEAR,
-                     borderMode=cv2.BORDER_REPLICATE).reshape(places.shape[:-1])
 
 
 def _steps(photo, near):

@@ -80,7 +80,8 @@ def _lens(size, photo):
         return None
     tried = np.random.default_rng(1).permutation(len(photo.index))[:_FEW]
     try:
-        places = fit_smooth(size, [(photo.index[tried], photo.xy[tried])]).pixels(0, photo.index)
+        fit = fit_smooth(size, [(photo.index[tried], photo.xy[tried])], rough=True)
+        places = fit.pixels(0, photo.index)
     except (InputError, np.linalg.LinAlgError):
         return None
     off = np.median(np.linalg.norm(places - photo.xy, axis=1))

@@ -13,6 +13,7 @@ _FAINT = 0.25          # of the middle contrast of the page: less is noise, not 
 _DARK = 0.15           # part of a dot's contrast below which a pixel does not count as ink
 _RIM = 2               # pixels around a blob that still hold some of its ink
 _FILL = (0.80, 1.15)   # area over the area of the ellipse with the same second moments
+_STRIP = 1 << 18       # pixels at a time, which bounds the memory
 
 
 @dataclass(frozen=True)
@@ -51,11 +52,13 @@ def flat_field(image):
 
 
 def _relative(grey):
-    grey = grey.astype(np.float32) + 1.0
+    grey = grey.astype(np.float32)
+    grey += 1
     # The wide Gaussian is smooth: a picture of a quarter of the size gives the same.
     small = cv2.resize(grey, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
     wide = cv2.GaussianBlur(small, (0, 0), max(small.shape) / 16)
-    return grey / cv2.resize(wide, grey.shape[::-1], interpolation=cv2.INTER_LINEAR)
+    grey /= cv2.resize(wide, grey.shape[::-1], interpolation=cv2.INTER_LINEAR)
+    return grey
 
 
 def find_blobs(image):
@@ -68,23 +71,38 @@ def find_blobs(image):
     it is much smaller than the others, or no filled ellipse; if the border cuts it, only told.
     """
     flat = flat_field(image)
-    smooth = cv2.GaussianBlur(flat, (0, 0), 0.7)
-    grey = np.clip(smooth * 128, 0, 255).astype(np.uint8)
-    level = cv2.threshold(grey, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)[0]
-    first = _blobs(smooth, smooth < (level + 0.5) / 128, _SMALL)
+    first = _dark_blobs(cv2.GaussianBlur(flat, (0, 0), 0.7))
     if len(first.xy) < 9:
         return first
     typical = np.median(first.area)
     distance = cKDTree(first.xy).query(first.xy, 2)[0][:, 1]
     # Noise inside a large dot would break its edge up.
     smooth = cv2.GaussianBlur(flat, (0, 0), max(0.7, 0.1 * np.sqrt(typical)))
-    page = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, _square(
-        1.4 * np.sqrt(np.percentile(first.area, 90) * 4 / np.pi)))
-    depth = 1 - smooth / page
-    deepest = cv2.dilate(depth, _square(0.8 * np.percentile(distance, 90)))
-    usual = np.median(deepest)
-    return _blobs(smooth, (depth > deepest / 2) & (deepest > _FAINT * usual),
-                  max(_SMALL, 0.15 * typical))
+    del flat
+    ink = _ink(smooth, 1.4 * np.sqrt(np.percentile(first.area, 90) * 4 / np.pi),
+               0.8 * np.percentile(distance, 90))
+    return _blobs(smooth, ink, max(_SMALL, 0.15 * typical))
+
+
+def _dark_blobs(smooth):
+    """:class:`Blobs` of what is darker than Otsu's threshold of the flat field."""
+    grey = smooth * 128
+    grey = np.clip(grey, 0, 255, out=grey).astype(np.uint8)
+    level = cv2.threshold(grey, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)[0]
+    return _blobs(smooth, smooth < (level + 0.5) / 128, _SMALL)
+
+
+def _ink(smooth, diameter, apart):
+    """Mask of what is darker than half of the depth of its dot; dots have the ``diameter`` and
+    are ``apart``."""
+    depth = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, _square(diameter))
+    np.divide(smooth, depth, out=depth)
+    np.subtract(1, depth, out=depth)
+    deepest = cv2.dilate(depth, _square(apart))
+    ink = deepest > _FAINT * np.median(deepest)
+    deepest /= 2
+    ink &= depth > deepest
+    return ink
 
 
 def _square(side):
@@ -93,8 +111,8 @@ def _square(side):
 
 def _blobs(smooth, dark, smallest):
     """Blobs of the connected regions, of at least ``smallest`` pixels, of the mask ``dark``."""
-    count, labels, stats, middles = cv2.connectedComponentsWithStats(dark.astype(np.uint8),
-                                                               connectivity=4)
+    count, labels, stats, middles = cv2.connectedComponentsWithStats(dark.view(np.uint8),
+                                                                     connectivity=4)
     height, width = smooth.shape
     left, top, wide, high, area = stats.T
     cut = (left <= 0) | (top <= 0) | (left + wide >= width) | (top + high >= height)
@@ -121,26 +139,40 @@ def _centres(flat, labels, good, count, area):
     """Centroid of the ink and fill of every component; rows of bad components mean nothing."""
     size = int(np.sqrt(np.median(area[good]))) + 2
     white = cv2.dilate(flat, np.ones((2 * size + 1,) * 2, np.uint8))
-    white = cv2.blur(cv2.erode(white, np.ones((size, size), np.uint8)), (2 * size + 1,) * 2)
-    owner = np.where(good[labels], labels, 0).astype(np.float32)
-    near = cv2.dilate(owner, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _RIM + 1,) * 2))
-    near = np.where(labels > 0, labels, near.astype(np.int64))
-    rows, columns = np.nonzero(near)
-    which = near[rows, columns]
-    depth = (white - flat)[rows, columns]
+    white = cv2.erode(white, np.ones((size, size), np.uint8))
+    white = cv2.blur(white, (2 * size + 1,) * 2)
     deepest = np.zeros(count, np.float32)
-    np.maximum.at(deepest, which, depth)
-    ink = np.clip(depth - _DARK * deepest[which], 0, None)
-
-    def total(weights):
-        return np.bincount(which, weights, count)
+    for which, rows, columns in _pixels(labels, good, _RIM):
+        np.maximum.at(deepest, which, white[rows, columns] - flat[rows, columns])
+    mass, x, y, xx, yy, xy = np.zeros((6, count))
+    for which, rows, columns in _pixels(labels, good, _RIM):
+        depth = white[rows, columns] - flat[rows, columns]
+        ink = np.clip(depth - _DARK * deepest[which], 0, None).astype(np.float64)
+        for total, weights in (mass, ink), (x, ink * columns), (y, ink * rows):
+            np.add.at(total, which, weights)
     with np.errstate(all="ignore"):
-        mass = total(ink)
-        x, y = total(ink * columns) / mass, total(ink * rows) / mass
+        x, y = x / mass, y / mass
         # The fill is that of the flat region itself, as a binary shape.
-        inside = labels[rows, columns] > 0
-        dx, dy = (columns - x[which]) * inside, (rows - y[which]) * inside
-        xx, yy, xy = (total(value) / area + extra for value, extra in
-                      ((dx * dx, 1 / 12), (dy * dy, 1 / 12), (dx * dy, 0)))
+        for which, rows, columns in _pixels(labels, good, 0):
+            dx, dy = columns - x[which], rows - y[which]
+            for total, weights in (xx, dx * dx), (yy, dy * dy), (xy, dx * dy):
+                np.add.at(total, which, weights)
+        xx, yy, xy = xx / area + 1 / 12, yy / area + 1 / 12, xy / area
         fill = area / (4 * np.pi * np.sqrt(np.maximum(xx * yy - xy * xy, 1e-12)))
     return np.stack([x, y], axis=1), fill
+
+
+def _pixels(labels, good, rim):
+    """Component, row and column of the pixels of the ``good`` components and of those that are no
+    component's, but at most ``rim`` pixels away; strip after strip, in the order of the rows."""
+    number = np.where(good, np.arange(len(good)), 0).astype(np.float32)
+    around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * rim + 1,) * 2)
+    height = max(1, _STRIP // labels.shape[1])
+    for top in range(0, len(labels), height):
+        above = min(rim, top)
+        part = labels[top - above:top + height + rim]
+        near = number[part]
+        if rim:
+            near = np.where(part > 0, near, cv2.dilate(near, around))
+        rows, columns = np.nonzero(near[above:above + height])
+        yield near[above:above + height][rows, columns].astype(np.intp), rows + top, columns

@@ -18,6 +18,8 @@ __all__ = ["board_of_size", "find_any_chessboard", "find_boards", "find_chessboa
 
 _ENOUGH = 12           # corners of a part of a board
 _SCALE = 2.0           # pixels: blur at which OpenCV finds corners
+_LARGEST = 1 << 21     # pixels of a picture that OpenCV searches: it takes 200 bytes for each
+_COPY = 1_500_000      # pixels of the copy that it searches of a larger one
 
 
 def find_boards(image):
@@ -43,13 +45,13 @@ def find_chessboard(image, columns, rows):
     InputError
         If no such board, no 12 corners of one, or a larger one is found.
     """
-    return board_of_size(find_boards(image), columns, rows, image)
+    return board_of_size(find_boards(image), columns, rows, lambda: image)
 
 
-def board_of_size(boards, columns, rows, image=None):
+def board_of_size(boards, columns, rows, image):
     """The one of ``boards``, as of :func:`find_boards`, that is ``columns`` x ``rows`` or a part.
 
-    Where none is whole and the ``image`` is given, OpenCV looks for it too; it takes more time.
+    Where none is whole, OpenCV looks for it too in what ``image()`` returns; it takes more time.
     Raises :class:`InputError` as :func:`find_chessboard`.
     """
     for side, count in (("columns", columns), ("rows", rows)):
@@ -63,8 +65,8 @@ def board_of_size(boards, columns, rows, image=None):
         raise InputError(f"it shows a chessboard of at least {across}x{down} inner corners, not of "
                          f"{columns}x{rows}")
     whole = [board for board in fitting if len(board.index) == columns * rows]
-    if not whole and image is not None:
-        other = _by_opencv(image, columns, rows)
+    if not whole:
+        other = _by_opencv(image(), columns, rows)
         if other is not None and len(other.index) > len(fitting[0].index if fitting else ()):
             whole = [other]
     best = (whole or fitting or [None])[0]
@@ -98,7 +100,9 @@ def grey_picture(image):
     """Eight-bit grey picture; a raw frame is made grey by flat-fielding each filter colour."""
     if image.ndim == 3:
         return cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    return np.clip(110 * flat_field(image), 0, 255).astype(np.uint8)
+    flat = flat_field(image)
+    flat *= 110
+    return np.clip(flat, 0, 255, out=flat).astype(np.uint8)
 
 
 def _held(image, index, xy):
@@ -138,9 +142,15 @@ def _turned(board, columns, rows):
 def _by_opencv(image, columns, rows):
     """Those of OpenCV's corners that are a chessboard's and agree with each other, or None.
 
-    At the rim of a fisheye OpenCV has placed corners far beside the board.
+    At the rim of a fisheye OpenCV has placed corners far beside the board. A picture of more than
+    two million pixels is searched in a smaller copy.
     """
-    grey = grey_picture(image)
+    grey = whole = grey_picture(image)
+    scale = 1.0, 1.0
+    if grey.size > _LARGEST:
+        full, shrink = np.array(grey.shape[::-1]), np.sqrt(_COPY / grey.size)
+        grey = cv2.resize(grey, np.rint(shrink * full).astype(int), interpolation=cv2.INTER_AREA)
+        scale = full / grey.shape[::-1]
     flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
     for effort in (0, cv2.CALIB_CB_EXHAUSTIVE):
         found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags | effort)
@@ -156,6 +166,7 @@ def _by_opencv(image, columns, rows):
     if not check_squares(cv2.GaussianBlur(grey, (0, 0), 1).astype(np.float32), index, xy).all():
         return None
     try:
-        return with_focus(grey, _held(image, index, refine(grey, index, xy, _SCALE)))
+        xy = refine(whole, index, (xy + 0.5) * scale - 0.5, _SCALE * max(scale))
+        return with_focus(whole, _held(image, index, xy))
     except InputError:
         return None

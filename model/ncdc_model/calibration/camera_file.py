@@ -1,4 +1,4 @@
-"""Camera files: OpenCV's, ROS's, Kalibr's and our own, as the exact map of a corrected frame."""
+"""Camera files, of other programs and our own, as the exact map of a corrected frame."""
 
 import hashlib
 from dataclasses import dataclass
@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.calibration.camera_models import lens_of_table
-from ncdc_model.calibration.camera_tables import read_table
+from ncdc_model.calibration.files.known import reject_known_text
+from ncdc_model.calibration.files.read import read_lens
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
 from ncdc_model.geometry import Geometry
@@ -38,6 +38,8 @@ class CameraMap:
         Which model the file holds, for reports.
     digest : str
         Twelve hex digits of the hash of the file.
+    notes, warnings : tuple of str
+        Sentences on how the file was read, and on what is odd about it.
     """
     size: tuple
     frame: Frame
@@ -45,6 +47,8 @@ class CameraMap:
     undistort: object
     model: str
     digest: str
+    notes: tuple = ()
+    warnings: tuple = ()
 
     def back_map(self, u, v):
         """Distorted pixel (x, y) of the corrected pixel (u, v)."""
@@ -55,12 +59,12 @@ class CameraMap:
         return Geometry(*self.frame.size, *self.size, **options)
 
 
-def load_camera_map(path, size=None, zoom=None, camera=None):
+def load_camera_map(path, size=None, zoom=None, camera=None, sensor=None):
     """Read a camera file and choose the corrected frame.
 
-    Understood are OpenCV FileStorage (YAML, XML, JSON), ROS camera_info (YAML), BoofCV and Kalibr
-    camchain (YAML), see :mod:`ncdc_model.calibration.camera_models`, and the camera file (TOML)
-    of :class:`ncdc_model.lens.Camera`.
+    Understood are the files of :mod:`ncdc_model.calibration.files`: OpenCV, ROS, BoofCV, Kalibr,
+    camodocal, COLMAP, mrcal, MATLAB, RealSense, NeRF, and the camera file (TOML) of
+    :class:`ncdc_model.lens.Camera`.
 
     Parameters
     ----------
@@ -68,33 +72,60 @@ def load_camera_map(path, size=None, zoom=None, camera=None):
     size : (int, int), optional
         Corrected width and height; default that of the distorted image.
     zoom : str or float, optional
-        fit, fill or the magnification in the middle, as in :func:`ncdc_model.lens.choose_frame`;
-        default fit. A TOML file that holds a frame keeps it if neither size nor zoom is given.
+        fit, fill or the magnification in the middle, as in :func:`ncdc_model.lens.choose_frame`.
+        Without size and zoom, the frame is that of the file, where it holds one: a projection
+        matrix, or the frame of our own file; else zoom is fit.
     camera : str, optional
-        Which camera of a camchain.
+        Which of several cameras in the file.
+    sensor : (int, int), optional
+        Width and height of the frames that are to be corrected: where the file does not say, or
+        another size of the same aspect.
 
     Raises
     ------
     InputError
         If the file cannot be read, lacks a value, holds an unknown model or one that does not
-        suit the zoom, or not the ``camera``.
+        suit the zoom or the sensor, or not the ``camera``.
     """
-    digest = hashlib.sha256(read_bytes(path)).hexdigest()[:12]
+    content = read_bytes(path)
     if Path(path).suffix.lower() == ".toml":
-        if camera is not None:
-            raise InputError(f"{path}: camera {camera} is asked for, the file holds one camera "
-                             f"without a name")
-        ours = Camera.load(path)
-        if size is not None or zoom is not None:
-            ours = ours.framed(size, zoom or "fit")
-        return CameraMap(ours.size, ours.frame, ours.distort, ours.undistort, "ncdc camera", digest)
+        return _ours(path, content, size, zoom, camera, sensor)
     try:
-        lens = lens_of_table(read_table(path), camera)
-        frame = choose_frame(lens.undistort, lens.distort, lens.size, tuple(size or lens.size),
-                             zoom or "fit")
+        lens = read_lens(path, content, camera, sensor)
+        size, notes = tuple(size or lens.size), lens.notes
+        if lens.frame is not None and zoom is None and size == lens.size:
+            frame = lens.frame
+            notes += (f"the corrected picture is that of the projection matrix: focal lengths "
+                      f"{frame.focal:.2f} and {frame.aspect * frame.focal:.2f}, centre "
+                      f"({frame.centre[0]:.2f}, {frame.centre[1]:.2f}); --zoom gives another",)
+        else:
+            frame = choose_frame(lens.undistort, lens.distort, lens.size, size, zoom or "fit")
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return CameraMap(lens.size, frame, lens.distort, lens.undistort, lens.model, digest)
+    return CameraMap(lens.size, frame, lens.distort, lens.undistort, lens.model,
+                     _digest(content), notes, lens.warnings)
+
+
+def _ours(path, content, size, zoom, camera, sensor):
+    if camera is not None:
+        raise InputError(f"{path}: camera {camera} is asked for, the file holds one camera without "
+                         f"a name")
+    try:
+        reject_known_text(content.decode("utf-8", "replace"))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    ours = Camera.load(path)
+    if sensor is not None and tuple(sensor) != ours.size:
+        raise InputError("{}: the camera is for {}x{} pixels, the sensor has {}x{}; a camera file "
+                         "of ours is not scaled".format(path, *ours.size, *sensor))
+    if size is not None or zoom is not None:
+        ours = ours.framed(size, zoom or "fit")
+    return CameraMap(ours.size, ours.frame, ours.distort, ours.undistort, "ncdc camera",
+                     _digest(content))
+
+
+def _digest(content):
+    return hashlib.sha256(content).hexdigest()[:12]
 
 
 def training_grid(back_map, geometry, grid=GRID, border=BORDER, without=None):

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from ncdc_model.calibration.belief import believed
 from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.calibration.sampling import sample
 from ncdc_model.calibration.subpixel import refine
 from ncdc_model.errors import InputError
 
@@ -146,7 +147,9 @@ def has_markers(image, board):
             # A marker of 0.4 to 0.9 of a square has its rim at one of these places.
             spots.append([middle + part * ((a + b) / 2 - middle) for a, b in sides
                           for part in _RIMS])
-    values = cv2.remap(grey, np.array(spots, np.float32), None, cv2.INTER_LINEAR)
+    if not spots:
+        return False
+    values = sample(grey, spots)
     low, high = np.percentile(values, (5, 95))
     darkest = values.reshape(len(values), 4, len(_RIMS)).min(axis=2)
     return bool((np.median(darkest, axis=1) > (low + high) / 2).mean() < _PLAIN)

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.calibration.boards import board_of_size
+from ncdc_model.calibration.boards import board_of_size, grey_picture
+from ncdc_model.calibration.fiducials import other_board
 from ncdc_model.calibration.grids import grid_of_size
 from ncdc_model.calibration.points import TARGETS, TargetPoints
 from ncdc_model.calibration.sight import MIN_DOTS, Look
@@ -17,6 +18,7 @@ from ncdc_model.geometry import MIN_SIZE
 __all__ = ["MIN_DOTS", "detect_points", "parse_target"]
 
 _MAX_SIDE = 200        # columns or rows of a target
+_MAX_PHOTO = 32766     # pixels on a side: OpenCV samples no larger picture
 _SAME = 0.05           # pixels: two photos whose points differ by less are one photo
 # Rows' distance over that of columns in a staggered grid: OpenCV's, and of equal distances between
 # all neighbours, lines lying or standing.
@@ -47,10 +49,11 @@ def parse_target(text):
 def detect_points(images, target="auto"):
     """Points of the target on every one of ``images``, pairs (name, uint8 image).
 
-    ``images`` may be an iterator. ``auto`` settles on the kind and size of target that most photos
-    show; parts of it do not count against the whole. A photo without the target, of another size
-    in pixels than most, or with the very points of an earlier one, is left out with its reason; of
-    a target that is seen in part, the part is used.
+    ``images`` may be an iterator, and in place of an image may be a function that returns it: it
+    is called again when needed, so that only one photo is in memory. ``auto`` settles on the kind
+    and size of target that most photos show; parts of it do not count against the whole. A photo
+    without the target, of another size in pixels than most, or with the very points of an earlier
+    one, is left out with its reason; of a target that is seen in part, the part is used.
 
     Raises
     ------
@@ -68,14 +71,16 @@ def detect_points(images, target="auto"):
         if look.name in rejected:
             continue
         try:
-            found = _find(look, kind, columns, rows)
+            found = _found(look, kind, columns, rows)
             twin = next((photo.name for photo in photos if _same(photo, found)), None)
             if twin:
                 raise InputError(f"it shows the same as {twin}: points within {_SAME} pixels of "
                                  f"each other")
         except InputError as error:
-            rejected[look.name] = look.doubt or str(error)
+            rejected[look.name] = str(error)
             continue
+        finally:
+            look.release()
         photos.append(replace(found, name=Path(look.name).name))
     if not photos:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
@@ -87,7 +92,7 @@ def detect_points(images, target="auto"):
 
 def _looks(images, kind):
     """A :class:`Look` at each photo, and why some are of no use. With ``auto`` each is
-    recognised; a photo is kept in memory only as long as something may still be looked for."""
+    recognised."""
     looks, rejected, seen = [], {}, set()
     for name, image in images:
         name = f"{name} (again)" if str(name) in seen else str(name)
@@ -96,6 +101,9 @@ def _looks(images, kind):
         looks.append(look)
         if min(look.size) < MIN_SIZE:
             rejected[name] = (f"it is {look.size[0]}x{look.size[1]}, {MIN_SIZE} pixels on a side "
+                              f"are the limit")
+        elif max(look.size) > _MAX_PHOTO:
+            rejected[name] = (f"it is {look.size[0]}x{look.size[1]}, {_MAX_PHOTO} pixels on a side "
                               f"are the limit")
         else:
             look.prepare(kind)
@@ -144,6 +152,17 @@ def _agreed(looks, rejected):
     return first.kind, first.columns, first.rows, choice
 
 
+def _found(look, kind, columns, rows):
+    """Points on one photo as PhotoPoints; the InputError names another board, if it shows one."""
+    try:
+        return _find(look, kind, columns, rows)
+    except InputError as error:
+        if look.doubt:
+            raise InputError(look.doubt) from error
+        raise InputError(other_board(grey_picture(look.image), kind == "charuco")
+                         or str(error)) from error
+
+
 def _find(look, kind, columns, rows):
     if kind == "dots":
         return look.page
@@ -151,7 +170,7 @@ def _find(look, kind, columns, rows):
         return grid_of_size(look.spots, columns, rows, kind == "acircles")
     if kind == "charuco":
         return look.charuco(columns, rows)
-    return board_of_size(look.boards, columns, rows, look.image)
+    return board_of_size(look.boards, columns, rows, lambda: look.image)
 
 
 def _same(first, second):

@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.relief import find_relief
+from ncdc_model.calibration.same_relief import proven
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
 from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera, choose_frame
@@ -78,8 +79,9 @@ def ideal_frame(points, size=None, zoom="fit"):
     to the sensor's at the centre of distortion, whatever the rotation and tilt of the target, and
     its scale and place follow from ``zoom`` (see :func:`ncdc_model.lens.choose_frame`; at zoom
     1 the magnification in the middle is 1). The centre of gravity of a round dot's picture is
-    moved by the lens and by perspective; it is corrected for the size of the dots. Where the target
-    is seen not to be flat, what its relief moves the points by is taken off.
+    moved by the lens and by perspective; it is corrected for the size of the dots. The target is
+    taken as flat. Only if the user states a relief, or several photos prove the same one, is what
+    it moves the points by taken off.
 
     Raises
     ------
@@ -161,13 +163,27 @@ def _fit(points, photos):
     if points.target in _ROUND:
         xy = [photo.xy - _eccentricity(fit, number, cells[number], photo)
               for number, photo in enumerate(photos)]
-        fit = fit_smooth(points.size, list(zip(cells, xy)))
+        fit = fit_smooth(points.size, list(zip(cells, xy)), fit)
     relief = [find_relief(photos[k].index, xy[k] - fit.pixels(k, cells[k]), fit.normal(k, cells[k]))
               for k in range(len(photos))]
+    relief = _stated(points.page, photos, xy, relief)
     if any(part.found for part in relief):
         xy = [place - part.shift for place, part in zip(xy, relief)]
-        fit = fit_smooth(points.size, list(zip(cells, xy)))
+        fit = fit_smooth(points.size, list(zip(cells, xy)), fit)
     return _Fitted(fit, photos, cells, xy, relief)
+
+
+def _stated(page, photos, xy, relief):
+    """``relief`` of each photo, taken as flat unless the user says or several photos prove that
+    there is one."""
+    if page == "relief":
+        return relief
+    shown = np.zeros(len(relief), bool)
+    if not page:
+        index = [photo.index[:len(photo.index) * part.found]
+                 for photo, part in zip(photos, relief)]
+        shown = proven(index, xy, [part.height for part in relief])
+    return [part if there else part.flat for part, there in zip(relief, shown)]
 
 
 def _pairs(fitted, frame, rejected):

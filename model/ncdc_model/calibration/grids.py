@@ -9,6 +9,7 @@ from ncdc_model.calibration.belief import believed, place_of
 from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.dots import find_spots
 from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.calibration.sampling import sample
 from ncdc_model.errors import InputError
 
 __all__ = ["Grid", "corners_touch", "find_circles", "find_grid", "grid_of_size", "read_grid"]
@@ -148,8 +149,7 @@ def corners_touch(image, grid):
                 between.append((point + place[other]) / 2)
     if not between:
         return False
-    dark, half = (np.median(cv2.remap(flat, np.array(points, np.float32)[None], None,
-                                      cv2.INTER_LINEAR)) for points in (spots, between))
+    dark, half = (np.median(sample(flat, points)) for points in (spots, between))
     (left, top), (right, bottom) = (np.round(end(grid.photo.xy, axis=0)).astype(int)
                                     for end in (np.min, np.max))
     bright = np.percentile(flat[top:bottom + 1, left:right + 1], 90)

@@ -73,5 +73,6 @@ def on_one_ground(image, photo):
 def _brightness(image, places):
     """Of the picture, blurred over some pixels, at ``places`` (n, 2)."""
     grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    smooth = cv2.blur(grey, (4, 4)).astype(np.float32) + 1
+    smooth = cv2.blur(grey, (4, 4)).astype(np.float32)
+    smooth += 1
     return map_coordinates(smooth, [places[:, 1], places[:, 0]], order=1, mode="nearest")

@@ -21,8 +21,9 @@ def draw_points(image, photo, frame=None, number=0):
     bottom tells, and points that were dropped are crossed out.
     """
     # The photo recedes behind the drawing.
-    picture = np.array(image if image.ndim == 3 else np.dstack([image] * 3))
-    picture = (96 + 0.6 * picture).astype(np.uint8)
+    picture = cv2.LUT(image, (96 + 0.6 * np.arange(256)).astype(np.uint8))
+    if picture.ndim == 2:
+        picture = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
     scale = max(1.0, picture.shape[1] / 1280)
     thick = max(1, round(scale))
     place = {tuple(key): point for key, point in zip(photo.index.tolist(), photo.xy)}

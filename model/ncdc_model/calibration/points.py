@@ -10,9 +10,10 @@ from ncdc_model.errors import InputError, reading
 from ncdc_model.files import parse_text, write_text
 from ncdc_model.geometry import MAX_SIZE
 
-__all__ = ["PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
+__all__ = ["PAGES", "PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
 
 VERSION = 1
+PAGES = "", "flat", "relief"     # what a person says of the target's shape
 TARGETS = ("dots", "circles", "acircles", "chessboard", "charuco")
 
 
@@ -104,6 +105,9 @@ class TargetPoints:
         What was chosen, and how many photos show it, if nobody said which target. Not in the file.
     target_size : (int, int), optional
         Columns and rows of the target, whether seen or not. Not in the file.
+    page : str
+        What the user states of the target's shape: ``flat``, ``relief`` (it has one, which is
+        taken off), or nothing.
 
     Raises
     ------
@@ -118,8 +122,11 @@ class TargetPoints:
     aspect: float = 1.0
     choice: str = ""
     target_size: tuple | None = None
+    page: str = ""
 
     def __post_init__(self):
+        if self.page not in PAGES:
+            raise InputError(f"page is {self.page!r}, one of flat and relief is needed")
         if self.target not in TARGETS:
             raise InputError(f"target is {self.target!r}, one of {', '.join(TARGETS)} is needed")
         if not all(8 <= value <= MAX_SIZE for value in self.size):
@@ -189,6 +196,7 @@ class TargetPoints:
                  f'"target": {json.dumps(self.target)}, "aspect": {self.aspect!r}',
                  f'"columns": {self.columns}, "rows": {self.rows}',
                  f'"width": {self.size[0]}, "height": {self.size[1]}',
+                 *([f'"page": {json.dumps(self.page)}'] if self.page else []),
                  f'"rejected_photos": {json.dumps(self.rejected_photos)}',
                  '"photos": [\n' + ",\n".join(map(_photo_text, self.photos)) + "\n]"]
         write_text(path, "{" + ",\n".join(lines) + "}\n")
@@ -213,7 +221,7 @@ class TargetPoints:
             points = cls(target=table["target"], size=(int(table["width"]), int(table["height"])),
                          photos=tuple(map(_photo, table["photos"])),
                          rejected_photos=dict(table["rejected_photos"]),
-                         aspect=float(table.get("aspect", 1.0)))
+                         aspect=float(table.get("aspect", 1.0)), page=table.get("page", ""))
             if (points.columns, points.rows) != (table["columns"], table["rows"]):
                 raise InputError(f"columns and rows are {table['columns']} and {table['rows']}, "
                                  f"the indices span {points.columns} and {points.rows}")

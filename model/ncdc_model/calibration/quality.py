@@ -3,12 +3,12 @@
 from enum import Enum
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.coverage import uncovered
-from ncdc_model.calibration.flatness import left, not_flat
 from ncdc_model.calibration.seams import find_seam, seam_text
 
-__all__ = ["Dropped", "check_share", "warnings_of"]
+__all__ = ["Dropped", "check_share", "uneven", "warnings_of"]
 
 _SCATTER = 0.25        # pixels: a point farther off its line's smooth course than this is noisy
 _LOST = 0.02           # of the places within the target that have no point
@@ -18,6 +18,10 @@ _DROPPED = 0.02        # of the points that disagree with their neighbours
 _UNSURE, _UNSURE_CORNERS = 0.35, 0.22
 _PALE = 0.50           # of the page's brightness by which dots are darker than it: less is blurred
 _BENT = 1.0            # pixels: lines that are straight only to this, rms, are none
+# Pixels, and parts of the picture's width: what the smooth lens leaves of one photo's points, rms,
+# is more than what such a lens leaves of an even one. Several photos tell more of the lens.
+_UNEVEN, _UNEVEN_WIDTH, _UNEVEN_MANY = 0.15, 1 / 8000, 4.0
+_AROUND = 9            # points whose median says how far off a place is
 _ODD = 5.0             # times the usual distance from the lens: a photo beyond is not like others
 _RUINED = 0.10         # the same: beyond this it is not a few points that are wrong
 
@@ -57,8 +61,9 @@ def warnings_of(points, frame, measured):
                          f"overexposed, points at the rim may be off by more than a pixel")
         found += [f"{photo.name}: {text}" for text in photo.warnings]
         found += uncovered(photo, photo.name, points.target == "acircles")
-    found += _seams(frame, points) + not_flat(frame, points.size[0])
+    found += _seams(frame, points)
     found += _odd_photos(frame)
+    found += uneven(points, frame)
     if measured["straightness_rms_px"] > _BENT:
         found.append(f"rows and columns are straight to {measured['straightness_rms_px']:.1f} px "
                      f"rms only, {_BENT} px is the limit: points are wrong, or no smooth lens "
@@ -82,7 +87,7 @@ def _seams(frame, points):
     """A sentence for each photo whose lattice has a step."""
     if points.target == "acircles":
         return []
-    rest, found = left(frame), []
+    rest, found = -_left(frame), []
     for number, name in enumerate(frame.names):
         on = frame.photo == number
         seam = find_seam(frame.index[on], frame.distorted[on], rest[on],
@@ -92,10 +97,34 @@ def _seams(frame, points):
     return found
 
 
+def uneven(points, frame):
+    """A sentence with size and place, in a list, if no smooth lens explains the points of a flat
+    target; none if the user states that it is flat."""
+    rest = _left(frame)
+    scatter = float(np.nanmean([0.0, *(photo.agreement for photo in points.photos)]))
+    rms = float(np.sqrt(max(np.mean((rest**2).sum(axis=1)) - 2 * scatter**2, 0)))
+    limit = max(_UNEVEN, _UNEVEN_WIDTH * points.size[0])
+    if points.page == "flat" or rms <= limit * (1 if len(frame.names) == 1 else _UNEVEN_MANY):
+        return []
+    # A single wrong point is no bend: of each place what most points around it say.
+    near = cKDTree(frame.distorted).query(frame.distorted, min(_AROUND, len(rest)))[1]
+    off = np.linalg.norm(np.median(rest[near], axis=1), axis=1)
+    (x, y), worst = frame.distorted[off.argmax()], off.max()
+    done = "after its relief was taken off " if frame.relief.any() else ""
+    return [f"{', '.join(frame.names[:3])}: {done}the points lie {rms:.2f} px rms, {worst:.1f} px "
+            f"around ({x:.0f}, {y:.0f}), from the best smooth lens, more than {limit:.2f} px: the "
+            f"page may be bent or of two sheets, or the lens is uneven here; if the page is bent, "
+            f"the map is off by more than that. --flat states that it is flat, --relief that it has a relief"]
+
+
+def _left(frame):
+    """Pixels (n, 2) from each point to where the smooth lens has it."""
+    return np.stack(frame.camera.back_map(*frame.corrected.T), axis=1) - frame.distorted
+
+
 def _odd_photos(frame):
     """Photos whose points are off the lens that all photos share by far more than the others."""
-    off = np.linalg.norm(np.stack(frame.camera.back_map(*frame.corrected.T), axis=1)
-                         - frame.distorted, axis=1)
+    off = np.linalg.norm(_left(frame), axis=1)
     medians = [float(np.median(off[frame.photo == k])) if (frame.photo == k).any() else 0.0
                for k in range(len(frame.names))]
     usual = float(np.median(medians))

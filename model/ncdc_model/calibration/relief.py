@@ -1,6 +1,6 @@
 """Relief of a target that is not flat: what moves its points along the picture of its normal."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -33,23 +33,33 @@ class Relief:
     degree : int
         Of the polynomial, in column and row, that describes what is left of the lens.
     found : bool
-        Whether there is relief.
+        Whether there may be relief.
+    height : ndarray, shape (n,)
+        Of the target at its points, in steps; the shift is that times the normal.
     """
     along: np.ndarray
     shift: np.ndarray
     degree: int
     found: bool
+    height: np.ndarray
+
+    @property
+    def flat(self):
+        """The same of a target that is taken as flat."""
+        return replace(self, shift=np.zeros_like(self.shift), found=False,
+                       height=np.zeros_like(self.height))
 
 
 def find_relief(index, residual, normal):
-    """Tell the relief of a target from the flaws of a lens.
+    """What may be relief of a target, from one photo of it.
 
     A lens moves the points of a small area alike in any direction. A dent of the target moves them
     only along the picture of its normal. So the lens is a polynomial in column and row, of the
     degree that predicts held-out residuals *across* the normal best; what is left *along* the
     normal is relief, if it is much more than is left across and if the neighbours of a point
     predict it. A smooth bend of the target can not be told from a flaw of the lens: it is
-    the lens's.
+    the lens's. A lens with a flaw that lies along the normal looks the same: one photo proves
+    nothing (:mod:`ncdc_model.calibration.same_relief`).
 
     Parameters
     ----------
@@ -67,7 +77,7 @@ def find_relief(index, residual, normal):
     along = normal / np.maximum(length, 1e-12)
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     degree = _degree(index, residual, across)
-    nothing = Relief(along, np.zeros_like(residual), degree, False)
+    nothing = Relief(along, np.zeros_like(residual), degree, False, np.zeros(len(index)))
     if len(index) < _LEAST:
         return nothing
     basis = np.linalg.qr(polynomial(index, degree))[0]
@@ -93,7 +103,7 @@ def find_relief(index, residual, normal):
     error, height = best
     if error > _KNOWN * _rms(left(residual) * along):
         return nothing
-    return Relief(along, height * normal, degree, True)
+    return Relief(along, height * normal, degree, True, height[:, 0])
 
 
 def polynomial(index, degree):

@@ -6,19 +6,24 @@ from dataclasses import dataclass
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
+from tokenize import TokenError
 
 import cv2
 import numpy as np
+from tifffile import TiffFile
 
-from ncdc_model.calibration.camera_tables import file_storage
+from ncdc_model.calibration.files.npz import holds_camera
+from ncdc_model.calibration.files.tables import file_storage
 from ncdc_model.errors import InputError
 from ncdc_model.files import read_bytes
 from ncdc_model.geometry import MAX_SIZE, MIN_SIZE
+from ncdc_model.photo.quiet import captured_stderr
 
 __all__ = ["RemapFile", "are_remap_files", "read_remap"]
 
 _NUMPY = (".npz", ".npy")
-_PICTURE = (".tif", ".tiff", ".exr", ".png", ".bmp", ".pgm", ".jpg", ".jpeg")
+_TIFF = (".tif", ".tiff")
+_PICTURE = (*_TIFF, ".exr", ".png", ".bmp", ".pgm", ".jpg", ".jpeg")
 _ENDS = "xy", "12", "01"       # how the names of a map's two arrays differ
 _LARGEST = 4 * 8 * MAX_SIZE**2 # bytes: two maps of the largest size in float64
 _FRACTION = 5                  # fraction bits of OpenCV's fixed-point maps, per axis
@@ -62,11 +67,14 @@ def are_remap_files(path):
 
 
 def _holds_map(path):
-    if Path(path).suffix.lower() in _NUMPY + _PICTURE:
+    suffix = Path(path).suffix.lower()
+    if suffix == ".npz":
+        return not holds_camera(read_bytes(path))
+    if suffix in _NUMPY + _PICTURE:
         return True
     try:
         return bool(_maps(_storage(read_bytes(path))))
-    except (cv2.error, SystemError, UnicodeDecodeError):
+    except (cv2.error, SystemError, ValueError):
         return False
 
 
@@ -110,8 +118,11 @@ def _arrays(path, content):
             return _numpy(path, content)
         if suffix == ".exr":
             return {Path(path).name: _openexr(path)}
+        if suffix in _TIFF:
+            return {Path(path).name: _tiff(content)}
         if suffix in _PICTURE:
-            picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+            with captured_stderr():
+                picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
             if picture is None:
                 raise InputError("it holds no picture that can be decoded")
             return {Path(path).name: picture}
@@ -119,7 +130,8 @@ def _arrays(path, content):
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     except (cv2.error, SystemError, UnicodeDecodeError, ValueError, OSError, EOFError, MemoryError,
-            NotImplementedError, RuntimeError, zipfile.BadZipFile) as error:
+            NotImplementedError, RuntimeError, SyntaxError, TokenError,
+            zipfile.BadZipFile) as error:
         reason = str(error).strip().splitlines()[-1:] or [type(error).__name__]
         raise InputError(f"{path} holds no map that can be read: {reason[0].strip()}") from error
 
@@ -133,6 +145,16 @@ def _numpy(path, content):
         raise InputError(f"its arrays have {size} bytes, {_LARGEST} is the limit")
     with np.load(BytesIO(content), allow_pickle=False) as tables:
         return {name: tables[name] for name in tables.files}
+
+
+def _tiff(content):
+    with TiffFile(BytesIO(content)) as file:
+        if not file.pages:
+            raise ValueError("it has no page")
+        if len(file.pages) > 1:
+            raise InputError(f"it has {len(file.pages)} pages, one is needed: x and y are two "
+                             f"files")
+        return file.pages[0].asarray()
 
 
 def _openexr(path):

@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 from ncdc_model.calibration.blobs import flat_field
+from ncdc_model.calibration.sampling import sample
 
 __all__ = ["recover_cut_dots"]
 
@@ -122,9 +123,8 @@ def _register(flat, model, start, shape, radius):
         at = back @ np.stack([x - centre[0], y - centre[1]]) + model[:, None]
         h = 0.5
         values, east, west, south, north = (
-            cv2.remap(flat, (at[0] + dx).astype(np.float32)[None], (at[1] + dy).astype(np.float32)[
-                None], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)[0].astype(np.float64)
-            for dx, dy in ((0, 0), (h, 0), (-h, 0), (0, h), (0, -h)))
+            sample(flat, at.T + move, cv2.INTER_CUBIC).astype(np.float64)
+            for move in ((0, 0), (h, 0), (-h, 0), (0, h), (0, -h)))
         seen = flat[y, x].astype(np.float64)
         if np.ptp(seen) == 0 or np.ptp(values) == 0:
             return None

@@ -10,53 +10,61 @@ _STEPS = 200
 _PROBE = 4.0           # px: root of the sum of squares by which a probe moves the residuals
 _GRAIN = 2.0**-14      # of what moves the residuals by 1 px: the result is a multiple of it
 _DONE = 2.0**-12 * _GRAIN   # a step below it is the last: starts differ from machine to machine
+_DAMPED = 1e-6, 1e3    # least damping of a step that has to be repeated, and when to give up
+_EASED = 0.1           # of the damping, after a step that led on
 
 
-def settle(residuals, start, robust):
+def settle(residuals, derivatives, start, robust):
     """Parameters near ``start`` of least Huber cost of ``residuals``, rounded to a coarse grain.
 
     ``scipy.optimize.least_squares`` ends as soon as the cost hardly falls; where exactly depends
-    on the last bits of its linear algebra. From there Gauss-Newton steps go on to the minimum
-    itself, whatever the start, until a step is far below the grain.
+    on the last bits of its linear algebra. From there damped Gauss-Newton steps go on to the
+    minimum itself, whatever the start, until a step is far below the grain.
     What is left of the order of summation is rounded away.
 
     Parameters
     ----------
     residuals : callable
         Array of residuals of a vector of parameters, in pixels.
+    derivatives : callable
+        Of a vector and the steps by which each parameter is moved to either side: the derivatives
+        of the residuals by the parameters, one row a parameter.
     start : ndarray
         Close to the minimum. If no step leads on from there, it is returned rounded.
     robust : float
         Residuals beyond it count linearly.
     """
-    here, step, scale = start, None, None
-    value = residuals(here)
+    here, value, damping = start, residuals(start), 0.0
+    scale = _scales(derivatives, here)
+    jacobian = None
     for _ in range(_STEPS):
-        if scale is None:
-            scale = _scales(residuals, here, value)
-        jacobian = np.stack([(residuals(here + move) - residuals(here - move)) / (2 * _PROBE)
-                             for move in np.diag(_PROBE * scale)])
-        weight = np.minimum(1.0, robust / np.maximum(np.abs(value), 1e-300))
-        weighted = jacobian * weight
-        normal = np.array([(weighted * row).sum(1) for row in jacobian])
-        step = solve(normal[None], -(weighted * value).sum(1)[None, :, None])[0, :, 0]
+        if jacobian is None:
+            jacobian = derivatives(here, _PROBE * scale) * scale[:, None]
+            weighted = jacobian * np.minimum(1.0, robust / np.maximum(np.abs(value), 1e-300))
+            normal = np.array([(weighted * row).sum(1) for row in jacobian])
+            slope = (weighted * value).sum(1)
+        damped = normal + damping * np.diag(np.diag(normal))
+        step = solve(damped[None], -slope[None, :, None])[0, :, 0]
         trial = here + scale * step
         found = residuals(trial)
         if not _cost(found, robust) < _cost(value, robust) * (1 + 1e-9):
-            break
-        here, value = trial, found
-        if np.abs(step).max() < _DONE:
+            damping = max(damping / _EASED, _DAMPED[0])
+            if damping > _DAMPED[1]:
+                break
+            continue
+        here, value, jacobian = trial, found, None
+        damping = damping * _EASED if damping > _DAMPED[0] else 0.0
+        if np.abs(step).max() < _DONE and not damping:
             break
     grain = _GRAIN * scale
     return np.rint(here / grain) * grain
 
 
-def _scales(residuals, here, value):
+def _scales(derivatives, here):
     """Powers of two: changes of each parameter that move the residuals by about 1 px."""
     small = 1e-6 * np.maximum(np.abs(here), 1e-3)
-    moved = np.array([np.sqrt(((residuals(here + move) - value)**2).sum())
-                      for move in np.diag(small)])
-    return 2.0**np.rint(np.log2(small / np.maximum(moved, 1e-12)))
+    moved = np.sqrt((derivatives(here, small)**2).sum(axis=1))
+    return 2.0**-np.rint(np.log2(np.maximum(moved, 1e-12)))
 
 
 def _cost(value, robust):

@@ -6,9 +6,10 @@ from functools import cached_property
 import numpy as np
 
 from ncdc_model.calibration.belief import oblique
-from ncdc_model.calibration.boards import find_boards
+from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco, has_markers
 from ncdc_model.calibration.dots import dots_of, find_spots
+from ncdc_model.calibration.fiducials import other_board
 from ncdc_model.calibration.grids import corners_touch, read_grid
 from ncdc_model.calibration.smooth import misfit
 from ncdc_model.errors import InputError
@@ -41,13 +42,28 @@ class Look:
     Parameters
     ----------
     name : str
-    image : ndarray of uint8
-        Dropped by :meth:`prepare` when nothing more is to be looked for.
+    image : ndarray of uint8, or a function without arguments that returns it
+        What the function returned is dropped by :meth:`release`, and read again when needed: so
+        only one of many photos is in memory.
     """
 
     def __init__(self, name, image):
-        self.name, self.image, self.size = name, image, image.shape[1::-1]
+        self.name, self._image = name, None if callable(image) else image
+        self._read = image if callable(image) else None
         self.sight, self.doubt = None, ""
+        self.size = self.image.shape[1::-1]
+
+    @property
+    def image(self):
+        """The photo, ndarray of uint8."""
+        if self._image is None:
+            self._image = self._read()
+        return self._image
+
+    def release(self):
+        """Drop the photo, if it can be read again."""
+        if self._read is not None:
+            self._image = None
 
     def prepare(self, kind):
         """Look for targets of ``kind``; with ``auto`` for all, and settle on the best, ``sight``,
@@ -64,11 +80,10 @@ class Look:
             try:
                 self.page
             except InputError:
-                return
-        else:
-            # OpenCV may have to look again, for a size that only all photos together tell.
-            return
-        self.image = None
+                pass
+        elif kind in ("chessboard", "charuco"):
+            self.boards
+        self.release()
 
     @cached_property
     def boards(self):
@@ -128,8 +143,9 @@ class Look:
         if board is not None and _filled(board) > _BOARD_FILLED and min(span) >= 3:
             return Sight("chessboard", int(max(span)), int(min(span)))
         doubt = self.spots.doubt or self._part()
+        board = other_board(grey_picture(self.image))
         raise InputError(
-            "neither a whole grid of circles, a page of at least "
+            board or "neither a whole grid of circles, a page of at least "
             f"{MIN_DOTS} dots, a chessboard nor a ChArUco board was found"
             + (f"; of what looks like dots, {doubt}" if doubt else ""))
 

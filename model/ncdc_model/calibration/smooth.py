@@ -16,16 +16,28 @@ MIN_POINTS = 12        # of a photo: its pose has six unknowns, the lens has nin
 _FOCALS = (0.3, 0.45, 0.7, 1.1)     # first guesses, in image widths
 _ROBUST = 0.5          # pixels: residuals beyond count linearly
 _TERMS = 4             # of the radial polynomial
-_LENS = 3 + _TERMS + 4 + 1
+# The lens's parameters: focal length, centre, k, p and its higher terms, s0 and s2, tilt of the
+# sensor, aspect of its pixels, and the ratio of the target's distances.
+_LENS = 3 + _TERMS + 4 + 2 + 2 + 1 + 1
 
 # One photo cannot tell an asymmetric lens from a tilted page, nor a long lens near the page from a
 # short one far away: what is usual of a lens decides. Mean and standard deviation of the focal
-# length (its logarithm, in widths), the centre (from the middle, in widths), k, (p0, p1, s0, s2),
-# and the ratio of the target's distances. Photos from several sides do tell; then the usual
-# counts for little.
-_MEAN = np.array([np.log(0.5)] + [0.0] * (_TERMS + 6) + [1.0])
-_SPREAD = np.array([0.4] + [0.03] * 2 + [0.15] * _TERMS + [0.002] * 4 + [0.01])
+# length (its logarithm, in widths), the centre (from the middle, in widths) and the others in the
+# order above. Photos from several sides do tell; then the usual counts for little.
+_MEAN = np.array([np.log(0.5)] + [0.0] * (_LENS - 1))
+_SPREAD = np.array([0.4] + [0.03] * 2 + [0.15] * _TERMS + [0.002] * 2 + [0.5] * 2 + [0.002] * 2
+                   + [0.02] * 2 + [0.02, 0.01])
 _ALONE, _TOGETHER = 1 / 128, 1 / 1280     # of the width: what one deviation weighs in a residual
+# Of the width: what a lens that is not smooth leaves. Where less is left the points tell the lens,
+# and the usual weighs less in proportion, down to its least part. Nothing but the usual tells the
+# higher terms of a decentring that is hardly there.
+_LEFT = 1 / 2000
+_MOST = 0.15, 0.10     # by which the pixels' aspect and the target's ratio may differ from 1
+_LEAST = np.array([0.01] * (5 + _TERMS) + [0.1] * 2 + [0.01] * 6)
+_SETTLED = 0.8         # of what the usual weighed: if less is due the fit is made again
+_PROBE = 1e-6          # of a parameter: by which it is moved for a derivative
+_SOME = 600            # points of all photos that a search is made on
+_ROUNDS = 6            # of fits, each weighing the usual by what the one before has left
 
 
 @dataclass(frozen=True)
@@ -35,12 +47,19 @@ class SmoothFit:
     Parameters
     ----------
     camera : Camera
-        Radial (equidistant with polynomial), decentring and thin prism; frame as the image.
+        Radial (equidistant with polynomial), decentring, thin prism, tilted sensor and pixels that
+        are no squares; frame as the image.
     planes : tuple of ndarray, shape (3, 3)
         Take (column, row, 1) of a photo's target to a direction in camera coordinates.
+    vector : ndarray
+        The parameters that were fitted.
+    doubt : float
+        How much what is usual of a lens counts, up to 1.
     """
     camera: Camera
     planes: tuple
+    vector: np.ndarray
+    doubt: float
 
     def rays(self, photo, index):
         """Directions (n, 3) of the target's points ``index`` (n, 2) in photo number ``photo``."""
@@ -60,13 +79,14 @@ class SmoothFit:
         return _project(self.camera, self.rays(photo, index))
 
 
-def fit_smooth(size, photos):
+def fit_smooth(size, photos, near=None, rough=False):
     """Robust least squares of the distance between points and their projections, in pixels.
 
     The target is flat with equal distances along columns and rows up to a common ratio, which
     is fitted too. So a tilt of the page is explained by its pose and does not end up in the
     lens. The lens: equidistant with a polynomial of four terms, free centre and focal length,
-    decentring and thin prism of first order (equation (14) of the paper and Weng's).
+    decentring (equation (14) of the paper), thin prism of first order (Weng's), a tilted sensor
+    and the aspect of its pixels. What is usual of a lens counts as much as the points leave open.
 
     Parameters
     ----------
@@ -74,6 +94,10 @@ def fit_smooth(size, photos):
         Width and height of the photos.
     photos : sequence of (index, xy)
         Arrays (n, 2) of each photo.
+    near : SmoothFit, optional
+        Of nearly the same points: the search starts there.
+    rough : bool
+        Whether a fit of some of the points will do, which may differ in its last digits.
 
     Returns
     -------
@@ -87,37 +111,93 @@ def fit_smooth(size, photos):
     for index, _ in photos:
         if len(index) < MIN_POINTS:
             raise InputError(f"a photo has {len(index)} points, at least {MIN_POINTS} are needed")
-    indices = [np.asarray(index, np.float64) for index, _ in photos]
-    points = [np.asarray(xy, np.float64) for _, xy in photos]
-    measured = np.concatenate(points)
-
-    middle = (np.array(size) - 1) / 2
-    weight = size[0] * max(_ALONE / len(photos)**2, _TOGETHER) / _SPREAD
-
-    def residuals(parameters):
-        camera, planes = _unpack(parameters, size)
-        xy = np.concatenate([_project(camera, index @ plane[:, :2].T + plane[:, 2])
-                             for index, plane in zip(indices, planes)])
-        error = np.nan_to_num((xy - measured).ravel(), nan=1e4)
-        unusual = np.concatenate([[np.log(max(parameters[0], 1.0) / size[0])],
-                                  (parameters[1:3] - middle) / size[0],
-                                  parameters[3:_LENS]]) - _MEAN
-        return np.concatenate([error, weight * unusual])
-
-    guesses = sorted((_guess(size, focal * size[0], indices, points) for focal in _FOCALS),
-                     key=lambda guess: np.median(np.abs(residuals(guess))))
-    best = None
-    for guess in guesses[:2]:
-        result = least_squares(residuals, guess, x_scale="jac", loss="huber", f_scale=_ROBUST,
-                               max_nfev=200)
-        if best is None or result.cost < best.cost:
-            best = result
-    camera, planes = _unpack(settle(residuals, best.x, _ROBUST), size)
-    typical = np.median(np.abs(best.fun))
+    problem = _Problem(size, photos)
+    start, doubt = (near.vector, near.doubt) if near else problem.part().searched()
+    vector = start if rough else settle(
+        lambda vector: problem.residuals(vector, doubt),
+        lambda vector, steps: problem.derivatives(vector, steps, doubt), start, _ROBUST)
+    typical = np.median(np.abs(problem.residuals(vector, doubt)))
     if not typical < 0.02 * max(size):
         raise InputError(f"no smooth lens explains the points: half of them are off by more than "
                          f"{typical:.1f} pixels")
-    return SmoothFit(camera, tuple(planes))
+    camera, planes = _unpack(vector, size)
+    return SmoothFit(camera, tuple(planes), vector, doubt)
+
+
+class _Problem:
+    """Points of photos, and how far a vector of parameters is from them."""
+
+    def __init__(self, size, photos):
+        self.size = size
+        self.indices = [np.asarray(index, np.float64) for index, _ in photos]
+        self.points = [np.asarray(xy, np.float64) for _, xy in photos]
+        self.measured = np.concatenate(self.points)
+        self.usual = size[0] * max(_ALONE / len(photos)**2, _TOGETHER) / _SPREAD
+
+    def part(self):
+        """The problem of some of each photo's points: a search needs no more."""
+        most, rng = max(_SOME // len(self.points), MIN_POINTS), np.random.default_rng(1)
+        chosen = [rng.permutation(len(xy))[:most] for xy in self.points]
+        return _Problem(self.size, [(index[some], xy[some]) for index, xy, some in
+                                    zip(self.indices, self.points, chosen)])
+
+    def errors(self, vector):
+        """Pixels (2 n,) from each point to its projection."""
+        camera, planes = _unpack(vector, self.size)
+        rays = np.concatenate([index @ plane[:, :2].T + plane[:, 2]
+                               for index, plane in zip(self.indices, planes)])
+        return np.nan_to_num((_project(camera, rays) - self.measured).ravel(), nan=1e4)
+
+    def residuals(self, vector, doubt=1.0):
+        """The errors, and ``doubt`` times how unusual the lens is."""
+        middle = (np.array(self.size) - 1) / 2
+        unusual = np.concatenate([[np.log(max(vector[0], 1.0) / self.size[0])],
+                                  (vector[1:3] - middle) / self.size[0], vector[3:_LENS]]) - _MEAN
+        return np.concatenate([self.errors(vector),
+                               np.maximum(doubt, _LEAST) * self.usual * unusual])
+
+    def derivatives(self, vector, steps, doubt=1.0):
+        """Of the residuals by each parameter, moved by its of ``steps`` to either side: a row each.
+
+        A photo's pose moves its own points only, so that those of all photos are moved together.
+        """
+        photos = len(self.points)
+        owner = np.repeat(np.arange(photos), [2 * len(xy) for xy in self.points])
+        rows = np.zeros((len(vector), len(owner) + _LENS))
+
+        def moved(which):
+            step = np.zeros_like(vector)
+            step[which] = steps[which]
+            return (self.residuals(vector + step, doubt) - self.residuals(vector - step, doubt)) / 2
+        for number in range(_LENS):
+            rows[number] = moved(number) / steps[number]
+        for number in range(6):
+            poses = _LENS + number + 6 * np.arange(photos)
+            rows[poses[owner], np.arange(len(owner))] = (moved(poses)[:len(owner)]
+                                                         / steps[poses][owner])
+        return rows
+
+    def solved(self, start, doubt=1.0):
+        """Result of a robust least squares from ``start``."""
+        return least_squares(
+            self.residuals, start, lambda vector, doubt: self.derivatives(
+                vector, _PROBE * np.maximum(np.abs(vector), 1e-3), doubt).T,
+            method="dogbox", x_scale="jac", loss="huber", f_scale=_ROBUST, max_nfev=100, ftol=1e-6,
+            args=(doubt,))
+
+    def searched(self):
+        """Vector of the best fit, and how much the usual counts in it."""
+        guesses = sorted((_guess(self.size, focal * self.size[0], self.indices, self.points)
+                          for focal in _FOCALS),
+                         key=lambda guess: np.median(np.abs(self.residuals(guess))))
+        best, doubt = min(map(self.solved, guesses[:2]), key=lambda result: result.cost), 1.0
+        for _ in range(_ROUNDS):
+            left = np.median(np.abs(self.errors(best.x))) / (_LEFT * self.size[0])
+            now = float(np.clip(left, _LEAST.min(), 1.0))
+            if not now < _SETTLED * doubt:
+                break
+            doubt, best = now, self.solved(best.x, now)
+        return best.x, doubt
 
 
 def misfit(size, photos):
@@ -126,7 +206,7 @@ def misfit(size, photos):
     Arguments as of :func:`fit_smooth`.
     """
     try:
-        fit = fit_smooth(size, photos)
+        fit = fit_smooth(size, photos, rough=True)
     except InputError:
         return np.inf
     return float(np.median(np.concatenate([
@@ -135,15 +215,17 @@ def misfit(size, photos):
 
 
 def _unpack(parameters, size):
-    """Camera and planes of the vector: focal, centre, k, p, s, ratio, then six per photo."""
+    """Camera and planes of the vector: the lens, then six numbers per photo."""
     focal, cx, cy = parameters[:3]
-    k, (p0, p1, s0, s2) = parameters[3:3 + _TERMS], parameters[3 + _TERMS:7 + _TERMS]
-    ratio = parameters[_LENS - 1]
-    camera = Camera(size=tuple(size), radial=KannalaBrandt(tuple(k.tolist())), focal=float(focal),
+    k, (p0, p1, p2, p3, s0, s2, *tilt, aspect, ratio) = (parameters[3:3 + _TERMS].tolist(),
+                                                         parameters[3 + _TERMS:_LENS].tolist())
+    aspect, ratio = (1 + most * float(np.tanh(value / most))
+                     for value, most in zip((aspect, ratio), _MOST))
+    camera = Camera(size=tuple(size), radial=KannalaBrandt(tuple(k)), focal=float(focal),
                     centre=(float(cx), float(cy)), frame=Frame(tuple(size), float(focal), (cx, cy)),
-                    decentring=BrownWeng(p=(float(p0), float(p1)),
-                                         s=(float(s0), 0.0, float(s2), 0.0)),
-                    tilt=TiltedSensor(), surface=AsymmetricSurface(tuple(size)))
+                    decentring=BrownWeng(p=(p0, p1, p2, p3), s=(s0, 0.0, s2, 0.0)),
+                    tilt=TiltedSensor(tuple(tilt)), surface=AsymmetricSurface(tuple(size)),
+                    aspect=aspect)
     poses = parameters[_LENS:].reshape(-1, 6)
     planes = []
     for matrix, shift in zip(Rotation.from_rotvec(poses[:, :3]).as_matrix(), poses[:, 3:]):
@@ -161,9 +243,9 @@ def _project(camera, rays):
     for power, coefficient in enumerate(camera.radial.k, 1):
         radius = radius + coefficient * q**power
     scale = angle * radius / np.maximum(across, 1e-12)
-    x, y = camera.decentring.distort(x * scale, y * scale)
-    return np.stack([camera.focal * x + camera.centre[0], camera.focal * y + camera.centre[1]],
-                    axis=1)
+    x, y = camera.tilt.distort(*camera.decentring.distort(x * scale, y * scale))
+    return np.stack([camera.focal * x + camera.centre[0],
+                     camera.focal * camera.aspect * y + camera.centre[1]], axis=1)
 
 
 def _guess(size, focal, indices, points):

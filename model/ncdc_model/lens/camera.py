@@ -18,7 +18,7 @@ __all__ = ["Camera"]
 
 _RADIAL = {"kb": KannalaBrandt, "brown": Rational, "asari": AsariPolynomial}
 _NAMES = ("width", "height", "radial", "k", "p", "s", "tilt_rad", "centre", "f_distorted",
-          "f_corrected", "corrected_size", "corrected_centre", "residual")
+          "aspect", "f_corrected", "corrected_size", "corrected_centre", "residual")
 _SURFACE = ("scale", "bump_centres", "bump_sigmas", "bump_vectors", "poly")
 
 
@@ -27,8 +27,8 @@ class Camera:
     """Corrected pixel to distorted pixel through every stage of a real, cheap camera.
 
     ``back_map`` of (u, v): the ideal point (a, b) of the corrected frame; ``radial``;
-    ``decentring`` (14) and thin prism; ``tilt``; distorted pixel = ``focal`` (x, y) + ``centre``;
-    ``surface`` adds pixels. Pixel centres are integers.
+    ``decentring`` (14) and thin prism; ``tilt``; distorted pixel = ``focal`` (x, ``aspect`` y) +
+    ``centre``; ``surface`` adds pixels. Pixel centres are integers.
 
     Parameters
     ----------
@@ -44,6 +44,8 @@ class Camera:
     decentring : BrownWeng
     tilt : TiltedSensor
     surface : AsymmetricSurface
+    aspect : float
+        Width of a pixel over its height.
     """
     size: tuple
     radial: object
@@ -53,17 +55,19 @@ class Camera:
     decentring: BrownWeng
     tilt: TiltedSensor
     surface: AsymmetricSurface
+    aspect: float = 1.0
 
     def distort(self, a, b):
         """Distorted pixel of the ideal point (a, b); not-a-number beyond the lens's view."""
         x, y = self.tilt.distort(*self.decentring.distort(*self.radial.distort(a, b)))
         return self.surface.distort(self.focal * x + self.centre[0],
-                                    self.focal * y + self.centre[1])
+                                    self.focal * self.aspect * y + self.centre[1])
 
     def undistort(self, x, y):
         """Ideal point of the distorted pixel (x, y); not-a-number where the lens has none."""
         x, y = self.surface.undistort(x, y)
-        x, y = (x - self.centre[0]) / self.focal, (y - self.centre[1]) / self.focal
+        x = (x - self.centre[0]) / self.focal
+        y = (y - self.centre[1]) / (self.focal * self.aspect)
         return self.radial.undistort(*self.decentring.undistort(*self.tilt.undistort(x, y)))
 
     def back_map(self, u, v):
@@ -105,6 +109,8 @@ class Camera:
             "tilt_rad": list(self.tilt.angles), "centre": list(self.centre),
             "f_distorted": self.focal, "f_corrected": self.frame.focal,
             "corrected_size": list(self.frame.size), "corrected_centre": list(self.frame.centre)}
+        if self.aspect != 1:
+            table["aspect"] = self.aspect
         if self.surface.scale:
             table["residual"] = {name: getattr(self.surface, name) for name in _SURFACE}
         return table
@@ -115,7 +121,7 @@ class Camera:
 
         ``width``, ``height``, ``f_distorted`` and ``centre`` are needed. ``radial`` is kb
         (default, equidistant), brown (rational) or asari, ``k`` its coefficients; ``p``
-        (OpenCV's order), ``s``, ``tilt_rad`` and ``residual`` are the flaws. Without
+        (OpenCV's order), ``s``, ``tilt_rad``, ``aspect`` and ``residual`` are the flaws. Without
         ``f_corrected`` the frame is that of zoom fit.
 
         Raises
@@ -153,6 +159,7 @@ class Camera:
         camera = cls(
             size=(int(width), int(height)), radial=_RADIAL[kind](_vector(table, "k", ())),
             focal=focal, centre=_vector(table, "centre", None, 2), frame=None,
+            aspect=_positive({"aspect": 1.0} | table, "aspect"),
             decentring=BrownWeng(p=(p[1], p[0], *p[2:]), s=_vector(table, "s", (0.0,) * 4, 4)),
             tilt=TiltedSensor(_vector(table, "tilt_rad", (0.0, 0.0), 2)), surface=surface)
         size = tuple(int(value) for value in size) if size else camera.size

@@ -10,32 +10,36 @@ from ncdc_model.geometry import MAX_SIZE, Geometry
 __all__ = ["Frame", "choose_frame", "parse_zoom"]
 
 MAX_STRETCH = 8.0      # a frame that magnifies the middle less than 1/8 shows a blur at its rim
+_OFF = {True: 1 / 20, False: 1 / 6}    # of the image's sides, by whether zoom is a number: farther
+                                       # from its middle no frame is centred, see choose_frame
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Corrected pixels: u = focal a + centre[0], v = focal b + centre[1] of ideal point (a, b).
+    """Corrected pixels: u = focal a + centre[0], v = aspect focal b + centre[1] of ideal (a, b).
 
-    ``size`` is (width, height); ``focal`` is corrected pixels per unit of the ideal plane.
+    ``size`` is (width, height); ``focal`` is corrected pixels per unit of the ideal plane, and
+    ``aspect`` the vertical focal length over the horizontal one.
     """
     size: tuple
     focal: float
     centre: tuple
+    aspect: float = 1.0
 
     def ideal(self, u, v):
         """Ideal point of the corrected pixel (u, v)."""
         return ((np.asarray(u, np.float64) - self.centre[0]) / self.focal,
-                (np.asarray(v, np.float64) - self.centre[1]) / self.focal)
+                (np.asarray(v, np.float64) - self.centre[1]) / (self.focal * self.aspect))
 
     def pixel(self, a, b):
         """Corrected pixel of the ideal point (a, b)."""
-        return self.focal * a + self.centre[0], self.focal * b + self.centre[1]
+        return self.focal * a + self.centre[0], self.focal * self.aspect * b + self.centre[1]
 
     @property
     def matrix(self):
         """3x3 homography from the ideal plane to corrected pixels."""
         return np.array([[self.focal, 0, self.centre[0]],
-                         [0, self.focal, self.centre[1]],
+                         [0, self.focal * self.aspect, self.centre[1]],
                          [0, 0, 1]])
 
 
@@ -59,7 +63,10 @@ def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
     corrected width; then some corrected pixels have no source. ``fill``: the smallest zoom at
     which every corrected pixel has a whole 3x3 raw window. A number: corrected pixels per
     distorted pixel at the middle. The frame is centred between the edges of the middle row and
-    of the middle column; at a number, if an edge has no ideal point, on the image's middle.
+    of the middle column. Of a wide lens that is not quite centred, this point lies far off the
+    axis; if its source is more than a sixth of the image off the image's middle (at a number, a
+    twentieth), or if an edge has no ideal point, the frame is centred on the lens's axis. Then
+    ``fit`` puts the farther edge on the frame's border.
 
     Parameters
     ----------
@@ -80,11 +87,12 @@ def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
     (width, height), (dw, dh) = size, distorted_size
     mx, my = (dw - 1) / 2, (dh - 1) / 2
     a, b = to_ideal(np.array([0, dw - 1, mx, mx, mx]), np.array([my, my, 0, dh - 1, my]))
-    edges = np.array([a[0], a[1], b[2], b[3]])
-    if np.isfinite(edges).all():
-        middle = (a[0] + a[1]) / 2, (b[2] + b[3]) / 2
-    else:
-        middle = a[4], b[4]
+    off = _OFF[isinstance(zoom, float)]
+    middle = (a[0] + a[1]) / 2, (b[2] + b[3]) / 2
+    between = _distance(to_distorted, middle, distorted_size) <= off
+    if not between:
+        on_axis = _distance(to_distorted, (0.0, 0.0), distorted_size) <= _OFF[False]
+        middle = (0.0, 0.0) if on_axis else (a[4], b[4])
     magnification = _magnification(to_distorted, *middle)
 
     def frame(focal):
@@ -92,10 +100,11 @@ def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
                                                  float((height - 1) / 2 - focal * middle[1])))
     if isinstance(zoom, float):
         return frame(zoom * magnification)
-    if not np.isfinite(edges[:2]).all():
+    if not np.isfinite(a[:2]).all():
         raise InputError(f"zoom {zoom} needs a place in the flat picture for the left and right "
                          f"edges of the image, which this lens sees at 90 degrees or more")
-    fit = frame((width - 1) / (a[1] - a[0]))
+    fit = frame((width - 1) / ((a[1] - a[0]) if between else
+                               2 * max(middle[0] - a[0], a[1] - middle[0])))
     if zoom == "fit":
         shrink = magnification / fit.focal * (width / dw)
         if shrink > MAX_STRETCH:
@@ -103,6 +112,13 @@ def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
                              f"the limit is {MAX_STRETCH:g}; give the zoom as a number")
         return fit
     return frame(_fill(frame, to_distorted, geometry, fit.focal))
+
+
+def _distance(to_distorted, point, size):
+    """How far the source of the ideal ``point`` is off the middle of the image, in its sides."""
+    x, y = to_distorted(*(np.array([value]) for value in point))
+    parts = [abs(value[0] - (side - 1) / 2) / side for value, side in zip((x, y), size)]
+    return max(parts) if np.isfinite(parts).all() else np.inf
 
 
 def _magnification(to_distorted, a, b):

@@ -49,16 +49,25 @@ class ReferenceLens:
     ----------
     name : str
         One of :data:`REFERENCE_LENSES`.
+    residual : float
+        0 to 1 times the lens's own. What is left at 0 is its radial distortion, decentring, thin
+        prism and tilted sensor, as in OpenCV's models.
 
     Raises
     ------
     InputError
-        If there is no such lens.
+        If there is no such lens, or ``residual`` is beyond the limits.
     """
 
-    def __init__(self, name):
+    def __init__(self, name, residual=1.0):
+        if not 0 <= residual <= 1:
+            raise InputError(f"the residual is {residual:g} times the lens's own, the limits are 0 "
+                             f"and 1")
         self.name = name
-        self.camera = Camera.from_dict(reference_table(name))
+        table = reference_table(name)
+        table = {**table, "residual": {**table["residual"],
+                                       "scale": residual * table["residual"]["scale"]}}
+        self.camera = Camera.from_dict(table)
         self.geometry = Geometry(*self.camera.frame.size, *self.camera.size)
 
     def dots(self, noise=NOISE, seed=SEED):

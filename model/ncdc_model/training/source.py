@@ -1,7 +1,7 @@
 """What a network is trained on: points of photos, the file of a calibrated camera, or a map."""
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +9,8 @@ import numpy as np
 from ncdc_model.calibration.camera_file import load_camera_map, training_grid
 from ncdc_model.calibration.frame import IdealFrame, ideal_frame
 from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.calibration.points_csv import is_points_csv, load_csv
+from ncdc_model.calibration.quality import uneven
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.errors import InputError
@@ -17,7 +19,7 @@ from ncdc_model.geometry import Geometry
 from ncdc_model.interpolation import DEFAULT
 from ncdc_model.valid import REACH, Calibrated, grid_pitch
 
-__all__ = ["Source", "is_points_file", "load_source"]
+__all__ = ["Source", "is_points_file", "load_points", "load_source"]
 
 
 _GRAIN = 2.0**20       # parts of a pixel to which pairs are rounded
@@ -48,12 +50,14 @@ class Source:
         to follow that lens, since left alone it would run off.
     provenance : dict
         For the descriptor: ``source`` (file name), ``source_kind``, ``source_hash``, ``frame``
-        (focal length and centre of the corrected image in pixels), and of points ``homography``.
+        (focal length and centre of the corrected image in pixels, and the vertical focal length
+        over the horizontal one if they differ), and of points ``homography``.
     frame : IdealFrame or None
         The points' rows and columns, whose straightness measures a network.
     facts : dict
-        Of remap tables, for the report: ``source_columns`` and ``source_rows``, the least and the
-        largest that they read, and ``warnings``, sentences on what is odd about them.
+        For the report: of remap tables ``source_columns`` and ``source_rows``, the least and the
+        largest that they read; ``notes`` and ``warnings``, sentences on how the file was read, and
+        on what is odd about it.
     """
     pairs: tuple
     geometry: Geometry
@@ -91,7 +95,7 @@ def is_points_file(path):
 
 
 def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None,
-                sensor=None, interpolation=DEFAULT):
+                sensor=None, interpolation=DEFAULT, page=None):
     """Read a points or camera file and choose the corrected frame, or read remap tables.
 
     Parameters
@@ -101,13 +105,17 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
     size : (int, int), optional
         Corrected width and height; default that of the photos. A map has its own.
     zoom : str or float, optional
-        As in :func:`ncdc_model.lens.choose_frame`; default fit.
+        As in :func:`ncdc_model.lens.choose_frame`; default fit, or the frame that a camera file
+        asks for, see :func:`~ncdc_model.calibration.camera_file.load_camera_map`.
     bayer, fill, interpolation
         As in :class:`Geometry`.
     camera : str, optional
-        Which camera of a camchain, or which of several maps in a file.
+        Which of several cameras or maps in a file.
     sensor : (int, int), optional
-        Width and height of the distorted image, of remap tables that do not tell.
+        Width and height of the distorted image, of remap tables, camera files and points that do
+        not say; a camera file of another size of the same aspect is scaled.
+    page : str, optional
+        ``flat`` or ``relief``, as in :class:`TargetPoints`; default what the points file says.
 
     Raises
     ------
@@ -116,24 +124,51 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
     """
     options = dict(bayer=bayer, fill=tuple(fill), interpolation=interpolation)
     paths, tables = are_remap_files(path)
+    if page and (tables or load_points(paths[0], sensor) is None):
+        raise InputError(f"--{page} states the shape of a photographed target, {paths[0]} holds no "
+                         f"points of one")
     if tables:
         return _of_remap(paths, size or zoom, sensor, camera, options)
     path, = paths
-    if sensor is not None:
-        raise InputError(f"the sensor's size is given, which {path} tells itself: it is no map")
-    if not is_points_file(path):
-        return _of_camera(path, size, zoom, camera, options)
+    points = load_points(path, sensor)
+    if points is None:
+        return _of_camera(path, size, zoom, camera, sensor, options)
     if camera is not None:
         raise InputError(f"camera {camera} is asked for, {path} holds points")
-    return _of_points(path, size, zoom, options)
+    points = replace(points, page=page or points.page)
+    kind = "CSV" if is_points_csv(path) else points.target
+    return _of_points(path, points, kind, size, zoom, options)
 
 
-def _of_camera(path, size, zoom, camera, options):
-    camera = load_camera_map(path, size, zoom, camera)
+def load_points(path, sensor=None):
+    """:class:`TargetPoints` of a points file or of a CSV of points; None of any other file.
+
+    ``sensor``: width and height of the photos, which a CSV does not say.
+
+    Raises
+    ------
+    InputError
+        If the file is bad, or the size is not known or another.
+    """
+    if is_points_csv(path):
+        return load_csv(path, sensor)
+    if not is_points_file(path):
+        return None
+    points = TargetPoints.load(path)
+    if sensor is not None and tuple(sensor) != points.size:
+        raise InputError("{} holds points of photos of {}x{} pixels, the sensor has {}x{}".format(
+            path, *points.size, *sensor))
+    return points
+
+
+def _of_camera(path, size, zoom, camera, sensor, options):
+    camera = load_camera_map(path, size, zoom, camera, sensor)
     provenance = {"source": Path(path).name, "source_kind": camera.model,
                   "source_hash": camera.digest, "frame": _numbers(camera.frame)}
+    facts = {name: list(sentences) for name, sentences in
+             (("notes", camera.notes), ("warnings", camera.warnings)) if sentences}
     return Source(training_grid(camera.back_map, camera.geometry()), camera.geometry(**options),
-                  back_map=camera.back_map, provenance=provenance)
+                  back_map=camera.back_map, provenance=provenance, facts=facts)
 
 
 def _of_remap(paths, frame, sensor, camera, options):
@@ -150,27 +185,28 @@ def _of_remap(paths, frame, sensor, camera, options):
                   back_map=tables.back_map, provenance=provenance, facts=facts)
 
 
-def _of_points(path, size, zoom, options):
-    points = TargetPoints.load(path)
+def _of_points(path, points, kind, size, zoom, options):
     frame = ideal_frame(points, size, zoom or "fit")
     geometry = Geometry(*frame.camera.frame.size, *points.size, **options)
     (u, v), (x, y) = frame.corrected.T, frame.distorted.T
     pitch = grid_pitch([(u[frame.photo == k], v[frame.photo == k]) for k in np.unique(frame.photo)])
     matrices = [_digits(matrix.ravel()) for matrix in frame.homographies]
-    provenance = {"source": Path(path).name, "source_kind": f"{points.target} points",
+    provenance = {"source": Path(path).name, "source_kind": f"{kind} points",
                   "source_hash": points.digest, "frame": _numbers(frame.camera.frame),
                   "points_dropped": sum(frame.rejected.values()),
+                  **({"page": points.page} if points.page else {}),
                   "homography": matrices[0] if len(matrices) == 1 else matrices}
     calibrated = Calibrated(u, v, x, y, REACH * pitch)
     smooth = frame.camera.back_map
     anchors = training_grid(smooth, geometry, _ANCHORS, sum(_ANCHORS),
                             without=calibrated.mask(smooth, geometry))
     return Source((u, v, x, y), geometry, calibrated=calibrated, smooth_map=smooth,
-                  anchors=anchors, provenance=provenance, frame=frame)
+                  anchors=anchors, provenance=provenance, frame=frame,
+                  facts={"warnings": uneven(points, frame)})
 
 
 def _numbers(frame):
-    return _digits([frame.focal, *frame.centre])
+    return _digits([frame.focal, *frame.centre] + [frame.aspect] * (frame.aspect != 1))
 
 
 def _digits(values):

@@ -2,16 +2,18 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from ncdc.bench.accuracy.measure import MODELS, NETWORKS, fits_of, jobs_of, reliability
 from ncdc.bench.accuracy.plots import plot_accuracy
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
 from ncdc_model.descriptor import MAX_NEURONS
 from ncdc_model.errors import InputError
-from ncdc_model.files import check_outputs
+from ncdc_model.files import check_outputs, write_stream
 from ncdc_model.reference_lenses import REFERENCE_LENSES
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "neuron_counts", "run", "table"]
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "by_lens", "neuron_counts", "run", "table"]
 
 HELP = ("fit the network and other maps to the same noisy dots of simulated lenses, and measure "
         "all on the whole frame")
@@ -37,6 +39,11 @@ def add_arguments(parser):
     parser.add_argument("--seeds", type=int, default=1, metavar="N",
                         help="train each network N times and count the seeds that come within "
                              "10 %% of the best (default: 1)")
+    parser.add_argument("--residual", type=float, default=1.0, metavar="TIMES",
+                        help="of each lens's own residual, which OpenCV's models do not have, 0 to "
+                             "1 (default: 1)")
+    parser.add_argument("--table", metavar="FILE",
+                        help="write MSE and largest error of each lens and map as Markdown")
     parser.add_argument("--all", action="store_true",
                         help="every lens, 4 to 16 neurons (ebp 4 to 6): hours")
     parser.add_argument("-o", "--output", metavar="DIR",
@@ -55,13 +62,15 @@ def run(args):
     progress = Progress("accuracy")
     for lens, jobs in work:
         progress(done / total, f" {lens}: {_title(*jobs[0][:2])}")
-        for fit, following in zip(fits_of(lens, jobs), [*jobs[1:], None]):
+        for fit, following in zip(fits_of(lens, jobs, args.residual), [*jobs[1:], None]):
             done += 1
             fits.append(fit)
             progress(done / total, f" {lens}: {_title(*following[:2])}" if following else "")
     rows = [fit.row for fit in fits]
     if args.output:
         plot_accuracy(Path(args.output), fits)
+    if args.table:
+        write_stream(args.table, by_lens(rows))
     report = {"rows": rows, "reliability": reliability(rows)}
     if not write_report(report, args.json):
         print(table(rows))
@@ -122,6 +131,22 @@ def table(rows):
             f"{_or_dash(row['fixed_mse'], '11.6f')} {_or_dash(row['fixed_added_max'], '8.5f')} "
             f"{row['seconds']:6.1f}")
     return "\n".join(lines)
+
+
+def by_lens(rows):
+    """MSE and largest error of ``rows``, of a network in integers, as a Markdown table: a column
+    for each lens, a line for each model and number of neurons."""
+    lenses = list(dict.fromkeys(row["lens"] for row in rows))
+    cells = {}
+    for row in rows:
+        neurons, kind = row["hidden_neurons"], "fixed_" if row["hidden_neurons"] else ""
+        name = f"`{row['model']}`" + (f", HN {neurons}" if neurons else "")
+        cells.setdefault(name, {}).setdefault(row["lens"], " / ".join(
+            np.format_float_positional(row[kind + error], precision=3, fractional=False, trim="-")
+            for error in ("mse", "max")))
+    lines = [["MSE, px² / max, px", *lenses], ["---"] * (len(lenses) + 1)]
+    lines += [[name, *(line.get(lens, "") for lens in lenses)] for name, line in cells.items()]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
 def _or_dash(value, form):

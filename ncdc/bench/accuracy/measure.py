@@ -35,7 +35,8 @@ class Fit:
     Parameters
     ----------
     row : dict
-        ``lens``, ``model``, ``hidden_neurons`` and ``seed`` (None for what is no network);
+        ``lens``, ``residual`` as times its own, ``model``, ``hidden_neurons`` and ``seed`` (None
+        for what is no network);
         ``mse``, ``mean``, ``max`` as in :func:`map_error`, of every corrected pixel with a source
         against the true map; ``fixed_mse``, ``fixed_mean``, ``fixed_max`` the same of the
         integers; ``fixed_added_max``, largest difference on an axis between integers and real
@@ -62,12 +63,12 @@ def jobs_of(models, neurons, seeds):
     return jobs
 
 
-def fits_of(name, jobs):
-    """Yield a :class:`Fit` of each of ``jobs`` on the lens ``name``.
+def fits_of(name, jobs, residual=1.0):
+    """Yield a :class:`Fit` of each of ``jobs`` on the lens ``name``, a :class:`ReferenceLens`.
 
     Every map is fitted to all of the lens's noisy dots; the true map, which no fit sees, measures.
     """
-    lens = ReferenceLens(name)
+    lens = ReferenceLens(name, residual)
     dots, truth = lens.dots(), lens.truth()
     for model, neurons, seed in jobs:
         start = time.process_time()
@@ -78,8 +79,8 @@ def fits_of(name, jobs):
         else:
             real, fixed = BASELINES[model](dots), None
         seconds = time.process_time() - start
-        row = {"lens": name, "model": model, "hidden_neurons": neurons, "seed": seed,
-               **_errors(real, fixed, truth),
+        row = {"lens": name, "residual": residual, "model": model, "hidden_neurons": neurons,
+               "seed": seed, **_errors(real, fixed, truth),
                "dots_mse": map_error(real(dots.u, dots.v), (dots.x, dots.y))["mse"],
                "seconds": seconds}
         yield Fit(row, fixed or real, real)

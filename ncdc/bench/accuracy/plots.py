@@ -41,7 +41,7 @@ def plot_accuracy(folder, fits):
         own = [fit for fit in fits if fit.row["lens"] == lens]
         if any(fit.row["model"] in NETWORKS for fit in own):
             _against_neurons(folder / f"accuracy-{lens}.png", lens, [fit.row for fit in own])
-        _maps(folder / f"accuracy-{lens}-map.jpg", ReferenceLens(lens), own)
+        _maps(folder / f"accuracy-{lens}-map.jpg", ReferenceLens(lens, own[0].row["residual"]), own)
 
 
 def _against_neurons(path, lens, rows):

@@ -1,8 +1,23 @@
-"""Cameras of a camchain file of Kalibr."""
+"""Cameras of a camchain file of Kalibr, and of a sensor.yaml of the EuRoC data sets."""
+
+from functools import partial
 
 import numpy as np
 
-from ncdc_model.calibration.file_lens import fisheye, numbers, perspective, unified_sphere, whole
+from ncdc_model.calibration.files.bends import (
+    field_of_view,
+    fisheye,
+    perspective,
+    unified_sphere,
+)
+from ncdc_model.calibration.files.lens import (
+    choose,
+    coefficients,
+    file_lens,
+    matrix_of,
+    numbers,
+    whole,
+)
 from ncdc_model.errors import InputError
 
 __all__ = ["is_camchain", "kalibr_lens"]
@@ -10,18 +25,24 @@ __all__ = ["is_camchain", "kalibr_lens"]
 # Names of the intrinsics before the focal lengths and the principal point, by projection.
 _INTRINSICS = {"pinhole": (), "omni": ("xi",), "eucm": ("alpha", "beta"), "ds": ("xi", "alpha")}
 _COEFFICIENTS = {"radtan": 4, "equidistant": 4, "fov": 1, "none": 0}
-_LONG = {"equi": "equidistant"}
+_LONG = {"equi": "equidistant", "radial-tangential": "radtan"}
 _DISTORTIONS = {"pinhole": tuple(_COEFFICIENTS), "omni": ("radtan", "none"), "eucm": ("none",),
                 "ds": ("none",)}
 
 
 def is_camchain(table):
-    """Whether the names and values are those of a camchain."""
-    return isinstance(table.get("cam0"), dict)
+    """Whether the names and values are those of a camchain, or of one camera of it."""
+    return bool(_cameras(table)) or {"intrinsics", "resolution"} <= table.keys()
+
+
+def _cameras(table):
+    return [name for name, value in table.items()
+            if str(name).startswith("cam") and isinstance(value, dict)
+            and {"intrinsics", "camera_model"} & value.keys()]
 
 
 def kalibr_lens(table, camera=None):
-    """Size, matrix, bend and model, for :func:`~ncdc_model.calibration.file_lens.file_lens`.
+    """:class:`FileLens` of a camchain.
 
     Projections and distortions: pinhole with radtan, equidistant, fov or none; omni (the unified
     model) with radtan or none; eucm and ds (double sphere) with none.
@@ -29,7 +50,7 @@ def kalibr_lens(table, camera=None):
     Parameters
     ----------
     table : dict
-        The whole file: cam0, cam1 ...
+        The whole file: cam0, cam1 ..., or one camera without a name.
     camera : str, optional
         Which one; may be left out where there is one only.
 
@@ -41,13 +62,9 @@ def kalibr_lens(table, camera=None):
     KeyError, TypeError, ValueError
         If a value is missing or of the wrong kind.
     """
-    names = [name for name in table if str(name).startswith("cam")]
-    if camera is None and len(names) > 1:
-        raise InputError(f"the file holds the cameras {', '.join(names)}, one must be chosen")
-    camera = camera or names[0]
-    if camera not in names:
-        raise InputError(f"camera {camera} is asked for, the file holds {', '.join(names)}")
-    entry = table[camera]
+    names = _cameras(table) or ["cam0"]
+    camera = choose(names, camera)
+    entry = table[camera] if camera in table else table
     projection = str(entry["camera_model"]).lower()
     distortion = str(entry["distortion_model"]).lower()
     distortion = _LONG.get(distortion, distortion)
@@ -60,35 +77,31 @@ def kalibr_lens(table, camera=None):
     width, height = entry["resolution"]
     own = len(_INTRINSICS[projection])
     values = numbers(entry["intrinsics"], "list of intrinsics", (own + 4,))
-    fx, fy, cx, cy = values[own:]
-    k = numbers(entry.get("distortion_coeffs") or [], "list of distortion coefficients",
-                (_COEFFICIENTS[distortion],))
-    return ((whole(width, "width"), whole(height, "height")),
-            np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]]),
-            _bend(projection, values[:own], distortion, k),
-            f"{camera} {projection} {distortion}" if distortion != "none" else
-            f"{camera} {projection}")
+    given = entry.get("distortion_coeffs", entry.get("distortion_coefficients"))
+    k = coefficients(given, f"{camera} {distortion}", (_COEFFICIENTS[distortion],))
+    model = f"{camera} {projection} {distortion}".removesuffix(" none")
+    return file_lens((whole(width, "width"), whole(height, "height")), matrix_of(*values[own:]),
+                     _bend(projection, values[:own], distortion, k), model)
 
 
 def _bend(projection, own, distortion, k):
     """Distorted point of an ideal one, in units of the focal length."""
     if projection == "omni":
-        offset, = own
-        k1, k2, p1, p2 = k if len(k) else np.zeros(4)
-        return lambda a, b: unified_sphere(a, b, offset, (k1, k2), (p1, p2))
+        k = k if len(k) else np.zeros(4)
+        return partial(unified_sphere, offset=own[0], radial=k[:2], tangential=k[2:])
     if projection in ("ds", "eucm"):
         depth = (_double_sphere if projection == "ds" else _extended_unified)
         return lambda a, b: (a / depth(a * a + b * b, *own), b / depth(a * a + b * b, *own))
-    return {"radtan": lambda a, b: perspective(a, b, k),
-            "equidistant": lambda a, b: fisheye(a, b, k),
-            "fov": lambda a, b: _field_of_view(a, b, *k),
+    return {"radtan": partial(perspective, coefficients=k),
+            "equidistant": partial(fisheye, coefficients=k),
+            "fov": lambda a, b: field_of_view(a, b, *k),
             "none": lambda a, b: (a, b)}[distortion]
 
 
 def _double_sphere(q, xi, alpha):
     """Depth by which the ideal point of squared radius ``q`` is divided.
 
-    Of Usenko, Demmel and Cremers.
+    The model is that of Usenko, Demmel and Cremers.
     """
     near = np.sqrt(q + 1)
     shifted = xi * near + 1
@@ -98,13 +111,3 @@ def _double_sphere(q, xi, alpha):
 def _extended_unified(q, alpha, beta):
     """Depth of the extended unified model of Khomutenko, Garcia and Martinet."""
     return alpha * np.sqrt(beta * q + 1) + 1 - alpha
-
-
-def _field_of_view(a, b, w):
-    """Devernay and Faugeras: distorted radius atan(2 r tan(w / 2)) / w."""
-    if not 0 < w < np.pi:
-        raise InputError(f"the field of view is {w:g} rad, it must lie between 0 and pi")
-    r = np.hypot(a, b)
-    scale = np.where(r > 0, np.arctan(2 * r * np.tan(w / 2)) / (w * np.where(r > 0, r, 1)),
-                     2 * np.tan(w / 2) / w)
-    return a * scale, b * scale

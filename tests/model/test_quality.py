@@ -5,9 +5,9 @@ import pytest
 
 from ncdc.bench.photos.lens import Lens, Plane
 from ncdc.bench.photos.targets import Pose
-from ncdc_model.calibration.flatness import not_flat
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
+from ncdc_model.calibration.quality import uneven
 
 SIZE = 640, 480
 LENS = Lens(0.42 * SIZE[0], (322.0, 237.0))
@@ -21,8 +21,8 @@ def sentences(bend=0.0, late=0.0):
     xy[:, 0] += late * np.sin(xy[:, 1] / SIZE[1] * 9)
     xy += np.random.default_rng(0).normal(0, 0.03, xy.shape)
     photo = PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy)), name="a.png")
-    frame = ideal_frame(TargetPoints(target="chessboard", size=SIZE, photos=(photo,)))
-    return not_flat(frame, SIZE[0]), LENS.off_flat(index, xy).max()
+    points = TargetPoints(target="chessboard", size=SIZE, photos=(photo,))
+    return uneven(points, ideal_frame(points)), LENS.off_flat(index, xy).max()
 
 
 def test_a_flat_page_is_not_warned_of():
@@ -34,5 +34,5 @@ def test_a_flat_page_is_not_warned_of():
 def test_a_bent_page_and_a_rolling_shutter_are_warned_of(what):
     (text,), off = sentences(**what)
     assert off > 1
-    assert text.startswith("a.png: points lie ")
-    assert "the target may be bent or of two sheets" in text
+    assert text.startswith("a.png: the points lie ") and " px around (" in text
+    assert "the page may be bent or of two sheets" in text

@@ -1,0 +1,47 @@
+"""Names boards of fiducial markers that are not supported: AprilGrids, grids of ArUco markers."""
+
+import cv2
+import numpy as np
+
+__all__ = ["other_board"]
+
+_SIDE = 1300           # pixels of the longer side at which markers are looked for
+_ENOUGH = 6            # different markers of one family: fewer may be texture
+_CORRECTED = 0.3       # of the wrong cells that a family can correct: more may be texture
+_ODD_BORDER = 0.1      # of the cells of a marker's border may be bright
+_APRIL = "DICT_APRILTAG_36h11"
+# The largest of each family holds the markers of the smaller ones.
+_FAMILIES = (_APRIL, "DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000",
+             "DICT_ARUCO_ORIGINAL", "DICT_ARUCO_MIP_36h12", "DICT_APRILTAG_16h5",
+             "DICT_APRILTAG_25h9")
+
+
+def other_board(grey, april_only=False):
+    """Sentence that names the board of markers that a grey uint8 picture shows, or "".
+
+    The markers of Kalibr's AprilGrid have a black border of two cells, all others of one.
+    ``april_only``: no other board is named.
+    """
+    shrink = _SIDE / max(grey.shape)
+    if shrink < 1:
+        grey = cv2.resize(grey, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
+    count = _count(grey, _APRIL, 2)
+    if count >= _ENOUGH:
+        return f"it shows an AprilGrid ({count} of its markers), which is not supported"
+    counts = {family: 0 if april_only else _count(grey, family, 1) for family in _FAMILIES}
+    family = max(counts, key=counts.get)
+    if counts[family] < _ENOUGH:
+        return ""
+    return (f"it shows {counts[family]} markers of the family {family.removeprefix('DICT_')} but "
+            f"no ChArUco board between them: no other board of markers is supported")
+
+
+def _count(grey, family, border):
+    """How many different markers of the ``family``, their border ``border`` cells wide, are
+    seen."""
+    settings = cv2.aruco.DetectorParameters()
+    settings.markerBorderBits, settings.errorCorrectionRate = border, _CORRECTED
+    settings.maxErroneousBitsInBorderRate = _ODD_BORDER
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, family))
+    ids = cv2.aruco.ArucoDetector(dictionary, settings).detectMarkers(grey)[1]
+    return 0 if ids is None else len(np.unique(ids))

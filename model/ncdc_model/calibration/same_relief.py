@@ -1,0 +1,81 @@
+"""Proof of relief: the same heights of the same page in photos from different places."""
+
+import numpy as np
+from scipy.interpolate import griddata
+from scipy.signal import fftconvolve
+
+__all__ = ["proven"]
+
+_ALIKE = 0.8           # correlation of two photos' heights from which on they are the same page's
+_LENS = 0.5            # times that: more, picture on picture, and it may be the lens's
+_COMMON = 100          # points that both photos show
+
+
+def proven(indices, points, heights):
+    """Which of the photos show a relief that another photo, taken from elsewhere, shows too.
+
+    The numbers of dots begin anew with each photo. So two photos' heights are laid over each
+    other at every shift and quarter turn; where they agree best, they are the same page's, if
+    they correlate to 0.8 there. A flaw of the lens would do that too, wherever the page is: it is
+    at the same place of the picture. So relief is proven only if the heights are much less alike
+    where the pictures lie over each other.
+
+    Parameters
+    ----------
+    indices, points, heights : sequence of ndarray
+        Of each photo (n, 2), pixels (n, 2) and (n,), with no points if it shows no relief.
+
+    Returns
+    -------
+    ndarray of bool, shape (photos,)
+    """
+    shown = np.zeros(len(indices), bool)
+    for one in range(len(indices)):
+        for other in range(one + 1, len(indices)):
+            if min(len(indices[one]), len(indices[other])) < _COMMON:
+                continue
+            page = _on_page(indices[one], heights[one], indices[other], heights[other])
+            picture = _on_picture(points[one], heights[one], points[other], heights[other])
+            if page >= _ALIKE and abs(picture) <= _LENS * page:
+                shown[[one, other]] = True
+    return shown
+
+
+def _on_page(index, height, other_index, other_height):
+    """Largest correlation of two photos' heights over all shifts and quarter turns."""
+    best = -1.0
+    for turn in (((1, 0), (0, 1)), ((0, 1), (-1, 0)), ((-1, 0), (0, -1)), ((0, -1), (1, 0))):
+        first, there = _grid(index, height)
+        second, seen = _grid(other_index @ np.array(turn), other_height)
+        second, seen = second[::-1, ::-1], seen[::-1, ::-1]
+
+        def over(a, b):
+            return fftconvolve(a, b)
+        n = np.rint(over(there, seen))
+        enough = n >= max(_COMMON, 0.3 * min(there.sum(), seen.sum()))
+        if not enough.any():
+            continue
+        n = np.where(enough, n, np.inf)
+        a, b = over(first, seen) / n, over(there, second) / n
+        product = over(first, second) / n - a * b
+        spread = (over(first**2, seen) / n - a * a) * (over(there, second**2) / n - b * b)
+        best = max(best, float((product / np.sqrt(np.maximum(spread, 1e-12)))[enough].max()))
+    return best
+
+
+def _on_picture(xy, height, other_xy, other_height):
+    """Correlation of two photos' heights at the same places of the picture."""
+    there = griddata(other_xy, other_height, xy)
+    both = np.isfinite(there)
+    if both.sum() < _COMMON:
+        return 0.0
+    return float(np.corrcoef(height[both], there[both])[0, 1])
+
+
+def _grid(index, height):
+    """Heights, about their mean and of standard deviation one, and ones where there are points."""
+    index = index - index.min(axis=0)
+    values, there = np.zeros((2, *(index.max(axis=0) + 1)))
+    values[tuple(index.T)] = (height - height.mean()) / max(height.std(), 1e-12)
+    there[tuple(index.T)] = 1
+    return values, there

@@ -1,0 +1,1 @@
+"""Photos and raw frames in files of many formats, as the sensor sent them."""

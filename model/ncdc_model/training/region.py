@@ -1,0 +1,159 @@
+"""The error of a map over its whole valid region, where only points of a target are known.
+
+Held-out points lie among the others: between the outermost points and the border of the picture
+they say nothing, nor do they find the largest error. So the true map is estimated everywhere: it
+is the smooth lens, plus what Gaussian process regression ("kriging") makes of what that lens
+leaves at the points. The regression also says how uncertain it is, which counts as error.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
+
+from ncdc_model.training.problem import spread
+
+__all__ = ["Region", "region_of"]
+
+_STEP = 64             # corrected pixels of the longer side between those that are compared
+_BORDER = 400          # pixels along the border of the region that are, where errors are largest
+_SOME = 600            # points that the scales of the regression are chosen on
+_NEAR = 40             # points that tell a place
+_LENGTHS = 2.0 ** np.arange(-1, 6)      # scales of the residual, in typical distances of points
+_NOISES = 4.0 ** np.arange(-7, 4)       # variance of the points over that of the residual
+_SIGMAS = 2.0          # standard deviations of the estimate that the largest error includes
+
+
+@dataclass(frozen=True)
+class Region:
+    """Estimated sources of pixels all over the valid region.
+
+    Parameters
+    ----------
+    u, v : ndarray, shape (n,)
+        Corrected pixels, whole numbers.
+    x, y : ndarray, shape (n,)
+        Where they come from, in distorted pixels.
+    sigma : ndarray, shape (n,)
+        Standard deviation of x, and of y.
+    beyond : ndarray of bool, shape (n,)
+        Whether a pixel lies beyond the outermost points.
+    border : ndarray of bool, shape (n,)
+        Pixels on the border, which are denser than the others and count for the largest error only.
+    """
+    u: np.ndarray
+    v: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    sigma: np.ndarray
+    beyond: np.ndarray
+    border: np.ndarray
+
+    def errors(self, back_map):
+        """Error of ``back_map``, (u, v) -> (x, y), in the region, and beyond the points alone.
+
+        Two dicts of ``mse``, ``mean`` and ``max`` as :func:`ncdc_model.evaluate.map_error` gives
+        them: the expected square of the error, and the largest error with twice the standard
+        deviation of its estimate. The second is not-a-number if no pixel lies beyond the points.
+        """
+        x, y = back_map(self.u, self.v)
+        off = np.hypot(x - self.x, y - self.y)
+        square = off**2 + 2 * self.sigma**2
+        worst = off + _SIGMAS * self.sigma
+        result = []
+        for which in (np.ones(len(off), bool), self.beyond):
+            even = which & ~self.border if (which & ~self.border).any() else which
+            result.append({
+                "mse": float(square[even].mean()), "mean": float(np.sqrt(square[even]).mean()),
+                "max": float(worst[which].max())} if which.any() else
+                dict.fromkeys(("mse", "mean", "max"), float("nan")))
+        return tuple(result)
+
+
+def region_of(frame, geometry):
+    """:class:`Region` of the corrected picture of an :class:`IdealFrame`.
+
+    Parameters
+    ----------
+    frame : ncdc_model.calibration.frame.IdealFrame
+    geometry : Geometry
+    """
+    smooth = frame.camera.back_map
+    u, v, border = _pixels(smooth, geometry)
+    at = np.stack(smooth(u, v), axis=1)
+    known = np.stack(smooth(*frame.corrected.T), axis=1)
+    usable = np.isfinite(known).all(axis=1)
+    known, rest = known[usable], (frame.distorted - known)[usable]
+    mean, sigma = _regression(known, rest, at)
+    x, y = (at + mean).T
+    return Region(u, v, x, y, sigma, ~_inside(known + rest, np.stack([x, y], axis=1)), border)
+
+
+def _pixels(smooth, geometry):
+    """Corrected pixels with a source by the smooth lens: a grid of them, and their border."""
+    width, height = geometry.corrected
+    step = max(1, round(max(width, height) / _STEP))
+    u, v = np.meshgrid(np.arange(width), np.arange(height))
+    valid = geometry.window_inside(*smooth(u.astype(np.float64), v.astype(np.float64)))
+    padded = np.pad(valid, 1)
+    inner = padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
+    rows, columns = np.nonzero(valid & ~inner)
+    some = np.linspace(0, len(rows) - 1, min(_BORDER, len(rows))).astype(int)
+    start = step // 2
+    rows_even, columns_even = np.nonzero(valid[start::step, start::step])
+    even = columns_even * step + start, rows_even * step + start
+    border = np.arange(len(even[0]) + len(some)) >= len(even[0])
+    return (np.concatenate([even[0], columns[some]]), np.concatenate([even[1], rows[some]]),
+            border)
+
+
+def _regression(known, rest, at):
+    """Mean (m, 2) and standard deviation (m,) at ``at`` (m, 2) of a Gaussian process through
+    ``rest`` (n, 2) at ``known`` (n, 2), from the nearest points of each place."""
+    length, noise, variance = _scales(known, rest)
+    count = min(_NEAR, len(known))
+    distance, near = (part.reshape(len(at), -1) for part in cKDTree(known).query(at, count))
+    mean, sigma = np.empty_like(at), np.empty(len(at))
+    for start in range(0, len(at), 1024):
+        block = slice(start, start + 1024)
+        places = known[near[block]]
+        among = np.linalg.norm(places[:, :, None] - places[:, None], axis=3)
+        matrix = _covariance(among, length) + noise * np.eye(count)
+        to = _covariance(distance[block], length)
+        weight = np.linalg.solve(matrix, to[:, :, None])[:, :, 0]
+        mean[block] = np.einsum("nk,nkd->nd", weight, rest[near[block]])
+        sigma[block] = np.sqrt(np.maximum(variance * (1 - (weight * to).sum(axis=1)), 0))
+    return mean, sigma
+
+
+def _covariance(distance, length):
+    """Matérn's covariance of order 5/2 over the variance."""
+    far = np.sqrt(5) * distance / length
+    return (1 + far + far * far / 3) * np.exp(-far)
+
+
+def _scales(known, rest):
+    """Length in pixels, noise over variance, and variance of the process of largest likelihood."""
+    some = spread(len(known), _SOME)
+    known, rest = known[some], rest[some]
+    distance = cdist(known, known)
+    pitch = float(np.median(np.sort(distance, axis=1)[:, min(1, len(known) - 1)]))
+    best = None
+    for length in _LENGTHS * max(pitch, 1.0):
+        values, vectors = eigh(_covariance(distance, length))
+        turned = ((vectors.T @ rest)**2).sum(axis=1)
+        for noise in _NOISES:
+            spectrum = np.maximum(values, 0) + noise
+            variance = float((turned / spectrum).mean() / 2)
+            cost = 2 * len(known) * np.log(max(variance, 1e-18)) + 2 * np.log(spectrum).sum()
+            if best is None or cost < best[0]:
+                best = cost, length, noise, variance
+    return best[1:]
+
+
+def _inside(points, at):
+    """Whether the places ``at`` (m, 2) lie in the convex hull of ``points`` (n, 2)."""
+    from scipy.spatial import Delaunay
+    return Delaunay(points).find_simplex(at) >= 0
