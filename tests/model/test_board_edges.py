@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from ncdc_model.calibration.board_edges import on_edges, readings
+from ncdc_model.calibration.board_edges import are_squares, on_edges, readings
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
 
 
@@ -45,3 +45,14 @@ def test_a_board_from_far_aside_is_found():
     found = find_corner_lattices(seen.astype(np.uint8))[0]
     off = np.linalg.norm(found.xy[:, None] - true, axis=2).min(axis=1)
     assert len(found.xy) >= 36 and off.max() < 0.5
+
+
+def test_touching_circles_are_no_squares():
+    picture, index, xy = board()
+    round_ = np.full(picture.shape, 220, np.uint8)
+    for i in range(7):
+        for j in range(6):
+            if (i + j) % 2 == 0:
+                cv2.circle(round_, (40 * i + 60, 40 * j + 60), 20, 20, -1)
+    assert are_squares(picture, index, xy)
+    assert not are_squares(round_.astype(np.float32), index, xy)

@@ -3,13 +3,15 @@
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-__all__ = ["on_edges", "readings"]
+__all__ = ["are_squares", "on_edges", "readings"]
 
 _ALONG = np.array([0.2, 0.35, 0.5, 0.65, 0.8])    # of the way from one corner to the next
 _ASIDE = 0.1           # of that way: to either side of the edge
 _CONTRAST = 0.3        # of the usual difference of both sides
 _SEEN = 4              # of the five places on an edge
 _GOOD = 0.5            # of a corner's edges
+_INSET = 0.12          # of a square, from its corners: where a circle does not reach
+_FILLED = 0.8          # of these places must be as dark or bright as the middle of their square
 
 
 def readings():
@@ -19,6 +21,28 @@ def readings():
     for shear in (1, -1, 2, -2):
         yield np.array([[1, shear], [0, 1]])
         yield np.array([[1, 0], [shear, 1]])
+
+
+def are_squares(picture, index, xy):
+    """Whether the cells of a lattice ``index``, ``xy`` (n, 2) are dark and bright by turns up to
+    their corners: circles that touch are dark and bright by turns too, but round."""
+    place = {tuple(key): point for key, point in zip(index.tolist(), xy)}
+    spots, signs = [], []
+    for i, j in place:
+        cell = [place.get(key) for key in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+        if all(corner is not None for corner in cell):
+            middle = sum(cell) / 4
+            spots.append([middle, *(middle + (1 - 2 * _INSET) * (corner - middle)
+                                    for corner in cell)])
+            signs.append(1 if (i + j) % 2 else -1)
+    if len(set(signs)) < 2:
+        return False
+    spots, signs = np.array(spots), np.array(signs)
+    values = map_coordinates(picture, [spots[..., 1], spots[..., 0]], order=1, mode="nearest",
+                             output=np.float32)
+    bright, dark = (np.median(values[signs == sign, 0]) for sign in (1, -1))
+    side = (values - (bright + dark) / 2) * signs[:, None] * np.sign(bright - dark)
+    return bool((side[:, 1:] > 0).mean() >= _FILLED)
 
 
 def on_edges(picture, index, xy):

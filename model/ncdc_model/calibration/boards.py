@@ -8,6 +8,7 @@ import numpy as np
 from ncdc_model.calibration.belief import believed, place_of
 from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
+from ncdc_model.calibration.exposure import with_exposure
 from ncdc_model.calibration.focus import with_focus
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.subpixel import refine
@@ -30,7 +31,7 @@ def find_boards(image):
     grey, boards = grey_picture(image), []
     for board in find_corner_lattices(grey):
         try:
-            boards.append(with_focus(grey, _held(image, board.index, board.xy)))
+            boards.append(_examined(image, grey, _held(image, board.index, board.xy)))
         except InputError:
             pass
     boards = [board for board in boards if len(board.index) >= 9]
@@ -111,6 +112,11 @@ def _held(image, index, xy):
                                                     area=np.zeros(len(xy))))
 
 
+def _examined(image, grey, board):
+    """``board`` with what is wrong with the photo."""
+    return with_exposure(image, with_focus(grey, board))
+
+
 def _fits(board, columns, rows):
     across, down = np.ptp(board.index, axis=0) + 1
     return (across <= columns and down <= rows) or (across <= rows and down <= columns)
@@ -167,6 +173,6 @@ def _by_opencv(image, columns, rows):
         return None
     try:
         xy = refine(whole, index, (xy + 0.5) * scale - 0.5, _SCALE * max(scale))
-        return with_focus(whole, _held(image, index, xy))
+        return _examined(image, whole, _held(image, index, xy))
     except InputError:
         return None

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-from ncdc_model.calibration.board_edges import on_edges, readings
+from ncdc_model.calibration.board_edges import are_squares, on_edges, readings
 from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.calibration.subpixel import refine
 
@@ -72,7 +72,9 @@ def _at_scale(grey, scale, most):
         index, xy = lattice.index, places[lattice.where]
         for reading in readings():
             keep = check_squares(smooth, index @ reading, xy)
-            if keep.sum() >= max(_LEAST, _ALIKE * len(index)):
+            if keep.sum() >= max(_LEAST, _ALIKE * len(index)) and (
+                    (reading == np.eye(2)).all()
+                    or are_squares(smooth, (index @ reading)[keep], xy[keep])):
                 index = index @ reading
                 keep[keep] = on_edges(smooth, index[keep], xy[keep])
                 break

@@ -114,7 +114,8 @@ def uneven(points, frame):
     return [f"{', '.join(frame.names[:3])}: {done}the points lie {rms:.2f} px rms, {worst:.1f} px "
             f"around ({x:.0f}, {y:.0f}), from the best smooth lens, more than {limit:.2f} px: the "
             f"page may be bent or of two sheets, or the lens is uneven here; if the page is bent, "
-            f"the map is off by more than that. --flat states that it is flat, --relief that it has a relief"]
+            f"the map is off by more than that. --flat states that it is flat, --relief that it "
+            f"has a relief"]
 
 
 def _left(frame):

@@ -50,7 +50,7 @@ def refine(grey, index, xy, scale):
     # In a shadow or glare the four squares differ: their edges tell better, if they are sharp.
     uneven = found & ~(still & (np.linalg.norm(again - moved, axis=1) < _APART))
     if uneven.any():
-        uneven[uneven] = edge_blur(grey, xy[uneven], near[uneven]) < _SHARP
+        uneven[uneven] = ~(edge_blur(grey, xy[uneven], near[uneven]) >= _SHARP)
         moved[uneven] = _by_edges(grey, xy[uneven], near[uneven])
     good = found & (np.linalg.norm(moved - xy, axis=1) <= 1 + scale)
     return np.where(good[:, None], moved, xy)

@@ -110,7 +110,7 @@ def judge(photo, points):
     All points must belong to one target, and their index must be the target's up to one turn,
     mirroring and shift for all.
     """
-    best = 0, len(points.whole.index), np.nan, int(points.cut.sum())
+    best = _visible(photo), len(points.whole.index), np.nan, int(points.cut.sum())
     for truth in photo.truths:
         near, which = cKDTree(truth.xy).query(points.xy)
         close = near <= FALSE
