@@ -23,7 +23,7 @@ def page(columns, rows, step, view=0.42, noise=0.05):
 
 
 def seam_of(index, xy):
-    few = np.random.default_rng(1).permutation(len(xy))[:150]
+    few = np.random.default_rng(1).permutation(len(xy))[:80]
     rest = xy - fit_smooth(SIZE, [(index[few], xy[few])]).pixels(0, index)
     return find_seam(index, xy, rest, SIZE[0])
 

@@ -72,12 +72,13 @@ def _at_scale(grey, scale, most):
         index, xy = lattice.index, places[lattice.where]
         for reading in readings():
             keep = check_squares(smooth, index @ reading, xy)
-            if keep.sum() >= max(_LEAST, _ALIKE * len(index)) and (
-                    (reading == np.eye(2)).all()
-                    or are_squares(smooth, (index @ reading)[keep], xy[keep])):
+            if keep.sum() >= max(_LEAST, _ALIKE * len(index)) and are_squares(
+                    smooth, (index @ reading)[keep], xy[keep]):
                 index = index @ reading
                 keep[keep] = on_edges(smooth, index[keep], xy[keep])
                 break
+        else:
+            continue
         if keep.sum() >= max(_LEAST, _ALIKE * len(index)):
             keep = trimmed(index, keep)
         else:
