@@ -27,8 +27,10 @@ from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
 from ncdc_model.training.train import TRAINERS, check_request
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "error_table", "nodes_text",
+__all__ = ["EXAMPLE", "HELP", "TABLES", "add_arguments", "error_table", "nodes_text",
            "plot_training", "run", "training_progress"]
+
+TABLES = "training", "held_out", "beyond_points", "region", "frame"
 
 HELP = "train a camera's network and write its descriptor"
 EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
@@ -153,8 +155,10 @@ def _print_report(args, source, report):
     if report.get("extrapolated_percent"):
         print(f"{report['extrapolated_percent']:.1f} % lie beyond the calibrated points: there the "
               f"network follows the smooth lens fitted to them")
-    print(error_table({name: report[name] for name in ("training", "held_out", "frame")
-                       if name in report}))
+    print(error_table({name: report[name] for name in TABLES if name in report}))
+    if report["measured_on"] == "region":
+        print(f"region: the whole valid region, as estimated from the points; "
+              f"{report['beyond_points_percent']:.1f} % of it lies beyond the outermost ones")
     print(nodes_text(report["nodes"]) + (f", which adds at most {report['nodes_curvature_px']:.5f} "
                                          f"px" if report["nodes"] > 1 else ""))
     print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")
@@ -243,11 +247,11 @@ def plot_training(trained, source, output, held_out=HELD_OUT):
 
 def error_table(parts):
     """Text table of the float and fixed errors of each named part of a report."""
-    lines = [f"{'':10} {'':6} {'MSE px²':>10} {'mean px':>9} {'max px':>9}"]
+    lines = [f"{'':13} {'':6} {'MSE px²':>10} {'mean px':>9} {'max px':>9}"]
     for name, part in parts.items():
         for kind in ("float", "fixed"):
             errors = part[f"map_error_{kind}_px"]
-            lines.append(f"{name.replace('_', ' '):10} {kind:6} {errors['mse']:10.6f} "
+            lines.append(f"{name.replace('_', ' '):13} {kind:6} {errors['mse']:10.6f} "
                          f"{errors['mean']:9.5f} {errors['max']:9.5f}")
     return "\n".join(lines)
 
@@ -264,7 +268,8 @@ def training_progress():
 
 
 def _judged_on(report):
-    return "the whole frame" if report["measured_on"] == "frame" else "held-out points"
+    return {"frame": "the whole frame", "region": "the whole valid region"}.get(
+        report["measured_on"], "held-out points")
 
 
 def _choosing_progress():

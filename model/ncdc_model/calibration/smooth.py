@@ -34,6 +34,10 @@ _ALONE, _TOGETHER = 1 / 128, 1 / 1280     # of the width: what one deviation wei
 _LEFT = 1 / 2000
 _MOST = 0.15, 0.10     # by which the pixels' aspect and the target's ratio may differ from 1
 _LEAST = np.array([0.01] * (5 + _TERMS) + [0.1] * 2 + [0.01] * 6)
+# Pixels that are no squares, a tilted sensor and higher terms of a decentring are believed only
+# where they explain most of what is left: else they are taken up by a bent page, or an uneven lens.
+_FLAW = np.isin(np.arange(_LENS), [5 + _TERMS, 6 + _TERMS, *range(9 + _TERMS, 12 + _TERMS)])
+_EXPLAINS = 1.0, 0.4   # of what is left without them
 _SETTLED = 0.8         # of what the usual weighed: if less is due the fit is made again
 _PROBE = 1e-6          # of a parameter: by which it is moved for a derivative
 _SOME = 600            # points of all photos that a search is made on
@@ -55,11 +59,14 @@ class SmoothFit:
         The parameters that were fitted.
     doubt : float
         How much what is usual of a lens counts, up to 1.
+    flawed : bool
+        Whether the camera has the flaws that only a lens well explained may have.
     """
     camera: Camera
     planes: tuple
     vector: np.ndarray
     doubt: float
+    flawed: bool
 
     def rays(self, photo, index):
         """Directions (n, 3) of the target's points ``index`` (n, 2) in photo number ``photo``."""
@@ -112,16 +119,18 @@ def fit_smooth(size, photos, near=None, rough=False):
         if len(index) < MIN_POINTS:
             raise InputError(f"a photo has {len(index)} points, at least {MIN_POINTS} are needed")
     problem = _Problem(size, photos)
-    start, doubt = (near.vector, near.doubt) if near else problem.part().searched()
+    start, doubt, flawed = ((near.vector, near.doubt, near.flawed) if near else
+                            problem.part().searched())
     vector = start if rough else settle(
         lambda vector: problem.residuals(vector, doubt),
-        lambda vector, steps: problem.derivatives(vector, steps, doubt), start, _ROBUST)
+        lambda vector, steps: problem.derivatives(vector, steps, doubt, flawed), start,
+        _ROBUST)
     typical = np.median(np.abs(problem.residuals(vector, doubt)))
     if not typical < 0.02 * max(size):
         raise InputError(f"no smooth lens explains the points: half of them are off by more than "
                          f"{typical:.1f} pixels")
     camera, planes = _unpack(vector, size)
-    return SmoothFit(camera, tuple(planes), vector, doubt)
+    return SmoothFit(camera, tuple(planes), vector, doubt, flawed)
 
 
 class _Problem:
@@ -156,8 +165,9 @@ class _Problem:
         return np.concatenate([self.errors(vector),
                                np.maximum(doubt, _LEAST) * self.usual * unusual])
 
-    def derivatives(self, vector, steps, doubt=1.0):
-        """Of the residuals by each parameter, moved by its of ``steps`` to either side: a row each.
+    def derivatives(self, vector, steps, doubt=1.0, flawed=True):
+        """Of the residuals by each parameter, moved by its of ``steps`` to either side: a row each,
+        of zeros for the flaws of a camera that is not ``flawed``.
 
         A photo's pose moves its own points only, so that those of all photos are moved together.
         """
@@ -169,7 +179,7 @@ class _Problem:
             step = np.zeros_like(vector)
             step[which] = steps[which]
             return (self.residuals(vector + step, doubt) - self.residuals(vector - step, doubt)) / 2
-        for number in range(_LENS):
+        for number in np.flatnonzero(~_FLAW | flawed):
             rows[number] = moved(number) / steps[number]
         for number in range(6):
             poses = _LENS + number + 6 * np.arange(photos)
@@ -177,27 +187,38 @@ class _Problem:
                                                          / steps[poses][owner])
         return rows
 
-    def solved(self, start, doubt=1.0):
+    def solved(self, start, doubt=1.0, flawed=False):
         """Result of a robust least squares from ``start``."""
         return least_squares(
             self.residuals, start, lambda vector, doubt: self.derivatives(
-                vector, _PROBE * np.maximum(np.abs(vector), 1e-3), doubt).T,
+                vector, _PROBE * np.maximum(np.abs(vector), 1e-3), doubt, flawed).T,
             method="dogbox", x_scale="jac", loss="huber", f_scale=_ROBUST, max_nfev=100, ftol=1e-6,
             args=(doubt,))
 
     def searched(self):
-        """Vector of the best fit, and how much the usual counts in it."""
+        """Vector of the best fit, how much the usual counts in it, and whether it has flaws."""
         guesses = sorted((_guess(self.size, focal * self.size[0], self.indices, self.points)
                           for focal in _FOCALS),
                          key=lambda guess: np.median(np.abs(self.residuals(guess))))
-        best, doubt = min(map(self.solved, guesses[:2]), key=lambda result: result.cost), 1.0
+        best = min(map(self.solved, guesses[:2]), key=lambda result: result.cost)
+        plain = self._refined(best, False)
+        flawed = self._refined(self.solved(plain[0], 1.0, True), True)
+        return min((plain, flawed), key=lambda fit: self._left(fit[0]) / _EXPLAINS[fit[2]])
+
+    def _refined(self, best, flawed):
+        """:meth:`searched` from the result ``best``: the usual counts for less, the better it is.
+        """
+        doubt = 1.0
         for _ in range(_ROUNDS):
-            left = np.median(np.abs(self.errors(best.x))) / (_LEFT * self.size[0])
-            now = float(np.clip(left, _LEAST.min(), 1.0))
+            now = float(np.clip(self._left(best.x) / (_LEFT * self.size[0]), _LEAST.min(), 1.0))
             if not now < _SETTLED * doubt:
                 break
-            doubt, best = now, self.solved(best.x, now)
-        return best.x, doubt
+            doubt, best = now, self.solved(best.x, now, flawed)
+        return best.x, doubt, flawed
+
+    def _left(self, vector):
+        """What a lens usually leaves on one axis, in pixels."""
+        return float(np.median(np.abs(self.errors(vector))))
 
 
 def misfit(size, photos):

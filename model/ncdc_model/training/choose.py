@@ -26,8 +26,9 @@ def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=No
 
     The error is the largest distance in distorted pixels of float and of integer network: at
     every valid pixel where the source has the exact map, else at the held-out points inside the
-    frame. Each network is that of :func:`ncdc_model.training.pipeline.train_camera`: none depends
-    on those before it. Points too few for 16 neurons end the row earlier.
+    frame and, as estimated, in the whole valid region. Each network is that of
+    :func:`ncdc_model.training.pipeline.train_camera`: none depends on those before it. Points too
+    few for 16 neurons end the row earlier.
 
     Parameters
     ----------
@@ -61,7 +62,7 @@ def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=No
     for neurons in range(1, _most(source, choices) + 1):
         training = train(source.pairs, source.geometry, neurons, choices,
                          partial(progress, neurons) if progress else None, source.anchors)
-        errors = _errors(float_map(training.network, source.geometry), judge)
+        errors = _errors(float_map(training.network, source.geometry), judge, source.region)
         trained = describe(source, training, choices) if errors["max"] <= limit else None
         if trained:
             errors["max"] = max(errors["max"], trained.report["map_error_fixed_px"]["max"])
@@ -105,8 +106,9 @@ def _judge(source, held_out):
     return Problem(u[on], v[on], x[on], y[on], source.geometry)
 
 
-def _errors(back_map, pairs):
-    """``max`` and ``mean`` distance of a map from ``pairs`` in pixels."""
+def _errors(back_map, pairs, region):
+    """``max`` and ``mean`` distance in pixels of a map from ``pairs``, and from a region."""
     x, y = back_map(pairs.u, pairs.v)
     distance = np.hypot(x - pairs.x, y - pairs.y)
-    return {"max": float(distance.max()), "mean": float(distance.mean())}
+    worst = region.errors(back_map)[0]["max"] if region else 0.0
+    return {"max": max(float(distance.max()), worst), "mean": float(distance.mean())}

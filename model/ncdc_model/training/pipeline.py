@@ -9,6 +9,7 @@ from ncdc_model.evaluate import (
     check_curvature,
     evaluate_frame,
     evaluate_points,
+    fixed_map,
     float_map,
 )
 from ncdc_model.geometry import ValidRows
@@ -37,9 +38,12 @@ class TrainedCamera:
     training : Training
     report : dict
         ``hidden_neurons``, ``skip``, ``trainer``, ``seed``; ``training``, ``held_out`` (not if no
-        point is held out) and ``frame``, each with ``map_error_float_px`` and
-        ``map_error_fixed_px`` (``frame`` only where the true map is known); the two of the best
-        evidence there is again at the top, ``measured_on`` tells which;
+        point is held out), ``beyond_points``, ``region`` and ``frame``, each with
+        ``map_error_float_px`` and ``map_error_fixed_px``; the two of the best
+        evidence there is again at the top, ``measured_on`` says which: ``frame`` where the true
+        map is known, else of points ``region``, estimated over the whole valid region
+        (:mod:`ncdc_model.training.region`); ``beyond_points`` is the part of it beyond the
+        outermost points, ``beyond_points_percent`` how much that is;
         ``nodes``, their distance, and ``nodes_curvature_px``, by how much that misses the network;
         ``fixed_minus_float_max_px``;
         ``valid_pixels``, ``valid_percent`` and ``valid_pixels_lost``, those that two spans a
@@ -123,6 +127,8 @@ def describe(source, training, choices):
               "valid_pixels": frame["valid_pixels"],
               "valid_percent": round(100 * frame["valid_pixels"] / mask.size, 3),
               "valid_pixels_lost": lost_pixels(mask, rows), **tables}
+    if source.region:
+        report["beyond_points_percent"] = round(100 * source.region.beyond_part, 1)
     if covered is not None:
         report["extrapolated_percent"] = round(100 * float((mask & ~covered).mean()), 3)
     descriptor = replace(draft, errors=report, provenance={
@@ -178,4 +184,12 @@ def _error_tables(draft, source, out, frame):
               for name, part in {"training": ~out, "held_out": out}.items() if part.any()}
     if source.back_map:
         tables["frame"] = {kind: frame[kind] for kind in _KINDS}
+    elif source.region:
+        maps = float_map(draft.network, draft.geometry), fixed_map(draft)
+        region, beyond = zip(*map(source.region.errors, maps))
+        seen = [max(table[kind]["max"] for table in tables.values()) for kind in _KINDS]
+        if source.region.beyond.any():
+            tables["beyond_points"] = dict(zip(_KINDS, beyond))
+        tables["region"] = {kind: part | {"max": max(part["max"], worst)}
+                            for kind, part, worst in zip(_KINDS, region, seen)}
     return tables

@@ -10,20 +10,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.spatial import cKDTree
+from scipy.spatial import Delaunay, cKDTree
 from scipy.spatial.distance import cdist
 
 from ncdc_model.training.problem import spread
 
 __all__ = ["Region", "region_of"]
 
-_STEP = 64             # corrected pixels of the longer side between those that are compared
+_STEP = 96             # corrected pixels of the longer side between those that are compared
 _BORDER = 400          # pixels along the border of the region that are, where errors are largest
 _SOME = 600            # points that the scales of the regression are chosen on
-_NEAR = 40             # points that tell a place
+_NEAR = 32             # points that tell a place
 _LENGTHS = 2.0 ** np.arange(-1, 6)      # scales of the residual, in typical distances of points
 _NOISES = 4.0 ** np.arange(-7, 4)       # variance of the points over that of the residual
-_SIGMAS = 2.0          # standard deviations of the estimate that the largest error includes
+_SIGMAS = 3.0          # standard deviations of the estimate that the largest error includes
 
 
 @dataclass(frozen=True)
@@ -51,11 +51,16 @@ class Region:
     beyond: np.ndarray
     border: np.ndarray
 
+    @property
+    def beyond_part(self):
+        """Part of the region that lies beyond the outermost points."""
+        return float(self.beyond[~self.border].mean()) if (~self.border).any() else 0.0
+
     def errors(self, back_map):
         """Error of ``back_map``, (u, v) -> (x, y), in the region, and beyond the points alone.
 
         Two dicts of ``mse``, ``mean`` and ``max`` as :func:`ncdc_model.evaluate.map_error` gives
-        them: the expected square of the error, and the largest error with twice the standard
+        them: the expected square of the error, and the largest error with three times the standard
         deviation of its estimate. The second is not-a-number if no pixel lies beyond the points.
         """
         x, y = back_map(self.u, self.v)
@@ -155,5 +160,4 @@ def _scales(known, rest):
 
 def _inside(points, at):
     """Whether the places ``at`` (m, 2) lie in the convex hull of ``points`` (n, 2)."""
-    from scipy.spatial import Delaunay
     return Delaunay(points).find_simplex(at) >= 0

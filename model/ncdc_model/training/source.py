@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.files import parse_text, read_bytes
 from ncdc_model.geometry import Geometry
 from ncdc_model.interpolation import DEFAULT
+from ncdc_model.training.region import region_of
 from ncdc_model.valid import REACH, Calibrated, grid_pitch
 
 __all__ = ["Source", "is_points_file", "load_points", "load_source"]
@@ -68,6 +70,11 @@ class Source:
     provenance: dict = field(default_factory=dict)
     frame: IdealFrame | None = None
     facts: dict = field(default_factory=dict)
+
+    @cached_property
+    def region(self):
+        """:class:`~ncdc_model.training.region.Region` of points; None where they are not known."""
+        return region_of(self.frame, self.geometry) if self.frame else None
 
     def __post_init__(self):
         for name in ("pairs", "anchors"):
