@@ -8,13 +8,17 @@ import numpy as np
 from ncdc_model.calibration.belief import believed, place_of
 from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
+from ncdc_model.calibration.exposure import with_exposure
+from ncdc_model.calibration.focus import with_focus
 from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.calibration.subpixel import refine
 from ncdc_model.errors import InputError
 
 __all__ = ["board_of_size", "find_any_chessboard", "find_boards", "find_chessboard",
            "grey_picture"]
 
 _ENOUGH = 12           # corners of a part of a board
+_SCALE = 2.0           # pixels: blur at which OpenCV finds corners
 _LARGEST = 1 << 21     # pixels of a picture that OpenCV searches: it takes 200 bytes for each
 _COPY = 1_500_000      # pixels of the copy that it searches of a larger one
 
@@ -27,7 +31,7 @@ def find_boards(image):
     grey, boards = grey_picture(image), []
     for board in find_corner_lattices(grey):
         try:
-            boards.append(_held(image, board.index, board.xy))
+            boards.append(_examined(image, grey, _held(image, board.index, board.xy)))
         except InputError:
             pass
     boards = [board for board in boards if len(board.index) >= 9]
@@ -108,6 +112,11 @@ def _held(image, index, xy):
                                                     area=np.zeros(len(xy))))
 
 
+def _examined(image, grey, board):
+    """``board`` with what is wrong with the photo."""
+    return with_exposure(image, with_focus(grey, board))
+
+
 def _fits(board, columns, rows):
     across, down = np.ptp(board.index, axis=0) + 1
     return (across <= columns and down <= rows) or (across <= rows and down <= columns)
@@ -142,7 +151,7 @@ def _by_opencv(image, columns, rows):
     At the rim of a fisheye OpenCV has placed corners far beside the board. A picture of more than
     two million pixels is searched in a smaller copy.
     """
-    grey = grey_picture(image)
+    grey = whole = grey_picture(image)
     scale = 1.0, 1.0
     if grey.size > _LARGEST:
         full, shrink = np.array(grey.shape[::-1]), np.sqrt(_COPY / grey.size)
@@ -163,6 +172,7 @@ def _by_opencv(image, columns, rows):
     if not check_squares(cv2.GaussianBlur(grey, (0, 0), 1).astype(np.float32), index, xy).all():
         return None
     try:
-        return _held(image, index, (xy + 0.5) * scale - 0.5)
+        xy = refine(whole, index, (xy + 0.5) * scale - 0.5, _SCALE * max(scale))
+        return _examined(image, whole, _held(image, index, xy))
     except InputError:
         return None

@@ -10,6 +10,7 @@ from ncdc_model.calibration.belief import believed
 from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sampling import sample
+from ncdc_model.calibration.subpixel import refine
 from ncdc_model.errors import InputError
 
 __all__ = ["find_any_charuco", "find_charuco", "has_markers"]
@@ -19,6 +20,7 @@ _FAMILIES = ("DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000",
              "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h11")
 _MARKERS = 4           # that a board shows at least
 _CORNERS = 12
+_SCALE = 2.0           # pixels: blur at which OpenCV finds corners
 _RIMS = 0.38, 0.5, 0.62, 0.74   # of the way from a square's middle to its side
 _PLAIN = 0.25          # of a chessboard's squares are bright at least; half of a whole one's
 _AGREEING = 4          # corners whose numbers by markers are those of the lattice, at least
@@ -56,7 +58,8 @@ def find_charuco(image, columns, rows, boards=None):
     photo = None
     if found[0] is not None and len(found[0]):
         index = np.stack([found[1] % (columns - 1), found[1] // (columns - 1)], axis=1)
-        photo = _numbered(image, index, found[0], (columns - 1, rows - 1),
+        xy = refine(grey, index, found[0], _SCALE)
+        photo = _numbered(image, index, xy, (columns - 1, rows - 1),
                           find_boards(image) if boards is None else boards)
     count = 0 if photo is None else len(photo.index)
     if count < _CORNERS:
@@ -108,7 +111,7 @@ def _completed(image, board, index, xy):
         every = PhotoPoints(index=np.vstack([board.index, index[more]]),
                             xy=np.vstack([board.xy, xy[more]]),
                             area=np.zeros(len(board.index) + len(more)), dropped=board.dropped,
-                            rejected=board.rejected)
+                            rejected=board.rejected, warnings=board.warnings)
         board = _believed(image, every)
     order = np.lexsort(board.index.T)
     return replace(board, index=board.index[order], xy=board.xy[order], area=board.area[order],

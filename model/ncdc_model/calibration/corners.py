@@ -6,9 +6,11 @@ import cv2
 import numpy as np
 from scipy.ndimage import map_coordinates
 
+from ncdc_model.calibration.board_edges import are_squares, on_edges, readings
 from ncdc_model.calibration.lattice import find_lattices
+from ncdc_model.calibration.subpixel import refine
 
-__all__ = ["CornerLattice", "check_squares", "find_corner_lattices", "refine"]
+__all__ = ["CornerLattice", "check_squares", "find_corner_lattices"]
 
 _SIDE = 1300           # pixels of the longer side at which corners are looked for
 _SCALES = 1.5, 2.5, 4.5, 8.0    # pixels: a sharp photo, and blurred ones
@@ -20,7 +22,6 @@ _CONTRAST = 0.12       # of the usual corner's contrast: fainter ones are textur
 _MOST = 4000           # candidates
 _LEAST = 9             # corners of a lattice
 _ALIKE = 0.8           # of a board's squares and corners must be as a chessboard's
-_HALF = 5, 7           # pixels to either side that the place of a corner is told from, at most
 _INSET = 0.22          # of a square, from its rim: where its brightness is looked at
 
 
@@ -69,7 +70,15 @@ def _at_scale(grey, scale, most):
     boards = []
     for lattice in find_lattices(places, np.median(places, axis=0), most + 1):
         index, xy = lattice.index, places[lattice.where]
-        keep = check_squares(smooth, index, xy)
+        for reading in readings():
+            keep = check_squares(smooth, index @ reading, xy)
+            if keep.sum() >= max(_LEAST, _ALIKE * len(index)) and are_squares(
+                    smooth, (index @ reading)[keep], xy[keep]):
+                index = index @ reading
+                keep[keep] = on_edges(smooth, index[keep], xy[keep])
+                break
+        else:
+            continue
         if keep.sum() >= max(_LEAST, _ALIKE * len(index)):
             keep = trimmed(index, keep)
         else:
@@ -211,29 +220,3 @@ def trimmed(index, keep):
         if keep.sum() == before:
             break
     return keep
-
-
-def refine(grey, index, xy, scale):
-    """Sub-pixel places (n, 2): where the brightness' gradient points past the corner all around.
-
-    The window reaches a third of the way to the nearest corner, and not so far that a mark on a
-    square would pull much. A corner that moves by more than
-    ``scale`` and a pixel keeps its first place.
-    """
-    if len(xy) < 2:
-        return xy
-    gaps = [np.inf]
-    place = {tuple(key): point for key, point in zip(index.tolist(), xy)}
-    for (i, j), point in place.items():
-        gaps += [np.linalg.norm(place[key] - point) for key in ((i + 1, j), (i, j + 1))
-                 if key in place]
-    closest = float(np.percentile([gap for gap in gaps if np.isfinite(gap)] or [12], 2))
-    half = int(np.clip(closest / 3, 2, np.clip(2 * scale + 2, *_HALF)))
-    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-3)
-    corners = xy.astype(np.float32).reshape(-1, 1, 2).copy()
-    inside = ((xy > half + 1) & (xy < np.array(grey.shape[::-1]) - half - 2)).all(axis=1)
-    if inside.any():
-        corners[inside] = cv2.cornerSubPix(grey, corners[inside], (half, half), (-1, -1), stop)
-    moved = corners.reshape(-1, 2).astype(np.float64)
-    far = np.linalg.norm(moved - xy, axis=1) > 1 + scale
-    return np.where(far[:, None], xy, moved)

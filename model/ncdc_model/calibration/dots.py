@@ -8,6 +8,8 @@ from scipy.spatial import cKDTree
 from ncdc_model.calibration.alike import alike
 from ncdc_model.calibration.belief import believed, place_of, separated
 from ncdc_model.calibration.blobs import Blobs, find_blobs
+from ncdc_model.calibration.boards import grey_picture
+from ncdc_model.calibration.focus import with_focus
 from ncdc_model.calibration.ground import contrast, on_one_ground
 from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.calibration.neighbours import Doubt, fits_in
@@ -20,6 +22,8 @@ __all__ = ["Spots", "dots_of", "find_dots", "find_spots"]
 _JOINED = 0.90         # of a lattice's points must be believed, else it may be two that join
 _ALIKE = 1.7           # times as large as its only neighbour a dot at the rim may be
 _ENOUGH = 25           # numbered dots below which a photo does not show a page of dots
+_NEXT = 3.5            # steps between two lattices that may be one page's
+_INVERTED = 12         # bright spots on one lattice that are a target
 
 
 @dataclass(frozen=True)
@@ -35,15 +39,41 @@ class Spots:
         Those that are believed, the one of most points first; steps may be oblique.
     doubt : str
         Why no lattice is believed, if one was seen.
+    inverted : bool
+        Whether the spots are bright ones on dark ground, found in :meth:`dark`.
     """
     size: tuple
     blobs: Blobs
     lattices: tuple
     doubt: str = ""
+    inverted: bool = False
+
+    def dark(self, image):
+        """The ``image``, or its negative, so that the spots are dark."""
+        return 255 - image if self.inverted else image
 
 
 def find_spots(image):
-    """:class:`Spots` of the uint8 ``image``, (h, w) raw or grey, or (h, w, 3) RGB."""
+    """:class:`Spots` of the uint8 ``image``, (h, w) raw or grey, or (h, w, 3) RGB.
+
+    Dark ones on bright ground; where these form hardly a lattice, bright ones on dark ground.
+    """
+    found = _spots(image)
+    if _count(found) < _ENOUGH:
+        bright = _spots(255 - image)
+        if _count(bright) >= max(_INVERTED, 2 * _count(found)):
+            found = replace(bright, inverted=True, lattices=tuple(
+                replace(photo, remarks=(*photo.remarks, "its dots are bright on dark ground"))
+                for photo in bright.lattices))
+    grey = grey_picture(found.dark(image))
+    return replace(found, lattices=tuple(with_focus(grey, photo) for photo in found.lattices))
+
+
+def _count(spots):
+    return len(spots.lattices[0].index) if spots.lattices else 0
+
+
+def _spots(image):
     blobs, size, doubt = find_blobs(image), image.shape[1::-1], ""
     lattices = []
     for lattice in find_lattices(blobs.xy, (np.array(size) - 1) / 2):
@@ -95,7 +125,7 @@ def find_dots(image):
 
 def dots_of(spots, image):
     """:func:`find_dots` from the :class:`Spots` of the same ``image``."""
-    count = len(spots.lattices[0].index) if spots.lattices else 0
+    count, image = _count(spots), spots.dark(image)
     if count < _ENOUGH:
         raise InputError(spots.doubt or f"{count} dots on one lattice were found, at least "
                                         f"{_ENOUGH} are needed")
@@ -108,12 +138,24 @@ def dots_of(spots, image):
         rejected["cut by the border"] = cut
     index = np.vstack([page.index, cut_index])
     others = [other for other in spots.lattices[1:] if len(other.index) >= _ENOUGH]
+    joined = tuple(
+        f"{len(other.index)} dots {place_of(other)}, right next to those that are used, do not "
+        f"continue their lines and are not used: the page may be of two sheets, folded, or another"
+        for other in others if _join(page, other))
     return replace(
         page, index=index - index.min(axis=0), xy=np.vstack([page.xy, cut_xy]),
         area=np.concatenate([page.area, cut_area]), rejected=rejected,
-        cut=np.arange(len(index)) >= len(page.xy), remarks=tuple(
+        cut=np.arange(len(index)) >= len(page.xy), warnings=page.warnings + joined,
+        remarks=page.remarks + tuple(
             f"another page, {len(other.index)} dots {place_of(other)}, is not used"
-            for other in others))
+            for other in others if not _join(page, other)))
+
+
+def _join(page, other):
+    """Whether two lattices of dots lie no farther apart than their own dots do."""
+    tree = cKDTree(page.xy)
+    step = np.median(tree.query(page.xy, 2)[0][:, 1])
+    return bool((tree.query(other.xy)[0] < _NEXT * step).sum() >= 3)
 
 
 def _supported(page):

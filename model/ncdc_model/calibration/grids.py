@@ -76,7 +76,7 @@ def grid_of_size(spots, columns, rows, staggered=False):
                                         f"circles was found")
     best = max(fitting, key=lambda grid: (len(grid.photo.index) == columns * rows,
                                           len(grid.photo.index)))
-    return replace(best.photo, remarks=tuple(
+    return replace(best.photo, remarks=best.photo.remarks + tuple(
         f"another grid, {len(grid.photo.index)} circles {place_of(grid.photo)}, is not used"
         for grid in grids if grid is not best))
 

@@ -45,6 +45,8 @@ class PhotoPoints:
         not-a-number if not known. Not in the file.
     remarks : tuple of str
         What else there is to say of the photo. Not in the file.
+    warnings : tuple of str
+        What is wrong with the photo. Not in the file.
     """
     index: np.ndarray
     xy: np.ndarray
@@ -56,6 +58,7 @@ class PhotoPoints:
     agreement: float = float("nan")
     contrast: float = float("nan")
     remarks: tuple = ()
+    warnings: tuple = ()
 
     def __post_init__(self):
         if self.cut is None:

@@ -5,6 +5,9 @@ from enum import Enum
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ncdc_model.calibration.coverage import uncovered
+from ncdc_model.calibration.seams import find_seam, seam_text
+
 __all__ = ["Dropped", "check_share", "uneven", "warnings_of"]
 
 _SCATTER = 0.25        # pixels: a point farther off its line's smooth course than this is noisy
@@ -56,6 +59,9 @@ def warnings_of(points, frame, measured):
             found.append(f"{photo.name}: dots are usually only {100 * photo.contrast:.0f} % darker "
                          f"than the page, less than {100 * _PALE:.0f} %: out of focus or "
                          f"overexposed, points at the rim may be off by more than a pixel")
+        found += [f"{photo.name}: {text}" for text in photo.warnings]
+        found += uncovered(photo, photo.name, points.target == "acircles")
+    found += _seams(frame, points)
     found += _odd_photos(frame)
     found += uneven(points, frame)
     if measured["straightness_rms_px"] > _BENT:
@@ -77,6 +83,20 @@ def warnings_of(points, frame, measured):
     return found
 
 
+def _seams(frame, points):
+    """A sentence for each photo whose lattice has a step."""
+    if points.target == "acircles":
+        return []
+    rest, found = -_left(frame), []
+    for number, name in enumerate(frame.names):
+        on = frame.photo == number
+        seam = find_seam(frame.index[on], frame.distorted[on], rest[on],
+                         points.size[0]) if on.any() else None
+        if seam:
+            found.append(f"{name}: {seam_text(seam)}")
+    return found
+
+
 def uneven(points, frame):
     """A sentence with size and place, in a list, if no smooth lens explains the points of a flat
     target; none if the user states that it is flat."""
@@ -93,8 +113,9 @@ def uneven(points, frame):
     done = "after its relief was taken off " if frame.relief.any() else ""
     return [f"{', '.join(frame.names[:3])}: {done}the points lie {rms:.2f} px rms, {worst:.1f} px "
             f"around ({x:.0f}, {y:.0f}), from the best smooth lens, more than {limit:.2f} px: the "
-            f"page may be bent, or the lens is uneven here; if the page is bent, the map is off by "
-            f"more than that. --flat states that it is flat, --relief that it has a relief"]
+            f"page may be bent or of two sheets, or the lens is uneven here; if the page is bent, "
+            f"the map is off by more than that. --flat states that it is flat, --relief that it "
+            f"has a relief"]
 
 
 def _left(frame):

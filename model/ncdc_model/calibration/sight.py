@@ -116,7 +116,8 @@ class Look:
         if _filled(self.boards[0]) > _BOARD_FILLED:
             return True
         grid = None if lattice is None else read_grid(self.size, lattice)
-        return grid is not None and grid.staggered and corners_touch(self.image, grid)
+        return (grid is not None and grid.staggered
+                and corners_touch(self.spots.dark(self.image), grid))
 
     def charuco(self, columns, rows):
         """The ChArUco board as PhotoPoints."""
@@ -141,11 +142,21 @@ class Look:
         # Dots out of focus look like squares that stand on their corners: a ragged lattice of them.
         if board is not None and _filled(board) > _BOARD_FILLED and min(span) >= 3:
             return Sight("chessboard", int(max(span)), int(min(span)))
-        doubt, board = self.spots.doubt, other_board(grey_picture(self.image))
+        doubt = self.spots.doubt or self._part()
+        board = other_board(grey_picture(self.image))
         raise InputError(
             board or "neither a whole grid of circles, a page of at least "
             f"{MIN_DOTS} dots, a chessboard nor a ChArUco board was found"
             + (f"; of what looks like dots, {doubt}" if doubt else ""))
+
+    def _part(self):
+        """Text on the spots that lie on one lattice, but are no whole grid."""
+        if not self.spots.lattices:
+            return ""
+        index = self.spots.lattices[0].index
+        columns, rows = np.ptp(index, axis=0) + 1
+        return (f"{len(index)} lie on a lattice of {columns}x{rows}, which is not whole: --target "
+                f"circles:CxR names the size of a grid")
 
     def _thin(self):
         """Each how many dots are enough to try a lens on."""
@@ -176,7 +187,7 @@ class Look:
             # A page that lies askew, or a part of it: if a lens explains its steps as square ones.
             off = misfit(self.size, [(lattice.index[::self._thin()], lattice.xy[::self._thin()])])
             return Sight("dots") if off < _SQUARE_PAGE and self.page is not None else None
-        if whole and not corners_touch(self.image, grid):
+        if whole and not corners_touch(self.spots.dark(self.image), grid):
             if columns % 2:
                 columns, rows = rows, columns
             if columns % 2:

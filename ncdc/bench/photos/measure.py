@@ -1,5 +1,6 @@
 """What detection makes of the bad photos, held against the truth."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,8 @@ class Outcome:
         use, refuse or either.
     found, visible, false : int
         Points found; points seen of the target that was found most of; found ones more than 1
-        pixel off or of no target, or numbered in a way that the target is not.
+        pixel off or of no target, numbered in a way that the target is not, or more than 1 pixel
+        from where a flat target's would be, of that position that fits the found ones best.
     worst : float
         Pixels of the worst point that is not false; not-a-number without one.
     cut_false : int
@@ -37,6 +39,8 @@ class Outcome:
     refused : bool
     points : object
         The found PhotoPoints, or None.
+    word : str
+        Regular expression of what must be said of false points.
     """
     case: str
     photo: int
@@ -49,6 +53,7 @@ class Outcome:
     told: str
     refused: bool
     points: object
+    word: str = ""
 
     @property
     def used(self):
@@ -59,7 +64,8 @@ class Outcome:
     def silent(self):
         """Whether something false came out without a word."""
         wrong = self.false > 0 or (self.expect == "refuse" and not self.refused)
-        return wrong and not self.refused and not self.told
+        return wrong and not self.refused and not (
+            self.told and re.search(self.word, self.told))
 
     @property
     def right(self):
@@ -91,7 +97,7 @@ def _outcome(case, number, photo, points, refused, warnings):
     name = f"{number}.png"
     told = "; ".join(text for text in warnings if ".png" not in text or name in text)
     return Outcome(case.name, number, case.expect[number], len(points.whole.index), visible, false,
-                   worst, cut_false, told, False, points)
+                   worst, cut_false, told, False, points, case.word)
 
 
 def _visible(photo):
@@ -104,7 +110,7 @@ def judge(photo, points):
     All points must belong to one target, and their index must be the target's up to one turn,
     mirroring and shift for all.
     """
-    best = 0, len(points.whole.index), np.nan, int(points.cut.sum())
+    best = _visible(photo), len(points.whole.index), np.nan, int(points.cut.sum())
     for truth in photo.truths:
         near, which = cKDTree(truth.xy).query(points.xy)
         close = near <= FALSE
@@ -115,6 +121,9 @@ def judge(photo, points):
         off = np.array([np.linalg.norm(place[tuple(key)] - xy) if tuple(key) in place else np.inf
                         for key, xy in zip(index.tolist(), points.xy)])
         far, cut = off > FALSE, points.cut
+        if truth.lens is not None and (~far & ~cut).sum() >= 8:
+            on = ~far & ~cut
+            far[on] = truth.lens.off_flat(index[on], points.xy[on]) > FALSE
         worst = float(off[~far].max()) if not far.all() else np.nan
         result = int(truth.visible.sum()), int((far & ~cut).sum()), worst, int((far & cut).sum())
         if result[1] < best[1]:

@@ -8,7 +8,8 @@ import numpy as np
 from ncdc.bench.photos.targets import Photo
 
 __all__ = ["blur", "brighten", "compress", "cover", "darken", "fill", "glare", "mirror_border",
-           "noise", "on_clutter", "pen", "raw", "shake", "shade", "turn", "warp"]
+           "invert", "moire", "noise", "on_clutter", "part_focus", "pen", "raw", "shake",
+           "shade", "turn", "vignette", "warp"]
 
 _SKIN = 208, 160, 130
 
@@ -176,3 +177,45 @@ def raw(photo):
     frame = lit[:, :, 1].copy()
     frame[0::2, 0::2], frame[1::2, 1::2] = lit[0::2, 0::2, 0], lit[1::2, 1::2, 2]
     return replace(photo, image=_clipped(frame))
+
+
+def part_focus(photo, sigma, degrees=0.0, at=0.6, soft=0.03):
+    """Out of focus by a Gaussian of ``sigma`` pixels beyond the part ``at`` of the width, across a
+    line turned by ``degrees``; from sharp to blurred in about ``soft`` widths."""
+    sharp = photo.image.astype(np.float32)
+    beyond = 1 / (1 + np.exp(-_beyond(photo, degrees, at) / (soft * photo.size[0] / 2)))
+    beyond = beyond if sharp.ndim == 2 else beyond[:, :, None]
+    wide = cv2.GaussianBlur(sharp, (0, 0), sigma)
+    return replace(photo, image=_clipped(sharp + beyond * (wide - sharp)))
+
+
+def _beyond(photo, degrees, at):
+    """Pixels (h, w) that each pixel lies right of the line through the part ``at`` of the width at
+    half of the height, turned by ``degrees``."""
+    y, x = np.indices(photo.image.shape[:2])
+    angle, (width, height) = np.radians(degrees), photo.size
+    return (x - at * width) * np.cos(angle) + (y - 0.5 * height) * np.sin(angle)
+
+
+def vignette(photo, corner):
+    """The light falls off to the part ``corner`` in the picture's corners, as r^2 and r^4 do."""
+    width, height = photo.size
+    x, y = np.meshgrid(np.linspace(-1, 1, width), np.linspace(-1, 1, height))
+    q = (x * x * width**2 + y * y * height**2) / (width**2 + height**2)
+    light = 1 / (1 + (corner**-0.5 - 1) * q)**2
+    picture = photo.image * (light if photo.image.ndim == 2 else light[:, :, None])
+    return noise(replace(photo, image=_clipped(picture)), 1.2)
+
+
+def moire(photo, part, period=23.0, degrees=20.0):
+    """Photographed from a screen: bands of light, ``part`` of it, that differ by colour."""
+    y, x = np.indices(photo.image.shape[:2])
+    angle = np.radians(degrees)
+    phase = 2 * np.pi * (x * np.cos(angle) + y * np.sin(angle)) / period
+    bands = np.stack([np.sin(phase + k * 2.1) * np.sin(phase / 7.3 + k) for k in range(3)], axis=-1)
+    return replace(photo, image=_clipped(_colour(photo) * (1 - part / 2 + part / 2 * bands)))
+
+
+def invert(photo):
+    """White on black."""
+    return replace(photo, image=255 - photo.image)

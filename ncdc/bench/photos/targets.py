@@ -6,10 +6,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from ncdc.bench.photos.lens import Lens, Plane
 from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, page_dots, page_to_distorted, target_photo
 from ncdc_model.images import read_image
-from ncdc_model.lens import rotation
 
 __all__ = ["Bank", "Photo", "Pose", "Truth", "side_by_side"]
 
@@ -32,17 +32,20 @@ _REAL = {
 @dataclass(frozen=True)
 class Truth:
     """One target in a photo: the index (n, 2) and the pixels (n, 2) of each of its points, seen or
-    not; ``visible`` (n,): in the picture and not covered."""
+    not; ``visible`` (n,): in the picture and not covered; ``lens``: the :class:`Lens`, if known."""
     kind: str
     index: np.ndarray
     xy: np.ndarray
     visible: np.ndarray
+    lens: Lens | None = None
 
     def moved(self, place, size):
-        """The same after ``place`` moved its points; what left the picture is not visible."""
-        xy = place(self.xy)
+        """The same after ``place`` moved its points; what left the picture is not visible. Unless
+        ``place`` is None, nothing is known of the lens any more."""
+        xy = self.xy if place is None else place(self.xy)
         inside = ((xy >= 0) & (xy <= np.array(size) - 1)).all(axis=1)
-        return replace(self, xy=xy, visible=self.visible & inside)
+        return replace(self, xy=xy, visible=self.visible & inside,
+                       lens=self.lens if place is None else None)
 
 
 @dataclass(frozen=True)
@@ -60,11 +63,16 @@ class Photo:
 @dataclass(frozen=True)
 class Pose:
     """Where a rendered target lies: its middle in the ideal plane, one step's length there, its
-    turn in the picture and its two tilts in degrees."""
+    turn in the picture, its two tilts in degrees, and the curvature of a page that is bent round a
+    cylinder along its columns: 1 / radius, in steps. A page of two sheets: the axis across their
+    seam (0: it lies right of a column, 1: below a row), that column or row in the middle, and the
+    steps (columns, rows) by which what is beyond is moved."""
     middle: tuple = (0.0, 0.0)
     step: float = 0.16
     turn: float = 5.0
     tilts: tuple = (8.0, -6.0)
+    bend: float = 0.0
+    sheets: tuple | None = None
 
 
 def _discs(x, y, radius, columns, rows, parity=None):
@@ -161,59 +169,44 @@ class Bank:
             truth = Truth("dots", np.stack([i.ravel(), j.ravel()], axis=1), dots.reshape(-1, 2),
                           np.ones(i.size, bool))
             photo = Photo(target_photo(camera), (truth,))
-            self._kept["example"] = replace(photo, truths=(truth.moved(lambda xy: xy, photo.size),))
+            self._kept["example"] = replace(photo, truths=(truth.moved(None, photo.size),))
         return self._kept["example"]
 
-    def render(self, *targets, size=(1280, 960), view=0.42, clutter=False, seed=1):
-        """Photo by a wide lens of ``targets``, each (kind, columns, rows, :class:`Pose`).
+    def render(self, *targets, size=(1280, 960), view=0.42, clutter=False, seed=1, shutter=None):
+        """Photo by a wide :class:`Lens` of ``targets``, each (kind, columns, rows, :class:`Pose`).
 
-        The lens is equisolid, 2 f sin(t / 2), its focal length ``view`` widths: in closed form,
-        and another one than those that calibration fits. Behind the targets is a street, or grey.
+        Its focal length is ``view`` widths. Behind the targets is a street, or grey. ``shutter``:
+        pixels, for a width of 1280, by which a rolling shutter moves the row at part 0..1 of the
+        height to the right, a function of that part.
         """
         width, height = (int(value * self.scale) for value in size)
-        focal = view * width
-        middle = np.array([(width - 1) / 2 + 6, (height - 1) / 2 - 4])
+        lens = Lens(view * width, ((width - 1) / 2 + 6, (height - 1) / 2 - 4))
         offset = (np.arange(_SUBSAMPLES) + 0.5) / _SUBSAMPLES - 0.5
-        x, y = (((np.arange(n)[:, None] + offset).ravel() - m) / focal
-                for n, m in zip((width, height), middle))
-        x, y = np.meshgrid(x.astype(np.float32), y.astype(np.float32))
-        radius = np.hypot(x, y)
-        slope = np.tan(2 * np.arcsin(np.clip(radius / 2, 0, 0.7))) / np.maximum(radius, 1e-9)
-        a, b = slope * x, slope * y
+        x, y = np.meshgrid(*(((np.arange(n)[:, None] + offset).ravel()).astype(np.float32)
+                             for n in (width, height)))
+
+        def late(y):
+            return 0 if shutter is None else shutter(y / height) * width / 1280
+        rays = lens.plane(x - late(y), y)
         picture = self.street((width, height)).astype(np.float32) if clutter else np.full(
             (height, width, 3), 120, np.float32)
         truths = []
         for kind, columns, rows, pose in targets:
             paint, index, extent = _pattern(kind, columns, rows)
-            matrix = _plane(pose, extent)
-            back = np.linalg.inv(matrix).astype(np.float32)
-            w = back[2, 0] * a + back[2, 1] * b + back[2, 2]
-            grey = paint((back[0, 0] * a + back[0, 1] * b + back[0, 2]) / w,
-                         (back[1, 0] * a + back[1, 1] * b + back[1, 2]) / w)
-            grey[w <= 0] = np.nan
+            plane = Plane(pose, extent)
+            grey = paint(*plane.cells(*rays))
             blocks = grey.reshape(height, _SUBSAMPLES, width, _SUBSAMPLES)
             share = np.isfinite(blocks).mean(axis=(1, 3))[:, :, None]
             light = np.nan_to_num(blocks).sum(axis=(1, 3))[:, :, None] / _SUBSAMPLES**2
             picture = picture * (1 - share) + light * np.array([1.0, 0.97, 0.9])
-            rays = np.column_stack([index, np.ones(len(index))]) @ matrix.T
-            angle = np.arctan2(np.hypot(rays[:, 0], rays[:, 1]), rays[:, 2])
-            unit = rays[:, :2] / np.maximum(np.hypot(rays[:, 0], rays[:, 1]), 1e-12)[:, None]
-            truths.append(Truth(kind, index, middle + focal * 2 * np.sin(angle / 2)[:, None] * unit,
-                                np.ones(len(index), bool)))
+            xy = lens.pixels(plane.rays(index))
+            xy[:, 0] += late(xy[:, 1])
+            truths.append(Truth(kind, index, xy, plane.whole(index), lens))
         lamp = 1 - 0.25 * (np.hypot(*np.meshgrid(np.linspace(-1, 1, width),
                                                  np.linspace(-1, 1, height))))[:, :, None]**2
         noise = np.random.default_rng(seed).normal(0, 1.5, picture.shape)
         image = np.clip(np.rint(picture * lamp + noise), 0, 255).astype(np.uint8)
-        return Photo(image, tuple(truth.moved(lambda xy: xy, (width, height)) for truth in truths))
-
-
-def _plane(pose, extent):
-    """Matrix (3, 3) that takes (column, row, 1) to a direction in camera coordinates."""
-    turn = rotation(*np.radians([*pose.tilts, -pose.turn]))
-    first, second = pose.step * turn[:, 0], pose.step * turn[:, 1]
-    middle = (np.array(extent) - 1) / 2
-    shift = np.array([*pose.middle, 1.0]) - middle[0] * first - middle[1] * second
-    return np.stack([first, second, shift], axis=1)
+        return Photo(image, tuple(truth.moved(None, (width, height)) for truth in truths))
 
 
 def side_by_side(left, right):
