@@ -128,8 +128,9 @@ def run(args):
     check_request(1 if args.neurons == "auto" else args.neurons, choices)
     if args.zoom is not None:
         parse_zoom(args.zoom)
-    source = load_source(args.source, size, args.zoom, args.bayer, fill, args.camera, sensor,
-                         interpolation_of(args.interpolation), args.page)
+    source = load_source(args.source, size, args.zoom, args.camera, sensor, args.page,
+                         bayer=args.bayer, fill=fill,
+                         interpolation=interpolation_of(args.interpolation))
     _tell_map(source)
     trained = _train(args, source, choices)
     trained.descriptor.save(args.output)

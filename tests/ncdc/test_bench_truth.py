@@ -81,6 +81,6 @@ def test_a_map_that_is_off_by_a_known_bump_is_measured_as_that(monkeypatch):
         return back_map
     monkeypatch.setattr(measure, "fixed_map", bumpy)
     rms, worst = measure.true_errors(lens, descriptor)
-    # The square of a Gaussian has the area pi / 2 * 200 of its maximum.
-    assert rms == pytest.approx(np.sqrt(4 * np.pi * 100 / valid.sum()), rel=0.03)
-    assert worst == pytest.approx(2, abs=0.02)
+    # The square of exp(-d^2 / 200) covers 100 pi pixels; a homography takes up a little of it.
+    assert rms == pytest.approx(2 * np.sqrt(100 * np.pi / valid.sum()), rel=0.06)
+    assert worst == pytest.approx(2, rel=0.06)

@@ -77,7 +77,8 @@ def _run(args):
     write_image(overlay, draw_points(demosaic(raw, args.bayer), points.photos[0], frame))
     _tell(points=points.count, target=points.target, overlay=str(overlay))
     _tell(step=f"Training {args.neurons} hidden neurons")
-    source = load_source(args.folder / "points.json", args.size, None, args.bayer, args.fill,
+    source = load_source(args.folder / "points.json", args.size, bayer=args.bayer,
+                         fill=tuple(args.fill),
                          interpolation=interpolation_of(args.interpolation))
     trained = train_camera(source, args.neurons, TrainingChoices(nodes=args.nodes),
                            lambda share, mse: _tell(share=share, mse=float(mse)))

@@ -101,8 +101,7 @@ def is_points_file(path):
     return isinstance(table, dict) and table.get("format") == "ncdc points"
 
 
-def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera=None,
-                sensor=None, interpolation=DEFAULT, page=None):
+def load_source(path, size=None, zoom=None, camera=None, sensor=None, page=None, **options):
     """Read a points or camera file and choose the corrected frame, or read remap tables.
 
     Parameters
@@ -114,8 +113,6 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
     zoom : str or float, optional
         As in :func:`ncdc_model.lens.choose_frame`; default fit, or the frame that a camera file
         asks for, see :func:`~ncdc_model.calibration.camera_file.load_camera_map`.
-    bayer, fill, interpolation
-        As in :class:`Geometry`.
     camera : str, optional
         Which of several cameras or maps in a file.
     sensor : (int, int), optional
@@ -123,13 +120,16 @@ def load_source(path, size=None, zoom=None, bayer="RGGB", fill=(0, 0, 0), camera
         not say; a camera file of another size of the same aspect is scaled.
     page : str, optional
         ``flat`` or ``relief``, as in :class:`TargetPoints`; default what the points file says.
+    options
+        ``bayer``, ``fill`` and ``interpolation`` as in :class:`Geometry`; the default of the last
+        is :data:`ncdc_model.interpolation.DEFAULT`.
 
     Raises
     ------
     InputError
         If the file or an option is bad.
     """
-    options = dict(bayer=bayer, fill=tuple(fill), interpolation=interpolation)
+    options = {"interpolation": DEFAULT} | options
     paths, tables = are_remap_files(path)
     if page and (tables or load_points(paths[0], sensor) is None):
         raise InputError(f"--{page} states the shape of a photographed target, {paths[0]} holds no "
