@@ -1,6 +1,8 @@
 """One smooth lens and a pose of the target per photo, fitted together to the points."""
 
 from dataclasses import dataclass
+from functools import lru_cache
+from types import SimpleNamespace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -39,6 +41,7 @@ _LEAST = np.array([0.01] * (5 + _TERMS) + [0.1] * 2 + [0.01] * 6)
 _FLAW = np.isin(np.arange(_LENS), [5 + _TERMS, 6 + _TERMS, *range(9 + _TERMS, 12 + _TERMS)])
 _EXPLAINS = 1.0, 0.4   # of what is left without them
 _SETTLED = 0.8         # of what the usual weighed: if less is due the fit is made again
+_BLOCK = 1 << 15       # numbers that are worked on at a time
 _PROBE = 1e-6          # of a parameter: by which it is moved for a derivative
 _SOME = 600            # points of all photos that a search is made on
 _ROUNDS = 6            # of fits, each weighing the usual by what the one before has left
@@ -79,11 +82,14 @@ class SmoothFit:
         step = 0.01 * np.cross(first, second) * np.linalg.norm(first)
         step = step / np.linalg.norm(np.cross(first, second))
         rays = self.rays(photo, index)
-        return (_project(self.camera, rays - step) - _project(self.camera, rays + step)) / 0.02
+        return (self._seen(rays - step) - self._seen(rays + step)) / 0.02
 
     def pixels(self, photo, index):
         """Distorted pixels (n, 2) of the target's points ``index`` (n, 2)."""
-        return _project(self.camera, self.rays(photo, index))
+        return self._seen(self.rays(photo, index))
+
+    def _seen(self, rays):
+        return np.stack(_project(self.camera, *rays.T), axis=1)
 
 
 def fit_smooth(size, photos, near=None, rough=False):
@@ -129,8 +135,7 @@ def fit_smooth(size, photos, near=None, rough=False):
     if not typical < 0.02 * max(size):
         raise InputError(f"no smooth lens explains the points: half of them are off by more than "
                          f"{typical:.1f} pixels")
-    camera, planes = _unpack(vector, size)
-    return SmoothFit(camera, tuple(planes), vector, doubt, flawed)
+    return SmoothFit(_camera(vector, size), tuple(_unpack(vector)[1]), vector, doubt, flawed)
 
 
 class _Problem:
@@ -141,6 +146,8 @@ class _Problem:
         self.indices = [np.asarray(index, np.float64) for index, _ in photos]
         self.points = [np.asarray(xy, np.float64) for _, xy in photos]
         self.measured = np.concatenate(self.points)
+        self.cells = np.concatenate(self.indices)
+        self.owner = np.repeat(np.arange(len(photos)), [len(xy) for xy in self.points])
         self.usual = size[0] * max(_ALONE / len(photos)**2, _TOGETHER) / _SPREAD
 
     def part(self):
@@ -150,20 +157,22 @@ class _Problem:
         return _Problem(self.size, [(index[some], xy[some]) for index, xy, some in
                                     zip(self.indices, self.points, chosen)])
 
-    def errors(self, vector):
-        """Pixels (2 n,) from each point to its projection."""
-        camera, planes = _unpack(vector, self.size)
-        rays = np.concatenate([index @ plane[:, :2].T + plane[:, 2]
-                               for index, plane in zip(self.indices, planes)])
-        return np.nan_to_num((_project(camera, rays) - self.measured).ravel(), nan=1e4)
+    def errors(self, vectors):
+        """Pixels (..., 2 n) from each point to its projection, of vectors (..., m)."""
+        lens, planes = _unpack(vectors)
+        i, j = self.cells.T
+        rays = (planes[..., self.owner, axis, 0] * i + planes[..., self.owner, axis, 1] * j
+                + planes[..., self.owner, axis, 2] for axis in range(3))
+        off = np.stack(_project(lens, *rays), axis=-1) - self.measured
+        return np.nan_to_num(off.reshape(*off.shape[:-2], -1), nan=1e4)
 
-    def residuals(self, vector, doubt=1.0):
-        """The errors, and ``doubt`` times how unusual the lens is."""
-        middle = (np.array(self.size) - 1) / 2
-        unusual = np.concatenate([[np.log(max(vector[0], 1.0) / self.size[0])],
-                                  (vector[1:3] - middle) / self.size[0], vector[3:_LENS]]) - _MEAN
-        return np.concatenate([self.errors(vector),
-                               np.maximum(doubt, _LEAST) * self.usual * unusual])
+    def residuals(self, vectors, doubt=1.0):
+        """The errors, and ``doubt`` times how unusual the lens is, of vectors (..., m)."""
+        lens = vectors[..., :_LENS].copy()
+        lens[..., 0] = np.log(np.maximum(lens[..., 0], 1.0) / self.size[0])
+        lens[..., 1:3] = (lens[..., 1:3] - (np.array(self.size) - 1) / 2) / self.size[0]
+        unusual = np.maximum(doubt, _LEAST) * self.usual * (lens - _MEAN)
+        return np.concatenate([self.errors(vectors), unusual], axis=-1)
 
     def derivatives(self, vector, steps, doubt=1.0, flawed=True):
         """Of the residuals by each parameter, moved by its of ``steps`` to either side: a row each,
@@ -171,20 +180,21 @@ class _Problem:
 
         A photo's pose moves its own points only, so that those of all photos are moved together.
         """
-        photos = len(self.points)
-        owner = np.repeat(np.arange(photos), [2 * len(xy) for xy in self.points])
-        rows = np.zeros((len(vector), len(owner) + _LENS))
-
-        def moved(which):
-            step = np.zeros_like(vector)
-            step[which] = steps[which]
-            return (self.residuals(vector + step, doubt) - self.residuals(vector - step, doubt)) / 2
-        for number in np.flatnonzero(~_FLAW | flawed):
-            rows[number] = moved(number) / steps[number]
-        for number in range(6):
-            poses = _LENS + number + 6 * np.arange(photos)
-            rows[poses[owner], np.arange(len(owner))] = (moved(poses)[:len(owner)]
-                                                         / steps[poses][owner])
+        points, poses = 2 * len(self.owner), _LENS + np.arange(6)
+        probes = [*np.flatnonzero(~_FLAW | flawed), *poses]
+        moves = np.zeros((len(probes), len(vector)))
+        for move, number in zip(moves, probes):
+            which = slice(number, None, 6) if number >= _LENS else number
+            move[which] = steps[which]
+        most = max(1, _BLOCK // points)
+        moved = np.concatenate([
+            (self.residuals(vector + part, doubt) - self.residuals(vector - part, doubt)) / 2
+            for part in (moves[k:k + most] for k in range(0, len(moves), most))])
+        rows = np.zeros((len(vector), moved.shape[1]))
+        rows[probes[:-6]] = moved[:-6] / steps[probes[:-6]][:, None]
+        own = np.repeat(6 * self.owner, 2)
+        for move, number in zip(moved[-6:], poses):
+            rows[number + own, np.arange(points)] = move[:points] / steps[number + own]
         return rows
 
     def solved(self, start, doubt=1.0, flawed=False):
@@ -235,38 +245,70 @@ def misfit(size, photos):
         for k, (index, xy) in enumerate(photos)])))
 
 
-def _unpack(parameters, size):
-    """Camera and planes of the vector: the lens, then six numbers per photo."""
-    focal, cx, cy = parameters[:3]
-    k, (p0, p1, p2, p3, s0, s2, *tilt, aspect, ratio) = (parameters[3:3 + _TERMS].tolist(),
-                                                         parameters[3 + _TERMS:_LENS].tolist())
-    aspect, ratio = (1 + most * float(np.tanh(value / most))
+class _Tilts:
+    """Tilted sensors, one a vector, that take arrays (..., n)."""
+
+    def __init__(self, angles):
+        matrices = [_tilt(*pair) for pair in angles.reshape(-1, 2).tolist()]
+        self.matrix = np.moveaxis(np.reshape(matrices, (*angles.shape[:-1], 1, 3, 3)), (-2, -1),
+                                  (0, 1))
+
+    def distort(self, x, y):
+        """Point on the tilted sensor of a point on the parallel one."""
+        return TiltedSensor.distort(self, x, y)
+
+
+@lru_cache(maxsize=64)
+def _tilt(about_x, about_y):
+    return TiltedSensor((about_x, about_y)).matrix
+
+
+def _unpack(vectors):
+    """Lens and planes (..., photos, 3, 3) of vectors (..., m): the lens, then six numbers per
+    photo. The numbers of the lens have a last axis of length one, for points."""
+    focal, cx, cy, *rest = (vectors[..., k, None] for k in range(_LENS))
+    k, (p0, p1, p2, p3, s0, s2, _, _, aspect, ratio) = rest[:_TERMS], rest[_TERMS:]
+    aspect, ratio = (1 + most * np.tanh(value / most)
                      for value, most in zip((aspect, ratio), _MOST))
-    camera = Camera(size=tuple(size), radial=KannalaBrandt(tuple(k)), focal=float(focal),
-                    centre=(float(cx), float(cy)), frame=Frame(tuple(size), float(focal), (cx, cy)),
-                    decentring=BrownWeng(p=(p0, p1, p2, p3), s=(s0, 0.0, s2, 0.0)),
-                    tilt=TiltedSensor(tuple(tilt)), surface=AsymmetricSurface(tuple(size)),
-                    aspect=aspect)
-    poses = parameters[_LENS:].reshape(-1, 6)
-    planes = []
-    for matrix, shift in zip(Rotation.from_rotvec(poses[:, :3]).as_matrix(), poses[:, 3:]):
-        planes.append(np.stack([matrix[:, 0], ratio * matrix[:, 1], shift], axis=1))
-    return camera, planes
+    lens = SimpleNamespace(
+        focal=focal, centre=(cx, cy), aspect=aspect, radial=SimpleNamespace(k=k),
+        decentring=BrownWeng(p=(p0, p1, p2, p3), s=(s0, 0.0, s2, 0.0)),
+        tilt=_Tilts(vectors[..., _LENS - 4:_LENS - 2]))
+    poses = vectors[..., _LENS:].reshape(*vectors.shape[:-1], -1, 6)
+    turns = Rotation.from_rotvec(poses[..., :3].reshape(-1, 3)).as_matrix()
+    turns = turns.reshape(*poses.shape[:-1], 3, 3)
+    planes = np.stack([turns[..., 0], ratio[..., None] * turns[..., 1], poses[..., 3:]], axis=-1)
+    return lens, planes
 
 
-def _project(camera, rays):
-    """Pixels (n, 2) of directions that may be more than 90 degrees off the axis."""
-    x, y, z = rays.T
+def _camera(vector, size):
+    """The :class:`Camera` of one vector."""
+    lens, _ = _unpack(vector)
+    (focal,), (aspect,), ((cx,), (cy,)) = lens.focal, lens.aspect, lens.centre
+    return Camera(
+        size=tuple(size), radial=KannalaBrandt(tuple(float(k[0]) for k in lens.radial.k)),
+        focal=float(focal), centre=(float(cx), float(cy)),
+        frame=Frame(tuple(size), float(focal), (float(cx), float(cy))),
+        decentring=BrownWeng(p=tuple(float(p[0]) for p in lens.decentring.p),
+                             s=tuple(float(np.ravel(s)[0]) for s in lens.decentring.s)),
+        tilt=TiltedSensor(tuple(vector[_LENS - 4:_LENS - 2].tolist())),
+        surface=AsymmetricSurface(tuple(size)), aspect=float(aspect))
+
+
+def _project(camera, x, y, z):
+    """Pixels x and y of directions that may be more than 90 degrees off the axis."""
     across = np.hypot(x, y)
     angle = np.arctan2(across, z)
     q = angle * angle
     radius = np.ones_like(q)
-    for power, coefficient in enumerate(camera.radial.k, 1):
-        radius = radius + coefficient * q**power
+    power = q
+    for coefficient in camera.radial.k:
+        radius = radius + coefficient * power
+        power = power * q
     scale = angle * radius / np.maximum(across, 1e-12)
     x, y = camera.tilt.distort(*camera.decentring.distort(x * scale, y * scale))
-    return np.stack([camera.focal * x + camera.centre[0],
-                     camera.focal * camera.aspect * y + camera.centre[1]], axis=1)
+    return (camera.focal * x + camera.centre[0],
+            camera.focal * camera.aspect * y + camera.centre[1])
 
 
 def _guess(size, focal, indices, points):
