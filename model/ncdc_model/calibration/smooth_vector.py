@@ -1,0 +1,122 @@
+"""A smooth camera and the poses of a target as one vector of numbers, or many vectors at once.
+
+In this order: focal length, centre, k, p and its higher terms, s0 and s2, tilt of the sensor,
+aspect of its pixels, ratio of the target's distances, then six numbers a photo.
+"""
+
+from functools import lru_cache
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ncdc_model.lens import AsymmetricSurface, BrownWeng, Camera, Frame, KannalaBrandt, TiltedSensor
+
+__all__ = ["FLAWS", "LENS", "TERMS", "camera_of", "guess", "project", "unpack"]
+
+TERMS = 4              # of the radial polynomial
+LENS = 3 + TERMS + 4 + 2 + 2 + 1 + 1      # numbers of the lens
+# The higher terms of a decentring, a tilted sensor and pixels that are no squares.
+FLAWS = np.isin(np.arange(LENS), [5 + TERMS, 6 + TERMS, *range(9 + TERMS, 12 + TERMS)])
+
+_MOST = 0.15, 0.10     # by which the pixels' aspect and the target's ratio may differ from 1
+
+
+class _Tilts:
+    """Tilted sensors, one a vector, that take arrays (..., n)."""
+
+    def __init__(self, angles):
+        matrices = [_tilt(*pair) for pair in angles.reshape(-1, 2).tolist()]
+        self.matrix = np.moveaxis(np.reshape(matrices, (*angles.shape[:-1], 1, 3, 3)), (-2, -1),
+                                  (0, 1))
+
+    def distort(self, x, y):
+        """Point on the tilted sensor of a point on the parallel one."""
+        return TiltedSensor.distort(self, x, y)
+
+
+@lru_cache(maxsize=64)
+def _tilt(about_x, about_y):
+    return TiltedSensor((about_x, about_y)).matrix
+
+
+def unpack(vectors):
+    """Lens and planes (..., photos, 3, 3) of vectors (..., m): the lens, then six numbers per
+    photo. The numbers of the lens have a last axis of length one, for points."""
+    focal, cx, cy, *rest = (vectors[..., k, None] for k in range(LENS))
+    k, (p0, p1, p2, p3, s0, s2, _, _, aspect, ratio) = rest[:TERMS], rest[TERMS:]
+    aspect, ratio = (1 + most * np.tanh(value / most)
+                     for value, most in zip((aspect, ratio), _MOST))
+    lens = SimpleNamespace(
+        focal=focal, centre=(cx, cy), aspect=aspect, radial=SimpleNamespace(k=k),
+        decentring=BrownWeng(p=(p0, p1, p2, p3), s=(s0, 0.0, s2, 0.0)),
+        tilt=_Tilts(vectors[..., LENS - 4:LENS - 2]))
+    poses = vectors[..., LENS:].reshape(*vectors.shape[:-1], -1, 6)
+    turns = Rotation.from_rotvec(poses[..., :3].reshape(-1, 3)).as_matrix()
+    turns = turns.reshape(*poses.shape[:-1], 3, 3)
+    planes = np.stack([turns[..., 0], ratio[..., None] * turns[..., 1], poses[..., 3:]], axis=-1)
+    return lens, planes
+
+
+def camera_of(vector, size):
+    """The :class:`Camera` of one vector."""
+    lens, _ = unpack(vector)
+    (focal,), (aspect,), ((cx,), (cy,)) = lens.focal, lens.aspect, lens.centre
+    return Camera(
+        size=tuple(size), radial=KannalaBrandt(tuple(float(k[0]) for k in lens.radial.k)),
+        focal=float(focal), centre=(float(cx), float(cy)),
+        frame=Frame(tuple(size), float(focal), (float(cx), float(cy))),
+        decentring=BrownWeng(p=tuple(float(p[0]) for p in lens.decentring.p),
+                             s=tuple(float(np.ravel(s)[0]) for s in lens.decentring.s)),
+        tilt=TiltedSensor(tuple(vector[LENS - 4:LENS - 2].tolist())),
+        surface=AsymmetricSurface(tuple(size)), aspect=float(aspect))
+
+
+def project(camera, x, y, z):
+    """Pixels x and y of directions that may be more than 90 degrees off the axis."""
+    across = np.hypot(x, y)
+    angle = np.arctan2(across, z)
+    q = angle * angle
+    radius = np.ones_like(q)
+    power = q
+    for coefficient in camera.radial.k:
+        radius = radius + coefficient * power
+        power = power * q
+    scale = angle * radius / np.maximum(across, 1e-12)
+    x, y = camera.tilt.distort(*camera.decentring.distort(x * scale, y * scale))
+    return (camera.focal * x + camera.centre[0],
+            camera.focal * camera.aspect * y + camera.centre[1])
+
+
+def guess(size, focal, indices, points):
+    """Parameters of an equidistant lens of ``focal`` pixels, the poses by direct linear fits."""
+    centre = (np.array(size) - 1) / 2
+    lens = np.concatenate([[focal], centre, np.zeros(LENS - 3)])
+    return np.concatenate([lens] + [_pose(index, (xy - centre) / focal)
+                                    for index, xy in zip(indices, points)])
+
+
+def _pose(index, flat):
+    """Rotation vector and shift that take (i, j, 0) to the directions of points ``flat``.
+
+    The points are those of an equidistant lens of focal length 1.
+    """
+    angle = np.linalg.norm(flat, axis=1, keepdims=True)
+    rays = np.hstack([flat * np.sinc(angle / np.pi), np.cos(angle)])
+    # Centred and scaled indices keep the linear system well conditioned.
+    middle, spread = index.mean(axis=0), index.std() + 1e-9
+    plane = np.column_stack([(index - middle) / spread, np.ones(len(index))])
+    a, b, c = rays.T[:, :, None] * plane.T[None].swapaxes(1, 2)
+    nothing = np.zeros_like(a)
+    system = np.vstack([np.hstack([nothing, -c, b]), np.hstack([c, nothing, -a]),
+                        np.hstack([-b, a, nothing])])
+    matrix = np.linalg.svd(system, full_matrices=False)[2][-1].reshape(3, 3)
+    if np.sum((plane @ matrix.T) * rays) < 0:
+        matrix = -matrix
+    matrix = matrix @ np.array([[1, 0, -middle[0]], [0, 1, -middle[1]], [0, 0, spread]]) / spread
+    first, second, shift = matrix.T
+    scale = np.sqrt(np.linalg.norm(first) * np.linalg.norm(second))
+    third = np.cross(first, second) / scale
+    left, _, right = np.linalg.svd(np.column_stack([first, second, third]))
+    turn = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
+    return np.concatenate([Rotation.from_matrix(turn).as_rotvec(), shift / scale])
