@@ -30,6 +30,7 @@ from ncdc_model.training.train import TRAINERS, check_request
 __all__ = ["EXAMPLE", "HELP", "TABLES", "add_arguments", "error_table", "nodes_text",
            "plot_training", "run", "training_progress"]
 
+_POOR = 1 / 640        # of the width: a map that is off by more at most is warned of
 TABLES = "training", "held_out", "beyond_points", "region", "frame"
 
 HELP = "train a camera's network and write its descriptor"
@@ -141,6 +142,11 @@ def run(args):
     if lost:
         _warn(f"{lost} pixels with a source are left blank, because their row has more than two "
               f"spans")
+    worst = report["map_error_fixed_px"]["max"]
+    limit = max(1.0, source.geometry.distorted[0] * _POOR)
+    if worst > limit:
+        _warn(f"the largest error of the map is {worst:.3g} px, more than {limit:.3g} px: more "
+              f"hidden neurons (--neurons auto), or a zoom that leaves out what they cannot follow")
     if not report.get("max_error_met", True):
         _warn(f"no network of 1 to {len(report['tried'])} hidden neurons has a largest error of "
               f"{report['max_error_px']:g} px or less: the smallest of the best ones is taken")

@@ -35,4 +35,4 @@ def test_a_bent_page_and_a_rolling_shutter_are_warned_of(what):
     (text,), off = sentences(**what)
     assert off > 1
     assert text.startswith("a.png: the points lie ") and " px around (" in text
-    assert "the page may be bent or of two sheets" in text
+    assert "The page may be bent or of two sheets" in text

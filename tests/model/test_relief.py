@@ -73,7 +73,7 @@ def test_one_photo_proves_no_relief_but_its_size_is_warned_of():
     assert not frame.relief.any()
     (text,) = uneven(points, frame)
     size = float(re.match(r"page.png: the points lie (\S+) px rms, \S+ px around", text)[1])
-    assert 0.4 < size < 1.0 and "the page may be bent" in text
+    assert 0.4 < size < 1.0 and "The page may be bent" in text
     assert uneven(replace(points, page="flat"), frame) == []
 
 
@@ -201,7 +201,7 @@ def test_command_reports_straightness_and_draws_arrows(tmp_path, capsys):
     assert report["target"] == "dots" and report["points_cut"] > 20
     # The example's lens is uneven: one photo cannot tell that from a bent page.
     (warning,) = report["warnings"]
-    assert "the page may be bent" in warning
+    assert "The page may be bent" in warning
     assert 0 < report["straightness_floor_rms_px"] < report["straightness_rms_px"] < 0.2
     assert report["relief_rms_px"] == 0
     rows = {line["row"] for line in report["straightness_by_line"] if "row" in line}

@@ -110,12 +110,13 @@ def uneven(points, frame):
     near = cKDTree(frame.distorted).query(frame.distorted, min(_AROUND, len(rest)))[1]
     off = np.linalg.norm(np.median(rest[near], axis=1), axis=1)
     (x, y), worst = frame.distorted[off.argmax()], off.max()
-    done = "after its relief was taken off " if frame.relief.any() else ""
+    done = "after its relief was taken off, " if frame.relief.any() else ""
+    state = "" if points.page else ", --relief that it has a relief"
     return [f"{', '.join(frame.names[:3])}: {done}the points lie {rms:.2f} px rms, {worst:.1f} px "
-            f"around ({x:.0f}, {y:.0f}), from the best smooth lens, more than {limit:.2f} px: the "
-            f"page may be bent or of two sheets, or the lens is uneven here; if the page is bent, "
-            f"the map is off by more than that. --flat states that it is flat, --relief that it "
-            f"has a relief"]
+            f"around ({x:.0f}, {y:.0f}), off the best smooth lens, which leaves {limit:.2f} px at "
+            f"most of an even lens and a flat page. The page may be bent or of two sheets, or the "
+            f"lens is uneven here. If the page is bent, the map is off by more than that. --flat "
+            f"states that it is flat{state}"]
 
 
 def _left(frame):
