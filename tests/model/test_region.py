@@ -78,6 +78,6 @@ def test_what_lies_beyond_the_points_is_counted_apart():
         x, y = true_map(u, v)
         return x + np.where(x < 60, (60 - x) / 20, 0), y
     whole, beyond = region.errors(bent)
-    assert beyond["max"] == whole["max"] > 2.5 and beyond["mse"] > 2 * whole["mse"]
+    assert beyond["max"] == whole["max"] > 2.5 and beyond["mse"] > 1.5 * whole["mse"]
     inner = replace(region, beyond=np.zeros_like(region.beyond))
     assert np.isnan(inner.errors(bent)[1]["max"])
