@@ -85,7 +85,7 @@ def test_without_a_limit_a_tenth_of_a_pixel_is_tried_for(camera_file, monkeypatc
 def test_a_smaller_network_is_preferred_to_one_that_is_hardly_better(camera_file, monkeypatch):
     monkeypatch.setattr(choose, "MOST_NEURONS", 3)
     errors = iter([{"max": 3.0, "mean": 1}, {"max": 2.1, "mean": 1}, {"max": 2.0, "mean": 1}])
-    monkeypatch.setattr(choose, "_errors", lambda back_map, pairs: next(errors))
+    monkeypatch.setattr(choose, "_errors", lambda back_map, pairs, region: next(errors))
     assert choose.choose_camera(load_source(camera_file)).descriptor.hidden_neurons == 2
 
 
