@@ -159,15 +159,11 @@ def _sensor(setup):
     sensor = setup.sensor
     (identity, value), *_ = sensor.chip_id
     writes = [f"{{0x{w.register:x}, 0x{w.value:x}, {w.wait_us}}}" for w in setup.writes]
-    # What decides the frame's size, place or clock is the firmware's alone.
-    variable = {mt9p031.SHUTTER_UPPER, mt9p031.SHUTTER_LOWER, mt9p031.GLOBAL_GAIN,
-                mt9p031.TEST_PATTERN, *(address for address, _ in mt9p031.TEST_COLOURS.values())}
-    own = sorted({w.register for w in setup.writes} - variable | {identity})
     return {
         "SENSOR_I2C": _hex(sensor.i2c_address), "SENSOR_POINTER_BITS": sensor.pointer_bits,
         "SENSOR_VALUE_BITS": sensor.value_bits, "SENSOR_ID_ADDRESS": _hex(identity),
         "SENSOR_ID": _hex(value)[:-1], "SENSOR_SET_UP": _braced(writes),
-        "SENSOR_WAIT_CLOCKS": "1u", "SENSOR_OWN": _braced(map(str, own)),
+        "SENSOR_WAIT_CLOCKS": "1u", "SENSOR_USER": _braced(map(str, sensor.user_registers)),
         "SENSOR_LAST": _hex(_SENSOR_LAST), "SENSOR_SHUTTER_UPPER": _hex(mt9p031.SHUTTER_UPPER),
         "SENSOR_SHUTTER_LOWER": _hex(mt9p031.SHUTTER_LOWER),
         "SENSOR_GAIN": _hex(mt9p031.GLOBAL_GAIN), "SENSOR_PATTERN": _hex(mt9p031.TEST_PATTERN)}

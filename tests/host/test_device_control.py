@@ -157,7 +157,7 @@ def test_a_command_that_needs_the_sensor_s_bus_is_put_off(one):
         answers = one.agent.answers(packet, peer, user.now)
         return [gvcp.parse_acknowledge(data)[1] for data in answers]
 
-    assert user.write(address, 0x30) == gvcp.SUCCESS
+    assert user.write(address, 0x2C) == gvcp.SUCCESS
     assert codes(read) == [0x81] and codes(write) == [0x83]
     configuration = gvcp.place("Configuration").address
     assert user.write(configuration, 1) == gvcp.INVALID_PARAMETER
