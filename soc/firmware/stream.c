@@ -200,7 +200,7 @@ static bool claim(const struct view *view)
 static bool prepare(void)
 {
 	if (next.header <= TRAILER) {
-		put_one(next.header, &next.view, next.frame.clock * (1000000000u / CLOCK_HZ),
+		put_one(next.header, &next.view, nanoseconds(next.frame.clock),
 			next.packets, next.header == LAST ? next.last : next.part);
 		++next.header;
 		return false;
