@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from devices import device, small_lens
 from cameras import barrel_descriptor
+from devices import device, small_lens
 from firmware_wire import CLIENT_IP, TcpUser, Wire
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface import gvcp

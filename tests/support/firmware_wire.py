@@ -1,4 +1,4 @@
-"""The firmware on this machine, with its cable in the test's hands; frames made and read by scapy."""
+"""The firmware on this machine, its cable in the test's hands; frames made and read by scapy."""
 
 import subprocess
 

@@ -22,8 +22,9 @@ from ncdc_model.sensors.sensor import (
 )
 
 __all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_SIZE",
-           "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN", "MIRROR_COLUMN", "MIRROR_ROW",
-           "READ_MODE_2", "ROW_SIZE", "ROW_START", "SENSOR", "SHUTTER_LOWER", "SHUTTER_UPPER",
+           "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN", "MIRROR_COLUMN",
+           "MIRROR_ROW", "READ_MODE_2", "ROW_SIZE", "ROW_START", "SENSOR", "SHUTTER_LOWER",
+           "SHUTTER_UPPER",
            "TEST_COLOURS", "TEST_PATTERN", "TEST_PATTERN_MODES", "line_clocks", "line_time_ns",
            "setup"]
 
