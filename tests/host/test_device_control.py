@@ -55,7 +55,8 @@ def one():
 def test_discovery(one):
     status, rest = Asker(one).command(gvcp.DISCOVERY, b"")
     assert status == gvcp.SUCCESS and len(rest) == gvcp.DISCOVERY_BYTES
-    assert rest[0x48:0x68].rstrip(b"\0") == b"NCDC" and rest[0xD8:0xE8].rstrip(b"\0") == b"EMU-1"
+    assert rest[0x48:0x68].rstrip(b"\0") == b"NCDC" and rest[0xD8:0xE8].rstrip(
+        b"\0").decode() == f"EMU-{int(IPv4Address(one.options.address)):08X}"
     assert ".".join(map(str, rest[0x24:0x28])) == one.options.address
 
 

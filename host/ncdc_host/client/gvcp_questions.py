@@ -46,7 +46,8 @@ class Questions:
             self._socket.connect((address, gvcp.PORT))
         except OSError as error:
             self._socket.close()
-            raise DeviceGone(f"no device answers at {address}: {error.strerror or error}") from error
+            raise DeviceGone(f"no device answers at {address}: "
+                             f"{error.strerror or error}") from error
         self.address = self._socket.getpeername()[0]
         self.own_address = self._socket.getsockname()[0]
 

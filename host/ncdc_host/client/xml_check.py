@@ -1,4 +1,4 @@
-"""Checks a device's GenICam XML before a library reads it: viva-genicam crashes at what is rejected."""
+"""Checks a device's GenICam XML before viva-genicam reads it, which crashes at some of it."""
 
 import io
 import zipfile
@@ -12,7 +12,7 @@ __all__ = ["XML_BYTES_MAX", "check_xml", "unpacked"]
 XML_BYTES_MAX = 16 << 20        # of the text, and of an archive
 _FORMULA_MAX = 2000             # characters
 _DEPTH_MAX = 100                # elements in each other; nodes that follow from each other
-_READS_MAX = 1_000_000          # nodes that one value follows from, counted as often as they are read
+_READS_MAX = 1_000_000          # nodes that one value follows from, each as often as it is read
 # References that no value follows from.
 _NO_VALUE = {"pMin", "pMax", "pInc", "pSelected", "pInvalidator", "pAlias", "pCastAlias", "pError"}
 
@@ -108,7 +108,8 @@ def _check_order(used):
             name, others = waiting[-1]
             other = next((one for one in others if one not in known), None)
             if other in path:
-                raise DeviceError(f"the device's XML is cyclic: {_shown(other)} follows from itself")
+                raise DeviceError(f"the device's XML is cyclic: {_shown(other)} follows from "
+                                  "itself")
             if other is not None:
                 waiting.append((other, iter(used.get(other, ()))))
                 path.add(other)
