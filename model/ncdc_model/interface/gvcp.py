@@ -8,14 +8,13 @@ from dataclasses import dataclass
 
 __all__ = ["ACCESS_DENIED", "BAD_ALIGNMENT", "BOOTSTRAP", "BUSY", "CAPABILITY", "CCP_CONTROL",
            "CCP_EXCLUSIVE", "CONFIGURATION_PENDING_ACK", "CORRECTOR_BASE", "CORRECTOR_BYTES",
-           "Command", "DEVICE_ERROR", "DISCOVERY", "DISCOVERY_BYTES", "FEATURE_BASE", "FORCEIP", "FORCE_IP",
-           "HEARTBEAT_MAX_MS", "HEARTBEAT_MIN_MS", "HEARTBEAT_MS", "INVALID_ADDRESS",
+           "DEVICE_ERROR", "Command", "DISCOVERY", "DISCOVERY_BYTES", "FEATURE_BASE", "FORCEIP",
+           "FORCE_IP", "HEARTBEAT_MAX_MS", "HEARTBEAT_MIN_MS", "HEARTBEAT_MS", "INVALID_ADDRESS",
            "INVALID_HEADER", "INVALID_PARAMETER", "MEMORY_BYTES_MAX", "NOT_IMPLEMENTED",
            "PACKETRESEND", "PACKET_UNAVAILABLE", "PENDING_ACK", "PENDING_MS", "PORT", "Place",
-           "READMEM",
-           "READREG", "REGISTERS_MAX", "SCPS_DO_NOT_FRAGMENT", "SCPS_FIRE", "SUCCESS", "WRITEMEM",
-           "WRITEREG", "WRITE_PROTECT", "XML_BASE", "XML_NAME", "acknowledge", "command_packet",
-           "parse_acknowledge", "parse_command", "pending_acknowledge", "place"]
+           "READMEM", "READREG", "REGISTERS_MAX", "SCPS_DO_NOT_FRAGMENT", "SCPS_FIRE", "SUCCESS",
+           "WRITEMEM", "WRITEREG", "WRITE_PROTECT", "XML_BASE", "XML_NAME", "acknowledge",
+           "command_packet", "parse_acknowledge", "parse_command", "pending_acknowledge", "place"]
 
 PORT = 3956
 

@@ -12,7 +12,8 @@ MIN_PACKET = 576                        # bytes with headers that a client may a
 
 # The packets of a picture: (bytes, meaning) of each field.
 HEADER_FIELDS = ((2, "status, 0"), (2, "block: number of the picture, 1 to 65535, then 1 again"),
-                 (1, "format: 1 leader, 2 trailer, 3 payload"), (3, "packet number, 0 of the leader"))
+                 (1, "format: 1 leader, 2 trailer, 3 payload"),
+                 (3, "packet number, 0 of the leader"))
 LEADER_FIELDS = ((2, "0"), (2, "1: a picture"), (8, "time stamp, ns"), (4, "GVSP code of the pixel "
                  "format"), (4, "width"), (4, "height"), (4, "offset x"), (4, "offset y"), (2, "0"),
                  (2, "0"))

@@ -17,8 +17,10 @@ def protocols_doc():
     return page.format(
         tcp_port=table_one.TCP_PORT, unknown=table_one.UNKNOWN, users=table_one.MAX_USERS,
         page=table_one.SYSTEM_PAGE, header=table_two.HEADER_BYTES, port=gvcp.PORT,
-        registers=gvcp.REGISTERS_MAX, idle=table_one.IDLE_SECONDS,
-        writable=", ".join(f"0x{register:02X}" for register in mt9p031.SENSOR.user_registers), memory=gvcp.MEMORY_BYTES_MAX,
+        registers=gvcp.REGISTERS_MAX,
+        idle=table_one.IDLE_SECONDS,
+        writable=", ".join(f"0x{address:02X}" for address in mt9p031.SENSOR.user_registers),
+        memory=gvcp.MEMORY_BYTES_MAX,
         feature_base=gvcp.FEATURE_BASE, xml_base=gvcp.XML_BASE,
         corrector_base=gvcp.CORRECTOR_BASE, headers=gvsp.HEADERS_BYTES,
         commands=_rows((f"0x{c.code:02X}", c.address, c.data, c.text, c.answer)
