@@ -11,7 +11,7 @@ from ncdc_model.interface.pixel_formats import PixelFormat, packed
 __all__ = ["Camera", "Frame"]
 
 _KEPT = 24              # pictures, so that a scene that repeats itself is corrected only once
-_KEPT_BYTES = 128 << 20
+_KEPT_BYTES = 64 << 20
 
 
 @dataclass(frozen=True)
