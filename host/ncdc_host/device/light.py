@@ -78,8 +78,8 @@ class MovingScene:
 
 
 def _filled(points, values, size):
-    """Float32 (height, width, 2): ``values`` of a grid of ``points``, linear in the triangles between
-    them; NaN outside. Both have the shape (rows, columns, 2).
+    """Float32 (height, width, 2): ``values`` of a grid of ``points``, linear in the triangles
+    between them; NaN outside. Both have the shape (rows, columns, 2).
 
     scipy's interpolation does the same, and takes 70 MB to import.
     """
