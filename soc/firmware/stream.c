@@ -14,7 +14,8 @@
 #define HEADERS_BYTES (ETH_HEADER + STREAM_HEADERS)
 #define NUMBER_AT (ETH_HEADER + IP_HEADER + UDP_HEADER + 5)
 #define NUMBER_BYTES 3
-#define RANGES 8		/* that may wait to be sent again, a power of two */
+#define RANGES 64		/* that may wait to be sent again, a power of two: clients ask for
+				 * each packet of a frame that is missing, one after the other */
 
 enum { IDLE, WAITING, PREPARING, SENDING, ENDING };
 

@@ -2,6 +2,7 @@
 
 import struct
 from dataclasses import replace
+from ipaddress import IPv4Address
 
 import pytest
 
@@ -11,6 +12,7 @@ from firmware_wire import CLIENT_IP, TcpUser, Wire
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface import gvcp
 from ncdc_model.interface.features import FEATURES, feature
+from ncdc_model.interface.link_map import STATUS_RESENDING
 from ncdc_model.interface.table_one import IDLE_SECONDS, MRAW, READ, WRITE
 from ncdc_model.interface.table_two import HEADER_BYTES
 from ncdc_model.sensors import mt9p031
@@ -161,6 +163,25 @@ def test_no_heartbeat_locks_the_device_for_long(wire):
     assert other.write(CCP, 2) == gvcp.SUCCESS
     assert other.write(HEARTBEAT, 1) == gvcp.SUCCESS
     assert other.read(HEARTBEAT) == gvcp.HEARTBEAT_MIN_MS
+
+
+def test_many_lost_packets_are_sent_again(wire):
+    """A client asks for each one by itself, while the packetiser sends the first ones again."""
+    asker = Asker(wire)
+    for name, value in (("ControlPrivilege", 2), ("StreamPort", 6000),
+                        ("StreamAddress", int(IPv4Address(CLIENT_IP)))):
+        assert asker.write(gvcp.place(name).address, value) == gvcp.SUCCESS
+    assert asker.set("AcquisitionMode", 1) == gvcp.SUCCESS         # the block stays number 1
+    assert asker.set("AcquisitionStart", 1) == gvcp.SUCCESS
+    wire.wait(100)
+    wire.set_link(STATUS_RESENDING)
+    for packet in range(1, 41):
+        wire.datagram(gvcp.command_packet(gvcp.PACKETRESEND, 1, struct.pack(
+            ">HHII", 0, 1, packet, packet), answered=False))
+    assert wire.resent == []
+    wire.set_link(0)
+    wire.wait(50)
+    assert [last & 0xFFFFFF for last in wire.resent] == list(range(1, 41))
 
 
 @pytest.mark.parametrize("clock_hz", [75_000_000, 66_666_667])

@@ -23,9 +23,11 @@ class Wire:
     ----------
     sent : list of Ether
         Frames of the device so far, ARP apart, which is answered.
+    resent : list of int
+        Last numbers of the packets that the packetiser was made to send again.
     """
     def __init__(self, program):
-        self._program, self.sent = program, []
+        self._program, self.sent, self.resent = program, [], []
 
     def __enter__(self):
         self._process = subprocess.Popen([self._program], stdin=subprocess.PIPE,
@@ -44,6 +46,9 @@ class Wire:
         found = []
         while (text := self._process.stdout.readline()) != ".\n":
             assert text, "the firmware has ended"
+            if text.startswith("r "):
+                self.resent.append(int(text[2:], 16))
+                continue
             found.append(Ether(bytes.fromhex(text)))
         return [answer for frame in found for answer in self._taken(frame)]
 
@@ -67,6 +72,10 @@ class Wire:
     def wait(self, milliseconds):
         """Let the device's time pass; the frames that it sends meanwhile."""
         return self._command(f"t {milliseconds}")
+
+    def set_link(self, status):
+        """Have the packetiser's status be that."""
+        self._command(f"l {status}")
 
     def set_clock(self, clocks):
         """Have the device's clock show ``clocks``."""

@@ -1,7 +1,8 @@
 /* The firmware on a PC, at the end of a cable that a test holds: lines of text are its frames.
  *
  * Input, a line each: "f HEX", a frame that comes; "t MS", time that passes; "c CLOCKS", what the clock
- * shows from then on. Each is answered by the frames that were sent meanwhile, in hex, and a line ".".
+ * shows from then on; "l VALUE", what the packetiser's status is. Each is answered by the frames that
+ * were sent meanwhile, in hex, by "r VALUE" for packets that the packetiser sends again, and by ".".
  * The sensor answers each access with zeros; a new frame is complete whenever time passes. */
 #include <stdbool.h>
 #include <stdio.h>
@@ -24,7 +25,7 @@
 #define STEP_MS 5
 
 static uint32_t core[WORDS], csr[0x4000], slot[ETHMAC_SLOT_BYTES / 4], out[2 * ETHMAC_SLOT_BYTES / 4];
-static uint32_t length, pending;
+static uint32_t length, pending, link_status;
 static uint64_t now;
 
 uint32_t reg_read(uint32_t address)
@@ -36,7 +37,7 @@ uint32_t reg_read(uint32_t address)
 	case NCDC_CAMERA_STATUS: return NCDC_CAMERA_STATUS_CORRECTED_FRAME |
 					NCDC_CAMERA_STATUS_RAW_FRAME;
 	case NCDC_READER0: case NCDC_READER0 + 4: case NCDC_READER0 + 8: return NCDC_READER0_HELD;
-	case LINK_STATUS: return 0;
+	case LINK_STATUS: return link_status;
 	case CSR_ETHMAC_SRAM_WRITER_EV_PENDING: return pending;
 	case CSR_ETHMAC_SRAM_WRITER_LENGTH: return length;
 	case CSR_ETHMAC_SRAM_WRITER_SLOT: return 0;
@@ -74,6 +75,8 @@ void reg_write(uint32_t address, uint32_t value)
 	else if (address == CSR_ETHMAC_SRAM_READER_START)
 		sent((const uint8_t *)out + *reader * ETHMAC_SLOT_BYTES,
 		     csr[(CSR_ETHMAC_SRAM_READER_LENGTH - CSR_CTRL_RESET) / 4]);
+	else if (address == LINK_RESEND_LAST)
+		printf("r %x\n", (unsigned)value);
 	else if (address - ETHMAC_TX_BASE < sizeof out)
 		out[(address - ETHMAC_TX_BASE) / 4] = value;
 	else if (address - NCDC_BASE < sizeof core)
@@ -127,6 +130,8 @@ int main(void)
 			come(line + 2);
 		else if (line[0] == 't')
 			pass((uint32_t)strtoul(line + 2, 0, 10));
+		else if (line[0] == 'l')
+			link_status = (uint32_t)strtoul(line + 2, 0, 0);
 		else if (line[0] == 'c')
 			now = strtoull(line + 2, 0, 10);
 		printf(".\n");
