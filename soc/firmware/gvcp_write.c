@@ -132,6 +132,17 @@ static uint32_t write_own(const struct feature *one, uint32_t value)
 			return INVALID_PARAMETER;
 		control.single = value;
 		return SUCCESS;
+	case FEATURE_TriggerMode:
+		if (control.acquiring && value != control.triggered)
+			return ACCESS_DENIED;
+		control.triggered = value;
+		return SUCCESS;
+	case FEATURE_TriggerSelector: case FEATURE_TriggerSource:
+		return SUCCESS;			/* there is one choice */
+	case FEATURE_TriggerSoftware:
+		if (value)
+			stream_trigger();
+		return SUCCESS;
 	case FEATURE_TLParamsLocked:
 		control.tl_locked = value;
 		words_streaming = value || control.acquiring;
@@ -142,7 +153,7 @@ static uint32_t write_own(const struct feature *one, uint32_t value)
 		if (!receiver(&to))
 			return ACCESS_DENIED;
 		control.acquiring = words_streaming = true;
-		stream_start(&to, control.single);
+		stream_start(&to, control.single, control.triggered);
 		return SUCCESS;
 	case FEATURE_AcquisitionStop:
 		if (value) {

@@ -29,6 +29,8 @@ uint32_t stream_frames, stream_resends;
 static struct receiver to;
 static int state = IDLE;
 static bool single, sent_one;
+static bool triggered, pulled;	/* pictures wait for a trigger; there was one */
+static uint32_t exposed;	/* frames that were complete then */
 static bool wanted;		/* a stream begins when the last one has ended */
 static enum frame_reader reader;	/* that holds the frame sent last */
 static uint32_t block;		/* number of the picture sent last, 1..65535 */
@@ -84,16 +86,26 @@ void stream_begin(void)
 	halt();
 }
 
-void stream_start(const struct receiver *target, bool one)
+void stream_start(const struct receiver *target, bool one, bool waits)
 {
 	stream_stop();
 	to = *target;
 	tester.packet_size = 0;
 	single = one;
+	triggered = waits;
+	pulled = false;
 	sent_one = false;
 	wanted = state == ENDING;
 	if (!wanted)
 		begin();
+}
+
+void stream_trigger(void)
+{
+	if (!triggered || pulled)
+		return;
+	pulled = true;
+	exposed = interrupt_frames(words_view().raw);
 }
 
 void stream_stop(void)
@@ -298,7 +310,12 @@ void stream_poll(void)
 	complete = interrupt_frames(view.raw);
 	if (complete == seen)
 		return;
+	/* The first frame that is complete after a trigger was exposed before it. */
+	if (triggered && (!pulled || complete - exposed < 2))
+		return;
 	seen = complete;
-	if (claim(&view))
+	if (claim(&view)) {
+		pulled = false;
 		state = PREPARING;
+	}
 }

@@ -6,7 +6,7 @@ from devices import device
 from ncdc.cli import parser
 from ncdc.cli.client import run
 from ncdc_host.client.devices import open_device
-from ncdc_host.client.errors import DeviceError
+from ncdc_host.client.errors import DeviceError, NoFrame
 from ncdc_host.client.found import Found
 from ncdc_model.interface import gvcp
 from peers import need
@@ -47,3 +47,25 @@ def test_a_device_s_texts_do_not_change_the_terminal(capsys):
         assert not run(arguments)
     shown = capsys.readouterr().out
     assert "\\x1b[31mred\\x07" in shown and "\x1b" not in shown and "\x07" not in shown
+
+
+@pytest.mark.parametrize("scheme", ["gige", "aravis"])
+def test_each_trigger_sends_one_picture(scheme):
+    """Its exposure begins after the trigger: it has what was written before."""
+    if scheme == "aravis":
+        need("aravis")
+    with device() as one, open_device(f"{scheme}://{one.options.address}") as client:
+        client.set("TriggerMode", "On")
+        assert client.info("TriggerSource").choices == ("Software",)
+        with client.stream() as frames:
+            with pytest.raises(NoFrame):
+                frames.next(.3)
+            for gain in (2, 4):
+                client.set("Gain", gain)
+                before = one.camera.now_ns()
+                client.execute("TriggerSoftware")
+                frame = frames.next()
+                assert frame.time_ns >= before
+                with pytest.raises(NoFrame):
+                    frames.next(.3)
+        assert client.set("TriggerMode", "Off") == "Off"

@@ -148,6 +148,31 @@ class Asker:
     def set(self, name, value):
         return self.write(feature(name).address, value)
 
+    def choose_receiver(self):
+        """Take control, and have pictures come here."""
+        for name, value in (("ControlPrivilege", 2), ("StreamPort", 6000),
+                            ("StreamAddress", int(IPv4Address(CLIENT_IP)))):
+            assert self.write(gvcp.place(name).address, value) == gvcp.SUCCESS
+
+
+def test_each_trigger_sends_one_picture(wire):
+    asker = Asker(wire)
+    asker.choose_receiver()
+    assert asker.set("TriggerMode", 2) == gvcp.INVALID_PARAMETER
+    assert asker.set("TriggerMode", 1) == asker.set("TriggerSource", 0) == gvcp.SUCCESS
+    assert asker.set("AcquisitionStart", 1) == gvcp.SUCCESS
+    assert asker.set("TriggerMode", 0) == gvcp.ACCESS_DENIED        # while pictures stream
+    wire.wait(200)
+    assert wire.streamed == 0
+    for count in (1, 2):
+        assert asker.set("TriggerSoftware", 1) == gvcp.SUCCESS
+        wire.wait(200)
+        assert wire.streamed == count
+    assert asker.set("AcquisitionStop", 1) == asker.set("TriggerMode", 0) == gvcp.SUCCESS
+    assert asker.set("AcquisitionStart", 1) == gvcp.SUCCESS
+    wire.wait(200)
+    assert wire.streamed > 5
+
 
 def test_number_zero_is_answered(wire):
     status, rest = Asker(wire).command(gvcp.DISCOVERY, b"", 0)
@@ -168,9 +193,7 @@ def test_no_heartbeat_locks_the_device_for_long(wire):
 def test_many_lost_packets_are_sent_again(wire):
     """A client asks for each one by itself, while the packetiser sends the first ones again."""
     asker = Asker(wire)
-    for name, value in (("ControlPrivilege", 2), ("StreamPort", 6000),
-                        ("StreamAddress", int(IPv4Address(CLIENT_IP)))):
-        assert asker.write(gvcp.place(name).address, value) == gvcp.SUCCESS
+    asker.choose_receiver()
     assert asker.set("AcquisitionMode", 1) == gvcp.SUCCESS         # the block stays number 1
     assert asker.set("AcquisitionStart", 1) == gvcp.SUCCESS
     wire.wait(100)

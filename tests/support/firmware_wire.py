@@ -25,9 +25,12 @@ class Wire:
         Frames of the device so far, ARP apart, which is answered.
     resent : list of int
         Last numbers of the packets that the packetiser was made to send again.
+    streamed : int
+        Frames that it was made to send.
     """
     def __init__(self, program):
         self._program, self.sent, self.resent = program, [], []
+        self.streamed = 0
 
     def __enter__(self):
         self._process = subprocess.Popen([self._program], stdin=subprocess.PIPE,
@@ -46,6 +49,9 @@ class Wire:
         found = []
         while (text := self._process.stdout.readline()) != ".\n":
             assert text, "the firmware has ended"
+            if text == "s\n":
+                self.streamed += 1
+                continue
             if text.startswith("r "):
                 self.resent.append(int(text[2:], 16))
                 continue

@@ -145,7 +145,7 @@ class ControlAgent:
     def _release(self):
         self._stream.stop()
         self.controller = None
-        self._tl_locked, self._acquiring, self._mode = 0, False, 0
+        self._tl_locked, self._acquiring, self._mode, self._trigger = 0, False, 0, 0
         self._registers.streaming = False
         for name, value in (("HeartbeatTimeout", gvcp.HEARTBEAT_MS), ("ControlPrivilege", 0),
                             ("Configuration", 0), ("StreamPort", 0), ("StreamPacketDelay", 0),
@@ -256,7 +256,8 @@ class ControlAgent:
             return self._registers.settings.view.size
         if one.name == "SensorRegisterValue":
             return self._registers.read(self._sensor_address)
-        return {"AcquisitionMode": self._mode, "TLParamsLocked": self._tl_locked,
+        return {"AcquisitionMode": self._mode, "TriggerMode": self._trigger,
+                "TLParamsLocked": self._tl_locked,
                 "SensorRegisterAddress": self._sensor_address}.get(one.name, 0)
 
     def _write(self, address, value, peer):
@@ -338,6 +339,12 @@ class ControlAgent:
             if value not in {choice.value for choice in one.choices}:
                 raise Refused("value")
             self._mode = value
+        elif one.name == "TriggerMode":
+            if self._acquiring and value != self._trigger:
+                raise Refused("locked")
+            self._trigger = value
+        elif one.name == "TriggerSoftware" and value:
+            self._stream.trigger()
         elif one.name == "TLParamsLocked":
             self._tl_locked = value
             self._registers.streaming = bool(value) or self._acquiring
@@ -370,7 +377,8 @@ class ControlAgent:
         if receiver is None:
             raise Refused("locked")     # nobody to send to
         self._acquiring = self._registers.streaming = True
-        self._stream.start(receiver, single=self._mode == 1, done=self._ended)
+        self._stream.start(receiver, single=self._mode == 1, done=self._ended,
+                           triggered=self._trigger == 1)
 
     def _stop(self):
         self._stream.stop()

@@ -2,7 +2,8 @@
  *
  * Input, a line each: "f HEX", a frame that comes; "t MS", time that passes; "c CLOCKS", what the clock
  * shows from then on; "l VALUE", what the packetiser's status is. Each is answered by the frames that
- * were sent meanwhile, in hex, by "r VALUE" for packets that the packetiser sends again, and by ".".
+ * were sent meanwhile, in hex, by "r VALUE" for packets that the packetiser sends again, "s" for a
+ * frame that it sends, and by ".".
  * The sensor answers each access with zeros; a new frame is complete whenever time passes. */
 #include <stdbool.h>
 #include <stdio.h>
@@ -75,6 +76,8 @@ void reg_write(uint32_t address, uint32_t value)
 	else if (address == CSR_ETHMAC_SRAM_READER_START)
 		sent((const uint8_t *)out + *reader * ETHMAC_SLOT_BYTES,
 		     csr[(CSR_ETHMAC_SRAM_READER_LENGTH - CSR_CTRL_RESET) / 4]);
+	else if (address == LINK_CONTROL && value & LINK_CONTROL_SEND)
+		printf("s\n");
 	else if (address == LINK_RESEND_LAST)
 		printf("r %x\n", (unsigned)value);
 	else if (address - ETHMAC_TX_BASE < sizeof out)
