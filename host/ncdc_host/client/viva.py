@@ -1,7 +1,9 @@
 """Devices over GVCP and GVSP, by the package viva-genicam."""
 
+import random
 import socket
 import threading
+import time
 
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
@@ -21,7 +23,10 @@ _KINDS = {"Integer": "integer", "Float": "float", "Boolean": "boolean", "Command
 _BLOCKS = 0xFFFF        # block numbers run from 1 to this and begin again
 # What viva-genicam says when nobody answers, or the machine there that nobody listens.
 _SILENT = ("timeout", "timed out", "os error")
-_INTRODUCED_MS = 100    # that viva-genicam listens on this machine for a device that was found
+_ITSELF = "127.0.0.1"   # where viva-genicam is told of a device that was found
+_INTRODUCED_MS = 100    # that it listens there
+_TRIES = 15
+_INTRODUCING = threading.Lock()
 
 
 def _viva():
@@ -53,33 +58,41 @@ def _introduced(viva, address, acknowledge):
     """viva-genicam's own description of a device whose discovery ``acknowledge`` is known.
 
     It describes what answers a broadcast and nothing else, and a broadcast passes no router: here
-    this machine answers its broadcast to itself, with the device's bytes.
+    this machine answers its question to itself, with the device's bytes. Of several clients that
+    do so at once, one receives all questions: the others try again.
     """
     # A device behind a router that translates addresses has another one itself.
     at = gvcp.place("IpAddress").address
     acknowledge = acknowledge[:at] + socket.inet_aton(address) + acknowledge[at + 4:]
+    for _ in range(_TRIES):
+        with _INTRODUCING:
+            found = _told(viva, address, acknowledge)
+        if found is not None:
+            return found
+        time.sleep(random.uniform(0, 2 * _INTRODUCED_MS / 1000))
+    raise DeviceGone(f"viva-genicam does not find the device at {address}")
+
+
+def _told(viva, address, acknowledge):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
         one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            one.bind(("", gvcp.PORT))
+            one.bind((_ITSELF, gvcp.PORT))
         except OSError as error:
             raise DeviceError(f"UDP port {gvcp.PORT} of this machine cannot be used: "
                               f"{error.strerror}") from error
         answering = threading.Thread(target=_answer_itself, args=(one, acknowledge), daemon=True)
         answering.start()
-        try:
-            for found in viva.discover(_INTRODUCED_MS, "127.0.0.1", all=True):
-                if found.ip == address:
-                    return found
-        finally:
-            answering.join()
-    raise DeviceError(f"viva-genicam cannot be told of {address}")
+        found = viva.discover(_INTRODUCED_MS, _ITSELF, all=True)
+        answering.join()
+    return next((each for each in found if each.ip == address), None)
 
 
 def _answer_itself(one, acknowledge):
-    one.settimeout(_INTRODUCED_MS / 1000)
+    until = time.monotonic() + _INTRODUCED_MS / 1000
     try:
-        while True:
+        while (left := until - time.monotonic()) > 0:
+            one.settimeout(left)
             data, peer = one.recvfrom(2048)
             command = gvcp.parse_command(data)
             if (command is not None and command.code == gvcp.DISCOVERY
