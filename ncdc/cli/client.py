@@ -7,6 +7,7 @@ from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress, percent
 from ncdc_host.client import discover, open_device, record
 from ncdc_host.client.devices import SCHEMES
+from ncdc_host.client.errors import printable
 from ncdc_model.errors import InputError
 from ncdc_model.files import check_outputs
 
@@ -142,4 +143,4 @@ def _set(args):
         values = {name: device.set(name, value) for name, _, value in pairs}
     if not write_report({"device": device.url, "values": values}, args.json):
         for name, value in values.items():
-            print(f"{name} = {value}")
+            print(f"{name} = {printable(value)}")

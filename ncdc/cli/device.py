@@ -71,11 +71,11 @@ def run(args):
     corrections = lens_corrections(descriptors)
     devices, announcer = [], None
     try:
-        for k, address in enumerate(addresses, 1):
-            options = DeviceOptions(address, f"EMU-{k}", args.fps, args.loss, args.loss_again,
-                                    args.noise, args.tcp_port)
+        for address in addresses:
+            options = DeviceOptions(address, fps=args.fps, loss=args.loss, noise=args.noise,
+                                    loss_again=args.loss_again, tcp_port=args.tcp_port)
             devices.append(EmulatedDevice(corrections, options, image))
-            print(f"EMU-{k} at {address}: Table I on TCP port {devices[-1].table.port}, "
+            print(f"{options.serial} at {address}: Table I on TCP port {devices[-1].table.port}, "
                   f"GVCP on UDP port {PORT}", flush=True)
         announcer = Announcer(devices)
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))

@@ -1,5 +1,6 @@
 """``ncdc soc``: the whole system in simulation, processor and Ethernet, for network programs."""
 
+import signal
 import sys
 import tempfile
 
@@ -9,6 +10,7 @@ from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc_model.corrector import check_raw
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
+from ncdc_model.images import check_suffix, write_image
 from ncdc_sim.link.namespaces import CLIENT, TAP, TapNetwork
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
@@ -38,6 +40,9 @@ def add_arguments(parser):
                                  "mosaiced")
         action.add_argument("--loss", type=int, default=0, metavar="P",
                             help="of a thousand packets of pictures so many are lost (default: 0)")
+        action.add_argument("-o", "--output", metavar="IMAGE",
+                            help="write the picture that clients receive, by the golden model: not "
+                                 "that of ncdc correct, as the sensor has a black level")
         add_samples(action)
 
 
@@ -78,13 +83,20 @@ def _run(args, descriptor):
     if note:
         print(note, file=sys.stderr)
     check_raw(raw, descriptor.geometry)
+    if args.output:
+        check_suffix(args.output)
     model = _model(args, descriptor, raw)
+    if args.output:
+        write_image(args.output, model.golden().picture)
     address = model.identity.ip
     with TapNetwork() as network, tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
         model.fill(folder)
         print(f"the device is {address}, this side of its network {CLIENT}; programs join it by\n"
               f"    nsenter --preserve-credentials -U -n -t {network.holder} PROGRAM\n"
               f"the speed is told once a second; Ctrl-C ends the run", file=sys.stderr)
+        # The end of the network ends the simulation, too.
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, lambda *_: sys.exit(0))
         process = network.start(model.command(f"+tap={TAP}", f"+loss={args.loss}", "+rate"),
                                 cwd=folder)
         try:

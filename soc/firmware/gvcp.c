@@ -239,7 +239,8 @@ bool gvcp_frame(const uint8_t *frame, uint32_t length)
 	command.answered = datagram.data[1] & ANSWER;
 	command.code = get16(datagram.data + 2);
 	command.request = get16(datagram.data + 6);
-	if (!command.request || command.code & 1)
+	/* Aravis asks with the number 0, which no client should. */
+	if (command.code & 1)
 		return true;
 	++gvcp_commands;
 	if (control_is(command.peer))

@@ -18,7 +18,7 @@ void control_release(void)
 	control.controlled = control.acquiring = false;
 	control.heartbeat = HEARTBEAT_MS;
 	control.privilege = control.port = control.delay = control.address = 0;
-	control.tl_locked = control.single = control.configuration = 0;
+	control.tl_locked = control.single = control.triggered = control.configuration = 0;
 	control.packet_size = PACKET_DO_NOT_FRAGMENT | stream_packet_size(1500);
 	words_streaming = false;
 }

@@ -23,7 +23,7 @@ struct control {
 	uint64_t stamp;		/* ns, latched */
 	uint32_t heartbeat;	/* ms */
 	uint32_t privilege, port, delay, address, packet_size;
-	uint32_t tl_locked, single, sensor_address;
+	uint32_t tl_locked, single, triggered, sensor_address;
 	uint32_t configuration;
 };
 

@@ -29,6 +29,7 @@ static uint32_t own_feature(const struct feature *one, uint32_t *value)
 	switch (one->id) {
 	case FEATURE_PayloadSize: *value = words_view().bytes; break;
 	case FEATURE_AcquisitionMode: *value = control.single; break;
+	case FEATURE_TriggerMode: *value = control.triggered; break;
 	case FEATURE_TLParamsLocked: *value = control.tl_locked; break;
 	case FEATURE_SensorRegisterAddress: *value = control.sensor_address; break;
 	case FEATURE_SensorRegisterValue:

@@ -7,7 +7,6 @@
 
 #define FIRE (1u << 31)
 #define PORTS_MAX 0xffffu
-#define HEARTBEAT_LEAST 500u
 #define PACKET_LEAST 576u
 #define PACKET_MOST 16380u
 #define DELAY_MOST 1000000u		/* ns */
@@ -19,7 +18,7 @@ static bool receiver(struct receiver *to)
 	to->ip = control.address;
 	to->port = control.port;
 	to->packet_size = control.packet_size & 0xffff;
-	to->delay_clocks = control.delay / (1000000000u / CLOCK_HZ);
+	to->delay_clocks = (uint32_t)((uint64_t)control.delay * CLOCK_HZ / 1000000000u);
 	if (control.address >> 28 == 14) {		/* a multicast group */
 		uint8_t mac[6] = {0x01, 0x00, 0x5e, control.address >> 16 & 0x7f,
 				  control.address >> 8 & 0xff, control.address & 0xff};
@@ -83,11 +82,13 @@ static uint32_t write_bootstrap(uint32_t address, uint32_t value)
 
 	switch (address) {
 	case BOOT_HeartbeatTimeout:
-		control.heartbeat = value < HEARTBEAT_LEAST ? HEARTBEAT_LEAST : value;
+		control.heartbeat = value < HEARTBEAT_MIN_MS   ? HEARTBEAT_MIN_MS
+				    : value > HEARTBEAT_MAX_MS ? HEARTBEAT_MAX_MS
+							       : value;
 		return SUCCESS;
 	case BOOT_TimestampControl:
 		if (value & 2)
-			control.stamp = now64() * (1000000000u / CLOCK_HZ);
+			control.stamp = nanoseconds(now64());
 		return SUCCESS;
 	case BOOT_Configuration:
 		if (value & ~GVCP_CONFIGURATION)
@@ -131,6 +132,17 @@ static uint32_t write_own(const struct feature *one, uint32_t value)
 			return INVALID_PARAMETER;
 		control.single = value;
 		return SUCCESS;
+	case FEATURE_TriggerMode:
+		if (control.acquiring && value != control.triggered)
+			return ACCESS_DENIED;
+		control.triggered = value;
+		return SUCCESS;
+	case FEATURE_TriggerSelector: case FEATURE_TriggerSource:
+		return SUCCESS;			/* there is one choice */
+	case FEATURE_TriggerSoftware:
+		if (value)
+			stream_trigger();
+		return SUCCESS;
 	case FEATURE_TLParamsLocked:
 		control.tl_locked = value;
 		words_streaming = value || control.acquiring;
@@ -141,7 +153,7 @@ static uint32_t write_own(const struct feature *one, uint32_t value)
 		if (!receiver(&to))
 			return ACCESS_DENIED;
 		control.acquiring = words_streaming = true;
-		stream_start(&to, control.single);
+		stream_start(&to, control.single, control.triggered);
 		return SUCCESS;
 	case FEATURE_AcquisitionStop:
 		if (value) {

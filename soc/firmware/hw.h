@@ -46,6 +46,19 @@ static inline void put32(uint8_t *p, uint32_t value)
 	put16(p + 2, value);
 }
 
+/* `units` a second, of so many clocks: exact for any clock frequency. */
+static inline uint64_t in_units(uint64_t clocks, uint32_t units)
+{
+	if (units % CLOCK_HZ == 0)		/* a constant: no division is left of this */
+		return clocks * (units / CLOCK_HZ);
+	return clocks / CLOCK_HZ * units + clocks % CLOCK_HZ * units / CLOCK_HZ;
+}
+
+static inline uint64_t nanoseconds(uint64_t clocks)
+{
+	return in_units(clocks, 1000000000u);
+}
+
 /* Clocks since the reset. */
 static inline uint32_t now32(void)
 {

@@ -11,16 +11,19 @@
 #define HEADER 28
 #define PIECE 256		/* bytes at a time: the rest of the loop must not wait for long */
 #define FLYING (2 * TCP_MSS)	/* not yet acknowledged; two whole segments are, at once */
-#define PATIENCE_MS 10000
-#define CLOCKS_PER_US (CLOCK_HZ / 1000000)
+#define TIMEOUT_MS 10000	/* without a byte that is taken */
+#define GRACE_MS 1000		/* while others wait, and then bytes per millisecond at least */
+#define MIN_RATE 128
 
 uint32_t mraw_packages;
 static struct frame frame;	/* that is sent, to `users` */
 static struct view view;
 static unsigned users;
+static bool others;		/* wait for this frame to be sent to all `users` */
 
 bool mraw_claim(void)
 {
+	others = users;
 	if (users)
 		return false;
 	view = words_view();
@@ -34,6 +37,7 @@ void mraw_begin(struct mraw *mraw)
 	mraw->sent = 0;
 	mraw->moved_ms = sys_now();
 	mraw->number = frame.number;
+	mraw->watched = false;
 }
 
 void mraw_forget(struct mraw *mraw)
@@ -52,7 +56,7 @@ static void put_header(uint8_t *p)
 	put32(p + 12, view.bytes);
 	put32(p + 16, ip_own);
 	put32(p + 20, TABLE_PORT);
-	put32(p + 24, (uint32_t)(frame.clock / CLOCKS_PER_US));
+	put32(p + 24, (uint32_t)in_units(frame.clock, 1000000));
 }
 
 /* The package's next bytes; how many. */
@@ -70,11 +74,25 @@ static uint32_t piece(const struct mraw *mraw, uint32_t *words)
 	return length;
 }
 
+/* Since others began to wait the user has taken less than the least rate. */
+static bool too_slow(struct mraw *mraw)
+{
+	uint32_t passed = sys_now() - mraw->watched_ms;
+
+	if (!others || !mraw->watched) {
+		mraw->watched = others;
+		mraw->watched_ms = sys_now();
+		mraw->watched_from = mraw->sent;
+		return false;
+	}
+	return passed > GRACE_MS && mraw->sent - mraw->watched_from < (passed - GRACE_MS) * MIN_RATE;
+}
+
 bool mraw_send(struct mraw *mraw, struct tcp_pcb *pcb)
 {
 	uint32_t words[PIECE / 4], length;
 
-	if (!frame_held(FRAMES_MRAW) || sys_now() - mraw->moved_ms > PATIENCE_MS)
+	if (!frame_held(FRAMES_MRAW) || sys_now() - mraw->moved_ms > TIMEOUT_MS || too_slow(mraw))
 		return false;
 	if (TCP_SND_BUF - tcp_sndbuf(pcb) > FLYING)
 		return true;

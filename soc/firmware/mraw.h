@@ -12,6 +12,8 @@ struct mraw {
 	enum { MRAW_NONE, MRAW_ASKED, MRAW_SENDS } state;
 	uint32_t sent;		/* bytes that lwIP has taken */
 	uint32_t moved_ms;	/* when it took the last of them */
+	bool watched;		/* others wait: since when, and how many bytes lwIP had taken */
+	uint32_t watched_ms, watched_from;
 	uint32_t number;	/* of the frame that was sent last */
 };
 
@@ -26,8 +28,8 @@ void mraw_begin(struct mraw *mraw);
 /* Nobody wants it any more. */
 void mraw_forget(struct mraw *mraw);
 
-/* Gives lwIP some bytes; false if the connection has to be closed: it takes none for too long, or
- * the frame was taken away. */
+/* Gives lwIP some bytes; false if the connection has to be closed: it takes none for too
+ * long, or less than the least rate while others wait, or the frame was taken away. */
 bool mraw_send(struct mraw *mraw, struct tcp_pcb *pcb);
 
 #endif

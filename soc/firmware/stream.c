@@ -14,7 +14,8 @@
 #define HEADERS_BYTES (ETH_HEADER + STREAM_HEADERS)
 #define NUMBER_AT (ETH_HEADER + IP_HEADER + UDP_HEADER + 5)
 #define NUMBER_BYTES 3
-#define RANGES 8		/* that may wait to be sent again, a power of two */
+#define RANGES 64		/* that may wait to be sent again, a power of two: clients ask for
+				 * each packet of a frame that is missing, one after the other */
 
 enum { IDLE, WAITING, PREPARING, SENDING, ENDING };
 
@@ -28,6 +29,8 @@ uint32_t stream_frames, stream_resends;
 static struct receiver to;
 static int state = IDLE;
 static bool single, sent_one;
+static bool triggered, pulled;	/* pictures wait for a trigger; there was one */
+static uint32_t exposed;	/* frames that were complete then */
 static bool wanted;		/* a stream begins when the last one has ended */
 static enum frame_reader reader;	/* that holds the frame sent last */
 static uint32_t block;		/* number of the picture sent last, 1..65535 */
@@ -83,16 +86,26 @@ void stream_begin(void)
 	halt();
 }
 
-void stream_start(const struct receiver *target, bool one)
+void stream_start(const struct receiver *target, bool one, bool waits)
 {
 	stream_stop();
 	to = *target;
 	tester.packet_size = 0;
 	single = one;
+	triggered = waits;
+	pulled = false;
 	sent_one = false;
 	wanted = state == ENDING;
 	if (!wanted)
 		begin();
+}
+
+void stream_trigger(void)
+{
+	if (!triggered || pulled)
+		return;
+	pulled = true;
+	exposed = interrupt_frames(words_view().raw);
 }
 
 void stream_stop(void)
@@ -200,7 +213,7 @@ static bool claim(const struct view *view)
 static bool prepare(void)
 {
 	if (next.header <= TRAILER) {
-		put_one(next.header, &next.view, next.frame.clock * (1000000000u / CLOCK_HZ),
+		put_one(next.header, &next.view, nanoseconds(next.frame.clock),
 			next.packets, next.header == LAST ? next.last : next.part);
 		++next.header;
 		return false;
@@ -297,7 +310,12 @@ void stream_poll(void)
 	complete = interrupt_frames(view.raw);
 	if (complete == seen)
 		return;
+	/* The first frame that is complete after a trigger was exposed before it. */
+	if (triggered && (!pulled || complete - exposed < 2))
+		return;
 	seen = complete;
-	if (claim(&view))
+	if (claim(&view)) {
+		pulled = false;
 		state = PREPARING;
+	}
 }

@@ -22,7 +22,9 @@ extern uint32_t stream_frames, stream_resends;
 uint32_t stream_packet_size(uint32_t size);
 
 void stream_begin(void);
-void stream_start(const struct receiver *to, bool single);
+/* `waits`: each picture waits for a trigger. */
+void stream_start(const struct receiver *to, bool single, bool waits);
+void stream_trigger(void);
 void stream_stop(void);
 bool stream_ended(void);	/* it was to be one picture, which has gone */
 

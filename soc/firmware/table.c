@@ -4,6 +4,7 @@
 
 #include "hw.h"
 #include "lwip/priv/tcp_priv.h"
+#include "lwip/sys.h"
 #include "mraw.h"
 #include "words.h"
 
@@ -13,7 +14,8 @@
 #define UNKNOWN 0xff
 #define MRAW 0x83
 #define REQUEST 5		/* bytes of READ and WRITE, and of their answers */
-#define LATER 60		/* bytes of requests that may wait behind a package */
+#define LATER 60		/* bytes of requests that may wait */
+#define UNTAKEN 3		/* lwIP's buffers with answers that a user has not taken */
 
 struct user {
 	struct tcp_pcb *pcb;	/* 0: the place is free */
@@ -21,9 +23,10 @@ struct user {
 	uint8_t count;
 	bool written;		/* what it writes: the answer waits to be read back */
 	uint16_t taken;		/* bytes of what lwIP offers, as long as the rest waits */
-	uint8_t later[LATER];	/* what came while a package was asked for or sent */
+	uint8_t later[LATER];	/* what came while answers were not taken, or a package was sent */
 	uint8_t waiting;	/* bytes of it */
 	bool ends;		/* it will send nothing more */
+	uint32_t heard_ms;	/* when its last request was answered */
 	bool broken;		/* it has sent what nobody understands: it is closed by the loop */
 	struct mraw mraw;
 };
@@ -48,6 +51,8 @@ static void leave(struct user *user)
 	tcp_recv(pcb, 0);
 	tcp_err(pcb, 0);
 	tcp_poll(pcb, 0, 0);
+	/* lwIP may forget it, if the other side does not end the connection, too. */
+	tcp_setprio(pcb, TCP_PRIO_MIN);
 	if (tcp_close(pcb) != ERR_OK)
 		tcp_abort(pcb);
 }
@@ -85,6 +90,7 @@ static bool answer(struct user *user)
 	if (asks(user) && !seen(user, address, &value))
 		return true;
 	++table_commands;
+	user->heard_ms = sys_now();
 	user->written = false;
 	user->count = 0;
 	if (bytes[0] == READ || bytes[0] == WRITE) {
@@ -99,10 +105,16 @@ static bool answer(struct user *user)
 	return false;
 }
 
+/* Nothing is answered before the user has taken something: lwIP's buffers are for all. */
+static bool full(const struct user *user)
+{
+	return tcp_sndqueuelen(user->pcb) >= UNTAKEN;
+}
+
 /* Takes a byte; false if the connection is to be closed. */
 static bool take(struct user *user, uint8_t byte)
 {
-	if (user->mraw.state != MRAW_NONE || asks(user)) {
+	if (user->mraw.state != MRAW_NONE || asks(user) || user->waiting || full(user)) {
 		if (user->waiting == LATER)
 			return false;
 		user->later[user->waiting++] = byte;
@@ -145,24 +157,66 @@ static void failed(void *argument, err_t error)
 	vacate(argument);
 }
 
+/* Nobody begins more connections than this and leaves them half open: the oldest one goes. */
+signed char table_incoming(struct tcp_pcb *pcb, unsigned flags)
+{
+	struct tcp_pcb *oldest = 0;
+	unsigned count = 0;
+
+	if (pcb->state != LISTEN || !(flags & TCP_SYN))
+		return ERR_OK;
+	/* The newest one comes first. */
+	for (struct tcp_pcb *one = tcp_active_pcbs; one; one = one->next)
+		if (one->state == SYN_RCVD) {
+			++count;
+			oldest = one;
+		}
+	if (count >= HALF_OPEN)
+		tcp_abandon(oldest, 0);
+	return ERR_OK;
+}
+
+/* A position for a new user: a free one, or that of who has been silent longest; 0: none. */
+static struct user *position(void)
+{
+	struct user *oldest = 0;
+	uint32_t silent = TABLE_IDLE_MS, now = sys_now();
+
+	for (unsigned k = 0; k < TABLE_USERS; ++k) {
+		struct user *user = &users[k];
+
+		if (!user->pcb)
+			return user;
+		if (!asks(user) && user->mraw.state == MRAW_NONE && now - user->heard_ms >= silent) {
+			silent = now - user->heard_ms;
+			oldest = user;
+		}
+	}
+	if (oldest)
+		leave(oldest);
+	return oldest;
+}
+
 static err_t accepted(void *argument, struct tcp_pcb *pcb, err_t error)
 {
+	struct user *user;
+
 	(void)argument;
 	if (error != ERR_OK || !pcb)
 		return ERR_VAL;
-	for (unsigned k = 0; k < TABLE_USERS; ++k)
-		if (!users[k].pcb) {
-			users[k] = (struct user){.pcb = pcb};
-			++connected;
-			tcp_arg(pcb, &users[k]);
-			tcp_recv(pcb, received);
-			tcp_err(pcb, failed);
-			ip_set_option(pcb, SOF_KEEPALIVE);
-			tcp_nagle_disable(pcb);
-			return ERR_OK;
-		}
-	tcp_abort(pcb);
-	return ERR_ABRT;
+	user = position();
+	if (!user) {
+		tcp_abort(pcb);
+		return ERR_ABRT;
+	}
+	*user = (struct user){.pcb = pcb, .heard_ms = sys_now()};
+	++connected;
+	tcp_arg(pcb, user);
+	tcp_recv(pcb, received);
+	tcp_err(pcb, failed);
+	ip_set_option(pcb, SOF_KEEPALIVE);
+	tcp_nagle_disable(pcb);
+	return ERR_OK;
 }
 
 /* Takes what has waited, up to the next request for a package. */
@@ -186,21 +240,26 @@ static bool serve(struct user *user)
 
 	if (user->broken || (asks(user) && !answer(user)))
 		return false;
-	if (user->mraw.state == MRAW_SENDS && !mraw_send(&user->mraw, pcb))
-		return false;
-	if (!asks(user) && user->mraw.state == MRAW_NONE && user->waiting && !take_waiting(user))
+	if (user->mraw.state == MRAW_SENDS) {
+		if (!mraw_send(&user->mraw, pcb))
+			return false;
+		user->heard_ms = sys_now();
+	}
+	if (!asks(user) && user->mraw.state == MRAW_NONE && user->waiting && !full(user) &&
+	    !take_waiting(user))
 		return false;
 	tcp_output(pcb);
 	if (!asks(user) && user->mraw.state == MRAW_NONE && pcb->refused_data)
 		tcp_process_refused_data(pcb);
-	return asks(user) || user->mraw.state != MRAW_NONE || !(user->ends || user->broken);
+	return asks(user) || user->mraw.state != MRAW_NONE || (user->waiting && !user->broken) ||
+	       !(user->ends || user->broken);
 }
 
 /* Something is to be done for the user without a byte of theirs. */
 static bool wanting(const struct user *user)
 {
-	return user->pcb && (user->mraw.state == MRAW_SENDS || user->waiting || user->ends ||
-			     user->broken);
+	return user->pcb && (user->mraw.state == MRAW_SENDS ||
+			     (user->waiting && !full(user)) || user->ends || user->broken);
 }
 
 /* Begins packages that were asked for. Who asks while a frame is sent waits until it is, and all who

@@ -123,23 +123,23 @@ static enum refusal write_page(uint32_t address, uint32_t value)
 	return READ_ONLY;
 }
 
-/* Whether the sensor's register decides the size or the place of the frame, which the corrector
- * relies on. */
-static bool geometry(uint32_t address)
+/* Whether users may write the sensor's register: none of these changes size, position or clock of
+ * the frame, which the corrector relies on. */
+static bool free_to_write(uint32_t address)
 {
-	static const uint16_t OWN[] = SENSOR_OWN;
+	static const uint16_t USER[] = SENSOR_USER;
 
-	for (unsigned k = 0; k < sizeof OWN / sizeof *OWN; ++k)
-		if (OWN[k] == address)
+	for (unsigned k = 0; k < sizeof USER / sizeof *USER; ++k)
+		if (USER[k] == address)
 			return true;
-	return address > SENSOR_LAST;
+	return false;
 }
 
 static enum refusal write_sensor(uint32_t address, uint32_t value)
 {
 	uint16_t *place = kept(address);
 
-	if (geometry(address))
+	if (!free_to_write(address))
 		return READ_ONLY;
 	if ((address == SENSOR_SHUTTER_UPPER && value > 15) ||
 	    (address == SENSOR_GAIN && (value & 63) < 8))

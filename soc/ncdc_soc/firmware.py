@@ -18,7 +18,7 @@ from ncdc_model.interface.genicam import genicam_xml
 from ncdc_model.interface.link_map import LINK, TEMPLATES
 from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.system_map import system_registers
-from ncdc_model.interface.table_one import SYSTEM_WORDS, TCP_PORT
+from ncdc_model.interface.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_model.sensors import mt9p031
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
@@ -159,15 +159,11 @@ def _sensor(setup):
     sensor = setup.sensor
     (identity, value), *_ = sensor.chip_id
     writes = [f"{{0x{w.register:x}, 0x{w.value:x}, {w.wait_us}}}" for w in setup.writes]
-    # What decides the frame's size, place or clock is the firmware's alone.
-    variable = {mt9p031.SHUTTER_UPPER, mt9p031.SHUTTER_LOWER, mt9p031.GLOBAL_GAIN,
-                mt9p031.TEST_PATTERN, *(address for address, _ in mt9p031.TEST_COLOURS.values())}
-    own = sorted({w.register for w in setup.writes} - variable | {identity})
     return {
         "SENSOR_I2C": _hex(sensor.i2c_address), "SENSOR_POINTER_BITS": sensor.pointer_bits,
         "SENSOR_VALUE_BITS": sensor.value_bits, "SENSOR_ID_ADDRESS": _hex(identity),
         "SENSOR_ID": _hex(value)[:-1], "SENSOR_SET_UP": _braced(writes),
-        "SENSOR_WAIT_CLOCKS": "1u", "SENSOR_OWN": _braced(map(str, own)),
+        "SENSOR_WAIT_CLOCKS": "1u", "SENSOR_USER": _braced(map(str, sensor.user_registers)),
         "SENSOR_LAST": _hex(_SENSOR_LAST), "SENSOR_SHUTTER_UPPER": _hex(mt9p031.SHUTTER_UPPER),
         "SENSOR_SHUTTER_LOWER": _hex(mt9p031.SHUTTER_LOWER),
         "SENSOR_GAIN": _hex(mt9p031.GLOBAL_GAIN), "SENSOR_PATTERN": _hex(mt9p031.TEST_PATTERN)}
@@ -193,6 +189,8 @@ def _protocols(identity, clock_hz):
         "GVCP_DISCOVERY_BYTES": _hex(gvcp.DISCOVERY_BYTES),
         "TABLE_PORT": f"{TCP_PORT}u", "TABLE_USERS": f"{_USERS}",
         "HEARTBEAT_MS": f"{gvcp.HEARTBEAT_MS}u",
+        "HEARTBEAT_MIN_MS": f"{gvcp.HEARTBEAT_MIN_MS}u",
+        "HEARTBEAT_MAX_MS": f"{gvcp.HEARTBEAT_MAX_MS}u", "TABLE_IDLE_MS": f"{1000 * IDLE_SECONDS}u",
         "MILLISECOND_CLOCKS": f"{clock_hz // 1000 // identity.hurry}u",
         "PACKET_DO_NOT_FRAGMENT": _hex(gvcp.SCPS_DO_NOT_FRAGMENT),
         "CONFIG_VERSION": _text(version("ncdc")), "CONFIG_IP": _hex(_address(identity.ip)),
@@ -301,22 +299,22 @@ def firmware_image(text, soc, folder):
     return words, code + data, data + zeros
 
 
-def host_program(text, folder):
-    """Program of ``firmware/host/fuzz.c``: the firmware on this machine, under sanitizers.
+def host_program(text, folder, name="fuzz"):
+    """Program of ``firmware/host/<name>.c``: the firmware on this machine, under sanitizers.
 
     ``text`` is that of ``config.h``, ``folder`` exists. Raises :class:`InputError` as
     :func:`firmware_image` does.
     """
     folder, lwip = Path(folder), lwip_source()
     (folder / "config.h").write_text(text)
-    ours = [str(FIRMWARE / name) for name in (*_SOURCES, "host/fuzz.c")
+    ours = [str(FIRMWARE / name) for name in (*_SOURCES, f"host/{name}.c")
             if name not in _ON_TARGET]
     _run(["gcc", "-std=gnu11", "-O1", "-g", "-fsanitize=address,undefined",
           "-fno-sanitize-recover=all", "-DFIRMWARE_HOST", "-Wall", "-Wextra", "-Werror",
           f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
           str(lwip / "include"), *ours, *(str(lwip / name) for name in FILES),
-          "-o", str(folder / "fuzz")])
-    return folder / "fuzz"
+          "-o", str(folder / name)])
+    return folder / name
 
 
 def _run(command, folder=None):

@@ -5,6 +5,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -120,6 +121,30 @@ def test_what_decides_the_frames_size_is_not_written(running):
         assert connection.write(system_word("WIDTH"), 32) == WIDTH
         del running.bus.targets[I2C]
         assert connection.read(mt9p031.SHUTTER_LOWER) == 0xFFFF
+
+
+def test_no_user_writes_another_register_of_the_sensor(running):
+    """Nor is one asked for that the sensor does not have: the connection stays."""
+    sent = running.bus.targets[I2C]
+    before = dict(sent)
+    with running.connection() as connection:
+        for address in [*range(0x100), 0x100, 0x1235, 0xEFFF]:
+            connection.write(address, 0x0109)
+        assert [connection.read(address) for address in (0x100, 0xEFFF)] == [0, 0]
+    changed = {key[0] for key in sent if sent[key] != before.get(key)}
+    assert changed == set(mt9p031.SENSOR.user_registers)
+
+
+def test_silent_users_give_their_position_to_a_new_one(running):
+    running.server._users._idle_seconds = .3
+    kept = [running.connection() for _ in range(running.settings["table"]["users"])]
+    assert kept[-1].read(system_word("WIDTH")) == WIDTH
+    with pytest.raises(DeviceError):
+        running.connection().read(system_word("WIDTH"))
+    time.sleep(.35)
+    assert kept[-1].read(system_word("WIDTH")) == WIDTH
+    assert running.connection().read(system_word("WIDTH")) == WIDTH
+    assert kept[-1].read(system_word("WIDTH")) == WIDTH
 
 
 def test_a_picture_has_all_that_was_written(running):

@@ -4,6 +4,7 @@ import random
 import resource
 import struct
 import time
+from ipaddress import IPv4Address
 
 import pytest
 
@@ -54,7 +55,8 @@ def one():
 def test_discovery(one):
     status, rest = Asker(one).command(gvcp.DISCOVERY, b"")
     assert status == gvcp.SUCCESS and len(rest) == gvcp.DISCOVERY_BYTES
-    assert rest[0x48:0x68].rstrip(b"\0") == b"NCDC" and rest[0xD8:0xE8].rstrip(b"\0") == b"EMU-1"
+    assert rest[0x48:0x68].rstrip(b"\0") == b"NCDC" and rest[0xD8:0xE8].rstrip(
+        b"\0").decode() == f"EMU-{int(IPv4Address(one.options.address)):08X}"
     assert ".".join(map(str, rest[0x24:0x28])) == one.options.address
 
 
@@ -82,6 +84,39 @@ def test_control_is_free_after_the_heartbeat(one):
     assert other.write(CCP, 2) == gvcp.SUCCESS
     other.write(gvcp.place("HeartbeatTimeout").address, 1)
     assert other.read(gvcp.place("HeartbeatTimeout").address) == gvcp.HEARTBEAT_MIN_MS
+
+
+def test_no_heartbeat_locks_the_device_for_long(one):
+    user, other = Asker(one), Asker(one, OTHER)
+    address = gvcp.place("HeartbeatTimeout").address
+    user.command(gvcp.WRITEREG, struct.pack(">IIII", CCP, 2, address, 0xFFFFFFFF))
+    assert other.read(address) == gvcp.HEARTBEAT_MAX_MS <= 60_000
+    other.now = user.now + gvcp.HEARTBEAT_MAX_MS / 1000 + .1
+    assert other.write(CCP, 2) == gvcp.SUCCESS
+
+
+def test_pictures_go_to_the_controller_s_machine_or_a_group(one, monkeypatch):
+    user, sent = Asker(one), []
+    monkeypatch.setattr(one.stream, "_put", lambda parts, address: sent.append(address))
+    user.control()
+    size, port, address = (gvcp.place(f"Stream{name}").address
+                           for name in ("PacketSize", "Port", "Address"))
+    assert user.write(port, 6000) == gvcp.SUCCESS
+    for third in ("127.9.9.9", "8.8.8.8", "255.255.255.255", "127.255.255.255"):
+        assert user.write(address, int(IPv4Address(third))) == gvcp.SUCCESS
+        user.write(size, gvcp.SCPS_FIRE | 1000)
+        assert user.set("AcquisitionStart", 1) == gvcp.ACCESS_DENIED
+    assert sent == []
+    for own in (USER[0], "239.192.1.1"):
+        assert user.write(address, int(IPv4Address(own))) == gvcp.SUCCESS
+        user.write(size, gvcp.SCPS_FIRE | 1000)
+        assert sent.pop() == (own, 6000) and sent == []
+
+
+def test_the_request_number_0_is_answered(one):
+    answer = one.agent.handle(gvcp.command_packet(gvcp.DISCOVERY, 0), USER)
+    status, code, number, rest = gvcp.parse_acknowledge(answer)
+    assert (status, code, number, len(rest)) == (0, 3, 0, gvcp.DISCOVERY_BYTES)
 
 
 def test_refusals_have_their_status(one):
@@ -157,7 +192,7 @@ def test_a_command_that_needs_the_sensor_s_bus_is_put_off(one):
         answers = one.agent.answers(packet, peer, user.now)
         return [gvcp.parse_acknowledge(data)[1] for data in answers]
 
-    assert user.write(address, 0x30) == gvcp.SUCCESS
+    assert user.write(address, 0x2C) == gvcp.SUCCESS
     assert codes(read) == [0x81] and codes(write) == [0x83]
     configuration = gvcp.place("Configuration").address
     assert user.write(configuration, 1) == gvcp.INVALID_PARAMETER

@@ -14,12 +14,14 @@ from ncdc_host.client.errors import BadValue, DeviceError, DeviceGone, Refused
 from ncdc_host.client.table import Connection, TableDevice
 from ncdc_model.corrector import correct
 from ncdc_model.example import noise_picture
+from ncdc_model.interface import table_one
 from ncdc_model.interface.features import FEATURES
 from ncdc_model.interface.pixel_formats import MONO8, PIXEL_FORMATS
 from ncdc_model.interface.table_one import MAX_USERS
 from ncdc_model.interface.table_two import HEADER_BYTES, MrawHeader
+from ncdc_model.sensors import mt9p031
 
-SCRATCH = 0x40          # sensor registers from here on take any value
+SCRATCH = (0xA1, 0xA2, 0xA3, 0xA4, 0x2B, 0x2C, 0x2D, 0x2E)     # these take any value
 
 
 @pytest.fixture
@@ -51,12 +53,12 @@ def test_commands_byte_by_byte(one):
     with raw_socket(one) as user:
         user.sendall(bytes.fromhex("80 0000 ffff"))
         assert received(user, 5) == bytes.fromhex("80 0000 1801")       # the chip's version
-        user.sendall(bytes.fromhex("81 0040 abcd"))
-        assert received(user, 5) == bytes.fromhex("81 0040 abcd")
+        user.sendall(bytes.fromhex("81 00a1 abcd"))
+        assert received(user, 5) == bytes.fromhex("81 00a1 abcd")
         user.sendall(bytes.fromhex("81 0000 1234"))                     # read-only: as read back
         assert received(user, 5) == bytes.fromhex("81 0000 1801")
-        user.sendall(bytes.fromhex("82 80 0040 0000"))                  # 0x82: no answer
-        assert received(user, 5) == bytes.fromhex("80 0040 abcd")
+        user.sendall(bytes.fromhex("82 80 00a1 0000"))                  # 0x82: no answer
+        assert received(user, 5) == bytes.fromhex("80 00a1 abcd")
         user.sendall(b"\x42")
         assert received(user, 3) == bytes.fromhex("ff 42")              # and the end
 
@@ -161,7 +163,7 @@ def test_locked_while_pictures_stream(one):
         with pytest.raises(Refused, match="Width is locked while pictures stream"):
             client.set("Width", 32)
         assert connected(one).write(0x20, 0x8000) == 0          # mirrored: another raw format
-        assert connected(one).write(0x20, 0x0001) == 1
+        assert connected(one).write(0x20, 0x0001) == 0
         assert client.set("LensSelector", 1) == 1
 
 
@@ -204,16 +206,45 @@ def test_a_device_that_goes_is_named(one):
         opened(one)
 
 
+def test_no_user_writes_what_decides_the_frame(one):
+    """Size, position, skipping, clock and resets of the sensor are the device's alone."""
+    free = set(mt9p031.SENSOR.user_registers)
+    with connected(one) as user:
+        for address in [*range(0x100), 0x100, 0x0123, 0xEFFF]:
+            before = user.read(address)
+            assert before != 9
+            assert user.write(address, 9) == (9 if address in free else before), address
+        assert (user.read(0xF001), user.read(0xF002)) == SIZE
+
+
+def test_silent_users_give_their_position_to_a_new_one(monkeypatch):
+    monkeypatch.setattr(table_one, "IDLE_SECONDS", .3)
+    with device() as one:
+        kept = [connected(one) for _ in range(MAX_USERS)]
+        for user in kept:
+            assert user.read(0xF001) == SIZE[0]
+        kept[0]._socket.sendall(b"\x80")           # half a request: silent as well
+        with pytest.raises(DeviceError):
+            connected(one).read(0xF001)             # nobody has been silent for long
+        time.sleep(.35)
+        for user in kept[1:]:
+            assert user.read(0xF001) == SIZE[0]
+        assert connected(one).read(0xF001) == SIZE[0]
+        with pytest.raises(DeviceError):
+            kept[0].read(0xF001)
+        assert [user.read(0xF001) for user in kept[1:]] == [SIZE[0]] * (MAX_USERS - 1)
+
+
 class User(threading.Thread):
     """Random commands; notes the first thing that is wrong.
 
-    Each user has sensor registers of its own, whose values it knows; all share the picture's
+    Each user has a sensor register of its own, whose value it knows; all share the picture's
     settings, and check that each picture is a whole one of one setting.
     """
     def __init__(self, one, number, commands, pictures):
         super().__init__()
         self._connection, self._random = connected(one), random.Random(number)
-        self._own = range(SCRATCH + 4 * number, SCRATCH + 4 * number + 4)
+        self._own = [SCRATCH[number]]
         self._commands, self._pictures, self.wrong = commands, pictures, None
 
     def run(self):

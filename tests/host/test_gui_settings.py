@@ -154,3 +154,16 @@ def test_a_shutter_longer_than_the_slider_is_shown_in_full(qtbot):
     panel.show_features({"LineTime": line,
                          "ExposureTime": float_info("ExposureTime", 3e6, 16, 1.6e7)})
     assert panel.exposure.value == 3000 and panel.shutter.value == 187500
+
+
+def test_the_exposure_box_keeps_every_digit(qtbot):
+    panel = SettingsPanel()
+    qtbot.addWidget(panel)
+    box, seen = panel.exposure.box, []
+    panel.exposure.edited.connect(seen.append)
+    panel.exposure.show_value(0.009688, 0.000001, 10_000, 0.009688)
+    assert box.value() == 0.009688 and box.text() == "0.009688 ms" and seen == []
+    type_in(panel.exposure, "1.234567")
+    assert seen == [1.234567]
+    panel.exposure.show_value(2, 0.000001, 10_000, 0.01)
+    assert box.text() == "2.000 ms"

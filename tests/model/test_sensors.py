@@ -1,5 +1,6 @@
 """Set-ups of image sensors: values worked out by hand from the data sheets, round trips, limits."""
 
+from dataclasses import replace
 from math import log10
 
 import numpy as np
@@ -200,3 +201,23 @@ def test_values_fit_their_registers(sensor):
         for write in plan.writes:
             assert 0 <= write.register < 1 << sensor.pointer_bits, write
             assert 0 <= write.value < 1 << sensor.value_bits and write.meaning, write
+
+
+@EACH
+def test_users_write_what_no_frame_depends_on(sensor):
+    """Window, mirrors, rate and clock set none of the registers that users may write."""
+    first = Settings(width=640, height=480, exposure_us=1000.0)
+    plain = dict(setup(sensor, first).pairs)
+    free = set(sensor.user_registers)
+    for change in ({"width": 320}, {"height": 240}, {"left": 64, "top": 32},
+                   {"frames_per_second": 20.0}, {"mirror_columns": True, "mirror_rows": True}):
+        other = dict(setup(sensor, replace(first, **change)).pairs)
+        changed = {register for register in other if other[register] != plain.get(register)}
+        assert changed, change
+        # The exposure counts lines, whose length follows the width.
+        assert not changed & free or change == {"width": 320}, (change, changed & free)
+    for change in ({"exposure_us": 500.0}, {"gain_db": 6.0}):
+        other = dict(setup(sensor, replace(first, **change)).pairs)
+        changed = {register for register in other if other[register] != plain.get(register)}
+        assert changed and changed <= free, (change, changed - free)
+    assert not free & {register for register, _ in sensor.chip_id}

@@ -1,7 +1,6 @@
 """What Linux on the board's processor needs: device tree, settings, and the program that starts."""
 
 import json
-from dataclasses import replace
 from importlib.resources import files
 
 from ncdc_boards.camera_board.set_up import camera_values
@@ -12,6 +11,7 @@ from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
 from ncdc_model.interface.table_one import (
+    IDLE_SECONDS,
     MAX_USERS,
     MRAW,
     READ,
@@ -22,7 +22,6 @@ from ncdc_model.interface.table_one import (
     UNKNOWN,
     WRITE,
 )
-from ncdc_model.sensors.catalogue import setup as planned
 
 __all__ = ["REGISTERS", "host_files"]
 
@@ -44,7 +43,7 @@ def host_files(design, setup, corner):
     settings = {
         "board": board.name, "frames": base, "frame_bytes": size, "clock_hz": clock_hz,
         "registers": camera_values(setup, corner, clock_hz),
-        "sensor": setup.report() | {"own": _own(setup)},
+        "sensor": setup.report() | {"user_registers": setup.sensor.user_registers},
         **_pictures(design.system), "table": _table(),
         "transmitter": {
             "i2c_address": I2C_ADDRESS, "pointer_bits": 8, "value_bits": 8,
@@ -54,17 +53,8 @@ def host_files(design, setup, corner):
         f"{name}.dtsi": device_tree(name, Place(
             REGISTERS, 4 << SYSTEM_WORDS_BITS, base, size, _INTERRUPT, fixed=True)),
         "ncdc_board.json": json.dumps(settings, indent=1) + "\n",
+        "ncdc_table_users.py": (files("ncdc_model.interface") / "table_users.py").read_text(),
         **{file: (files("ncdc_boards.hps_board") / "host" / file).read_text() for file in _HOST}}
-
-
-def _own(setup):
-    """Registers of a set-up that no user may write: all but exposure and gain, as they decide the
-    frame's size, place, clock or Bayer phase."""
-    asked = setup.settings
-    others = [planned(setup.sensor, replace(asked, **change)) for change in (
-        {"exposure_us": asked.exposure_us / 2}, {"gain_db": asked.gain_db + 6})]
-    free = {write.register for other in others for write in set(other.writes) ^ set(setup.writes)}
-    return sorted({write.register for write in setup.writes} - free)
 
 
 def _pictures(system):
@@ -77,7 +67,7 @@ def _pictures(system):
 
 def _table():
     """Table I, for a program that cannot import it."""
-    return {"port": TCP_PORT, "users": MAX_USERS, "page": SYSTEM_PAGE, "unknown": UNKNOWN,
-            "silent": _SILENT,
+    return {"port": TCP_PORT, "users": MAX_USERS, "idle_seconds": IDLE_SECONDS,
+            "page": SYSTEM_PAGE, "unknown": UNKNOWN, "silent": _SILENT,
             "codes": {READ: "READ", WRITE: "WRITE", RESERVED: "RESERVED", MRAW: "MRAW"},
             "words": {word.name: word.address for word in SYSTEM_WORDS}}

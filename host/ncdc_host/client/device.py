@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from dataclasses import dataclass
 
-from ncdc_host.client.errors import BadValue, DeviceError
+from ncdc_host.client.errors import BadValue, DeviceError, printable
 
 __all__ = ["Device", "FeatureInfo", "FrameStream", "Rate", "Statistics", "as_kind"]
 
@@ -43,6 +43,14 @@ class FeatureInfo:
     choices: tuple = ()
     text: str = ""
     category: str = ""
+
+    def __post_init__(self):
+        # A device's texts come to terminals and windows: nothing in them may change those.
+        if isinstance(self.value, str):
+            object.__setattr__(self, "value", printable(self.value))
+        object.__setattr__(self, "choices", tuple(map(printable, self.choices)))
+        for name in ("name", "unit", "text", "category"):
+            object.__setattr__(self, name, printable(getattr(self, name)))
 
 
 @dataclass(frozen=True)

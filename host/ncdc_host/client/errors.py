@@ -2,11 +2,21 @@
 
 from ncdc_model.errors import InputError
 
-__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "Refused"]
+__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "Refused",
+           "printable"]
+
+
+def printable(text):
+    """``text`` of a device without what would change a terminal: such characters as escapes."""
+    return "".join(one if one.isprintable() else one.encode("unicode_escape", "replace").decode()
+                   for one in str(text))
 
 
 class DeviceError(Exception):
     """A device, or the way to it, does not do what it was asked; the message is one sentence."""
+
+    def __init__(self, text=""):
+        super().__init__(printable(text))
 
 
 class BadUrl(DeviceError, InputError):

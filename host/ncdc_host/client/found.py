@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from ncdc_host.client.errors import printable
+
 __all__ = ["Found"]
 
 
@@ -18,6 +20,8 @@ class Found:
     mac, vendor, model : str
     serial : str
         Empty if the back end does not tell.
+
+    Texts of the device have escapes for what would change a terminal.
     """
     url: str
     address: str
@@ -25,3 +29,7 @@ class Found:
     vendor: str
     model: str
     serial: str = ""
+
+    def __post_init__(self):
+        for name in ("mac", "vendor", "model", "serial"):
+            object.__setattr__(self, name, printable(getattr(self, name)))

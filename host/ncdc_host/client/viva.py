@@ -1,13 +1,19 @@
 """Devices over GVCP and GVSP, by the package viva-genicam."""
 
+import random
+import socket
 import threading
+import time
 
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
 from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
+from ncdc_host.client.gvcp_questions import Questions
 from ncdc_host.client.lens import LensLoader
+from ncdc_host.client.xml_check import check_xml
 from ncdc_model.errors import InputError
+from ncdc_model.interface import gvcp
 from ncdc_model.interface.pixel_formats import format_of_pfnc
 
 __all__ = ["VivaDevice", "discover_viva"]
@@ -17,7 +23,10 @@ _KINDS = {"Integer": "integer", "Float": "float", "Boolean": "boolean", "Command
 _BLOCKS = 0xFFFF        # block numbers run from 1 to this and begin again
 # What viva-genicam says when nobody answers, or the machine there that nobody listens.
 _SILENT = ("timeout", "timed out", "os error")
-_ASKED = 3              # times that a device is asked for: a datagram may be lost, or answered late
+_ITSELF = "127.0.0.1"   # where viva-genicam is told of a device that was found
+_INTRODUCED_MS = 100    # that it listens there
+_TRIES = 15
+_INTRODUCING = threading.Lock()
 
 
 def _viva():
@@ -45,13 +54,52 @@ def _sentence(error):
     return str(error).strip().rstrip(".").replace("\n", " ")
 
 
-def _find(viva, address, seconds):
-    """What discovery tells of the device at ``address``; each of the tries takes ``seconds``."""
-    for _ in range(_ASKED):
-        for one in viva.discover(round(1000 * seconds), all=True):
-            if one.ip == address:
-                return one
-    raise DeviceGone(f"no device answers at {address}")
+def _introduced(viva, address, acknowledge):
+    """viva-genicam's own description of a device whose discovery ``acknowledge`` is known.
+
+    It describes what answers a broadcast and nothing else, and a broadcast passes no router: here
+    this machine answers its question to itself, with the device's bytes. Of several clients that
+    do so at once, one receives all questions: the others try again.
+    """
+    # A device behind a router that translates addresses has another one itself.
+    at = gvcp.place("IpAddress").address
+    acknowledge = acknowledge[:at] + socket.inet_aton(address) + acknowledge[at + 4:]
+    for _ in range(_TRIES):
+        with _INTRODUCING:
+            found = _told(viva, address, acknowledge)
+        if found is not None:
+            return found
+        time.sleep(random.uniform(0, 2 * _INTRODUCED_MS / 1000))
+    raise DeviceGone(f"viva-genicam does not find the device at {address}")
+
+
+def _told(viva, address, acknowledge):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            one.bind((_ITSELF, gvcp.PORT))
+        except OSError as error:
+            raise DeviceError(f"UDP port {gvcp.PORT} of this machine cannot be used: "
+                              f"{error.strerror}") from error
+        answering = threading.Thread(target=_answer_itself, args=(one, acknowledge), daemon=True)
+        answering.start()
+        found = viva.discover(_INTRODUCED_MS, _ITSELF, all=True)
+        answering.join()
+    return next((each for each in found if each.ip == address), None)
+
+
+def _answer_itself(one, acknowledge):
+    until = time.monotonic() + _INTRODUCED_MS / 1000
+    try:
+        while (left := until - time.monotonic()) > 0:
+            one.settimeout(left)
+            data, peer = one.recvfrom(2048)
+            command = gvcp.parse_command(data)
+            if (command is not None and command.code == gvcp.DISCOVERY
+                    and peer[0].startswith("127.")):
+                one.sendto(gvcp.acknowledge(command, gvcp.SUCCESS, acknowledge), peer)
+    except OSError:
+        pass            # the time is over
 
 
 class VivaDevice(Device):
@@ -60,9 +108,14 @@ class VivaDevice(Device):
     def __init__(self, address, monitor=False, seconds=1.0):
         self._viva = viva = _viva()
         self.url = f"gige://{address}"
-        found = _find(viva, address, seconds)
+        with Questions(address, seconds) as questions:
+            acknowledge = questions.discovery()
+            # viva-genicam crashes at some XML, and this process with it.
+            check_xml(questions.xml())
+            address, interface = questions.address, questions.own_address
         try:
-            self._camera = viva.connect_gige(found, monitor=monitor)
+            found = _introduced(viva, address, acknowledge)
+            self._camera = viva.connect_gige(found, interface, monitor)
         except viva.GenicamError as error:
             raise Refused(f"{address} cannot be opened, perhaps another user has control: "
                           f"{_sentence(error)}") from error

@@ -11,7 +11,7 @@ from ncdc_model.interface.pixel_formats import PixelFormat, packed
 __all__ = ["Camera", "Frame"]
 
 _KEPT = 24              # pictures, so that a scene that repeats itself is corrected only once
-_KEPT_BYTES = 128 << 20
+_KEPT_BYTES = 64 << 20
 
 
 @dataclass(frozen=True)
@@ -95,15 +95,16 @@ class Camera:
             number = max(self._slot(self.now_ns()), self._stale_until)
         return self.frame(number)
 
-    def following(self, number, stop):
+    def following(self, number, stop, later=False):
         """The next frame due after ``number``; None if the Event ``stop`` is set before.
 
-        Frames that were due and not made in time are counted as dropped.
+        Frames that were due and not made in time are counted as dropped. ``later``: one whose
+        exposure begins after this call; none is counted.
         """
         with self._registers.lock:
             due = self._slot(self.now_ns())
-            wanted = max(due, number + 1, self._stale_until)
-            if number and wanted > number + 1:
+            wanted = max(due + later, number + 1, self._stale_until)
+            if not later and number and wanted > number + 1:
                 self._registers.dropped += wanted - number - 1
         frame = self.frame(wanted, stop)
         return None if stop.is_set() else frame

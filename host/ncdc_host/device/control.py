@@ -145,7 +145,7 @@ class ControlAgent:
     def _release(self):
         self._stream.stop()
         self.controller = None
-        self._tl_locked, self._acquiring, self._mode = 0, False, 0
+        self._tl_locked, self._acquiring, self._mode, self._trigger = 0, False, 0, 0
         self._registers.streaming = False
         for name, value in (("HeartbeatTimeout", gvcp.HEARTBEAT_MS), ("ControlPrivilege", 0),
                             ("Configuration", 0), ("StreamPort", 0), ("StreamPacketDelay", 0),
@@ -204,14 +204,13 @@ class ControlAgent:
 
     def _packetresend(self, payload, peer):
         if len(payload) < 12:
-            raise _Status(gvcp.INVALID_HEADER)
+            return None
         _, block, first, last = struct.unpack_from(">HHII", payload)
         first, last = first & 0xFFFFFF, last & 0xFFFFFF
-        address = IPv4Address(self._words[gvcp.place("StreamAddress").address])
         # A receiver asks from a socket of its own, perhaps, but from the controller's machine.
-        own = self.controller is not None and peer[0] == self.controller[0]
-        if not self._acquiring or not own and not address.is_multicast:
-            raise _Status(gvcp.ACCESS_DENIED)
+        # Nobody is answered that asks for what is not sent: packets are the answer.
+        if not self._acquiring or self.controller is None or peer[0] != self.controller[0]:
+            return None
         then, budget = self._resend_budget
         now = time.monotonic()
         budget = min(_RESENT_PER_SECOND, budget + (now - then) * _RESENT_PER_SECOND)
@@ -257,22 +256,24 @@ class ControlAgent:
             return self._registers.settings.view.size
         if one.name == "SensorRegisterValue":
             return self._registers.read(self._sensor_address)
-        return {"AcquisitionMode": self._mode, "TLParamsLocked": self._tl_locked,
+        return {"AcquisitionMode": self._mode, "TriggerMode": self._trigger,
+                "TLParamsLocked": self._tl_locked,
                 "SensorRegisterAddress": self._sensor_address}.get(one.name, 0)
 
     def _write(self, address, value, peer):
         if address % 4:
             raise _Status(gvcp.BAD_ALIGNMENT)
-        one = self._features.get(address)
-        corrector = gvcp.CORRECTOR_BASE <= address < gvcp.CORRECTOR_BASE + gvcp.CORRECTOR_BYTES
-        if one is None and not corrector and address not in self._writable:
-            self._memory(address, 4)        # refuses an address where there is nothing
-            raise _Status(gvcp.WRITE_PROTECT)
         if address == gvcp.place("ControlPrivilege").address:
             self._write_control(value, peer)
             return
+        # Nobody else learns from a write what is there.
         if peer != self.controller:
             raise _Status(gvcp.ACCESS_DENIED)
+        one = self._features.get(address)
+        corrector = gvcp.CORRECTOR_BASE <= address < gvcp.CORRECTOR_BASE + gvcp.CORRECTOR_BYTES
+        if one is None and not corrector and address not in self._writable:
+            self._memory(address, 4)        # rejects an address where there is nothing
+            raise _Status(gvcp.WRITE_PROTECT)
         try:
             if one is not None:
                 self._write_feature(one, value)
@@ -301,7 +302,7 @@ class ControlAgent:
             if name != "StreamPacketDelay" and not fire and value != self._words[address]:
                 raise Refused("locked")
         if name == "HeartbeatTimeout":
-            value = max(value, gvcp.HEARTBEAT_MIN_MS)
+            value = min(max(value, gvcp.HEARTBEAT_MIN_MS), gvcp.HEARTBEAT_MAX_MS)
         elif name == "Configuration" and value & ~gvcp.CONFIGURATION_PENDING_ACK:
             raise Refused("value")
         elif name == "StreamPort" and value > 0xFFFF:
@@ -338,6 +339,12 @@ class ControlAgent:
             if value not in {choice.value for choice in one.choices}:
                 raise Refused("value")
             self._mode = value
+        elif one.name == "TriggerMode":
+            if self._acquiring and value != self._trigger:
+                raise Refused("locked")
+            self._trigger = value
+        elif one.name == "TriggerSoftware" and value:
+            self._stream.trigger()
         elif one.name == "TLParamsLocked":
             self._tl_locked = value
             self._registers.streaming = bool(value) or self._acquiring
@@ -353,10 +360,13 @@ class ControlAgent:
     def _receiver(self):
         words = {name: self._words[gvcp.place(name).address] for name in (
             "StreamPort", "StreamAddress", "StreamPacketSize", "StreamPacketDelay")}
-        if not words["StreamPort"] or not words["StreamAddress"]:
+        address = IPv4Address(words["StreamAddress"])
+        # Pictures go to nobody but the controller's machine, or to a group.
+        if not words["StreamPort"] or not (address.is_multicast
+                                           or str(address) == self.controller[0]):
             return None
         size = words["StreamPacketSize"]
-        return Receiver((str(IPv4Address(words["StreamAddress"])), words["StreamPort"]),
+        return Receiver((str(address), words["StreamPort"]),
                         size & 0xFFFF, words["StreamPacketDelay"],
                         not size & gvcp.SCPS_DO_NOT_FRAGMENT)
 
@@ -367,7 +377,8 @@ class ControlAgent:
         if receiver is None:
             raise Refused("locked")     # nobody to send to
         self._acquiring = self._registers.streaming = True
-        self._stream.start(receiver, single=self._mode == 1, done=self._ended)
+        self._stream.start(receiver, single=self._mode == 1, done=self._ended,
+                           triggered=self._trigger == 1)
 
     def _stop(self):
         self._stream.stop()

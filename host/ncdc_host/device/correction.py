@@ -1,17 +1,18 @@
-"""The golden model's correction as one sparse matrix: the same integers, much faster.
+"""The golden model's correction for frame after frame: the same integers, faster.
 
-A corrected colour is a sum of at most 9 raw samples with whole weights, with the gradient-corrected
-interpolation of at most 36, rounded and clamped once: the golden model adds the same products in
-another order. The sums fit the matrix's integers, so they are exact.
+The colours of a place between the samples depend on the frame alone: they are computed once for
+each frame. What depends on the lens alone, each pixel's place and fractions, is computed once for
+each lens. The sums are exact: the golden model adds the same products in another order.
 """
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
 
 from ncdc_model.corrector import check_raw, window_bands
 from ncdc_model.picture import place_colours
 
 __all__ = ["Correction"]
+
+_PIXELS = 1 << 14       # that are corrected at a time: what lies between takes little memory
 
 
 class Correction:
@@ -28,15 +29,19 @@ class Correction:
     def __init__(self, descriptor):
         self.descriptor = descriptor
         f_bits, geometry = descriptor.formats.coordinate.f_bits, descriptor.geometry
-        self._shift = 2 * f_bits + geometry.interpolation.unit_bits
-        coefficients = _coefficients(geometry)
+        self._one, self._shift = 1 << f_bits, 2 * f_bits + geometry.interpolation.unit_bits
+        self._kernels = _coefficients(geometry)
         # The largest sum, of samples of 255 where the weights are positive or where they are not.
-        largest = (np.abs(coefficients).sum(axis=1).max() * 255) << (2 * f_bits)
-        self._type = np.int32 if largest < 1 << 30 else np.int64
-        parts = list(window_bands(descriptor))
-        self._blank = ~np.concatenate([part[-1] for part in parts])
-        self._matrix = vstack([_band(descriptor, part, coefficients, self._type)
-                               for part in parts], "csr")
+        largest = np.abs(self._kernels).sum(axis=(1, 2)).max() * 255
+        self._type = np.int32 if largest << 2 * f_bits < 1 << 30 else np.int64
+        margin = geometry.interpolation.margin
+        self._row = geometry.distorted_width + 2 * margin - geometry.interpolation.window + 2
+        bands = [band[1:] for band in window_bands(descriptor)]
+        places = [y0 * self._row + x0 for x0, y0, *_ in bands]
+        self._place = np.concatenate(places).ravel().astype(np.int32)
+        self._fx, self._fy = (np.concatenate([band[k] for band in bands]).ravel().astype(np.uint16)
+                              for k in (2, 3))
+        self._blank = ~np.concatenate([band[-1] for band in bands])
 
     def __call__(self, raw):
         """The corrected picture, uint8 RGB (height, width, 3), of a ``raw`` frame.
@@ -48,44 +53,56 @@ class Correction:
         """
         geometry = self.descriptor.geometry
         check_raw(raw, geometry)
-        total = self._matrix @ raw.ravel().astype(self._type)
-        total += 1 << (self._shift - 1)
-        total >>= self._shift
-        picture = total.clip(0, 255).astype(np.uint8).reshape(*geometry.corrected[::-1], 3)
+        colours = self._colours(raw).reshape(-1, 3)
+        picture = np.empty((len(self._place), 3), np.uint8)
+        for first in range(0, len(picture), _PIXELS):
+            part = slice(first, first + _PIXELS)
+            self._interpolate(colours, part, picture[part])
+        picture = picture.reshape(*geometry.corrected[::-1], 3)
         picture[self._blank] = geometry.fill
         return picture
 
+    def _colours(self, raw):
+        """Colours of every place, by sums of the samples around it."""
+        window = self._kernels.shape[1]
+        # Samples outside the frame are mirrored, as the golden model mirrors them.
+        framed = np.pad(raw, self.descriptor.geometry.interpolation.margin,
+                        mode="reflect").astype(self._type)
+        height = framed.shape[0] - window + 1
+        colours = np.zeros((height, self._row, 3), self._type)
+        for parity, kernel in enumerate(self._kernels):
+            right, below = parity & 1, parity >> 1
+            part = colours[below::2, right::2]
+            for row, column, colour in zip(*kernel.nonzero()):
+                at = framed[below + row:below + row + height - below:2,
+                            right + column:right + column + self._row - right:2]
+                part[..., colour] += kernel[row, column, colour].astype(self._type) * at
+        return colours
+
+    def _interpolate(self, colours, part, picture):
+        """Write the pixels of a ``part`` to ``picture``."""
+        place = self._place[part]
+        fx, fy = (fraction[part, None].astype(self._type) for fraction in (self._fx, self._fy))
+        upper, lower = (
+            (self._one - fx) * colours[place + below] + fx * colours[place + below + 1]
+            for below in (0, self._row))
+        total = (self._one - fy) * upper + fy * lower
+        total += 1 << (self._shift - 1)
+        total >>= self._shift
+        picture[:] = total.clip(0, 255)
+
 
 def _coefficients(geometry):
-    """Weight of each window sample in each place: (parity, sample, j, i, colour), by the decoder.
+    """Weights of the samples in the colours of a place: (parity, row, column, colour), by the
+    decoder of the golden model.
 
-    ``parity``: of column and row of the first place, in bits 0 and 1.
+    ``parity``: of column and row of the place, in bits 0 and 1.
     """
     window = geometry.interpolation.window
     unit = np.eye(window * window, dtype=np.int64).reshape(-1, window, window)
     tables = []
     for parity in range(4):
         x0, y0 = (np.full(len(unit), bit) for bit in (parity & 1, parity >> 1))
-        tables.append(np.moveaxis(place_colours(unit, x0, y0, geometry), -1, 0))
+        first = place_colours(unit, x0, y0, geometry)[0, 0]
+        tables.append(first.T.reshape(window, window, 3)[:-1, :-1])
     return np.array(tables)
-
-
-def _band(descriptor, band, coefficients, dtype):
-    """The rows of the matrix of a band of :func:`window_bands`, three to a pixel."""
-    geometry, f_bits = descriptor.geometry, descriptor.formats.coordinate.f_bits
-    width, height = geometry.distorted
-    _, x0, y0, fx, fy, _ = (a if isinstance(a, slice) else a.ravel() for a in band)
-    one = 1 << f_bits
-    across, down = np.stack([one - fx, fx]), np.stack([one - fy, fy])
-    # (pixel, colour, sample): the bilinear weights of the places that the sample is part of.
-    weights = np.einsum("nkjic,jn,in->nck", coefficients[x0 & 1 | (y0 & 1) << 1], down, across)
-    # Samples outside the frame are mirrored, as the golden model mirrors them.
-    framed = np.pad(np.arange(width * height, dtype=np.int32).reshape(height, width),
-                    geometry.interpolation.margin, mode="reflect")
-    row, column = np.divmod(np.arange(weights.shape[2]), geometry.interpolation.window)
-    place = framed[y0[:, None] + row, x0[:, None] + column]
-    used = weights != 0
-    starts = np.concatenate([[0], np.cumsum(used.sum(axis=2).ravel())])
-    columns = np.broadcast_to(place[:, None, :], weights.shape)[used]
-    return csr_array((weights[used].astype(dtype), columns, starts.astype(np.int32)),
-                     shape=(3 * len(x0), width * height))

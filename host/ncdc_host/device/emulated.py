@@ -7,6 +7,7 @@ import time
 from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib.metadata import version
+from ipaddress import IPv4Address
 
 from ncdc_host.device.camera import Camera
 from ncdc_host.device.control import ControlAgent, Identity
@@ -35,6 +36,8 @@ class DeviceOptions:
     address : str
         IPv4 address of this machine that the device answers at.
     serial : str
+        Up to 15 characters; of the address if empty, as Aravis takes two devices of one number
+        for one.
     fps : float
         Frames per second after reset, 0.1 to 120.
     loss, loss_again : float
@@ -50,7 +53,7 @@ class DeviceOptions:
         If a value is outside its limits.
     """
     address: str = "127.0.0.1"
-    serial: str = "EMU-1"
+    serial: str = ""
     fps: float = 30.0
     loss: float = 0.0
     loss_again: float = 0.0
@@ -65,8 +68,11 @@ class DeviceOptions:
                                  f"{high}")
         try:
             socket.inet_aton(self.address)
-        except OSError:
+            number = int(IPv4Address(self.address))
+        except (OSError, ValueError):
             raise InputError(f"the address {self.address!r} is no IPv4 address") from None
+        if not self.serial:
+            object.__setattr__(self, "serial", f"EMU-{number:08X}")
 
 
 def lens_corrections(descriptors):

@@ -2,7 +2,6 @@
 
 import cv2
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator
 
 from ncdc_model.corrector import check_raw
 from ncdc_model.example import scene_at
@@ -14,6 +13,7 @@ __all__ = ["POSITIONS", "MovingScene", "Photo"]
 POSITIONS = 16          # of the scene in motion, before it repeats
 _SWING = 0.05           # of the picture's width that it moves to either side
 _MARGIN = 0.25          # of the width that is painted around the corrected frame
+_BAND = 32              # rows that are painted at a time: a pixel takes 100 bytes meanwhile
 _KNOTS = 48             # of the inverted map along the longer side
 
 
@@ -54,11 +54,13 @@ class MovingScene:
         self._geometry = geometry = descriptor.geometry
         width, height = geometry.corrected
         self._margin = round(_MARGIN * width)
-        v, u = np.mgrid[-self._margin:height + self._margin, -self._margin:width + self._margin]
-        scale = 2.0 / width
-        painted = scene_at(((u - width / 2) * scale).astype(np.float32),
-                           ((v - height / 2) * scale).astype(np.float32))
-        self._world = cv2.GaussianBlur(painted.astype(np.uint8), (3, 3), 0)
+        scale, painted = 2.0 / width, []
+        for top in range(-self._margin, height + self._margin, _BAND):
+            v, u = np.mgrid[top:min(top + _BAND, height + self._margin),
+                            -self._margin:width + self._margin]
+            painted.append(scene_at(((u - width / 2) * scale).astype(np.float32),
+                                    ((v - height / 2) * scale).astype(np.float32)).astype(np.uint8))
+        self._world = cv2.GaussianBlur(np.concatenate(painted), (3, 3), 0)
         self._map = _inverse(descriptor)
 
     def position(self, number):
@@ -75,6 +77,32 @@ class MovingScene:
         return mosaic(light, self._geometry.bayer)
 
 
+def _filled(points, values, size):
+    """Float32 (height, width, 2): ``values`` of a grid of ``points``, linear in the triangles
+    between them; NaN outside. Both have the shape (rows, columns, 2).
+
+    scipy's interpolation does the same, and takes 70 MB to import.
+    """
+    width, height = size
+    found = np.full((height, width, 2), np.nan, np.float32)
+    rows, columns = points.shape[:2]
+    for row, column in np.ndindex(rows - 1, columns - 1):
+        for corners in (((0, 0), (0, 1), (1, 0)), ((1, 1), (1, 0), (0, 1))):
+            at = tuple(zip(*((row + down, column + right) for down, right in corners)))
+            (first, *others), known = points[at], values[at]
+            edges = np.array(others) - first
+            low = np.maximum(np.ceil(points[at].min(axis=0)), 0).astype(int)
+            high = np.minimum(np.floor(points[at].max(axis=0)), (width - 1, height - 1)).astype(int)
+            if (low > high).any() or abs(np.linalg.det(edges)) < 1e-9:
+                continue
+            y, x = np.mgrid[low[1]:high[1] + 1, low[0]:high[0] + 1]
+            weights = (np.stack([x, y], axis=-1) - first) @ np.linalg.inv(edges)
+            inside = (weights >= -1e-9).all(axis=-1) & (weights.sum(axis=-1) <= 1 + 1e-9)
+            value = known[0] + weights[inside] @ (known[1:] - known[0])
+            found[low[1]:high[1] + 1, low[0]:high[0] + 1][inside] = value
+    return found
+
+
 def _inverse(descriptor):
     """Corrected pixel (u, v) of every distorted one, two float32 arrays.
 
@@ -85,10 +113,9 @@ def _inverse(descriptor):
     u, v = np.meshgrid(np.linspace(0, width - 1, _KNOTS), np.linspace(0, height - 1, _KNOTS))
     u, v = np.rint(u).astype(np.int64), np.rint(v).astype(np.int64)
     x, y = (scale * value.ravel() for value in coordinates(descriptor, u, v))
-    inverse = LinearNDInterpolator(np.column_stack([x, y]),
-                                   np.column_stack([u.ravel(), v.ravel()]))
-    rows, columns = np.indices(geometry.distorted[::-1])
-    found = inverse(columns, rows)
+    shape = (_KNOTS, _KNOTS, 2)
+    found = _filled(np.column_stack([x, y]).reshape(shape),
+                    np.column_stack([u.ravel(), v.ravel()]).reshape(shape), geometry.distorted)
     outside = np.isnan(found[..., 0])
     if outside.any():
         nearest = cv2.distanceTransformWithLabels(

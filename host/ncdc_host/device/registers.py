@@ -16,9 +16,10 @@ __all__ = ["Refused", "Registers", "Settings", "View"]
 
 _SENSOR_REGISTERS = 0x100           # further addresses answer nothing: read as 0
 _EXPOSURE_NS = 10_000_000           # after reset: what the photo was taken with
-_READ_ONLY = {word.address for word in SYSTEM_WORDS if word.access == "ro"} | {
-    sensor.CHIP_VERSION, sensor.ROW_START, sensor.COLUMN_START, sensor.ROW_SIZE,
-    sensor.COLUMN_SIZE}
+_MIRRORS = 1 << sensor.MIRROR_ROW | 1 << sensor.MIRROR_COLUMN     # of READ_MODE_2
+# All that may be written, of the sensor and of the system's page.
+_WRITABLE = {*sensor.SENSOR.user_registers, sensor.READ_MODE_2} | {
+    word.address for word in SYSTEM_WORDS if word.access == "rw"}
 # Sensor registers that a device keeps, so that reading them takes no time on the I2C bus.
 _KEPT = {sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER, sensor.GLOBAL_GAIN, sensor.TEST_PATTERN}
 _PATTERNS = {choice.word for choice in TEST_PATTERNS}
@@ -151,21 +152,19 @@ class Registers:
     def write(self, address, value):
         """Write the word at ``address``; raises :class:`Refused`."""
         with self.lock:
-            if address in _READ_ONLY:
+            if address not in _WRITABLE:
                 raise Refused("read only")
             changed = value ^ self.read(address)
             if not changed:
                 return
+            if address == sensor.READ_MODE_2 and changed & ~_MIRRORS:
+                raise Refused("read only")
             if self._streaming and address in _SHAPE:
-                mirror = 1 << sensor.MIRROR_ROW | 1 << sensor.MIRROR_COLUMN
-                if address != sensor.READ_MODE_2 or changed & mirror:
-                    raise Refused("locked")
+                raise Refused("locked")
             if address >= SYSTEM_PAGE:
                 self._write_system(address, value)
-            elif address < _SENSOR_REGISTERS:
-                self._write_sensor(address, value)
             else:
-                raise Refused("read only")
+                self._write_sensor(address, value)
             for call in self._on_change:
                 call()
 

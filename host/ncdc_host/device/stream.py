@@ -15,6 +15,7 @@ __all__ = ["Receiver", "Stream"]
 _KEPT = 16                      # blocks that can be sent again: 0.8 s at 20 frames a second
 _LINE_NS_PER_BYTE = 8           # of Gigabit Ethernet, whose pace the packets keep
 _LINE_OVERHEAD = 38             # bytes of a packet on the line besides IP: header, FCS, gap
+_TRIGGER_SECONDS = 0.05         # from look to look whether a stream that waits has ended
 _BATCH = 16                     # packets between two looks at the clock
 
 
@@ -75,12 +76,16 @@ class Stream:
         self._blocks = {}               # number: (frame, payload bytes, packets)
         self._block = 0
         self._receiver = None
-        self._stop, self._thread = None, None
+        self._stop, self._thread, self._triggers = None, None, None
         self._lock = threading.Lock()   # of the blocks and of the chance
 
-    def start(self, receiver, single=False, done=lambda: None):
-        """Send every frame from now on, or the next one only; then call ``done``."""
+    def start(self, receiver, single=False, done=lambda: None, triggered=False):
+        """Send every frame from now on, or the next one only; then call ``done``.
+
+        ``triggered``: each one waits for :meth:`trigger`.
+        """
         self.stop()
+        self._triggers = threading.Event() if triggered else None
         self._receiver, self._block = receiver, 0
         with self._lock:
             self._blocks.clear()
@@ -88,6 +93,11 @@ class Stream:
         self._thread = threading.Thread(target=self._run, args=(self._stop, single, done),
                                         daemon=True)
         self._thread.start()
+
+    def trigger(self):
+        """Let a stream that waits for it send one frame."""
+        if self._triggers is not None:
+            self._triggers.set()
 
     def stop(self):
         """End the stream; the frame under way is cut off."""
@@ -130,12 +140,17 @@ class Stream:
         number = 0
         receiver = self._receiver
         self._set_fragment(receiver.fragment)
+        triggers = self._triggers
         while not stop.is_set():
-            frame = self._camera.following(number, stop)
+            if triggers is not None and not triggers.wait(_TRIGGER_SECONDS):
+                continue
+            frame = self._camera.following(number, stop, triggers is not None)
             if frame is None:
                 break
             number = frame.number
             self._send_frame(frame, receiver, stop)
+            if triggers is not None:
+                triggers.clear()
             if single:
                 done()
                 break

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSlider, QSpinBox, QW
 __all__ = ["NumberEditor"]
 
 _TICKS = 1000           # of a slider
+_DECIMALS = 3           # that are always shown, if the box has so many
 _WHOLE_MAX = 2**31 - 1  # of Qt's box for whole numbers
 
 
@@ -26,7 +27,14 @@ class _Whole(_Careful, QSpinBox):
 
 
 class _Real(_Careful, QDoubleSpinBox):
-    pass
+    """Shows the decimals that the number has, but no zeros after the third one."""
+
+    def textFromValue(self, value):
+        text = self.locale().toString(value, "f", self.decimals())
+        while self.decimals() > _DECIMALS and text.endswith("0") and len(
+                text.rpartition(self.locale().decimalPoint())[2]) > _DECIMALS:
+            text = text[:-1]
+        return text
 
 
 class _Slider(_Careful, QSlider):

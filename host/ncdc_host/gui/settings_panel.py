@@ -66,7 +66,7 @@ class SettingsPanel(QWidget):
         self.shutter.setToolTip("The exposure as the sensor counts it, in lines of the picture.")
         self.shutter.edited.connect(
             lambda lines: self.changed.emit("ExposureTime", lines * self._line_us))
-        self.exposure = NumberEditor("Exposure", 3, "ms", "log")
+        self.exposure = NumberEditor("Exposure", 6, "ms", "log")    # the device counts ns
         self.exposure.edited.connect(lambda ms: self._expose(1000 * ms))
         self.gain = NumberEditor("Gain", 3, "×", "linear")
         self.gain.edited.connect(lambda value: self.changed.emit("Gain", value))

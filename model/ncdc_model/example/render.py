@@ -1,7 +1,6 @@
 """What a sensor behind a known lens records: exact rays, supersampling, colour filter, noise."""
 
 import numpy as np
-from scipy.interpolate import RectBivariateSpline
 
 from ncdc_model.images import mosaic
 
@@ -17,6 +16,8 @@ def ideal_samples(camera):
     The lens is inverted exactly on a grid of every fourth pixel; a bicubic spline through it
     differs from the inverse by less than 1e-4 pixels in between.
     """
+    from scipy.interpolate import RectBivariateSpline  # 30 MB, which few need
+
     width, height = camera.size
     kx = np.arange(-_KNOTS, width + 2 * _KNOTS, _KNOTS)
     ky = np.arange(-_KNOTS, height + 2 * _KNOTS, _KNOTS)

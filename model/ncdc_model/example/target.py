@@ -3,7 +3,7 @@
 import numpy as np
 
 from ncdc_model.example.camera import BAYER
-from ncdc_model.example.render import expose, ideal_samples, sensor
+from ncdc_model.example.render import SUBSAMPLES, expose, ideal_samples, sensor
 
 __all__ = ["COLUMNS", "PAGE_TO_IDEAL", "PITCH", "RADIUS", "ROWS", "page_dots", "page_to_distorted",
            "target_photo"]
@@ -11,6 +11,7 @@ __all__ = ["COLUMNS", "PAGE_TO_IDEAL", "PITCH", "RADIUS", "ROWS", "page_dots", "
 COLUMNS, ROWS = 31, 23     # dots
 PITCH = 10.0               # millimetres between neighbouring dots
 RADIUS = 2.3               # millimetres
+_BAND = 32 * SUBSAMPLES    # rows of subsamples at a time: each takes 100 bytes meanwhile
 
 # Homography from the page (millimetres, origin in its middle) to the ideal plane of the camera:
 # the page is turned by 0.7 degrees in its plane and tilted by about 3 degrees.
@@ -41,20 +42,38 @@ def target_photo(camera, seed=1, bayer=BAYER):
     :func:`sensor`.
     """
     a, b = ideal_samples(camera)
+    rim = np.empty_like(a)
+    bands = [slice(top, top + _BAND) for top in range(0, len(a), _BAND)]
+    for rows in bands:
+        rim[rows] = _rim(a[rows], b[rows])
+    del a, b
+    page = np.concatenate([expose(0.88 - 0.82 * _ink(rim, rows)) for rows in bands])
+    height, width = camera.size[1], camera.size[0]
+    x, y = np.meshgrid(np.arange(width) / width - 0.5, np.arange(height) / width - 0.375)
+    lamp = 1.0 - 0.25 * (x + y) - 0.85 * (x * x + y * y)
+    light = 215 * (page * lamp)[:, :, None] * np.array([0.96, 1.0, 0.78])
+    return sensor(light, bayer, seed)
+
+
+def _rim(a, b):
+    """Distance in millimetres from ideal points to the rim of the nearest dot, negative inside."""
     back = np.linalg.inv(PAGE_TO_IDEAL)
     w = back[2, 0] * a + back[2, 1] * b + back[2, 2]
     page_x = (back[0, 0] * a + back[0, 1] * b + back[0, 2]) / w
     page_y = (back[1, 0] * a + back[1, 1] * b + back[1, 2]) / w
-    # Distance to the rim of the nearest dot, over its change per subsample: an edge one
-    # subsample wide, so that the coverage of a pixel is not a multiple of 1/9.
     i = np.clip(np.round(page_x / PITCH), -(COLUMNS // 2), COLUMNS // 2)
     j = np.clip(np.round(page_y / PITCH), -(ROWS // 2), ROWS // 2)
-    rim = np.hypot(page_x - PITCH * i, page_y - PITCH * j) - RADIUS
-    slope = np.hypot(*np.gradient(rim))
-    ink = np.clip(0.5 - rim / np.maximum(slope, 1e-9), 0, 1)
-    height, width = camera.size[1], camera.size[0]
-    x, y = np.meshgrid(np.arange(width) / width - 0.5, np.arange(height) / width - 0.375)
-    lamp = 1.0 - 0.25 * (x + y) - 0.85 * (x * x + y * y)
-    page = expose(0.88 - 0.82 * ink)
-    light = 215 * (page * lamp)[:, :, None] * np.array([0.96, 1.0, 0.78])
-    return sensor(light, bayer, seed)
+    return np.hypot(page_x - PITCH * i, page_y - PITCH * j) - RADIUS
+
+
+def _ink(rim, rows):
+    """Share of ink, 0 to 1, of the subsamples in a slice of rows of ``rim``.
+
+    The distance is divided by its change per subsample: an edge one subsample wide, so that the
+    coverage of a pixel is not a multiple of 1/9.
+    """
+    first = max(0, rows.start - 1)
+    part = rim[first:rows.stop + 1]             # a row more to either side, for the change
+    slope = np.hypot(*np.gradient(part))
+    ink = np.clip(0.5 - part / np.maximum(slope, 1e-9), 0, 1)
+    return ink[rows.start - first:][:len(rim[rows])]

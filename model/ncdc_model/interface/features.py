@@ -200,6 +200,16 @@ FEATURES = (
             access="ro", unit="byte"),
     Feature("TLParamsLocked", "integer", _own(25), "1: what the size of a picture depends on is "
             "locked.", "TransportLayerControl", high=1),
+    Feature("TriggerSelector", "enumeration", _own(26), "What a trigger begins.",
+            "AcquisitionControl", high=0, choices=(Choice("FrameStart", 0, 0),)),
+    Feature("TriggerMode", "enumeration", _own(27), "On: each trigger sends one picture, whose "
+            "exposure begins after it.", "AcquisitionControl", high=1, locked=True,
+            choices=(Choice("Off", 0, 0), Choice("On", 1, 1))),
+    Feature("TriggerSource", "enumeration", _own(28), "Where triggers come from.",
+            "AcquisitionControl", high=0, choices=(Choice("Software", 0, 0),)),
+    Feature("TriggerSoftware", "command", _own(29), "Send the next picture, while TriggerMode is "
+            "On; a trigger that comes before it is sent does nothing.", "AcquisitionControl",
+            access="wo", high=1),
     Feature("GevSCPSPacketSize", "integer", _BOOTSTRAP["StreamPacketSize"], "Bytes of a packet "
             "with IP and UDP header.", "TransportLayerControl", low=576, high=16380, step=4,
             unit="byte", locked=True, field=(0, 16)),

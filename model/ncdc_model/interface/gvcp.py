@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 __all__ = ["ACCESS_DENIED", "BAD_ALIGNMENT", "BOOTSTRAP", "BUSY", "CAPABILITY", "CCP_CONTROL",
            "CCP_EXCLUSIVE", "CONFIGURATION_PENDING_ACK", "CORRECTOR_BASE", "CORRECTOR_BYTES",
-           "Command", "DISCOVERY", "DISCOVERY_BYTES", "FEATURE_BASE", "FORCEIP", "FORCE_IP",
-           "HEARTBEAT_MIN_MS", "HEARTBEAT_MS", "INVALID_ADDRESS", "INVALID_HEADER",
-           "INVALID_PARAMETER", "MEMORY_BYTES_MAX", "NOT_IMPLEMENTED", "PACKETRESEND",
-           "PACKET_UNAVAILABLE", "PENDING_ACK", "PENDING_MS", "PORT", "Place", "READMEM",
-           "READREG", "REGISTERS_MAX", "SCPS_DO_NOT_FRAGMENT", "SCPS_FIRE", "SUCCESS", "WRITEMEM",
-           "WRITEREG", "WRITE_PROTECT", "XML_BASE", "XML_NAME", "acknowledge", "command_packet",
-           "parse_acknowledge", "parse_command", "pending_acknowledge", "place"]
+           "DEVICE_ERROR", "Command", "DISCOVERY", "DISCOVERY_BYTES", "FEATURE_BASE", "FORCEIP",
+           "FORCE_IP", "HEARTBEAT_MAX_MS", "HEARTBEAT_MIN_MS", "HEARTBEAT_MS", "INVALID_ADDRESS",
+           "INVALID_HEADER", "INVALID_PARAMETER", "MEMORY_BYTES_MAX", "NOT_IMPLEMENTED",
+           "PACKETRESEND", "PACKET_UNAVAILABLE", "PENDING_ACK", "PENDING_MS", "PORT", "Place",
+           "READMEM", "READREG", "REGISTERS_MAX", "SCPS_DO_NOT_FRAGMENT", "SCPS_FIRE", "SUCCESS",
+           "WRITEMEM", "WRITEREG", "WRITE_PROTECT", "XML_BASE", "XML_NAME", "acknowledge",
+           "command_packet", "parse_acknowledge", "parse_command", "pending_acknowledge", "place"]
 
 PORT = 3956
 
@@ -26,7 +26,7 @@ PENDING_ACK = 0x0089            # an acknowledge itself: "not yet, wait so many 
 SUCCESS = 0x0000
 NOT_IMPLEMENTED, INVALID_PARAMETER, INVALID_ADDRESS = 0x8001, 0x8002, 0x8003
 WRITE_PROTECT, BAD_ALIGNMENT, ACCESS_DENIED, BUSY = 0x8004, 0x8005, 0x8006, 0x8007
-PACKET_UNAVAILABLE, INVALID_HEADER = 0x800C, 0x800E
+PACKET_UNAVAILABLE, INVALID_HEADER, DEVICE_ERROR = 0x800C, 0x800E, 0x8FFE
 
 _KEY = 0x42
 _ANSWER = 0x01                  # flag: the sender wants an acknowledge
@@ -48,6 +48,7 @@ CORRECTOR_BYTES = 0x1_0000
 CCP_EXCLUSIVE, CCP_CONTROL = 1, 2
 HEARTBEAT_MS = 3000
 HEARTBEAT_MIN_MS = 500
+HEARTBEAT_MAX_MS = 30_000       # one datagram locks a device for no longer than this
 SCPS_FIRE = 1 << 31             # write: send one test packet of the size in bits 15..0
 SCPS_DO_NOT_FRAGMENT = 1 << 30
 
@@ -104,7 +105,8 @@ BOOTSTRAP = (
     Place("Capability", 0x0934, 4, "ro", "serial number, PENDING_ACK, PACKETRESEND, "
           "WRITEMEM"),
     Place("HeartbeatTimeout", 0x0938, 4, "rw", "milliseconds without a command of the controller "
-          "after which control is free again, 500 or more"),
+          "after which control is free again; what is "
+          f"written is limited to {HEARTBEAT_MIN_MS} to {HEARTBEAT_MAX_MS}"),
     Place("TickFrequencyHigh", 0x093C, 4, "ro", "time stamp ticks per second, bits 63..32"),
     Place("TickFrequencyLow", 0x0940, 4, "ro", "and bits 31..0: 1,000,000,000"),
     Place("TimestampControl", 0x0944, 4, "rw", "bit 1: latch the time stamp"),
@@ -143,11 +145,15 @@ def command_packet(code, request, payload=b"", answered=True):
 
 
 def parse_command(data):
-    """The :class:`Command` in a datagram, None if it is none: a foreign key, a wrong length."""
+    """The :class:`Command` in a datagram, None if it is none: a foreign key, a wrong length.
+
+    The request number 0, which no client should use, is answered: Aravis asks with it for a device
+    at a known address.
+    """
     if len(data) < _COMMAND.size:
         return None
     key, flags, code, length, request = _COMMAND.unpack_from(data)
-    if key != _KEY or length != len(data) - _COMMAND.size or request == 0:
+    if key != _KEY or length != len(data) - _COMMAND.size:
         return None
     return Command(code, request, data[_COMMAND.size:], bool(flags & _ANSWER))
 

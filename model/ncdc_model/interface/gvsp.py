@@ -2,13 +2,22 @@
 
 import struct
 
-__all__ = ["HEADERS_BYTES", "IMAGE", "LEADER", "MIN_PACKET", "PAYLOAD", "TRAILER", "header",
-           "leader", "payload_packets", "trailer"]
+__all__ = ["HEADERS_BYTES", "HEADER_FIELDS", "IMAGE", "LEADER", "LEADER_FIELDS", "MIN_PACKET",
+           "PAYLOAD", "TRAILER", "TRAILER_FIELDS", "header", "leader", "payload_packets", "trailer"]
 
 LEADER, TRAILER, PAYLOAD = 1, 2, 3      # the format byte
 IMAGE = 0x0001                          # payload type
 HEADERS_BYTES = 20 + 8 + 8              # IP, UDP and GVSP, all counted in a packet's size
 MIN_PACKET = 576                        # bytes with headers that a client may ask for at least
+
+# The packets of a picture: (bytes, meaning) of each field.
+HEADER_FIELDS = ((2, "status, 0"), (2, "block: number of the picture, 1 to 65535, then 1 again"),
+                 (1, "format: 1 leader, 2 trailer, 3 payload"),
+                 (3, "packet number, 0 of the leader"))
+LEADER_FIELDS = ((2, "0"), (2, "1: a picture"), (8, "time stamp, ns"), (4, "GVSP code of the pixel "
+                 "format"), (4, "width"), (4, "height"), (4, "offset x"), (4, "offset y"), (2, "0"),
+                 (2, "0"))
+TRAILER_FIELDS = ((2, "0"), (2, "1: a picture"), (4, "height"))
 
 _HEADER = struct.Struct(">HHI")         # status, block, format and packet number
 _LEADER = struct.Struct(">HHQIIIIIHH")

@@ -4,7 +4,9 @@ from importlib.resources import files
 
 from ncdc_model.interface import gvcp, gvsp, table_one, table_two
 from ncdc_model.interface.features import FEATURES
+from ncdc_model.interface.gvcp_tables import COMMANDS, STATUSES
 from ncdc_model.interface.pixel_formats import PIXEL_FORMATS
+from ncdc_model.sensors import mt9p031
 
 __all__ = ["protocols_doc"]
 
@@ -15,7 +17,10 @@ def protocols_doc():
     return page.format(
         tcp_port=table_one.TCP_PORT, unknown=table_one.UNKNOWN, users=table_one.MAX_USERS,
         page=table_one.SYSTEM_PAGE, header=table_two.HEADER_BYTES, port=gvcp.PORT,
-        registers=gvcp.REGISTERS_MAX, memory=gvcp.MEMORY_BYTES_MAX,
+        registers=gvcp.REGISTERS_MAX,
+        idle=table_one.IDLE_SECONDS,
+        writable=", ".join(f"0x{address:02X}" for address in mt9p031.SENSOR.user_registers),
+        memory=gvcp.MEMORY_BYTES_MAX,
         feature_base=gvcp.FEATURE_BASE, xml_base=gvcp.XML_BASE,
         corrector_base=gvcp.CORRECTOR_BASE, headers=gvsp.HEADERS_BYTES,
         commands=_rows((f"0x{c.code:02X}", c.address, c.data, c.text, c.answer)
@@ -26,12 +31,32 @@ def protocols_doc():
         formats=_rows((f"0x{f.mraw:02X}", f.name, f"0x{f.pfnc:08X}", str(f.pixel_bytes), f.text)
                       for f in PIXEL_FORMATS),
         features=_rows(map(_feature, FEATURES)),
+        messages=_rows((f"`{m.name}`", f"0x{m.code:04X}", _fields(m.request),
+                        "none; the packets" if m.answer is None else _fields(m.answer))
+                       for m in COMMANDS),
+        statuses=_rows((f"0x{s.code:04X}", f"`{s.name}`", s.text) for s in STATUSES),
+        gvsp_header=_layout(gvsp.HEADER_FIELDS), gvsp_leader=_layout(gvsp.LEADER_FIELDS, 8),
+        gvsp_trailer=_layout(gvsp.TRAILER_FIELDS, 8), pending=gvcp.PENDING_ACK,
         bootstrap=_rows((f"0x{p.address:04X}", f"`{p.name}`", str(p.length), p.access, p.text)
                         for p in gvcp.BOOTSTRAP))
 
 
 def _rows(rows):
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+def _fields(fields):
+    """The fields of a payload in one cell."""
+    return ", ".join(f"{size} bytes: {text}" if size else text for size, text in fields) or "empty"
+
+
+def _layout(fields, at=0):
+    """A row for each field of a packet; the first one is at byte ``at``."""
+    rows = []
+    for size, text in fields:
+        rows.append((str(at), str(size), text))
+        at += size
+    return _rows(rows)
 
 
 def _feature(one):

@@ -7,11 +7,12 @@ value of 16 bits; each answer begins with the code.
 import struct
 from dataclasses import dataclass
 
-__all__ = ["COMMANDS", "Command", "MAX_USERS", "MRAW", "READ", "REQUEST", "RESERVED", "SYSTEM_PAGE",
-           "SYSTEM_WORDS", "SystemWord", "TCP_PORT", "UNKNOWN", "WRITE"]
+__all__ = ["COMMANDS", "Command", "IDLE_SECONDS", "MAX_USERS", "MRAW", "READ", "REQUEST",
+           "RESERVED", "SYSTEM_PAGE", "SYSTEM_WORDS", "SystemWord", "TCP_PORT", "UNKNOWN", "WRITE"]
 
 TCP_PORT = 4000
 MAX_USERS = 16          # connections at once that a device accepts; at least 8 are promised
+IDLE_SECONDS = 30       # if all are taken, a user silent for so long gives its position away
 
 READ, WRITE, RESERVED, MRAW = 0x80, 0x81, 0x82, 0x83
 UNKNOWN = 0xFF          # begins the answer to any other code

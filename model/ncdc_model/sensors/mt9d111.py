@@ -32,6 +32,7 @@ _SHUTTER_WIDTH, _SHUTTER_DELAY = 0x09, 0x0C
 _RESET = 0x0D
 _STANDBY = 1 << 2
 _READ_MODE_B = 0x20             # bit 0: rows, bit 1: columns mirrored; no border, both converters
+_COLOUR_GAINS = (0x2B, 0x2C, 0x2D, 0x2E)
 _GLOBAL_GAIN = 0x2F
 _CLOCK_CONTROL, _NO_PLL = 0x65, 0xE000          # as after reset: bypassed, and off
 _CONTEXT_CONTROL, _CONTEXT_B = 0xF2, 0b1011     # blanking and read mode of context B
@@ -56,7 +57,8 @@ SENSOR = Sensor(
     limits=Limits(step=1, corner_step=1, smallest=(17, 2),      # DS, R0x03, R0x04
                   lines=(1, 0xFFFF), vertical=(_LEAST_VERTICAL, 0x7FFF),
                   gain_256=(256, 127 * 256), pixel_clock_hz=36_000_000,    # C
-                  frame_lines=1200 + 0x7FFF))
+                  frame_lines=1200 + 0x7FFF),
+    user_registers=(_SHUTTER_WIDTH, *_COLOUR_GAINS, _GLOBAL_GAIN))
 
 
 def setup(settings):

@@ -21,9 +21,10 @@ from ncdc_model.sensors.sensor import (
     resolved,
 )
 
-__all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLUMN_SIZE", "COLUMN_START",
-           "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN", "MIRROR_COLUMN", "MIRROR_ROW",
-           "READ_MODE_2", "ROW_SIZE", "ROW_START", "SENSOR", "SHUTTER_LOWER", "SHUTTER_UPPER",
+__all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_SIZE",
+           "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN", "MIRROR_COLUMN",
+           "MIRROR_ROW", "READ_MODE_2", "ROW_SIZE", "ROW_START", "SENSOR", "SHUTTER_LOWER",
+           "SHUTTER_UPPER",
            "TEST_COLOURS", "TEST_PATTERN", "TEST_PATTERN_MODES", "line_clocks", "line_time_ns",
            "setup"]
 
@@ -39,6 +40,7 @@ SHUTTER_LOWER = 0x09        # and bits 15..0
 READ_MODE_2 = 0x20
 MIRROR_ROW = 15             # bit of READ_MODE_2: the picture upside down
 MIRROR_COLUMN = 14          # bit of READ_MODE_2: the picture left to right
+COLOUR_GAINS = (0x2B, 0x2C, 0x2D, 0x2E)     # green of red rows, blue, red, green of blue rows
 GLOBAL_GAIN = 0x35
 ANALOG_GAIN = (0, 6)        # lowest bit and width of the analog gain in GLOBAL_GAIN, eighths
 TEST_PATTERN = 0xA0         # bit 0 on, bits 6..3 which
@@ -56,6 +58,8 @@ _ROW_BLACK = 6                          # bit of READ_MODE_2: black level of eac
 _ROW_BLACK_OFFSET = 0x4B
 TEST_COLOURS = {"G": (0xA1, 0x5A0), "R": (0xA2, 0xA50), "B": (0xA3, 0xAA0)}
 """Register and value of each colour of the test pattern ColorField; values: L."""
+
+_BAR_WIDTH = 0xA4                       # of the bars of test patterns
 
 TEST_PATTERN_MODES = {"ColorField": 0, "GreyHorizontalRamp": 1, "GreyVerticalRamp": 2,
                       "GreyDiagonalRamp": 3, "WalkingOnes": 5, "HorizontalBars": 6,
@@ -83,7 +87,9 @@ SENSOR = Sensor(
     limits=Limits(step=2, corner_step=2,        # DS, window control
                   smallest=(2, 2), lines=(1, (1 << 20) - 1), vertical=(9, 4096),
                   gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096),
-    test_patterns=TEST_PATTERN_MODES)
+    test_patterns=TEST_PATTERN_MODES,
+    user_registers=(SHUTTER_UPPER, SHUTTER_LOWER, *COLOUR_GAINS, GLOBAL_GAIN, TEST_PATTERN,
+                    *(address for address, _ in TEST_COLOURS.values()), _BAR_WIDTH))
 
 
 def line_clocks(columns):

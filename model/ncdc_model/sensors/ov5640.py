@@ -63,7 +63,8 @@ SENSOR = Sensor(
                   vertical=(_LEAST_VERTICAL, _MOST_LINES), gain_256=(256, 1023 * 16),
                   pixel_clock_hz=96_000_000, frame_lines=_MOST_LINES),
     # L, 0x503D: bit 7 on, bits 3..2 kind of bars, bits 1..0 bars or squares.
-    test_patterns={"ColorBar": 0x80})
+    test_patterns={"ColorBar": 0x80},
+    user_registers=(0x3500, 0x3501, 0x3502, 0x350A, 0x350B, 0x503D))    # exposure, gain, pattern
 
 
 def setup(settings):

@@ -77,6 +77,9 @@ class Sensor:
     test_patterns : dict of str to int
         Name and value for the sensor's register; "Off" is always there besides.
     limits : Limits
+    user_registers : tuple of int
+        Registers that any user of a network may write: exposure, gain and test pattern. None of
+        them changes size, position, skipping, clock or Bayer phase of a frame.
     """
     name: str
     title: str
@@ -94,6 +97,7 @@ class Sensor:
     pixel_clock_hz: int
     limits: Limits
     test_patterns: dict = field(default_factory=dict)
+    user_registers: tuple = ()
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from ncdc_host.client import DeviceError, Refused, discover, open_device
 
 __all__ = ["main"]
 
-_PLAIN = 0x0005         # a register of the sensor that takes any value
+_PLAIN = 0x2C           # register of the sensor that takes any value: the gain of blue
 
 
 def main(task):

@@ -15,7 +15,6 @@ __all__ = ["CLIENT", "DEVICES", "Network", "TAP", "TapNetwork"]
 
 CLIENT = "10.77.0.1"
 DEVICES = ("10.77.0.11", "10.77.0.12", "10.77.0.13")
-_SECONDS = 900          # that the namespaces last at most, whatever becomes of who made them
 _CLIENT_LINK, _DEVICE_LINK = "client0", "device0"
 TAP = "ncdc0"           # the interface whose other end is a simulation
 
@@ -56,9 +55,13 @@ class Network:
             process.wait()
 
     def _holder(self, prefix):
-        """A process that keeps a new namespace, and says when it is there."""
-        process = subprocess.Popen([*prefix, "sh", "-c", f"echo here; exec sleep {_SECONDS}"],
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        """A process that keeps a new namespace, and says when it is there.
+
+        It ends with the process that made it, whose end of the pipe is closed then.
+        """
+        process = subprocess.Popen([*prefix, "sh", "-c", "echo here; exec cat"],
+                                   stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
         self._running.append(process)
         if process.stdout.readline() != "here\n":
             raise OSError(process.stderr.read().strip())

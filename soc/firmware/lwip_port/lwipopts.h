@@ -25,7 +25,8 @@
 #define MEM_ALIGNMENT 4
 #endif
 #define MEM_SIZE (28 * 1024)	/* three segments under way to each user */
-#define MEMP_NUM_TCP_PCB (TABLE_USERS + 2)	/* users, and one that is refused */
+#define HALF_OPEN 4		/* connections that only one side has begun */
+#define MEMP_NUM_TCP_PCB (TABLE_USERS + HALF_OPEN + 2)	/* users, and one that is rejected */
 #define MEMP_NUM_TCP_SEG 32
 #define MEMP_NUM_PBUF 16
 #define PBUF_POOL_SIZE 8
@@ -44,5 +45,11 @@
 #define TCP_KEEPCNT_DEFAULT 6U
 
 #include "config.h"
+
+/* Before lwIP answers who begins a connection. */
+struct tcp_pcb;
+signed char table_incoming(struct tcp_pcb *pcb, unsigned flags);
+#define LWIP_HOOK_TCP_INPACKET_PCB(pcb, header, length, first, second, rest) \
+	table_incoming(pcb, TCPH_FLAGS(header))
 
 #endif

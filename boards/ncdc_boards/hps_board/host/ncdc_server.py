@@ -11,20 +11,18 @@ import time
 
 from ncdc_board import open_board
 from ncdc_camera import CameraError
+from ncdc_table_users import Users
 
 __all__ = ["TableServer"]
 
 _READER = 1                 # of the frame stores; 0 is left to other programs
-_SEND_SECONDS = 10          # a user who takes nothing for so long is disconnected
 _FRAME_SECONDS = 10         # so long without a frame, and whoever asked is disconnected
 _LOOK_SECONDS = .002        # from look to look for a frame
 _NUMBERS = 1 << 32          # of frames: they are counted modulo this
 
 
 class TableServer:
-    """Listens on (``address``, ``port``); :attr:`port` tells which, if 0 was asked for.
-
-    One thread a connection; a connection beyond the largest number is closed at once.
+    """Listens on (``address``, ``port``); :attr:`port` is the one in use, if 0 was asked for.
 
     Parameters
     ----------
@@ -50,79 +48,47 @@ class TableServer:
         self._corrected = True
         self._first = self.camera.get("RAW_BEGUN") + 1      # frame that has all that was written
         self._device = threading.Lock()                     # of the camera's registers
-        self._users, self._lock = set(), threading.Lock()
-        self._socket = socket.create_server((address, self.table["port"] if port is None else port))
-        self.port = self._socket.getsockname()[1]
+        listener = socket.create_server((address, self.table["port"] if port is None else port))
+        self.port = listener.getsockname()[1]
+        self._long = {int(code) for code, name in self.table["codes"].items()
+                      if name in ("READ", "WRITE")}
+        self._users = Users(listener, self.table["users"], self.table["idle_seconds"],
+                            self._long, self._answer)
 
     def serve(self):
         """Serve until :meth:`close`."""
-        while True:
-            try:
-                user, _ = self._socket.accept()
-            except OSError:
-                return
-            with self._lock:
-                full = len(self._users) >= self.table["users"]
-                if not full:
-                    self._users.add(user)
-            if full:
-                user.close()
-                continue
-            user.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            threading.Thread(target=self._serve, args=(user,), daemon=True).start()
+        self._users.serve()
 
     def close(self):
         """End listening and every connection."""
-        with self._lock:
-            every = [self._socket, *self._users]
-        for one in every:
-            try:
-                one.shutdown(socket.SHUT_RDWR)      # closing alone would leave accept() waiting
-            except OSError:
-                pass
-        self._socket.close()
+        self._users.close()
 
-    def _serve(self, user):
-        last = [0]          # number of the frame that this user received last
-        try:
-            with user, user.makefile("rb") as requests:
-                while self._answer(user, requests, last):
-                    pass
-        except OSError:
-            pass
-        finally:
-            with self._lock:
-                self._users.discard(user)
-
-    def _answer(self, user, requests, last):
-        """Serve one request; false when the connection is to end."""
-        code = requests.read(1)
-        if not code:
-            return False
-        name = self.table["codes"].get(str(code[0]))
-        if name in ("READ", "WRITE"):
-            rest = requests.read(4)
-            if len(rest) < 4:
-                return False
+    def _answer(self, user, code, rest):
+        """Answer one request; false when the connection is to end."""
+        name = self.table["codes"].get(str(code))
+        if code in self._long:
             address, value = (int.from_bytes(rest[k:k + 2], "big") for k in (0, 2))
             with self._device:
                 if name == "WRITE":
                     self._write(address, value)
-                value = self._read(address, last[0])
-            _send(user, code + rest[:2] + value.to_bytes(2, "big"))
+                value = self._read(address, user.frame)
+            user.send(bytes([code]) + rest[:2] + value.to_bytes(2, "big"))
         elif name == "MRAW":
-            package, last[0] = self._package(*user.getsockname()[:2])
+            package, number = self._package(*user.socket.getsockname()[:2])
             if package is None:
                 return False
-            _send(user, package)
+            user.frame = number
+            user.send(package)
         elif name != "RESERVED":
-            _send(user, bytes([self.table["unknown"]]) + code)
+            user.send(bytes([self.table["unknown"], code]))
             return False
         return True
 
     def _read(self, address, last):
         """The word of an address; ``last``: number of the user's last frame."""
         if address < self.table["page"]:
+            if address >> self.sensor["pointer_bits"]:
+                return 0            # the sensor has no such register
             try:
                 return self.camera.read_sensor(self.sensor, address)
             except CameraError:
@@ -152,9 +118,7 @@ class TableServer:
             self._corrected = bool(value)
         elif name == "FORMAT" and value in self.formats.values():
             self._corrected = value == self.formats["corrected"]
-        elif address < self.table["page"] and address not in self.sensor["own"] \
-                and address >> self.sensor["pointer_bits"] == 0 \
-                and value >> self.sensor["value_bits"] == 0:
+        elif address in self.sensor["user_registers"] and value >> self.sensor["value_bits"] == 0:
             try:
                 self.camera.write_sensor(self.sensor, address, value)
             except CameraError:
@@ -211,13 +175,6 @@ class TableServer:
             return (width, height, self._formation()), data, frame.number, frame.time
         finally:
             camera.release(_READER)
-
-
-def _send(user, data):
-    # Reading may wait for ever, sending may not.
-    user.settimeout(_SEND_SECONDS)
-    user.sendall(data)
-    user.settimeout(None)
 
 
 def main(arguments):
