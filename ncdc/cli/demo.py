@@ -7,7 +7,7 @@ import numpy as np
 
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.simulate import difference
-from ncdc.cli.train import error_table, training_progress
+from ncdc.cli.train import TABLES, error_table, training_progress
 from ncdc.report.page import report_page
 from ncdc.report.pictures import draw_lines, side_by_side
 from ncdc.terminal import Progress
@@ -126,7 +126,7 @@ def _train(folder, neurons):
     source = load_source(folder / "points.json", bayer=BAYER)
     trained = train_camera(source, neurons, progress=training_progress())
     trained.descriptor.save(folder / "net.toml")
-    _say(error_table({name: trained.report[name] for name in ("training", "held_out")}))
+    _say(error_table({name: trained.report[name] for name in TABLES if name in trained.report}))
     return trained
 
 
@@ -217,6 +217,7 @@ def _sections(report, trained):
          "rows": [["", "MSE px²", "mean px", "max px"],
                   *errors("training points", trained.report["training"]),
                   *errors("held-out points", trained.report["held_out"]),
+                  *errors("whole valid region, estimated", trained.report["region"]),
                   *errors("whole frame", report)]},
         {"title": "Pixels without a source",
          "text": f"{report['pixels_without_source']} corrected pixels lie outside what the sensor "

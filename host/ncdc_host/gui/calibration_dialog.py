@@ -170,12 +170,11 @@ class CalibrationDialog(QDialog):
     def _done(self, lens, report):
         self.lens = lens
         self._settable(True)
-        on = {"held_out": "on points that were not trained on"}.get(report["measured_on"],
-                                                                   "on the points")
+        warnings = "".join(f"\nWarning: {text}." for text in report["warnings"])
         self.state.setText(
-            f"{self.found}; the network errs {report['mean_px']:.3f} px in the mean, "
-            f"{report['max_px']:.2f} px at most, {on}; {report['valid_percent']:.1f} % of the "
-            "picture has a source.")
+            f"{self.found}; over the whole picture the network errs by an estimated "
+            f"{report['mean_px']:.3f} px in the mean, {report['max_px']:.2f} px at most; "
+            f"{report['valid_percent']:.1f} % of the picture has a source.{warnings}")
         if self._limits is not None:
             self.lens_ready.emit(lens)
 

@@ -87,7 +87,7 @@ def _run(args):
     report = trained.report
     errors = report["map_error_fixed_px"]
     _tell(lens=str(lens), report={
-        "neurons": report["hidden_neurons"], "measured_on": report["measured_on"],
+        "neurons": report["hidden_neurons"], "warnings": report["warnings"],
         "mean_px": errors["mean"], "max_px": errors["max"],
         "valid_percent": report["valid_percent"],
         "straightness_rms_px": report["straightness_rms_px"]})
