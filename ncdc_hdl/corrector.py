@@ -177,7 +177,9 @@ class Corrector(wiring.Component):
                            + fetch.start_latency),
             end_to_interrupt=self.registers.interrupt_latency,
             write_burst=_WRITE_BURST, queued_words=BurstWriter.queued(_WRITE_BURST),
-            queued_pixels=self.interpolator.queued * self.hardware.lanes)
+            queued_pixels=self.interpolator.queued * self.hardware.lanes,
+            nodes=self.descriptor.nodes, node_clocks=self.backmap.interval,
+            lead=self.backmap.lead)
 
     def elaborate(self, platform):
         m = Module()
