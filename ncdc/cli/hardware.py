@@ -123,7 +123,7 @@ def choice_line(hardware, bytes_read, amplification):
 
 
 def front_end_line(hardware, descriptor):
-    """One line on where the network is evaluated, and by how many units, and on pixels that wait."""
+    """One line on where the network is evaluated, and by how many units, and on what waits."""
     d = descriptor
     units, share = hardware.units(d.hidden_neurons), hardware.share
     if d.nodes == 1:

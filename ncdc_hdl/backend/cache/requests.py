@@ -54,10 +54,10 @@ class TileRequests(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         tile_height = self.options.tile_height
-        # F, P and M take a step together, so that a multiplier's registers have one enable. They
-        # wait only while M and A both hold a tile: A is empty in one of two clocks at least, and
-        # the rows of the tile that it handed on take as long.
-        step = Signal()
+        # F, P and M take a step together, so that a multiplier's registers have one enable, itself
+        # a register. They wait only while M and A both hold a tile: A is empty in one of two clocks
+        # at least, and the rows of the tile that it handed on take as long.
+        step = Signal(init=1)
         # F: the factors of the product, and the tile's column.
         f_x = Signal.like(self.i.p.x, reset_less=True)
         f_y = Signal.like(self.i.p.y, reset_less=True)
@@ -79,8 +79,9 @@ class TileRequests(wiring.Component):
         a_address = Signal(ADDRESS_BITS, reset_less=True)   # the address of its first row
         row = Signal(range(tile_height))                       # the row whose address is at ``o``
         done = Signal()                                     # ``o`` takes what is in stage A
-        m.d.comb += [step.eq(~(known[-1] & a_valid)), self.i.ready.eq(step),
+        m.d.comb += [self.i.ready.eq(step),
                      done.eq(~self.o.valid | (self.o.ready & (row == tile_height - 1)))]
+        m.d.sync += step.eq(~(Mux(step, known[1], known[2]) & Mux(a_valid, ~done, known[2])))
         with m.If(step):
             m.d.sync += known.eq(Cat(self.i.valid, known))
         with m.If(~a_valid):
