@@ -12,6 +12,7 @@ from ncdc_boards.platform_designer.project import project_files
 from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.axi import axi_files
+from ncdc_hdl.export.axi.component import IP_XACT, component_name
 from ncdc_hdl.export.fusesoc import fusesoc_core
 from ncdc_hdl.export.platform_designer import hw_tcl, packetiser_hw_tcl, system_hw_tcl
 from ncdc_hdl.export.registers.drivers import driver_files
@@ -35,6 +36,7 @@ from ncdc_model.sensors.catalogue import SENSORS, sensor_named
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
+_NAMES = (TOP, AXI_TOP, SYSTEM, AXI_SYSTEM)     # of modules without --name
 _SENSORS = [sensor.name for sensor in SENSORS]
 
 HELP = "write the Verilog of the corrector and its drivers"
@@ -117,6 +119,7 @@ def run(args):
     if board:
         files |= project_files(board, corrector)
     folder = Path(args.output)
+    _check_component(folder, files, module)
     for name, text in files.items():
         write_text(folder / name, text)
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
@@ -141,6 +144,17 @@ def _board(name):
         raise InputError(f"the board {name} has a whole design, with camera and screen: ncdc build "
                          f"--board {name} makes it")
     return board
+
+
+def _check_component(folder, files, module):
+    """Reject a folder whose IP-XACT, a file of one name for every core, is that of a core of
+    --name that is not ``module``, or is to become that of one."""
+    path = folder / IP_XACT
+    if IP_XACT not in files or not path.is_file():
+        return
+    found = component_name(path.read_text(errors="replace"))
+    if found != module and not {found, module} <= set(_NAMES):
+        raise InputError(f"{path} is of the core {found}, {module} needs another folder")
 
 
 def _default_name(args, hardware):
@@ -222,6 +236,6 @@ def _corrector_files(corrector, lenses, module):
 def _drivers(module, files):
     """The drivers' ``files``, whose names are always the same: those of a module of --name in a
     folder of its own, so that they cannot be taken for another core's."""
-    if module in (TOP, AXI_TOP, SYSTEM, AXI_SYSTEM):
+    if module in _NAMES:
         return files
     return {f"{module}_drivers/{name}": text for name, text in files.items()}

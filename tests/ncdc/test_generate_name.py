@@ -41,6 +41,8 @@ def generated(nets, folder, kind):
     for name in ("left", "right"):
         assert main(["generate", str(nets / f"{name}.toml"), "-o", str(folder), "--name", name,
                      *KINDS[kind][0]]) == 0
+        # Each AXI core has a folder: IP-XACT has one name.
+        (folder / "component.xml").unlink(missing_ok=True)
     return folder
 
 
@@ -117,3 +119,15 @@ def test_bad_names_are_rejected(nets, tmp_path, capsys, options, message):
     assert main(["generate", str(nets / "left.toml"), "-o", str(tmp_path / "out"), *options]) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_the_ip_xact_of_another_core_is_not_replaced(nets, tmp_path, capsys):
+    def generate(name):
+        return main(["generate", str(nets / f"{name}.toml"), "-o", str(tmp_path), "--name", name,
+                     "--bus", "axi"])
+    assert generate("left") == generate("left") == 0
+    files = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    assert generate("right") == 2
+    assert "component.xml is of the core left, right needs another folder" in \
+        capsys.readouterr().err
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == files

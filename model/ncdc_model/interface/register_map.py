@@ -172,7 +172,8 @@ _FIXED = (
     Register("SOURCE_BASE", 0x08, "shadow", Bits(ADDRESS_BITS),
              "Byte address of the raw frame, a multiple of the memory word."),
     Register("SOURCE_PITCH", 0x09, "shadow", _SIZE,
-             "Bytes from row to row of the raw frame, a multiple of the memory word, below 8192."),
+             "Bytes from row to row of the raw frame, a multiple of the memory word, from "
+             "DISTORTED_WIDTH to 8191."),
     Register("TARGET_BASE", 0x0A, "shadow", Bits(ADDRESS_BITS),
              "Byte address of the corrected frame, a multiple of the memory word."),
     Register("CORRECTED_WIDTH", 0x0B, "shadow", _SIZE,
