@@ -245,8 +245,9 @@ _FIXED = (
                  "a frame was refused: `OUTPUT_FORMAT` is none of its values, or "
                  f"{MONO8.name} and `BAYER_PHASE` names no grey sensor"),
             Flag("MEMORY", FAULT_MEMORY, "w1c",
-                 "the memory answered a read or a write with an error: pixels are wrong; only "
-                 "AXI can tell")),
+                 "the memory answered a read or a write with an error, which only AXI can tell: "
+                 "pixels are wrong; or it was reset in a frame without the corrector: pixels are "
+                 "wrong, or the frame does not end until a reset")),
     _action("CAPABILITIES", CAPABILITIES, "What this instance is.",
             Flag("VERSION", 0xFF, "ro", "version of this register map"),
             Flag("STREAM", 0x100, "ro", "1: pixels leave as a video stream, 0: to memory"),
