@@ -177,7 +177,9 @@ class Corrector(wiring.Component):
                            + fetch.start_latency),
             end_to_interrupt=self.registers.interrupt_latency,
             write_burst=_WRITE_BURST, queued_words=BurstWriter.queued(_WRITE_BURST),
-            queued_pixels=self.interpolator.queued * self.hardware.lanes)
+            queued_pixels=self.interpolator.queued * self.hardware.lanes,
+            nodes=self.descriptor.nodes, node_clocks=self.backmap.interval,
+            lead=self.backmap.lead)
 
     def elaborate(self, platform):
         m = Module()
@@ -226,9 +228,11 @@ class Corrector(wiring.Component):
         else:
             self._stream(m, active, pixels)
             m.d.comb += registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last)
-        if self.hardware.axi:
-            self._axi(m, active, pixels)
-        self._counters(m, begun, pixels)
+        failed = self._axi(m, active, pixels) if self.hardware.axi else Const(0)
+        running = self._counters(m, begun, pixels)
+        forgets = Signal()              # the memory was in reset a clock ago
+        m.d.sync += forgets.eq(self.memory_rst)
+        m.d.comb += registers.faults.memory.eq(failed | (running & self.memory_rst & ~forgets))
         if self.hardware.colour:
             self._colour(m, active, begun)
         return m
@@ -252,7 +256,7 @@ class Corrector(wiring.Component):
                 self.stream_endofpacket.eq(pixels.p.last)]
 
     def _axi(self, m, active, pixels):
-        """What AXI has beyond Avalon: errors of the memory, ends of lines."""
+        """What AXI has beyond Avalon: ends of lines, and errors of the memory, which it returns."""
         failed = self.read_failed
         if not self.hardware.stream:
             failed = failed | self.writer.failed
@@ -264,7 +268,7 @@ class Corrector(wiring.Component):
             m.d.comb += self.stream_endofline.eq((behind == 0) | pixels.p.last)
             with m.If(pixels.valid & pixels.ready):
                 m.d.sync += left.eq(Mux(behind == 0, of_row, behind - 1))
-        m.d.comb += self.registers.faults.memory.eq(failed)
+        return failed
 
     def _active(self, m):
         """The set of registers that frames see: in places of their own, if they run by itself."""
@@ -353,6 +357,7 @@ class Corrector(wiring.Component):
         m.d.comb += [counters.VALID_PIXELS.eq(sums.pixels), self.interpolator.begin.eq(begun)]
 
     def _counters(self, m, begun, pixels):
+        """What is counted of a frame; returns whether one runs."""
         counters = self.registers.counters
         running = Signal()
         values = {name: Signal(32, name=name.lower()) for name in COUNTERS}
@@ -376,3 +381,4 @@ class Corrector(wiring.Component):
             if name in events:
                 event = register(m, f"{name.lower()}_event", events[name], reset_less=False)
                 m.d.sync += value.eq(Mux(anew, 0, value + event))
+        return running

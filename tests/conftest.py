@@ -16,6 +16,7 @@ from amaranth.hdl import UnusedElaboratable
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 _SMALL = 1 << 19        # bytes of the input of a simulation that is kept
+_LONG = 4 * 3600        # seconds that a test of `make regress` may take
 
 # Windows are painted without a screen.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -109,6 +110,8 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         if item.nodeid in LONGER:
             item.add_marker("longer")
+        if item.get_closest_marker("regress") and not item.get_closest_marker("timeout"):
+            item.add_marker(pytest.mark.timeout(_LONG))
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)

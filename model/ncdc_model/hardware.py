@@ -7,7 +7,7 @@ from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.geometry import check_strip_width
 from ncdc_model.interface.frames import BGRX8, OUTPUT_FORMATS, check_format, output_format
 from ncdc_model.interpolation import FAST
-from ncdc_model.nodes import row_nodes
+from ncdc_model.nodes import NODES, nodes_fit, row_nodes
 
 __all__ = ["BUSES", "DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
            "NODE_CLOCKS", "OUTPUTS", "VIDEOS", "Hardware", "check_lanes"]
@@ -201,12 +201,32 @@ class Hardware:
         neurons = descriptor.hidden_neurons
         return -(-neurons // -(-neurons // self.node_clocks(descriptor)))
 
+    def row_clocks(self, descriptor):
+        """(Groups of pixels of a row, clocks that its nodes take) of a network at nodes.
+
+        Of a full strip's row, or a picture's without strips.
+        """
+        width = descriptor.geometry.corrected_width
+        columns = min(self.strip or width, width)
+        return (columns // self.lanes, max(self.share_for(descriptor), NODE_CLOCKS)
+                * row_nodes(columns, descriptor.nodes))
+
     def keeps_rate(self, descriptor):
         """Whether the front end can give a coordinate per clock and lane."""
         share = self.share_for(descriptor)
         if descriptor.nodes == 1:
             return share == 1
-        return max(share, NODE_CLOCKS) <= self.node_clocks(descriptor)
+        groups, clocks = self.row_clocks(descriptor)
+        return clocks <= groups
+
+    def nodes_at_rate(self, descriptor):
+        """Distances of nodes above the descriptor's at which no pixel waits for a node: a list.
+
+        With as many units as the hardware would have for each.
+        """
+        width, free = descriptor.geometry.corrected_width, replace(self, share=None)
+        return [nodes for nodes in NODES if nodes > descriptor.nodes and nodes_fit(nodes, width)
+                and free.keeps_rate(replace(descriptor, nodes=nodes))]
 
     def made_for(self, descriptor):
         """This hardware, with a tile cache and units of a number, for the camera of ``descriptor``.

@@ -12,18 +12,15 @@ from ncdc_boards.platform_designer.project import project_files
 from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.axi import axi_files
+from ncdc_hdl.export.axi.component import IP_XACT, component_name
 from ncdc_hdl.export.fusesoc import fusesoc_core
-from ncdc_hdl.export.platform_designer import (
-    COMPONENT,
-    hw_tcl,
-    packetiser_hw_tcl,
-    system_hw_tcl,
-)
+from ncdc_hdl.export.platform_designer import hw_tcl, packetiser_hw_tcl, system_hw_tcl
 from ncdc_hdl.export.registers.drivers import driver_files
 from ncdc_hdl.export.testbench import bench_files, instantiation
 from ncdc_hdl.export.testbench.bench import pattern
 from ncdc_hdl.export.verilog import TOP, module_verilog, verilog_of
 from ncdc_hdl.export.verilog.axi_cover import AXI_SYSTEM, AXI_TOP
+from ncdc_hdl.export.verilog.names import check_module_name
 from ncdc_hdl.export.verilog.system_cover import SYSTEM, system_verilog
 from ncdc_hdl.export.waivers import SYSTEM_WAIVERS, verilator_config
 from ncdc_hdl.link.top import PACKETISER, PacketiserTop
@@ -39,8 +36,7 @@ from ncdc_model.sensors.catalogue import SENSORS, sensor_named
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
 
-_MODULES = [f"{name}.v" for name in (TOP, AXI_TOP, SYSTEM, AXI_SYSTEM)]
-
+_NAMES = (TOP, AXI_TOP, SYSTEM, AXI_SYSTEM)     # of modules without --name
 _SENSORS = [sensor.name for sensor in SENSORS]
 
 HELP = "write the Verilog of the corrector and its drivers"
@@ -53,6 +49,10 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
     add_hardware(parser)
     add_bus(parser)
+    parser.add_argument("--name", metavar="NAME",
+                        help="name of the module, of those below it and of the hardware's files "
+                             "(default: ncdc, with _system, _axi); two cores in one design need "
+                             "two")
     parser.add_argument("--lens", action="append", default=[], metavar="NET",
                         help="another descriptor that the same hardware may be given at run time, "
                              "for the drivers; may be repeated")
@@ -92,6 +92,7 @@ def run(args):
         raise InputError(f"--bus axi and --board {args.board} are given, its project is "
                          f"for avalon")
     _check_parts(args, hardware)
+    module = args.name or _default_name(args, hardware)
     hardware, choice = planned(hardware, fixed_of(args), descriptor)
     if args.system and args.testbench is not None:
         raise InputError("--testbench and --system are given, the test bench is of a corrector "
@@ -103,22 +104,22 @@ def run(args):
         corrector = system.corrector
         if args.usb:
             system = UsbSystem(system, CHIPS[args.usb.upper()], sensor_named(args.sensor))
-        files = _system_files(system, lenses)
+        files = _system_files(system, lenses, module)
     else:
         corrector = Corrector(descriptor, hardware)
-        files = _corrector_files(corrector, lenses)
+        files = _corrector_files(corrector, lenses, module)
         if args.testbench is not None:
-            files |= _bench(corrector, files, args.testbench)
+            files |= _bench(corrector, files[f"{module}.v"], module, args.testbench)
     if args.packetiser:
         packetiser = PacketiserTop(hardware.data_width)
-        files |= _packetiser_files(packetiser)
+        files |= _packetiser_files(packetiser, args.name)
         if args.niosv:
             files[f"{NIOSV}.tcl"] = niosv_tcl(hardware.data_width, system, packetiser)
-    [module] = [name.removesuffix(".v") for name in files if name in _MODULES]
     files[f"{module}_template.vh"] = instantiation(files[f"{module}.v"], module)
     if board:
         files |= project_files(board, corrector)
     folder = Path(args.output)
+    _check_component(folder, files, module)
     for name, text in files.items():
         write_text(folder / name, text)
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
@@ -145,8 +146,32 @@ def _board(name):
     return board
 
 
+def _check_component(folder, files, module):
+    """Reject a folder whose IP-XACT, a file of one name for every core, is that of a core of
+    --name that is not ``module``, or is to become that of one."""
+    path = folder / IP_XACT
+    if IP_XACT not in files or not path.is_file():
+        return
+    found = component_name(path.read_text(errors="replace"))
+    if found != module and not {found, module} <= set(_NAMES):
+        raise InputError(f"{path} is of the core {found}, {module} needs another folder")
+
+
+def _default_name(args, hardware):
+    """Name of the module without --name."""
+    if args.system:
+        return AXI_SYSTEM if hardware.axi else SYSTEM
+    return AXI_TOP if hardware.axi else TOP
+
+
 def _check_parts(args, hardware):
     """Refuse parts where what they stand on is missing."""
+    if args.name is not None:
+        check_module_name(args.name)
+        for option, given in (("--board", args.board), ("--niosv", args.niosv)):
+            if given:
+                raise InputError(f"--name {args.name} and {option} are given, its scripts know one "
+                                 f"core, of the default name")
     if args.niosv and not (args.system and args.packetiser and not hardware.axi):
         raise InputError("--niosv is given, it needs --system and --packetiser, for avalon: these "
                          "are what it joins")
@@ -160,10 +185,11 @@ def _check_parts(args, hardware):
                          "sensor's registers")
 
 
-def _packetiser_files(packetiser):
-    """Text of the packetiser's files, by file name."""
-    return {f"{PACKETISER}.v": module_verilog(packetiser, PACKETISER),
-            f"{PACKETISER}_hw.tcl": packetiser_hw_tcl(packetiser)}
+def _packetiser_files(packetiser, name):
+    """Text of the packetiser's files, by file name; ``name``: of --name."""
+    module = f"{name}_packetiser" if name else PACKETISER
+    return {f"{module}.v": module_verilog(packetiser, module),
+            f"{module}_hw.tcl": packetiser_hw_tcl(packetiser, module)}
 
 
 def _check_video(args, video):
@@ -175,31 +201,41 @@ def _check_video(args, video):
             raise InputError(f"--video {video} and {option} are given, {text} plain video only")
 
 
-def _system_files(system, lenses):
+def _system_files(system, lenses, module):
     """Text of what belongs to a camera system, by file name."""
-    drivers = driver_files(system.corrector, lenses, system.table)
+    drivers = _drivers(module, driver_files(system.corrector, lenses, system.table))
     if system.hardware.axi:
-        return axi_files(AxiTop(system)) | drivers
-    return {f"{SYSTEM}.v": system_verilog(system), **drivers,
-            f"{SYSTEM}_hw.tcl": system_hw_tcl(system),
-            f"{SYSTEM}.vlt": verilator_config(SYSTEM, SYSTEM_WAIVERS)}
+        return axi_files(AxiTop(system), module) | drivers
+    return {f"{module}.v": system_verilog(system, name=module), **drivers,
+            f"{module}_hw.tcl": system_hw_tcl(system, module),
+            f"{module}.vlt": verilator_config(module, SYSTEM_WAIVERS)}
 
 
-def _bench(corrector, generated, frame):
-    """Text of the test bench, by file name; of the raw frame in the file ``frame``, if it names
-    one."""
-    module, geometry = AXI_TOP if corrector.hardware.axi else TOP, corrector.descriptor.geometry
+def _bench(corrector, verilog, module, frame):
+    """Text of the test bench of ``module`` in ``verilog``, by file name; of the raw frame in the
+    file ``frame``, if it names one."""
+    geometry = corrector.descriptor.geometry
     raw = pattern(geometry)
     if frame:
         raw, _ = raw_frame(Namespace(image=frame, raw=None, bits=None), geometry)
         check_raw(raw, geometry)
-    return bench_files(corrector, generated[f"{module}.v"], module, raw)
+    return bench_files(corrector, verilog, module, raw)
 
 
-def _corrector_files(corrector, lenses):
+def _corrector_files(corrector, lenses, module):
     """Text of what belongs to a corrector alone, by file name."""
+    drivers = _drivers(module, driver_files(corrector, lenses))
     if corrector.hardware.axi:
-        return axi_files(AxiTop(corrector)) | driver_files(corrector, lenses)
-    return {f"{TOP}.v": verilog_of(corrector),
-            **driver_files(corrector, lenses), f"{TOP}.core": fusesoc_core(corrector, TOP),
-            f"{COMPONENT}_hw.tcl": hw_tcl(corrector), f"{TOP}.vlt": verilator_config()}
+        return axi_files(AxiTop(corrector), module) | drivers
+    return {f"{module}.v": verilog_of(corrector, module),
+            **drivers, f"{module}.core": fusesoc_core(corrector, module),
+            f"{module}_hw.tcl": hw_tcl(corrector, module),
+            f"{module}.vlt": verilator_config(module)}
+
+
+def _drivers(module, files):
+    """The drivers' ``files``, whose names are always the same: those of a module of --name in a
+    folder of its own, so that they cannot be taken for another core's."""
+    if module in _NAMES:
+        return files
+    return {f"{module}_drivers/{name}": text for name, text in files.items()}

@@ -123,7 +123,7 @@ def choice_line(hardware, bytes_read, amplification):
 
 
 def front_end_line(hardware, descriptor):
-    """One line on where the network is evaluated, and by how many units."""
+    """One line on where the network is evaluated, and by how many units, and on what waits."""
     d = descriptor
     units, share = hardware.units(d.hidden_neurons), hardware.share
     if d.nodes == 1:
@@ -134,7 +134,15 @@ def front_end_line(hardware, descriptor):
             f"{columns} columns, a node every {max(share, NODE_CLOCKS)} clocks from {units} "
             f"tan-sigmoid{'s' if units > 1 else ''} for {d.hidden_neurons} neurons, "
             f"{hardware.node_clocks(d)} would be enough"
-            + ("" if hardware.keeps_rate(d) else ": pixels wait for nodes"))
+            + ("" if hardware.keeps_rate(d) else _waits(hardware, d)))
+
+
+def _waits(hardware, descriptor):
+    """What pixels that wait for nodes cost, and what would not."""
+    groups, clocks = hardware.row_clocks(descriptor)
+    better = hardware.nodes_at_rate(descriptor)
+    return (f": pixels wait for nodes, {clocks} clocks for the {groups} groups of a row"
+            + (f"; trained with --nodes {better[0]} they would not" if better else ""))
 
 
 def planned(hardware, fixed, descriptor):

@@ -52,7 +52,7 @@ def add_arguments(parser):
 
 
 def run(args):
-    """Simulate, compare, write, report; 1 if a pixel differs."""
+    """Simulate, compare, write, report; 1 if a pixel differs, or a promise is not kept."""
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
     check_suffix(args.output)
@@ -90,7 +90,7 @@ def run(args):
                   + (f", at most {bound.clocks} planned" if bound else "")
                   + f"; {report['follow_early_reads']} rows read before they were written")
     message = (difference(simulation) or _sums(simulation) or _outside(simulation)
-               or _early(simulation))
+               or _early(simulation) or _late(report, bound))
     if message:
         print(f"ncdc simulate: {message}", file=sys.stderr)
         return 1
@@ -99,14 +99,13 @@ def run(args):
 
 def _bound(args, descriptor, hardware):
     """What the planner promises; None without --follow, and where it knows no clocks: of the
-    multiport fetcher, of units too few for the rate, of a memory with random latency or of
-    another's controller.
+    multiport fetcher, of a memory with random latency or of another's controller.
     """
     memory = simulated_memory(args.memory)
     exact = isinstance(memory, DramMemory) or (isinstance(memory, LatencyMemory)
                                                and memory.latency[0] == memory.latency[1]
                                                and memory.wait_chance == 0)
-    if not hardware.cached or not hardware.keeps_rate(descriptor) or not exact:
+    if not hardware.cached or not exact:
         return None
     return bound_of(args, descriptor, hardware, memory)
 
@@ -129,6 +128,15 @@ def _early(simulation):
     """A sentence on rows that were read too early; None if none was."""
     early = simulation.follow.get("follow_early_reads")
     return f"{early} read commands came before the camera had written their row" if early else None
+
+
+def _late(report, bound):
+    """A sentence on a frame that was out later than the planner promised; None if none was."""
+    found = report.get("follow_latency_clocks")
+    if bound is None or found <= bound.clocks:
+        return None
+    return (f"the frame was out {found} clocks after the camera's last byte, {bound.clocks} are "
+            f"the planner's limit")
 
 
 def difference(simulation):

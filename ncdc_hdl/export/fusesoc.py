@@ -4,7 +4,7 @@ from importlib.metadata import version
 
 __all__ = ["CORE_NAME", "fusesoc_core"]
 
-CORE_NAME = "ncdc:ip:ncdc"      # vendor, library, name
+CORE_NAME = "ncdc:ip:ncdc"      # vendor, library, name; that of the module, if it has another
 
 
 def fusesoc_core(corrector, top):
@@ -12,11 +12,12 @@ def fusesoc_core(corrector, top):
 
     The fileset ``rtl`` is the file ``<top>.v`` with the module ``top``, and the waivers of
     ``<top>.vlt``. Targets: ``default``, for cores that depend on this one, and ``lint``, which is
-    ``verilator --lint-only -Wall``.
+    ``verilator --lint-only -Wall``. Cores of several modules have names of their own.
     """
+    library, _, _ = CORE_NAME.rpartition(":")
     return f"""\
 CAPI=2:
-name: {CORE_NAME}:{version('ncdc')}
+name: {library}:{top}:{version('ncdc')}
 description: Camera distortion corrector, descriptor {corrector.descriptor.digest}
 
 filesets:

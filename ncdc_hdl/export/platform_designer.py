@@ -70,34 +70,34 @@ def _place(prefix, role, port):
     return port, "conduit", "end", "export"
 
 
-def hw_tcl(corrector):
-    """Text of ``ncdc_hw.tcl`` for the :class:`~ncdc_hdl.corrector.Corrector`, Quartus 16.1 on.
+def hw_tcl(corrector, name=TOP):
+    """Text of ``<name>_hw.tcl`` for the :class:`~ncdc_hdl.corrector.Corrector`, Quartus 16.1 on.
 
     Beside the Verilog it names what the Nios tools put into ``system.h``: the number of neurons,
     the sizes of the pictures and the digest of the descriptor.
     """
     g = corrector.descriptor.geometry
     return _tcl(corrector, _Component(
-        TOP, "NCDC camera distortion corrector",
+        name, "NCDC camera distortion corrector",
         f"{g.distorted_width}x{g.distorted_height} raw Bayer frame to "
         f"{g.corrected_width}x{g.corrected_height} corrected pixels", _macros(corrector)))
 
 
-def system_hw_tcl(system):
-    """The same of ``ncdc_system_hw.tcl``, for a :class:`~ncdc_hdl.system.System`, or one with
+def system_hw_tcl(system, name=SYSTEM):
+    """The same of ``<name>_hw.tcl``, for a :class:`~ncdc_hdl.system.System`, or one with
     USB."""
     g = system.descriptor.geometry
     return _tcl(system, _Component(
-        SYSTEM, "NCDC camera system",
+        name, "NCDC camera system",
         f"camera of {g.distorted_width}x{g.distorted_height}, stores of frames, correction to "
         f"{g.corrected_width}x{g.corrected_height}", _macros(system.corrector)))
 
 
-def packetiser_hw_tcl(packetiser):
-    """The same of ``ncdc_packetiser_hw.tcl``, for a
+def packetiser_hw_tcl(packetiser, name=PACKETISER):
+    """The same of ``<name>_hw.tcl``, for a
     :class:`~ncdc_hdl.link.top.PacketiserTop`."""
     return _tcl(packetiser, _Component(
-        PACKETISER, "NCDC packetiser", "frames in memory as Ethernet packets", {}))
+        name, "NCDC packetiser", "frames in memory as Ethernet packets", {}))
 
 
 def _macros(corrector):

@@ -112,6 +112,16 @@ class BackMap(wiring.Component):
         return self.hidden[0].latency + self.tansig[0][0].latency + self.output[0].latency
 
     @property
+    def interval(self):
+        """Clocks from one group of coordinates to the next."""
+        return self.share
+
+    @property
+    def lead(self):
+        """Clocks that coordinates are made ahead, at most, while others wait."""
+        return self.share * self.queue - self.latency - CreditQueue.loop
+
+    @property
     def start_latency(self):
         """Clocks from ``start`` to the first coordinate at ``o``: scan, first sums, networks,
         queue."""

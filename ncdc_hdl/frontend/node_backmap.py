@@ -69,6 +69,17 @@ class NodeBackMap(wiring.Component):
                 + CreditQueue.latency + Segments.latency + 1 + self.between.latency
                 + CreditQueue.latency)
 
+    @property
+    def interval(self):
+        """Clocks from one node to the next."""
+        return self.network_at_nodes.interval
+
+    @property
+    def lead(self):
+        """Clocks that nodes are made ahead, at most, while coordinates wait."""
+        network = self.network_at_nodes
+        return (self.interval * network.queued - network.latency - CreditQueue.loop + _QUEUE)
+
     def elaborate(self, platform):
         m = Module()
         m.submodules.scan = scan = Scan(self.formats, self.lanes, self.nodes)

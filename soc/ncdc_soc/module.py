@@ -8,6 +8,7 @@
 """
 
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 
 from amaranth.back import verilog
@@ -18,6 +19,7 @@ from litex.soc.interconnect import stream, wishbone
 from litex.soc.interconnect.csr_eventmanager import EventManager, EventSourceLevel
 from migen import ClockSignal, Instance, ResetSignal, Signal
 
+from ncdc_hdl.export.verilog.names import check_module_name
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.hardware import Hardware
@@ -46,8 +48,9 @@ class NCDC(LiteXModule):
         ``self.sdram.crossbar``; must not be finalised.
     hardware : Hardware, optional
         How it is built. If absent: ports as wide as the controller's, corrected frames to memory.
-    name : str
-        Of the Verilog module; two of them in one system need two names.
+    name : str, optional
+        Of the Verilog module. If absent ``ncdc``, ``ncdc1`` and so on, the first one of which the
+        platform has no source.
     folder : path
         Where ``name.v`` is written.
 
@@ -67,11 +70,12 @@ class NCDC(LiteXModule):
     Raises
     ------
     InputError
-        If the hardware fits neither the camera nor the controller, or its stream has more than one
-        pixel per clock or packets.
+        If the hardware fits neither the camera nor the controller, its stream has more than one
+        pixel per clock or packets, or the name is no Verilog name or taken.
     """
 
-    def __init__(self, platform, net, crossbar, hardware=None, name="ncdc", folder="build"):
+    def __init__(self, platform, net, crossbar, hardware=None, name=None, folder="build"):
+        name = _name(platform, name)
         width = crossbar.controller.data_width
         hardware = replace(hardware or Hardware(data_width=width), bus="axi")
         _check(hardware, width)
@@ -124,6 +128,17 @@ class NCDC(LiteXModule):
         return {"o_stream_valid": source.valid, "i_stream_ready": source.ready,
                 "o_stream_data": colours, "o_stream_startofpacket": source.first,
                 "o_stream_endofpacket": source.last}
+
+
+def _name(platform, asked):
+    """The name ``asked`` for, or the first free one: of the ``platform``'s sources none is called
+    like it, whose module would be taken for this one's."""
+    taken = {Path(source).stem for source, *_ in platform.sources}
+    if asked is None:
+        return next(name for k in count() if (name := f"ncdc{k or ''}") not in taken)
+    if check_module_name(asked) in taken:
+        raise InputError(f"the name is {asked!r}, which another Verilog module of the system has")
+    return asked
 
 
 def _check(hardware, width):

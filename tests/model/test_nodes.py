@@ -165,3 +165,17 @@ def test_a_share_that_is_asked_for_is_taken():
     # A node takes 2 clocks at least.
     narrow = replace(barrel_descriptor((36, 16), (64, 16), hidden_neurons=1), nodes=8)
     assert not Hardware(lanes=4).keeps_rate(narrow)
+
+
+def test_nodes_further_apart_keep_the_rate_of_four_lanes():
+    """83 nodes of 2 clocks for 160 groups; 43 and 23 nodes are soon enough."""
+    d = replace(barrel_descriptor((640, 16), (64, 16), hidden_neurons=1), nodes=8)
+    four = Hardware(lanes=4)
+    assert four.row_clocks(d) == (160, 166) and not four.keeps_rate(d)
+    assert four.nodes_at_rate(d) == [16, 32]
+    assert Hardware(lanes=2).row_clocks(d) == (320, 166)
+    # As with a share of 8, each of whose nodes takes 8 clocks.
+    assert Hardware(lanes=4, share=8).row_clocks(replace(d, nodes=16)) == (160, 8 * 43)
+    # A narrow picture has no nodes 32 pixels apart.
+    assert four.nodes_at_rate(replace(barrel_descriptor((100, 16), (64, 16), hidden_neurons=1),
+                                      nodes=8)) == [16]

@@ -19,14 +19,15 @@ from ncdc.cli import main
 
 BASELINE = Path(__file__).resolve().parents[2] / "docs" / "synthesis.json"
 
-# Adders and subtractors chosen by a wire, one with an inverted input; registered products.
+# Adders and subtractors chosen by a wire, one with an inverted input; registered products,
+# one with an enable.
 DESIGN = """
 module top(input clk, input s, input t, input [5:0] a, input [5:0] b, input signed [3:0] x,
     input signed [2:0] y, output reg [6:0] sum, output reg [6:0] other, output reg signed [6:0] p,
-    output reg signed [6:0] q, output signed [3:0] seen);
-  reg signed [3:0] x0, z0;
-  reg signed [2:0] y0;
-  reg signed [6:0] p0, q0;
+    output reg signed [6:0] q, output signed [3:0] seen, output reg signed [6:0] r);
+  reg signed [3:0] x0, z0, x1;
+  reg signed [2:0] y0, y1;
+  reg signed [6:0] p0, q0, r0;
   assign seen = z0;
   always @(posedge clk) begin
     sum <= {a, 1'b1} + {b ^ {6{s}}, s};
@@ -34,20 +35,22 @@ module top(input clk, input s, input t, input [5:0] a, input [5:0] b, input sign
     x0 <= x; y0 <= y; z0 <= x ^ y;
     p0 <= x0 * y0; p <= p0;
     q0 <= z0 * y0; q <= q0;
+    if (s) begin x1 <= x; y1 <= y; r0 <= x1 * y1; r <= r0; end
   end
 endmodule
 """
 BENCH = """
 module bench;
   reg clk = 0, s = 0, t = 0; reg [5:0] a = 0, b = 0; reg [3:0] x = 0; reg [2:0] y = 0;
-  wire [31:0] gold, gate; integer k, wrong = 0;
-  top g(clk, s, t, a, b, x, y, gold[31:25], gold[24:18], gold[17:11], gold[10:4], gold[3:0]);
+  wire [38:0] gold, gate; integer k, wrong = 0;
+  top g(clk, s, t, a, b, x, y, gold[31:25], gold[24:18], gold[17:11], gold[10:4], gold[3:0],
+        gold[38:32]);
   gate n(.clk(clk), .s(s), .t(t), .a(a), .b(b), .x(x), .y(y), .sum(gate[31:25]),
-         .other(gate[24:18]), .p(gate[17:11]), .q(gate[10:4]), .seen(gate[3:0]));
+         .other(gate[24:18]), .p(gate[17:11]), .q(gate[10:4]), .seen(gate[3:0]), .r(gate[38:32]));
   initial begin
     for (k = 0; k < 3000; k = k + 1) begin
       {s, t, a, b, x, y} = $random;
-      #1 clk = 1; #1 if (k > 9 && gold !== gate) wrong = wrong + 1;
+      #1 clk = 1; #1 if (k > 60 && gold !== gate) wrong = wrong + 1;
       clk = 0;
     end
     $display("%0d", wrong);
@@ -66,9 +69,9 @@ module CCU2C(input CIN, A0, B0, C0, D0, A1, B1, C1, D1, output S0, S1, COUT);
   wire c = p0 ? CIN : INIT0[3:0] >> {{B0, A0}};
   assign S0 = p0 ^ CIN, S1 = p1 ^ c, COUT = p1 ? c : INIT1[3:0] >> {{B1, A1}};
 endmodule
-module TRELLIS_FF(input CLK, DI, LSR, output reg Q);
+module TRELLIS_FF(input CLK, DI, LSR, CE, output reg Q);
   parameter CEMUX = "1", CLKMUX = "CLK", GSR = "", LSRMUX = "LSR", REGSET = "RESET";
-  always @(posedge CLK) Q <= DI;
+  always @(posedge CLK) if (CEMUX != "CE" || CE) Q <= DI;
 endmodule
 module MULT18X18D({ports});
   parameter REG_INPUTA_CLK = "NONE", REG_INPUTB_CLK = "NONE";
@@ -80,7 +83,7 @@ module MULT18X18D({ports});
   wire signed [17:0] bm = REG_INPUTB_CLK == "NONE" ? b : br;
   wire signed [35:0] m = $signed({{am[17] & SIGNEDA, am}}) * $signed({{bm[17] & SIGNEDB, bm}});
   wire signed [35:0] pm = REG_PIPELINE_CLK == "NONE" ? m : pr;
-  always @(posedge CLK0) begin ar <= a; br <= b; pr <= m; orr <= pm; end
+  always @(posedge CLK0) if (CE0) begin ar <= a; br <= b; pr <= m; orr <= pm; end
   assign {{{p}}} = REG_OUTPUT_CLK == "NONE" ? pm : orr;
 endmodule
 """
@@ -134,11 +137,11 @@ def differences(folder, netlist):
 
 def test_registers_and_inversions_are_absorbed(netlists):
     _, before, after, (registers, inversions) = netlists
-    # Both factors' registers of both products, and two behind each.
-    assert registers == 8
+    # Both factors' registers of the three products, and two behind each.
+    assert registers == 12
     assert inversions == 12
     # x ^ y is read elsewhere too: its flip-flops stay.
-    assert len(cells(before, "TRELLIS_FF")) - len(cells(after, "TRELLIS_FF")) == 4 + 3 + 28
+    assert len(cells(before, "TRELLIS_FF")) - len(cells(after, "TRELLIS_FF")) == 2 * (4 + 3) + 42
     assert len(cells(before, "LUT4")) - len(cells(after, "LUT4")) == 12
 
 
@@ -152,6 +155,12 @@ def test_a_wrong_netlist_is_seen(netlists):
     wrong = copy.deepcopy(after)
     del cells(wrong, "MULT18X18D")[0]["parameters"]["REG_PIPELINE_CLK"]
     assert differences(folder, wrong) > 1000
+    enabled, = (cell for cell in cells(after, "MULT18X18D")
+                if cell["connections"]["CE0"] != ["1"])
+    always = copy.deepcopy(after)
+    for cell in cells(always, "MULT18X18D"):
+        cell["connections"]["CE0"] = ["1"]
+    assert enabled and differences(folder, always) > 1000
 
 
 @pytest.mark.parametrize("change", [
@@ -164,7 +173,7 @@ def test_other_flip_flops_stay(netlists, change):
     # One bit each of both factors and of what is behind the products.
     for name, cell in changed["modules"]["top"]["cells"].items():
         if cell["type"] == "TRELLIS_FF" and name.endswith("_Q") \
-                and name.split("_")[0] in ("x0", "y0", "seen", "p0", "q0"):
+                and name.split("_")[0] in ("x0", "y0", "seen", "p0", "q0", "x1", "y1", "r0"):
             for key, values in change.items():
                 cell[key] |= values
     assert absorb_multiplier_registers(changed, "top") == 0

@@ -1,17 +1,23 @@
 """The bench of whole frames: its lenses, its rows, its goals."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from cameras import barrel_descriptor
 from ncdc.bench.sources import source_digest, source_files
-from ncdc.bench.throughput import command, lenses
+from ncdc.bench.throughput import command, cross, lenses
 from ncdc.bench.throughput.command import table
 from ncdc.bench.throughput.lenses import Lens
 from ncdc.bench.throughput.measure import ALL, DEFAULT, QUICK, Run, goal_rows, measure, table_four
 from ncdc.bench.throughput.plots import plot_throughput
 from ncdc.cli import main
+from ncdc_model.errors import InputError
+from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_model.fetch.plan import best_split
+from ncdc_model.hardware import Hardware
 
 ROW = {"fetch": "cache", "memory": "ddr3", "scan": "raster", "width": 1920, "height": 1080,
        "lens": 120, "rotation": 0, "interpolation": "fast", "output": "stream",
@@ -183,3 +189,45 @@ def test_what_lenses_depend_on():
             "ncdc_model.calibration.camera_file", "ncdc_model.training.levenberg",
             "ncdc_model.training.varpro", "ncdc_model.lens.camera"} <= set(files)
     assert not {"ncdc_model.fetch.plan", "ncdc_model.register_map"} & set(files)
+
+
+@pytest.mark.parametrize("change,holds", [
+    ({}, True), ({"clocks": 1011}, False), ({"clocks": 989}, False), ({"clocks": 1009}, True),
+    ({"windows_fetched": 8}, False), ({"pixels_different": 1}, False)])
+def test_the_planner_is_compared_for_each_choice(monkeypatch, capsys, change, holds):
+    """A row for the planned and one for the worst split; a choice that is rejected holds."""
+    hardware = Hardware(cache=CacheOptions(64), split=1)
+    asked = []
+
+    def planned(descriptor, hardware_, memory, timing, *, fixed):
+        asked.append(fixed.split)
+        if hardware_.lanes == 2:
+            raise InputError("two are too few")
+        return SimpleNamespace(hardware=hardware, clocks=1000, clocks_per_pixel=1.0)
+
+    report = {"clocks": 1000, "clocks_per_pixel": 1.0, "pixels_different": 0,
+              "windows_fetched": 7, "windows_fetched_expected": 7} | change
+    monkeypatch.setattr(cross, "trained", lambda lens: barrel_descriptor((64, 48), (64, 48)))
+    monkeypatch.setattr(cross, "plan", planned)
+    monkeypatch.setattr(cross, "Corrector", lambda *args: None)
+    monkeypatch.setattr(cross, "verilog_of", lambda corrector: "")
+    monkeypatch.setattr(cross, "worst_split", lambda descriptor, hardware: 0)
+    monkeypatch.setattr(cross, "simulate_correction", lambda *args, **options: SimpleNamespace(
+        report=lambda: report))
+    monkeypatch.setattr(command, "CROSS", [cross.Combination(1, 1, "fast", 32),
+                                           cross.Combination(2, 1, "fast", 32)])
+    assert main(["bench", "throughput", "--cross"]) == (0 if holds else 1)
+    out, err = capsys.readouterr()
+    assert asked == [None, 0, None]
+    assert len(out.splitlines()) == 3 and "rejected: two are too few" in out
+    assert err.count("missed: fast") == (0 if holds else 2)
+
+
+def test_the_worst_split_reads_most():
+    d = barrel_descriptor((160, 120), (160, 120), hidden_neurons=4, strength=.5)
+    hardware = Hardware(cache=CacheOptions(64))
+    assert cross.worst_split(d, hardware) != best_split(d, hardware)
+
+
+def test_each_choice_meets_each():
+    assert len(set(cross.CROSS)) == 3 * 4 * 2 * 3

@@ -1,6 +1,7 @@
 """The planner: what it chooses, what it refuses, and the traffic that it reports."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,10 +24,15 @@ def barrel():
 
 
 @pytest.fixture(scope="module")
+def waiting():
+    """Nodes so close that four pixels per clock wait for them."""
+    return replace(barrel_descriptor((160, 120), (160, 120), hidden_neurons=4), nodes=8)
+
+
+@pytest.fixture(scope="module")
 def upright(barrel):
     """A map whose rows run along the columns of the raw frame, and nearly nowhere else."""
     quarter = np.array([[0, 1], [-1, 0]])
-    from dataclasses import replace
     return replace(barrel, hidden_weights=barrel.hidden_weights @ quarter)
 
 
@@ -141,3 +147,25 @@ def test_the_command_prints_and_reports(barrel, tmp_path, monkeypatch, capsys):
     error = capsys.readouterr().err
     assert error.startswith("ncdc plan: 5000 frames per second are asked for") and error.count(
         "\n") == 1
+
+
+def test_pixels_that_wait_for_nodes_are_in_the_plan(waiting, tmp_path, monkeypatch, capsys):
+    """23 nodes of 2 clocks for the 40 groups of a row: 46 clocks. At every 16th pixel none wait."""
+    monkeypatch.chdir(tmp_path)
+    waiting.save("net.toml")
+    command = ["plan", "net.toml", "--to", "stream", "--pixels-per-clock", "4", "--memory",
+               "ideal", "--data-width", "128"]
+    assert main([*command, "--json", "plan.json"]) == 0
+    out = capsys.readouterr().out
+    assert ("pixels wait for nodes, 46 clocks for the 40 groups of a row; trained with --nodes 16 "
+            "they would not") in out
+    report = json.loads((tmp_path / "plan.json").read_text())
+    clocks = report["predicted_clocks_per_pixel"] * 160 * 120
+    assert 46 * 120 - 10 < clocks < 46 * 120 + 400
+    rate = report["frames_per_second"]
+    assert main([*command, "--rate", f"{.99 * rate:.1f}"]) == 0
+    assert main([*command, "--rate", f"{1.01 * rate:.1f}"]) == 2
+    assert "frames per second are predicted for a cache" in capsys.readouterr().err
+    far = plan(replace(waiting, nodes=16), Hardware(data_width=128, output="stream", lanes=4),
+               "ideal", lambda chosen: Corrector(replace(waiting, nodes=16), chosen).timing)
+    assert far.clocks < .9 * clocks

@@ -38,7 +38,7 @@ PLANTED = [
     ("ncdc_ramp_x", r"(\w+) \+ (\w+)", r"\1 - \2"),
     ("ncdc_pending", r"if \(([^()]+)\) (\w+) <= ", r"\2 <= "),
     ("ncdc_row_gate", r"if \((.*)\) (\w+) <= ", r"if (~(\1)) \2 <= "),
-    ("ncdc_fills", r"\.r_en\(r_en\), \.w_en\(w_en\)", ".r_en(w_en), .w_en(r_en)"),
+    ("ncdc_fills", r"\.w_en\(w_en\)([^;]*)\.r_en\(r_en\)", r".w_en(r_en)\1.r_en(w_en)"),
 ]
 
 

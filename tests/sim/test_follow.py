@@ -1,13 +1,14 @@
 """Frames that begin before the camera's is complete: Verilog, bench and the planner's bound."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
 from ncdc.bench.throughput.lenses import Lens, trained
-from ncdc.cli import main
+from ncdc.cli import main, simulate
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
@@ -140,6 +141,33 @@ def test_bounds_hold(memory, data_width, output, lanes, line):
     assert simulation.differing == [] and simulation.follow["follow_early_reads"] == 0
     latency = simulation.follow["follow_latency_clocks"]
     assert bound.clocks - .02 * simulation.counters["CLOCKS"] < latency <= bound.clocks
+
+
+def test_the_command_fails_when_the_bound_is_exceeded(small, tmp_path, monkeypatch, capsys):
+    small.save(tmp_path / "net.toml")
+    write_image(tmp_path / "raw.png", noise(small.geometry))
+    command = ["simulate", str(tmp_path / "net.toml"), str(tmp_path / "raw.png"), "-o",
+               str(tmp_path / "out.png"), "--follow", "--to", "stream", "--simulator", "icarus"]
+    assert main(command) == 0
+    capsys.readouterr()
+    true_bound = simulate.bound_of
+
+    def half(*args):
+        bound = true_bound(*args)
+        return replace(bound, clocks=bound.clocks // 2)
+    monkeypatch.setattr(simulate, "bound_of", half)
+    assert main(command) == 1
+    assert " are the planner's limit\n" in capsys.readouterr().err
+
+
+def test_the_bound_counts_pixels_that_wait_for_nodes():
+    """Four pixels per clock at nodes of 8, and a camera as fast: nodes are what takes longest."""
+    descriptor = replace(barrel_descriptor((96, 40), (96, 40), hidden_neurons=2), nodes=8)
+    hardware = Hardware(data_width=64, output="stream", lanes=4)
+    assert not hardware.keeps_rate(descriptor)
+    simulation, bound = followed(descriptor, hardware, memory="ideal")
+    assert simulation.differing == []
+    assert simulation.follow["follow_latency_clocks"] <= bound.clocks
 
 
 @pytest.mark.regress

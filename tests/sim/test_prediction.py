@@ -1,21 +1,24 @@
 """The planner's prediction against the Verilog: misses exactly, clocks within 1 %, or to a few."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
+from ncdc.bench.throughput.cross import CROSS, worst_split
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
 from ncdc_model.fetch.cache_options import CacheOptions
 from ncdc_model.fetch.lookups import frame_windows, lookups
+from ncdc_model.fetch.plan import best_split
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.fetch.timing import predict_clocks
 from ncdc_model.fetch.writes import frame_writes
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import FramePlaces
-from ncdc_model.interpolation import FAST, GRADIENT
+from ncdc_model.interpolation import FAST, GRADIENT, interpolation_of
 from ncdc_model.memory_timing import memory_timing
 from ncdc_sim.system.corrector import simulate_correction
 
@@ -86,6 +89,42 @@ def test_misses_and_clocks_of_real_size(size, neurons, needs, settings, memory):
     assert simulation.differing == []
     assert simulation.counters["FETCHES"] == missed
     assert simulation.counters["CLOCKS"] == pytest.approx(clocks.clocks, rel=.01)
+
+
+# Each two choices of two kinds meet in one of these: distance of nodes, lanes, port, interpolation.
+PAIRS = [(nodes, lanes, (32, 64, 128)[(n + k) % 3], (FAST, GRADIENT)[(n + k) % 2])
+         for n, nodes in enumerate((1, 8, 16, 32)) for k, lanes in enumerate((1, 2, 4))]
+SOON = [(8, 4, 32, GRADIENT), (32, 4, 128, GRADIENT)]       # what tests of a minute see of them
+
+
+def test_each_two_choices_meet():
+    def met(choices):
+        return {pair for each in choices for pair in combinations(each, 2)}
+    assert met(PAIRS) == met((each.nodes, each.lanes, each.data_width,
+                              interpolation_of(each.interpolation)) for each in CROSS)
+    assert set(SOON) <= set(PAIRS)
+
+
+@pytest.mark.parametrize("nodes,lanes,data_width,needs", [
+    each if each in SOON else pytest.param(*each, marks=pytest.mark.regress) for each in PAIRS],
+    ids=lambda value: str(getattr(value, "name", value)))
+def test_any_two_choices_are_planned_within_a_hundredth(nodes, lanes, data_width, needs):
+    """Nodes that come too slowly, narrow ports, tiles of two rows, groups that are cut."""
+    descriptor = replace(barrel_descriptor((160, 120), (160, 120), hidden_neurons=4, strength=.5,
+                                           interpolation=needs), nodes=nodes)
+    hardware = Hardware(data_width=data_width, output="stream", lanes=lanes,
+                        cache=CacheOptions(128 if needs == FAST else 256, interpolation=needs))
+    corrector = Corrector(descriptor, hardware)
+    verilog, raw = verilog_of(corrector), noise(descriptor)
+    splits = best_split(descriptor, hardware), worst_split(descriptor, hardware)
+    assert splits[0] != splits[1]
+    for split in splits:
+        chosen = replace(hardware, split=split)
+        counters = simulate_correction(descriptor, raw, chosen, verilog=verilog,
+                                       memory="ddr3").counters
+        missed, clocks = predicted(corrector, chosen, "ddr3")
+        assert counters["FETCHES"] == missed
+        assert counters["CLOCKS"] == pytest.approx(clocks.clocks, rel=.01)
 
 
 def small(variant, neurons, **choices):

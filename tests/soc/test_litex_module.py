@@ -1,13 +1,20 @@
 """The corrector as a LiteX user has it: in a system with LiteDRAM, driven over the bus."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
+from litex.build.sim import SimPlatform
 
 from cameras import barrel_descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.hardware import Hardware
 from ncdc_sim.system.litex import simulate_module
-from ncdc_soc.module_soc import module_soc_verilog
+from ncdc_soc import module_soc
+from ncdc_soc.module import NCDC
+from ncdc_soc.module_soc import ModuleSoc, module_soc_verilog
+from ncdc_soc.verilog import litex_verilog
 from peers import need
 
 STREAM = Hardware(output="stream")
@@ -62,6 +69,47 @@ def test_a_processor_that_copies_memory_costs_clocks_and_no_pixel():
     for run in runs.values():
         check(run, 2, 128 * 96)
     assert runs["copies"].clocks[0] > runs["idle"].clocks[0]
+
+
+class Two(ModuleSoc):
+    """A system with another corrector, of a camera and a name of its own."""
+
+    def __init__(self, other, name, *args):
+        super().__init__(*args)
+        platform, folder = args[0], args[4]
+        self.second = NCDC(platform, other, self.sdram.crossbar, name=name, folder=folder)
+        self.bus.add_slave("second", self.second.bus, self.second.region(0x9800_0000))
+
+
+def two(folder, name):
+    """Verilog of a system with two correctors, and of these, by the names of their files."""
+    cameras = [camera(32, 24)[0], camera(48, 40)[0]]
+    platform = SimPlatform("SIM", module_soc._PINS)
+    _, text = litex_verilog(platform, lambda: Two(cameras[1], name, platform, cameras[0], None,
+                                                  None, folder), "top")
+    return text, {Path(path).name: Path(path).read_text() for path, *_ in platform.sources}
+
+
+@pytest.mark.parametrize("name,second", [(None, "ncdc1"), ("right", "right")])
+def test_two_correctors_are_two_modules(tmp_path, name, second):
+    text, files = two(tmp_path, name)
+    assert list(files) == ["ncdc.v", f"{second}.v"]
+    assert [re.search(rf"^{module} \w+ ?\(", text, re.M) is not None
+            for module in ("ncdc", second)] == [True, True]
+    found = [set(re.findall(r"^module (\\\S+|\w+)", verilog, re.M)) for verilog in files.values()]
+    assert {"ncdc"} < found[0] and {second} < found[1] and not found[0] & found[1]
+    # The first one is still that of the first camera.
+    module_soc_verilog(camera(32, 24)[0], None, None, tmp_path / "alone")
+    assert files["ncdc.v"] == (tmp_path / "alone" / "ncdc.v").read_text()
+
+
+@pytest.mark.parametrize("name,told", [
+    ("ncdc", "the name is 'ncdc', which another Verilog module of the system has"),
+    ("a b", "the name is 'a b', a letter is needed")])
+def test_a_name_that_is_taken_or_none_is_rejected(tmp_path, name, told):
+    with pytest.raises(InputError, match=told):
+        two(tmp_path, name)
+    assert [path.name for path in tmp_path.iterdir()] == ["ncdc.v"]
 
 
 @pytest.mark.parametrize("hardware,told", [

@@ -152,13 +152,13 @@ def keep_verilog():
     original = cover.verilog_of
 
     @wraps(original)
-    def verilog_of(corrector):
+    def verilog_of(corrector, name=cover.TOP):
         # Of other components nobody knows what they follow from; they are small.
         if type(corrector) is not Corrector or _is_patched():
-            return original(corrector)
+            return original(corrector, name)
         return kept_result(
-            "verilog", lambda: original(corrector), sources_of(*_ROOMS),
-            corrector.descriptor.digest, repr(corrector.hardware), sys.version,
+            "verilog", lambda: original(corrector, name), sources_of(*_ROOMS),
+            name, corrector.descriptor.digest, repr(corrector.hardware), sys.version,
             packages=("amaranth", "ncdc"))
 
     verilog.verilog_of = cover.verilog_of = verilog_of

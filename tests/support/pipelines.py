@@ -7,7 +7,11 @@ from kept import kept_lists
 __all__ = ["get", "put", "run_bench", "run_pipeline", "run_stream"]
 
 
-def run_bench(dut, *benches, background=(), results=None):
+_PERIOD = 1e-8          # seconds of a clock
+_CLOCKS = 5_000_000     # no bench needs more
+
+
+def run_bench(dut, *benches, background=(), results=None, clocks=_CLOCKS):
     """Simulate ``dut`` with the given async test benches until all have ended.
 
     Parameters
@@ -19,14 +23,21 @@ def run_bench(dut, *benches, background=(), results=None):
     results : tuple of lists and arrays, optional
         All that the benches change and that is looked at afterwards. Given, the simulation is kept
         between runs, see :func:`kept.kept_lists`: the benches' own comparisons have been made.
+    clocks : int
+        After so many the simulation fails: a component that hangs does not hold up the tests.
     """
+    async def limit(ctx):
+        await ctx.delay(clocks * _PERIOD)
+        raise AssertionError(f"the benches have not ended after {clocks} clocks")
+
     def run():
         simulator = Simulator(dut)
-        simulator.add_clock(1e-8)
+        simulator.add_clock(_PERIOD)
         for bench in benches:
             simulator.add_testbench(bench)
         for bench in background:
             simulator.add_testbench(bench, background=True)
+        simulator.add_testbench(limit, background=True)
         simulator.run()
 
     if results is None:

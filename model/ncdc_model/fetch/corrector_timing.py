@@ -45,6 +45,11 @@ class CorrectorTiming:
         Words of corrected pixels that the burst writer holds.
     queued_pixels : int
         Pixels that the interpolator holds.
+    nodes, node_clocks : int
+        Pixels from node to node, and clocks from one to the next; 1 and the clocks of a group of
+        pixels of a network at every pixel.
+    lead : int
+        Clocks that coordinates are made ahead, while those before them wait for the memory.
     """
     start: int
     end: int
@@ -61,6 +66,9 @@ class CorrectorTiming:
     write_burst: int
     queued_words: int
     queued_pixels: int
+    nodes: int = 1
+    node_clocks: int = 1
+    lead: int = 0
 
     @property
     def read_to_bus(self):

@@ -55,6 +55,8 @@ class Lookups:
     pixels : int
         Corrected pixels of the frame.
     interpolation : Interpolation
+    width, strip, lanes : int
+        Columns of the corrected picture and of the scan's strips, 0 for raster; pixels of a group.
     """
     x0: np.ndarray
     y0: np.ndarray
@@ -63,10 +65,19 @@ class Lookups:
     used: np.ndarray
     pixel: np.ndarray
     pixels: int
-    interpolation: Interpolation = FAST
+    interpolation: Interpolation
+    width: int
+    strip: int
+    lanes: int
 
     def __len__(self):
         return len(self.x0)
+
+    @property
+    def rows(self):
+        """(Columns of each strip, an ndarray; rows of a strip)."""
+        lefts = np.arange(0, self.width, self.strip or self.width)
+        return np.diff(np.append(lefts, self.width)), self.pixels // self.width
 
 
 def frame_windows(descriptor, progress=lambda done, total: None):
@@ -95,12 +106,14 @@ def lookups(windows, strip=0, lanes=1):
         If ``lanes`` does not divide the width.
     """
     x0, y0, used = windows.scanned(strip)
+    width = windows.x0.shape[1]
+    scan = windows.interpolation, width, strip, lanes
     needs = windows.interpolation
     (x0, x1), (y0, y1) = (needs.bounds(first, size)
                           for first, size in zip((x0, y0), windows.distorted))
     if lanes == 1:
-        return Lookups(x0, y0, x1, y1, used, np.arange(x0.size), x0.size, needs)
-    check_lanes(windows.x0.shape[1], lanes)
+        return Lookups(x0, y0, x1, y1, used, np.arange(x0.size), x0.size, *scan)
+    check_lanes(width, lanes)
     # A group is cut where it has no box of its own: `begins` marks the first lane of each box.
     edges = _Edges(x0, y0, x1, y1, used, needs, needs.box_word(lanes))
     boxes, begins = edges, np.ones(x0.shape, bool)
@@ -112,7 +125,7 @@ def lookups(windows, strip=0, lanes=1):
         begins &= ~whole | (np.arange(x0.size) % span == 0)
         edges, lanes = joined, lanes // 2
     return Lookups(*(array[begins] for array in boxes.arrays()), np.flatnonzero(begins), x0.size,
-                   needs)
+                   *scan)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from collections import deque
 from dataclasses import dataclass
 
 from ncdc_model.fetch.cache_options import TILE_WIDTH
+from ncdc_model.fetch.coordinate_waits import coordinate_lags
 from ncdc_model.fetch.lags import Lags
 from ncdc_model.fetch.ports import memory_port
 
@@ -44,6 +45,7 @@ def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
     (retire). Both are kept as lags behind its number, which never fall::
 
         push(i)   = i + a(i)        push(i)   >= push(i-1) + 1, retire(i - pending) + 1,
+                                                 coordinates(i), see :func:`coordinate_lags`,
                                                  and if i misses tiles
                                                  retire(last user of a place) + retire_to_replace,
                                                  load(second of those that miss before it) + 1
@@ -66,7 +68,7 @@ def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
     """
     if writes is not None and len(boxes) < boxes.pixels:
         writes = writes.by_lookup(boxes.pixel)
-    run = _Frame(hardware, memory, timing, writes)
+    run = _Frame(hardware, memory, timing, writes, coordinate_lags(boxes, timing))
     columns = (missed.columns * TILE_WIDTH + places.source).tolist()
     tile_height = hardware.cache.tile_height
     lines = (missed.rows * (tile_height * places.pitch)).tolist()
@@ -78,7 +80,7 @@ def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
         run.missed.append((victim, [column + line + row for row in rows]))
         if k % 4096 == 0:
             progress(k, total)
-    run.close()
+    run.finish(len(boxes) - 1)
     if writes is not None and writes.words:
         clocks = run.port.finish() + timing.start
     else:
@@ -90,7 +92,7 @@ class _Frame:
     """The state of :func:`predict_clocks` between two misses; clocks count from the first look-up
     in the act stage."""
 
-    def __init__(self, hardware, memory, timing, writes):
+    def __init__(self, hardware, memory, timing, writes, coordinates):
         cache = hardware.cache
         self.timing, self.writes = timing, writes
         self.pending, self.wrap = cache.pending, 1 << cache.sequence_bits
@@ -103,6 +105,8 @@ class _Frame:
         self.command = 0                # edge at which the bus is free
         self.interlock = self.credit = 0
         self.current = -1               # the last look-up that missed tiles
+        # Steps of coordinates that come too slowly, and clocks lost where they could not be ahead.
+        self.coordinates, self.lost = deque(coordinates), 0
         self.missed = []                # those: (the place's last user, addresses of its rows)
         self.claimed, self.last_word = -1, 0    # when the last tile was claimed, its last word came
         # Of the look-ups that missed last, the oldest first: when the first claim was a clock off,
@@ -113,10 +117,24 @@ class _Frame:
         """Look-up i misses; all look-ups before it are known."""
         if i == self.current:
             return
-        self.close()
+        self.finish(i)
         self.current = self.port.known = i
         self._write_until(i)
         self._make_room(i - 1)
+
+    def finish(self, i):
+        """All tiles that the present look-up misses are known, and none of those up to i misses
+        any: these wait for their coordinates."""
+        self.close()
+        self.current = -1
+        while self.coordinates and self.coordinates[0][0] <= i:
+            j, lag = self.coordinates.popleft()
+            self.port.known = j
+            self._write_until(j)
+            self._make_room(j - 1)
+            self.lost = max(self.lost, self.push_lag - lag - self.timing.lead)
+            self.push_lag = max(self.push_lag, lag + self.lost)
+            self.read.step(j, self.push_lag + self.timing.push_to_retire)
 
     def _leave(self, i):
         """Look-up i, which misses tiles, leaves the tag stage."""

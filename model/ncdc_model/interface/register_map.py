@@ -172,7 +172,8 @@ _FIXED = (
     Register("SOURCE_BASE", 0x08, "shadow", Bits(ADDRESS_BITS),
              "Byte address of the raw frame, a multiple of the memory word."),
     Register("SOURCE_PITCH", 0x09, "shadow", _SIZE,
-             "Bytes from row to row of the raw frame, a multiple of the memory word, below 8192."),
+             "Bytes from row to row of the raw frame, a multiple of the memory word, from "
+             "DISTORTED_WIDTH to 8191."),
     Register("TARGET_BASE", 0x0A, "shadow", Bits(ADDRESS_BITS),
              "Byte address of the corrected frame, a multiple of the memory word."),
     Register("CORRECTED_WIDTH", 0x0B, "shadow", _SIZE,
@@ -244,8 +245,9 @@ _FIXED = (
                  "a frame was refused: `OUTPUT_FORMAT` is none of its values, or "
                  f"{MONO8.name} and `BAYER_PHASE` names no grey sensor"),
             Flag("MEMORY", FAULT_MEMORY, "w1c",
-                 "the memory answered a read or a write with an error: pixels are wrong; only "
-                 "AXI can tell")),
+                 "the memory answered a read or a write with an error, which only AXI can tell: "
+                 "pixels are wrong; or it was reset in a frame without the corrector: pixels are "
+                 "wrong, or the frame does not end until a reset")),
     _action("CAPABILITIES", CAPABILITIES, "What this instance is.",
             Flag("VERSION", 0xFF, "ro", "version of this register map"),
             Flag("STREAM", 0x100, "ro", "1: pixels leave as a video stream, 0: to memory"),

@@ -3,10 +3,12 @@
 import sys
 from pathlib import Path
 
+from ncdc.bench.throughput.cross import CROSS, LIMIT, cross_rows
 from ncdc.bench.throughput.measure import ALL, DEFAULT, QUICK, goal_rows, measure, table_four
 from ncdc.bench.throughput.plots import plot_throughput
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
+from ncdc_model.errors import InputError
 from ncdc_model.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "goal_text", "run", "table"]
@@ -21,6 +23,9 @@ def add_arguments(parser):
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--quick", action="store_true", help="small frames: some minutes")
     which.add_argument("--all", action="store_true", help="every lens and rotation too: hours")
+    which.add_argument("--cross", action="store_true",
+                       help="the planner compared with the Verilog for pixels per clock, nodes, "
+                            "interpolations and ports, each with each, on small frames: an hour")
     parser.add_argument("--plots", metavar="DIR", help="also plot the rows")
     add_json(parser)
 
@@ -30,6 +35,8 @@ def run(args):
 
     Small frames do not measure every goal; of the other lists, a goal without a row is missed.
     """
+    if args.cross:
+        return _cross(args)
     if args.plots:
         check_outputs([Path(args.plots) / "throughput.png"], [])
     runs = QUICK if args.quick else ALL if args.all else DEFAULT
@@ -51,6 +58,30 @@ def run(args):
     for text in missed:
         print(f"ncdc bench throughput: {text}", file=sys.stderr)
     return 1 if missed else 0
+
+
+def _cross(args):
+    """Compare the planner with the Verilog; 1 if a row is off by more than the limit."""
+    if args.plots:
+        raise InputError("--cross and --plots are given, there is no plot of these rows")
+    rows = list(cross_rows(CROSS, lambda each: Progress(str(each))))
+    if not write_report({"rows": rows, "limit": LIMIT}, args.json):
+        print("\n".join(map(cross_text, rows)))
+    missed = [row for row in rows if not row["holds"]]
+    for row in missed:
+        print(f"ncdc bench throughput: missed: {cross_text(row)}", file=sys.stderr)
+    return 1 if missed else 0
+
+
+def cross_text(row):
+    """One line on a row of :func:`ncdc.bench.throughput.cross.cross_rows`."""
+    text = (f"{row['interpolation']:8} {row['lanes']} pixels per clock, nodes {row['nodes']:2}, "
+            f"{row['data_width']:3} bits, {row['which']:7} split")
+    if row["rejected"]:
+        return f"{text}: rejected: {row['rejected']}"
+    return (f"{text} {row['split']}: {row['clocks_per_pixel']:.4f} clocks per pixel, "
+            f"{row['predicted_clocks_per_pixel']:.4f} predicted, {100 * row['off']:+.2f} %, "
+            f"{row['pixels_different']} pixels wrong")
 
 
 def goal_text(name, value, limit, holds):

@@ -20,8 +20,8 @@ class TileRequests(wiring.Component):
 
     Of the lowest tiles some rows may be below the frame: ``beyond``.
 
-    Timing: ``latency`` clocks from a tile to its first address; tiles follow each other without a
-    gap.
+    Timing: ``latency`` clocks from a tile to its first address at the earliest. While tiles wait
+    and ``o`` is taken in each clock, an address leaves in each clock, also from tile to tile.
 
     Parameters
     ----------
@@ -54,29 +54,36 @@ class TileRequests(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         tile_height = self.options.tile_height
-        # The oldest tile waits in front of registers that always run, as those of multipliers do.
+        # F, P and M take a step together, so that a multiplier's registers have one enable, itself
+        # a register. They wait only while M and A both hold a tile: A is empty in one of two clocks
+        # at least, and the rows of the tile that it handed on take as long.
+        step = Signal(init=1)
         # F: the factors of the product, and the tile's column.
         f_x = Signal.like(self.i.p.x, reset_less=True)
         f_y = Signal.like(self.i.p.y, reset_less=True)
         f_pitch = Signal.like(self.pitch, reset_less=True)
         product = f_y * f_pitch
         # P: the product, in a register within the multiplier.
+        p_x = Signal.like(f_x, reset_less=True)
         p_product = Signal(product.shape(), reset_less=True)
         # M: the product, and where the tile's column begins in the frame's first row.
         m_product = Signal.like(p_product, reset_less=True)
         m_start = Signal(ADDRESS_BITS, reset_less=True)
-        m.d.sync += [f_x.eq(self.i.p.x), f_y.eq(self.i.p.y), f_pitch.eq(self.pitch),
-                     p_product.eq(product), m_product.eq(p_product),
-                     m_start.eq(self.base + f_x * TILE_WIDTH)]
-        known = Signal(3)               # how far the tile has come: a bit for each of F, P, M
+        with m.If(step):
+            m.d.sync += [f_x.eq(self.i.p.x), f_y.eq(self.i.p.y), f_pitch.eq(self.pitch),
+                         p_x.eq(f_x), p_product.eq(product),
+                         m_product.eq(p_product), m_start.eq(self.base + p_x * TILE_WIDTH)]
+        known = Signal(3)               # whether there is a tile in each of F, P and M
         # A: the address of a tile's first row. O: those of its rows, one after the other.
         a_valid = Signal()                                  # there is a tile in stage A
         a_address = Signal(ADDRESS_BITS, reset_less=True)   # the address of its first row
         row = Signal(range(tile_height))                       # the row whose address is at ``o``
         done = Signal()                                     # ``o`` takes what is in stage A
-        m.d.comb += [self.i.ready.eq(known[-1] & ~a_valid),
+        m.d.comb += [self.i.ready.eq(step),
                      done.eq(~self.o.valid | (self.o.ready & (row == tile_height - 1)))]
-        m.d.sync += known.eq(Mux(self.i.ready, 0, Cat(self.i.valid, known)))
+        m.d.sync += step.eq(~(Mux(step, known[1], known[2]) & Mux(a_valid, ~done, known[2])))
+        with m.If(step):
+            m.d.sync += known.eq(Cat(self.i.valid, known))
         with m.If(~a_valid):
             m.d.sync += [a_valid.eq(known[-1]), a_address.eq(m_start + m_product * tile_height)]
         with m.Elif(done):
@@ -86,8 +93,9 @@ class TileRequests(wiring.Component):
         m.d.sync += last_row.eq(self.height - 1)
         p_lowest, m_lowest, a_lowest, o_lowest = (Signal(name=f"{stage}_lowest", reset_less=True)
                                                   for stage in "pmao")
-        m.d.sync += [p_lowest.eq(f_y == last_row[exact_log2(tile_height):]),
-                     m_lowest.eq(p_lowest)]
+        with m.If(step):
+            m.d.sync += [p_lowest.eq(f_y == last_row[exact_log2(tile_height):]),
+                         m_lowest.eq(p_lowest)]
         with m.If(~a_valid):
             m.d.sync += a_lowest.eq(m_lowest)
         with m.If(done):

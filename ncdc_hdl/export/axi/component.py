@@ -6,7 +6,9 @@ from xml.etree import ElementTree
 from ncdc_hdl.avalon.bus import PENDING
 from ncdc_hdl.export.testbench.ports import ports_of_text
 
-__all__ = ["component_xml"]
+__all__ = ["IP_XACT", "component_name", "component_xml"]
+
+IP_XACT = "component.xml"       # as Vivado looks for it
 
 # IEEE 1685-2009, which Vivado reads and writes.
 _NAMESPACE = "http://www.spiritconsortium.org/XMLSchema/SPIRIT/1685-2009"
@@ -15,6 +17,14 @@ _FAMILIES = ("zynq", "zynquplus", "artix7", "kintex7", "virtex7", "kintexu", "vi
              "versal")
 _BURST = 16             # words of a burst, at most
 _MANAGED = 1 << 32      # bytes that a manager can address
+
+
+def component_name(text):
+    """Name of the core that a ``component.xml`` describes; None if it is none."""
+    try:
+        return ElementTree.fromstring(text).findtext(_tag("name"))
+    except ElementTree.ParseError:
+        return None
 
 
 def component_xml(verilog, module, descriptor):

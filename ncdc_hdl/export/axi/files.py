@@ -1,6 +1,6 @@
 """Every file that ``ncdc generate --bus axi`` writes beside the drivers."""
 
-from ncdc_hdl.export.axi.component import component_xml
+from ncdc_hdl.export.axi.component import IP_XACT, component_xml
 from ncdc_hdl.export.axi.device_tree import Place, device_tree
 from ncdc_hdl.export.verilog.axi_cover import AXI_SYSTEM, axi_name, axi_verilog
 from ncdc_hdl.export.waivers import SYSTEM_WAIVERS, verilator_config
@@ -8,10 +8,13 @@ from ncdc_hdl.export.waivers import SYSTEM_WAIVERS, verilator_config
 __all__ = ["axi_files"]
 
 
-def axi_files(top):
-    """Text of what belongs to an :class:`ncdc_hdl.axi.top.AxiTop`, by file name."""
-    name, verilog = axi_name(top), axi_verilog(top)
-    waivers = SYSTEM_WAIVERS if name == AXI_SYSTEM else None
+def axi_files(top, name=None):
+    """Text of what belongs to an :class:`ncdc_hdl.axi.top.AxiTop`, by file name.
+
+    ``name``: of its module, that of :func:`axi_name` if absent.
+    """
+    waivers = SYSTEM_WAIVERS if axi_name(top) == AXI_SYSTEM else None
+    name, verilog = name or axi_name(top), axi_verilog(top, name)
     return {f"{name}.v": verilog, f"{name}.vlt": verilator_config(name, waivers),
-            "component.xml": component_xml(verilog, name, top.descriptor),
+            IP_XACT: component_xml(verilog, name, top.descriptor),
             f"{name}.dtsi": device_tree(name, Place(register_bytes=4 << top.address_bits))}

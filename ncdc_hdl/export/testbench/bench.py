@@ -1,5 +1,6 @@
 """A test bench that runs one frame through the generated Verilog and looks at every pixel."""
 
+import re
 from importlib.resources import files
 
 import numpy as np
@@ -219,4 +220,5 @@ class _Bench:
                        for name in ("top.v", "reader.v", *output))
         for name, value in values.items():
             text = text.replace("{{" + name + "}}", str(value))
-        return text
+        # What the bench uses is called like it, so that several benches can be compiled together.
+        return re.sub(r"\bncdc_tb_", f"{self.name}_", text)

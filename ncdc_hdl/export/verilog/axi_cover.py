@@ -3,7 +3,7 @@
 from functools import partial
 
 from ncdc_hdl.export.verilog.convert import convert
-from ncdc_hdl.export.verilog.cover import STATUS, TOP, corrector_header
+from ncdc_hdl.export.verilog.cover import STATUS, TOP, corrector_header, name_option
 from ncdc_hdl.export.verilog.port_list import (
     AXI_CLOCK,
     AXI_LITE,
@@ -34,10 +34,14 @@ def axi_name(top):
     return AXI_SYSTEM if hasattr(top.core, "corrector") else AXI_TOP
 
 
-def axi_verilog(top):
-    """Verilog text of an :class:`ncdc_hdl.axi.top.AxiTop`; identical text for identical input."""
+def axi_verilog(top, name=None):
+    """Verilog text of an :class:`ncdc_hdl.axi.top.AxiTop`; identical text for identical input.
+
+    ``name``: of its module, that of :func:`axi_name` if absent.
+    """
     system = hasattr(top.core, "corrector")
-    header = system_header(top.core) if system else corrector_header(top.core)
+    options = name_option(name or axi_name(top), axi_name(top))
+    header = (system_header if system else corrector_header)(top.core, options)
     plain = PINS if system else (("status", tuple(STATUS), STATUS),)
-    return convert(top, axi_name(top), header,
+    return convert(top, name or axi_name(top), header,
                    partial(port_lines, interfaces=(*_INTERFACES, *plain)))

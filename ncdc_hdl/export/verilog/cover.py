@@ -16,7 +16,8 @@ from ncdc_hdl.export.verilog.port_list import (
 )
 from ncdc_model.hardware import Hardware
 
-__all__ = ["STATUS", "TOP", "corrector_header", "corrector_verilog", "verilog_of"]
+__all__ = ["STATUS", "TOP", "corrector_header", "corrector_verilog", "name_option",
+           "verilog_of"]
 
 TOP = "ncdc"
 
@@ -44,16 +45,24 @@ def corrector_verilog(descriptor, hardware=Hardware()):
     return verilog_of(Corrector(descriptor, hardware))
 
 
-def verilog_of(corrector):
-    """Verilog text of the corrector, module ``ncdc``; identical text for identical input."""
-    return convert(corrector, TOP, corrector_header(corrector),
+def verilog_of(corrector, name=TOP):
+    """Verilog text of the corrector, module ``name``; identical text for identical input."""
+    return convert(corrector, name, corrector_header(corrector, name_option(name, TOP)),
                    partial(port_lines, interfaces=_INTERFACES))
 
 
-def corrector_header(corrector):
-    """Lines that open the Verilog of a corrector: what made it, from what, its latency."""
+def name_option(name, default):
+    """The options of ``ncdc generate`` that give a module this name: a list."""
+    return [] if name == default else [f"--name {name}"]
+
+
+def corrector_header(corrector, options=()):
+    """Lines that open the Verilog of a corrector: what made it, from what, its latency.
+
+    ``options``: of ``ncdc generate``, besides those of the hardware.
+    """
     descriptor, g = corrector.descriptor, corrector.descriptor.geometry
-    command = " ".join(["ncdc generate NET.toml -o DIR", *corrector.hardware.options(g)])
+    command = " ".join(["ncdc generate NET.toml -o DIR", *options, *corrector.hardware.options(g)])
     return [
         f"NCDC {version('ncdc')}: camera distortion corrector, made with Amaranth "
         f"{version('amaranth')}. Do not edit; it was made by",

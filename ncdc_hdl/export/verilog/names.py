@@ -3,8 +3,9 @@
 import re
 
 from ncdc_hdl.export.verilog.rtlil import Slice, Switch, Wire
+from ncdc_model.errors import InputError
 
-__all__ = ["identifier", "rename"]
+__all__ = ["check_module_name", "identifier", "rename"]
 
 # Reserved by Verilog-2005, and what signals could be called of SystemVerilog's, as which tools read
 # a file too; a signal of such a name gets an underscore.
@@ -27,6 +28,7 @@ _RESERVED = frozenset("""
     sequence shortint shortreal soft solve static string strong struct super tagged this
     throughout timeprecision timeunit type typedef union unique until untyped var virtual void
     wait_order weak wildcard with within""".split())
+_LONGEST = 64           # characters of a module's name, which begins the names of those below it
 _CLOCKS = {"\\clk": 0, "\\rst": 1}
 
 
@@ -38,6 +40,19 @@ def identifier(name):
     if name[0].isdigit():
         name = "t" + name
     return name + "_" if name in _RESERVED else name
+
+
+def check_module_name(name):
+    """Return ``name``, or raise :class:`InputError` unless it can name a Verilog module and its
+    file."""
+    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", name):
+        raise InputError(f"the name is {name!r}, a letter is needed and then letters, digits and "
+                         f"underscores")
+    if len(name) > _LONGEST:
+        raise InputError(f"the name has {len(name)} characters, the limit is {_LONGEST}")
+    if name.lower() in _RESERVED:
+        raise InputError(f"the name is {name!r}, a word of Verilog")
+    return name
 
 
 def rename(module, members):

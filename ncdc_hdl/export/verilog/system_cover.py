@@ -5,6 +5,7 @@ from functools import partial
 from importlib.metadata import version
 
 from ncdc_hdl.export.verilog.convert import convert
+from ncdc_hdl.export.verilog.cover import name_option
 from ncdc_hdl.export.verilog.port_list import (
     AGENT,
     CLOCK,
@@ -56,12 +57,12 @@ _INTERFACES = (
 )
 
 
-def system_verilog(system, platform=None):
-    """Verilog text of a :class:`ncdc_hdl.system.System`, or one with USB, module ``ncdc_system``.
+def system_verilog(system, platform=None, name=SYSTEM):
+    """Verilog text of a :class:`ncdc_hdl.system.System`, or one with USB, module ``name``.
 
     ``platform``: as of :func:`ncdc_hdl.export.verilog.module_verilog`.
     """
-    return convert(system, SYSTEM, system_header(system),
+    return convert(system, name, system_header(system, name_option(name, SYSTEM)),
                    partial(port_lines, interfaces=_interfaces(system)), platform)
 
 
@@ -72,12 +73,15 @@ def _interfaces(system):
                  if which == usb else (title, which, texts) for title, which, texts in _INTERFACES)
 
 
-def system_header(system):
-    """Lines that open the Verilog of a system: what made it, from what."""
+def system_header(system, options=()):
+    """Lines that open the Verilog of a system: what made it, from what.
+
+    ``options``: of ``ncdc generate``, besides those of the hardware.
+    """
     descriptor, g = system.descriptor, system.descriptor.geometry
     stores = system.stores
-    command = " ".join(["ncdc generate NET.toml -o DIR --system", *getattr(system, "options", []),
-                        *system.hardware.options(g)])
+    command = " ".join(["ncdc generate NET.toml -o DIR --system", *options,
+                        *getattr(system, "options", []), *system.hardware.options(g)])
     return [
         f"NCDC {version('ncdc')}: camera, frame stores and corrector, made with Amaranth "
         f"{version('amaranth')}.",

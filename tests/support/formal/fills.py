@@ -65,15 +65,16 @@ class FillRoom(_Fills):
         due, some, stale = (inner(fragment, "commands", name) for name in ("due", "some", "stale"))
         coming, outstanding = inner(fragment, "coming"), inner(fragment, "outstanding")
         claim, came, complete = (inner(fragment, name) for name in ("claim", "came", "complete"))
-        a_valid, row, o_valid, known = (inner(fragment, "requests", name)
-                                        for name in ("a_valid", "row", "o__valid", "known"))
+        a_valid, row, o_valid, known, step = (
+            inner(fragment, "requests", name)
+            for name in ("a_valid", "row", "o__valid", "known", "step"))
         relayed, free, offered, aside = (inner(fragment, "fence", "relay", name)
                                          for name in ("o__valid", "free", "o", "aside"))
         # Words that will come: of tiles claimed and in the queue, in the stages of the requests,
         # of commands in the relay, of the command on the bus, owed by the memory.
         asked = Signal(range(16 * self.limit))
         m.d.comb += asked.eq(
-            (claim + claimed.level + a_valid) * beats
+            (claim + claimed.level + sum(known) + a_valid) * beats
             + Mux(o_valid, (self.rows - row) * dut.burst, 0)
             + (relayed + ~free) * dut.burst
             + Mux(stale, 0, Mux(read, words, 0) + owed))
@@ -91,7 +92,7 @@ class FillRoom(_Fills):
         always(m, claimed.level <= slots.level, "a_place_for_each_claim")
         always(m, (outstanding == claim + slots.level) & (outstanding <= most), "outstanding")
         always(m, dut.credit == (outstanding != most), "credit_flag")
-        always(m, ~known.any() | claimed.r_rdy, "known_is_there")
+        always(m, step == ~(known[-1] & a_valid), "step")
         always(m, ~complete | (came & (coming == 0)), "complete_with_its_last_word")
         # Slots are as far as tiles, or as far as they can be.
         (claimed_ready, _), (claimed_read, _) = claimed.output

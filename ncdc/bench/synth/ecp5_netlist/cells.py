@@ -3,7 +3,7 @@
 from collections import Counter
 from dataclasses import dataclass
 
-__all__ = ["Wires", "enable_of", "flip_flop_without_reset", "of_type", "plain_flip_flop"]
+__all__ = ["Wires", "enable_of", "flip_flop_without_reset", "of_type"]
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,3 @@ def flip_flop_without_reset(cell):
     return (cell["type"] == "TRELLIS_FF" and "DI" in wires
             and parameters["CEMUX"].strip() in ("1", "CE") and wires.get("LSR", ["0"]) == ["0"]
             and parameters["REGSET"] == "RESET" and parameters["CLKMUX"] == "CLK")
-
-
-def plain_flip_flop(cell):
-    """Whether ``cell`` is a flip-flop that only delays what its port DI reads."""
-    return flip_flop_without_reset(cell) and enable_of(cell) == "1"

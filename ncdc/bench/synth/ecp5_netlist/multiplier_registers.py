@@ -1,6 +1,11 @@
 """Registers of ECP5 multipliers, which Yosys leaves beside the multiplier."""
 
-from ncdc.bench.synth.ecp5_netlist.cells import Wires, of_type, plain_flip_flop
+from ncdc.bench.synth.ecp5_netlist.cells import (
+    Wires,
+    enable_of,
+    flip_flop_without_reset,
+    of_type,
+)
 
 __all__ = ["absorb_multiplier_registers"]
 
@@ -10,10 +15,11 @@ def absorb_multiplier_registers(netlist, top):
 
     A multiplier has a register at each factor, one within and one at its product; without them
     4.5 ns pass from factors to product. Yosys does not use them; vendors' tools do. A factor's is
-    used if plain flip-flops of one clock drive all bits that are no constants; they remain for
-    whoever else reads them. Those at the product are used if every bit that is read feeds one
-    plain flip-flop and nothing else; if these feed only flip-flops again, both. The function
-    stays the same, but for the first clocks after configuration.
+    used if flip-flops without a reset, of one clock and one enable, drive all bits that are no
+    constants; they remain for whoever else reads them. Those at the product are used if every bit
+    that is read feeds one such flip-flop and nothing else; if these feed only flip-flops again,
+    both. The registers of a multiplier share clock and enable. The function stays the same, but
+    for the first clocks after configuration.
 
     Parameters
     ----------
@@ -42,7 +48,7 @@ class _Multiplier:
     def __init__(self, cell, cells, wires):
         self.cell, self.cells = cell, cells
         self.users, self.readers, self.drivers = wires.users, wires.readers, wires.drivers
-        self.clock = None
+        self.control = None         # wires of its clock and its enable
 
     def absorb(self):
         """Use what registers can be used; their number."""
@@ -52,7 +58,7 @@ class _Multiplier:
         wires = {port: bits[0] for port, bits in self.cell["connections"].items()
                  if port[0] == side and port[1:].isdigit() and bits and isinstance(bits[0], int)}
         flip_flops = {port: self.cells.get(self.drivers.get(bit)) for port, bit in wires.items()}
-        if not wires or not self._same_clock(flip_flops.values()):
+        if not wires or not self._same_control(flip_flops.values()):
             return 0
         for port, flip_flop in flip_flops.items():
             before = flip_flop["connections"]["DI"][0]
@@ -70,7 +76,7 @@ class _Multiplier:
             behind = {port: self.readers.get(bit, (None,))[0] for port, bit in wires.items()}
             flip_flops = {port: self.cells.get(name) for port, name in behind.items()}
             if (any(self.users[bit] != 1 for bit in wires.values())
-                    or not self._same_clock(flip_flops.values())
+                    or not self._same_control(flip_flops.values())
                     or any(self.readers[bit][1] != "DI" for bit in wires.values())):
                 break
             for port, name in behind.items():
@@ -81,19 +87,21 @@ class _Multiplier:
             registers += 1
         return registers
 
-    def _same_clock(self, flip_flops):
-        """Whether these are plain flip-flops, all of the multiplier's clock."""
-        if not all(flip_flop and plain_flip_flop(flip_flop) for flip_flop in flip_flops):
+    def _same_control(self, flip_flops):
+        """Whether these are flip-flops without a reset, of the multiplier's clock and enable."""
+        if not all(flip_flop and flip_flop_without_reset(flip_flop) for flip_flop in flip_flops):
             return False
-        clocks = {flip_flop["connections"]["CLK"][0] for flip_flop in flip_flops}
-        clocks |= {self.clock} if self.clock is not None else set()
-        if len(clocks) != 1:
+        controls = {(flip_flop["connections"]["CLK"][0], enable_of(flip_flop))
+                    for flip_flop in flip_flops}
+        controls |= {self.control} if self.control else set()
+        if len(controls) != 1:
             return False
-        self.clock, = clocks
+        self.control, = controls
         return True
 
     def _use(self, register):
         self.cell["parameters"][f"REG_{register}_CLK"] = "CLK0"
-        for port, wire in (("CLK0", self.clock), ("CE0", "1"), ("RST0", "0")):
+        clock, enable = self.control
+        for port, wire in (("CLK0", clock), ("CE0", enable), ("RST0", "0")):
             self.cell["port_directions"][port] = "input"
             self.cell["connections"][port] = [wire]
