@@ -1,5 +1,6 @@
 """Formats that OpenCV decodes: nothing turned, nothing printed, no damage in silence."""
 
+import os
 import sys
 
 import cv2
@@ -129,8 +130,8 @@ def test_a_picture_of_too_many_pixels(tmp_path):
 
 def test_what_is_captured_and_what_comes_after(capfd):
     with captured_stderr() as lines:
-        cv2.imdecode(np.frombuffer(b"GIF89a", np.uint8), cv2.IMREAD_UNCHANGED)
+        os.write(2, b"from a library in C\n")
         print("in between", file=sys.stderr)
     print("after", file=sys.stderr)
-    assert any("OpenCV" in line or "imdecode" in line for line in lines)
+    assert "from a library in C" in lines
     assert capfd.readouterr().err.endswith("after\n")
