@@ -17,13 +17,14 @@ from ncdc_model.training.problem import spread
 
 __all__ = ["Region", "region_of"]
 
-_STEP = 96             # corrected pixels of the longer side between those that are compared
-_BORDER = 400          # pixels along the border of the region that are, where errors are largest
+_STEP = 144            # corrected pixels of the longer side between those that are compared
+_BORDER = 4000         # pixels along the border of the region that are, where errors are largest
 _SOME = 600            # points that the scales of the regression are chosen on
 _NEAR = 32             # points that tell a place
 _LENGTHS = 2.0 ** np.arange(-1, 6)      # scales of the residual, in typical distances of points
 _NOISES = 4.0 ** np.arange(-7, 4)       # variance of the points over that of the residual
 _SIGMAS = 3.0          # standard deviations of the estimate that the largest error includes
+_BETWEEN = 1.03        # times the largest error compared: a peak may lie between those pixels
 
 
 @dataclass(frozen=True)
@@ -60,13 +61,14 @@ class Region:
         """Error of ``back_map``, (u, v) -> (x, y), in the region, and beyond the points alone.
 
         Two dicts of ``mse``, ``mean`` and ``max`` as :func:`ncdc_model.evaluate.map_error` gives
-        them: the expected square of the error, and the largest error with three times the standard
-        deviation of its estimate, in this corrected picture or in the one that another flat
-        picture would make it. The second is not-a-number if no pixel lies beyond the points.
+        them: the expected square of the error, and the largest error, in this corrected picture
+        or in the one that another flat picture would make it. The latter includes three standard
+        deviations of its estimate and 3 % for what lies between the pixels compared. The second
+        dict is not-a-number if no pixel lies beyond the points.
         """
         off = np.stack(back_map(self.u, self.v), axis=1) - np.stack([self.x, self.y], axis=1)
         square = (off**2).sum(axis=1) + 2 * self.sigma**2
-        worst = _SIGMAS * self.sigma + np.maximum(
+        worst = _SIGMAS * self.sigma + _BETWEEN * np.maximum(
             np.hypot(*off.T), np.hypot(*self._without_view(back_map, off).T))
         result = []
         for which in (np.ones(len(off), bool), self.beyond):
