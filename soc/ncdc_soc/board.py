@@ -23,7 +23,7 @@ from ncdc_soc.verilog import litex_verilog
 __all__ = ["ProcessorFiles", "board_processor", "processor_files"]
 
 _SENSOR = "mt9p031"
-_ROM_BYTES = 0x10000
+_ROM_BYTES = 0x12000
 _RESET_MS = 10              # of the chip's pin, at least: Marvell, 88E1111; Broadcom, B50612D
 _DEVICES = {"quartus": (AlteraPlatform, "quartus", False),
             "open": (LatticeECP5Platform, "trellis", True)}

@@ -102,7 +102,7 @@ def test_the_command_writes_processor_and_firmware(tmp_path, monkeypatch):
     memories = re.findall(r'readmemh\("([^"]+)"', text)
     assert len(memories) == 2 and all((tmp_path / "o" / name).read_text() for name in memories)
     words = (tmp_path / "o" / f"{MODULE}_rom.init").read_text().split()
-    assert 1000 < len(words) <= 16384
+    assert 1000 < len(words) <= 18432
     settings = (tmp_path / "o" / "ncdc_de2_115.qsf").read_text()
     assert f"VERILOG_FILE {MODULE}.v" in settings and "VERILOG_FILE VexRiscv.v" in settings
 

@@ -88,7 +88,9 @@ def test_camera_file_to_descriptor_with_the_errors_of_the_whole_frame(folder):
 def test_points_to_descriptor_with_geometry_and_provenance(folder):
     descriptor = Descriptor.load(folder / "net.toml")
     report = json.loads((folder / "report.json").read_text())
-    assert report["measured_on"] == "held_out" and "frame" not in report
+    assert report["measured_on"] == "region" and "frame" not in report
+    region, inner = (report[name]["map_error_fixed_px"] for name in ("region", "held_out"))
+    assert region == report["map_error_fixed_px"] and region["max"] >= inner["max"]
     assert report["held_out"]["points"] + report["training"]["points"] < 900
     assert report["held_out"]["map_error_fixed_px"]["max"] < .5
     assert descriptor.geometry.bayer == "GBRG" and descriptor.geometry.fill == (9, 8, 7)
@@ -167,7 +169,7 @@ def test_table_and_plots(folder, tmp_path, capsys, monkeypatch):
          "--zoom", "fill", "-o", tmp_path / "net.toml")
     text = capsys.readouterr().out
     assert "160x120 corrected pixels, 100.0 % with a source" in text
-    assert "held out" not in text and "frame      fixed" in text
+    assert "held out" not in text and "frame         fixed" in text
     for folder, name in ((tmp_path, "net"), (folder, "net"), (folder, "camera-net")):
         for kind in ("errors", "learning"):
             picture = cv2.imread(str(folder / f"{name}.{kind}.png"))

@@ -50,10 +50,10 @@ class TableServer:
         self._device = threading.Lock()                     # of the camera's registers
         listener = socket.create_server((address, self.table["port"] if port is None else port))
         self.port = listener.getsockname()[1]
-        self._long = {int(code) for code, name in self.table["codes"].items()
-                      if name in ("READ", "WRITE")}
+        self._with_value = {int(code) for code, name in self.table["codes"].items()
+                            if name in ("READ", "WRITE")}
         self._users = Users(listener, self.table["users"], self.table["idle_seconds"],
-                            self._long, self._answer)
+                            self._with_value, self._answer)
 
     def serve(self):
         """Serve until :meth:`close`."""
@@ -66,7 +66,7 @@ class TableServer:
     def _answer(self, user, code, rest):
         """Answer one request; false when the connection is to end."""
         name = self.table["codes"].get(str(code))
-        if code in self._long:
+        if code in self._with_value:
             address, value = (int.from_bytes(rest[k:k + 2], "big") for k in (0, 2))
             with self._device:
                 if name == "WRITE":
