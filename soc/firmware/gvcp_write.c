@@ -26,7 +26,7 @@ static bool receiver(struct receiver *to)
 		memcpy(to->mac.bytes, mac, 6);
 		return true;
 	}
-	/* Pictures go to nobody but the controller's machine. */
+	/* Pictures go to the controller's machine only. */
 	to->mac = control.controller.mac;
 	return control.address == control.controller.ip;
 }

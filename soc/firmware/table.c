@@ -157,7 +157,7 @@ static void failed(void *argument, err_t error)
 	vacate(argument);
 }
 
-/* Nobody begins more connections than this and leaves them half open: the oldest one goes. */
+/* More connections than this are not left half open: the oldest one goes. */
 signed char table_incoming(struct tcp_pcb *pcb, unsigned flags)
 {
 	struct tcp_pcb *oldest = 0;

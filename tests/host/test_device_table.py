@@ -225,7 +225,7 @@ def test_silent_users_give_their_position_to_a_new_one(monkeypatch):
             assert user.read(0xF001) == SIZE[0]
         kept[0]._socket.sendall(b"\x80")           # half a request: silent as well
         with pytest.raises(DeviceError):
-            connected(one).read(0xF001)             # nobody has been silent for long
+            connected(one).read(0xF001)             # no user has been silent for long
         time.sleep(.35)
         for user in kept[1:]:
             assert user.read(0xF001) == SIZE[0]

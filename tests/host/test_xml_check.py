@@ -17,7 +17,8 @@ from ncdc_model.interface.genicam import genicam_xml
 
 HEAD = genicam_xml().partition(b"<Category")[0]
 REGISTER = ('<IntReg Name="R"><Address>0x10000</Address><Length>4</Length>'
-            '<AccessMode>RW</AccessMode><pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>')
+            '<AccessMode>RW</AccessMode><pPort>Device</pPort><Sign>Unsigned</Sign>'
+            '<Endianess>BigEndian</Endianess></IntReg>')
 
 
 def document(nodes):

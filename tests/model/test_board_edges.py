@@ -1,4 +1,4 @@
-"""Corners of a board have edges between black and white between them; what lies beside has not."""
+"""Corners of a board have edges between black and white between them; other corners have not."""
 
 import cv2
 import numpy as np

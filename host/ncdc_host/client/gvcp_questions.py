@@ -63,7 +63,7 @@ class Questions:
         Raises
         ------
         DeviceGone
-            If nobody answers.
+            If no device answers.
         DeviceError
             If the answer is another status than success.
         """
@@ -95,7 +95,7 @@ class Questions:
                 until = time.monotonic() + gvcp.PENDING_MS / 1000
         except TimeoutError:
             pass
-        except OSError:             # nobody listens there now: perhaps later
+        except OSError:             # no device listens there now: perhaps later
             time.sleep(max(0, min(0.1, until - time.monotonic())))
         return None
 

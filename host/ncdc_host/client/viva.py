@@ -23,7 +23,7 @@ _KINDS = {"Integer": "integer", "Float": "float", "Boolean": "boolean", "Command
 _BLOCKS = 0xFFFF        # block numbers run from 1 to this and begin again
 # What viva-genicam says when nobody answers, or the machine there that nobody listens.
 _SILENT = ("timeout", "timed out", "os error")
-_ITSELF = "127.0.0.1"   # where viva-genicam is told of a device that was found
+_ITSELF = "127.0.0.1"   # where viva-genicam asks for a device that was found
 _INTRODUCED_MS = 100    # that it listens there
 _TRIES = 15
 _INTRODUCING = threading.Lock()

@@ -208,7 +208,7 @@ class ControlAgent:
         _, block, first, last = struct.unpack_from(">HHII", payload)
         first, last = first & 0xFFFFFF, last & 0xFFFFFF
         # A receiver asks from a socket of its own, perhaps, but from the controller's machine.
-        # Nobody is answered that asks for what is not sent: packets are the answer.
+        # A request for what is not sent gets no answer: packets are the answer.
         if not self._acquiring or self.controller is None or peer[0] != self.controller[0]:
             return None
         then, budget = self._resend_budget
@@ -266,7 +266,7 @@ class ControlAgent:
         if address == gvcp.place("ControlPrivilege").address:
             self._write_control(value, peer)
             return
-        # Nobody else learns from a write what is there.
+        # Another client must not learn from a write what is there.
         if peer != self.controller:
             raise _Status(gvcp.ACCESS_DENIED)
         one = self._features.get(address)
@@ -361,7 +361,7 @@ class ControlAgent:
         words = {name: self._words[gvcp.place(name).address] for name in (
             "StreamPort", "StreamAddress", "StreamPacketSize", "StreamPacketDelay")}
         address = IPv4Address(words["StreamAddress"])
-        # Pictures go to nobody but the controller's machine, or to a group.
+        # Pictures go to the controller's machine only, or to a group.
         if not words["StreamPort"] or not (address.is_multicast
                                            or str(address) == self.controller[0]):
             return None

@@ -148,7 +148,7 @@ def _turned(board, columns, rows):
 def _by_opencv(image, columns, rows):
     """Those of OpenCV's corners that are a chessboard's and agree with each other, or None.
 
-    At the rim of a fisheye OpenCV has placed corners far beside the board. A picture of more than
+    At the rim of a fisheye OpenCV has placed corners far outside the board. A picture of more than
     two million pixels is searched in a smaller copy.
     """
     grey = whole = grey_picture(image)

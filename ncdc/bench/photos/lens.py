@@ -76,7 +76,7 @@ class Plane:
 
     def cells(self, a, b):
         """Column and row of the page, arrays, that is seen in the directions (``a``, ``b``, 1);
-        not-a-number beside it."""
+        not-a-number outside it."""
         back = np.linalg.inv(self.axes)
         u, v, w = (part[0] * a + part[1] * b + part[2] for part in back.astype(np.float32))
         p, q, r = (back @ self.origin).astype(np.float32)
