@@ -48,17 +48,15 @@ def _on_page(index, height, other_index, other_height):
         first, there = _grid(index, height)
         second, seen = _grid(other_index @ np.array(turn), other_height)
         second, seen = second[::-1, ::-1], seen[::-1, ::-1]
-
-        def over(a, b):
-            return fftconvolve(a, b)
-        n = np.rint(over(there, seen))
+        n = np.rint(fftconvolve(there, seen))
         enough = n >= max(_COMMON, 0.3 * min(there.sum(), seen.sum()))
         if not enough.any():
             continue
         n = np.where(enough, n, np.inf)
-        a, b = over(first, seen) / n, over(there, second) / n
-        product = over(first, second) / n - a * b
-        spread = (over(first**2, seen) / n - a * a) * (over(there, second**2) / n - b * b)
+        a, b = fftconvolve(first, seen) / n, fftconvolve(there, second) / n
+        product = fftconvolve(first, second) / n - a * b
+        spread = ((fftconvolve(first**2, seen) / n - a * a)
+                  * (fftconvolve(there, second**2) / n - b * b))
         best = max(best, float((product / np.sqrt(np.maximum(spread, 1e-12)))[enough].max()))
     return best
 
