@@ -92,7 +92,7 @@ class FrameWriter(wiring.Component):
             with m.State("ROWS"):
                 m.d.comb += [
                     i.ready.eq(word_room & ~new & ~moved),
-                    samples.eq(i.valid & i.ready & ~frame_end),
+                    samples.eq(i.valid & i.ready & (i.p.kind != Kind.ALIVE) & ~frame_end),
                     row_end.eq(i.p.kind == Kind.ROW_END),
                     stopped.eq((self.limit != 0) & (idle == self.limit)),
                 ]

@@ -25,12 +25,13 @@ SETTINGS = data.StructLayout({
 })
 
 
-class Kind(enum.Enum, shape=2):
+class Kind(enum.Enum, shape=3):
     """What an :data:`ENTRY` is."""
     WORD = 0        # samples
     ROW_END = 1     # the last samples of a row
     BEGIN = 2       # a frame begins
     END = 3         # it ends; the data are a REPORT
+    ALIVE = 4       # a row outside of the window has ended: the sensor's clock runs
 
 
 ENTRY = data.StructLayout({"data": 8 * SAMPLES, "kind": Kind})

@@ -18,7 +18,8 @@ class SensorPort(wiring.Component):
     an entry with its REPORT, in which each fault shows: a row that is too short or too long, too
     few or too many of them, a full queue. After a queue that was full the frame's samples are
     dropped; its end waits for room, and a frame that begins before there is room is missed, and
-    counted.
+    counted. Each row outside of the window leaves an entry without samples, which tells that the
+    sensor's clock runs.
 
     Members
     -------
@@ -77,14 +78,16 @@ class SensorPort(wiring.Component):
         m.d.comb += [inside.eq(sent & in_rows & beyond_left & before_end),
                      last.eq(sent & in_rows & at_end)]
         short = Signal()                # a row of the window ends before its last sample
-        m.d.comb += short.eq(ended & in_rows & before_end)
+        outside = Signal()              # a row outside of the window ends
+        m.d.comb += [short.eq(ended & in_rows & before_end), outside.eq(ended & ~in_rows)]
 
         # Bytes, and with them what happens in their clock.
         m.submodules.level = level = Level()
         m.d.comb += [level.level.eq(settings.level),
                      level.i.eq(delay(m, sample, 1, "sample"))]
         later = {name: delay(m, signal, level.latency, name, reset_less=False)
-                 for name, signal in (("inside", inside), ("row_last", last | short))}
+                 for name, signal in (("inside", inside), ("row_last", last | short),
+                                       ("outside", outside))}
         later |= {name: delay(m, signal, 1 + level.latency, name, reset_less=False)
                   for name, signal in (("begins", begins), ("ends", ends))}
         wrong_length = register(m, "wrong_length", x != settings.sent_width)
@@ -132,6 +135,9 @@ class SensorPort(wiring.Component):
                              self.entry.data.eq(report)]
                 with m.If(self.room):
                     m.d.sync += owed.eq(0)
+            with m.Elif(now["outside"] & capturing & ~full):
+                # Its loss does no harm: only that some come is of use.
+                m.d.comb += [self.entry.kind.eq(Kind.ALIVE), self.push.eq(self.room)]
         with m.If(capturing & wrong_line):
             m.d.sync += lines.eq(lines + ~lines.all())
         with m.If(now["begins"] & self.enable):

@@ -107,7 +107,8 @@ def _settings():
         _rw("WINDOW_HEIGHT", 0x0A, _SIZE, "Rows that are captured."),
         _rw("BLACK_LEVEL", 0x0B, Bits(SAMPLE_BITS), "Taken off each sample, of 0..4095."),
         _rw("CLOCK_LIMIT", 0x0C, _COUNT,
-            "Clocks without a sample after which a frame of the sensor is given up; 0: never."),
+            "Clocks without a sample of the window or a row outside of it, after which a frame of "
+            "the sensor is given up; 0: never."),
         _rw("RAW_PITCH", 0x0D, _SIZE,
             "Bytes from row to row of a raw frame in memory, a multiple of the memory word."),
         _rw("RAW_BYTES", 0x0E, _COUNT,

@@ -230,13 +230,15 @@ async def faults(dut):
             await Timer(3 * limit() * PERIOD, "ns")
 
     async def stall(y):
-        if y == 4:
+        if y == 9:
             writer.wait.chance = 1
 
     cases = [("lines", {"change": short}), ("lines", {"change": long}),
              ("lines", {"change": glitch}),
              ("cut", {"rows": SENT[1] - 1}), ("cut", {"rows": SENT[1] + 2}),
-             ("cut", {"rows": 2}), ("stopped", {"at_row": stop}), ("overflows", {"at_row": stall})]
+             # Rows below the window for longer than the limit: the clock has not stopped.
+             ("cut", {"rows": SENT[1] + IDLE // SENT[0] + 8}), ("cut", {"rows": 2}),
+             ("stopped", {"at_row": stop}), ("overflows", {"at_row": stall})]
     for name, fault in cases:
         before, number = counts(dut), len(writer.ended)
         await sensor.frame(**fault)
@@ -255,6 +257,7 @@ async def faults(dut):
         assert name == "overflows" or len(writer.ended) == number + 1, (name, fault)
         after = counts(dut)
         assert after[name] > before[name], (name, fault)
+        assert name == "stopped" or after["stopped"] == before["stopped"], (name, fault)
         number = len(writer.ended)
         samples = await sensor.frame()
         while len(writer.ended) == number:
