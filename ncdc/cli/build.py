@@ -58,6 +58,9 @@ def add_arguments(parser):
                              "network as well (de2-115; colorlight-i9 always has it)")
     parser.add_argument("--address", default="0.0.0.0", metavar="IPV4",
                         help="of the processor (default: asked of DHCP, or link-local)")
+    parser.add_argument("--mac", metavar="XX:XX:XX:XX:XX:XX",
+                        help="MAC address of the processor, and its serial number: each board of "
+                             "a network needs another one (default: 02:4e:0a:4d:00:0b)")
     parser.add_argument("--seeds", type=int, default=3, metavar="N",
                         help="placements to try; the best is taken (default: 3; not for Quartus)")
     parser.add_argument("-o", "--output", metavar="DIR",
@@ -177,7 +180,8 @@ def _processor(args, design, sensor):
         address = str(IPv4Address(args.address))
     except ValueError as error:
         raise InputError(f"the address {args.address!r} is no IPv4 address") from error
-    files = processor_files(design, sensor, Identity(ip=address))
+    identity = Identity(ip=address, **{} if args.mac is None else {"mac": args.mac})
+    files = processor_files(design, sensor, identity)
     return files.verilog | files.memories
 
 

@@ -1,6 +1,7 @@
 """The firmware: its configuration, made of the tables that all of NCDC shares, and its image."""
 
 import io
+import re
 import shutil
 import struct
 import subprocess
@@ -52,16 +53,28 @@ class Identity:
     Parameters
     ----------
     ip, mask, mac : str
-        With the address 0.0.0.0 it asks DHCP, and takes a link-local one if nobody answers.
-    serial : str
+        With the address 0.0.0.0 it asks DHCP, and takes a link-local one if nobody answers. Each
+        device of a network needs a MAC address of its own.
     hurry : int
         So many times faster pass lwIP's milliseconds, for simulations that wait for its time-outs.
     """
     ip: str = "10.77.0.11"
     mask: str = "255.255.255.0"
     mac: str = "02:4e:0a:4d:00:0b"
-    serial: str = "1"
     hurry: int = 1
+
+    def __post_init__(self):
+        if not re.fullmatch("[0-9a-fA-F]{2}(:[0-9a-fA-F]{2}){5}", self.mac):
+            raise InputError(f"the MAC address is {self.mac!r}, six pairs of hexadecimal digits "
+                             "with colons are needed, as in 02:4e:0a:4d:00:0c")
+        if int(self.mac[:2], 16) & 1 or not int(self.serial, 16):
+            raise InputError(f"the MAC address is {self.mac}, one of a single device is needed: "
+                             "its first byte is even, and not all bytes are 0")
+
+    @property
+    def serial(self):
+        """Serial number, which tells two devices apart: the digits of the MAC address."""
+        return self.mac.replace(":", "").upper()
 
 
 def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up=True,

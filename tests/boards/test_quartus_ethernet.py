@@ -84,6 +84,9 @@ def test_every_pin_has_its_own_port_and_the_sources_are_named(folder):
     (["--board", "ulx3s", "--system"], "has no Ethernet chip, which --system needs"),
     (["--board", "de10-nano", "--system"], "has a processor of its own"),
     (["--board", BOARD, "--system", "--address", "10.0.0"], "'10.0.0' is no IPv4 address"),
+    (["--board", BOARD, "--system", "--mac", "024e0a4d000c"], "six pairs of hexadecimal digits"),
+    (["--board", BOARD, "--system", "--mac", "03:4e:0a:4d:00:0c"], "its first byte is even"),
+    (["--board", BOARD, "--system", "--mac", "00:00:00:00:00:00"], "not all bytes are 0"),
     (["--board", BOARD, "--system", "--sensor", "ov5640"], "the processor's firmware knows"),
 ])
 def test_what_does_not_fit_is_refused(tmp_path, capsys, arguments, said):
@@ -97,12 +100,14 @@ def test_the_command_writes_processor_and_firmware(tmp_path, monkeypatch):
     monkeypatch.setattr(verilog, "_convert_rtlil_text", lambda text, **other: "// none\n")
     small().save(tmp_path / "net.toml")
     assert main(["build", str(tmp_path / "net.toml"), "--board", BOARD, "--system", "--address",
-                 "10.1.2.3", "-o", str(tmp_path / "o")]) == 0
+                 "10.1.2.3", "--mac", "02:4e:0a:4d:00:7f", "-o", str(tmp_path / "o")]) == 0
     text = (tmp_path / "o" / f"{MODULE}.v").read_text()
     memories = re.findall(r'readmemh\("([^"]+)"', text)
     assert len(memories) == 2 and all((tmp_path / "o" / name).read_text() for name in memories)
     words = (tmp_path / "o" / f"{MODULE}_rom.init").read_text().split()
     assert 1000 < len(words) <= 18432
+    content = b"".join(int(word, 16).to_bytes(4, "little") for word in words)
+    assert bytes.fromhex("024e0a4d007f") in content and b"024E0A4D007F" in content
     settings = (tmp_path / "o" / "ncdc_de2_115.qsf").read_text()
     assert f"VERILOG_FILE {MODULE}.v" in settings and "VERILOG_FILE VexRiscv.v" in settings
 
