@@ -1,6 +1,7 @@
 """The descriptor: one human-readable file per trained camera, from which everything is made."""
 
 import hashlib
+import json
 import tomllib
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -273,4 +274,7 @@ def _toml(value):
         return str(value).lower()
     if isinstance(value, (int, float, np.integer, np.floating)):
         return repr(value.item() if isinstance(value, np.generic) else value)
-    return '"' + str(value).replace("\\", "\\\\").replace('"', '\\"') + '"'
+    # JSON's escapes are TOML's as well, but it leaves DEL as it is. Half a pair of surrogates
+    # stands for a byte of a file name; it has no UTF-8.
+    text = str(value).encode("utf-8", "backslashreplace").decode()
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
