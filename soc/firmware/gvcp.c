@@ -7,20 +7,13 @@
 #include "net.h"
 #include "stream.h"
 
-enum {
-	DISCOVERY = 0x02, FORCEIP = 0x04, PACKETRESEND = 0x40, READREG = 0x80, WRITEREG = 0x82,
-	READMEM = 0x84, WRITEMEM = 0x86, PENDING = 0x88
-};
+enum { CONFIG_GVCP_COMMANDS };
 
-#define KEY 0x42
 #define HEADER 8
 #define ANSWER 1			/* flag: the sender wants an acknowledge */
-#define MEMORY_MAX 536
-#define REGISTERS_MAX 135
-#define FORCEIP_BYTES 56
 #define HEADERS (ETH_HEADER + IP_HEADER + UDP_HEADER + HEADER)
 #define PENDING_BYTES 4
-#define ANSWER_WORDS ((HEADERS + 4 + MEMORY_MAX + 7) / 4)
+#define ANSWER_WORDS ((HEADERS + 4 + GVCP_MEMORY_MAX + 7) / 4)
 
 uint32_t gvcp_commands;
 
@@ -40,7 +33,7 @@ struct command {
 static struct command waiting;
 static struct udp_path waiting_peer;
 static bool waits;
-static uint8_t waiting_data[4 + MEMORY_MAX];
+static uint8_t waiting_data[4 + GVCP_MEMORY_MAX];
 static uint32_t one_answer[ANSWER_WORDS], other_answer[ANSWER_WORDS];
 
 static uint8_t *to(const struct command *command)
@@ -54,7 +47,7 @@ static uint32_t read_registers(struct command *command)
 {
 	uint32_t length = command->length;
 
-	if (!length || length % 4 || length > 4 * REGISTERS_MAX)
+	if (!length || length % 4 || length > 4 * GVCP_REGISTERS_MAX)
 		return INVALID_HEADER;
 	for (; command->done < length; command->done += 4) {
 		uint32_t value = 0, status = gvcp_read_word(get32(command->data + command->done), &value);
@@ -71,7 +64,7 @@ static uint32_t write_registers(struct command *command)
 {
 	uint32_t length = command->length;
 
-	if (!length || length % 8 || length > 4 * REGISTERS_MAX)
+	if (!length || length % 8 || length > 4 * GVCP_REGISTERS_MAX)
 		return INVALID_HEADER;
 	for (; command->done < length; command->done += 8) {
 		const uint8_t *data = command->data + command->done;
@@ -93,7 +86,7 @@ static uint32_t read_block(struct command *command)
 		return INVALID_HEADER;
 	address = get32(command->data);
 	count = get16(command->data + 6);
-	if (count < 4 || count > MEMORY_MAX)
+	if (count < 4 || count > GVCP_MEMORY_MAX)
 		return INVALID_PARAMETER;
 	if (count % 4)
 		return BAD_ALIGNMENT;
@@ -106,7 +99,7 @@ static uint32_t write_block(struct command *command)
 {
 	uint32_t length = command->length;
 
-	if (length < 8 || length > 4 + MEMORY_MAX || length % 4)
+	if (length < 8 || length > 4 + GVCP_MEMORY_MAX || length % 4)
 		return INVALID_HEADER;
 	for (; command->done < length - 4; command->done += 4) {
 		uint32_t status = gvcp_write_word(get32(command->data) + command->done,
@@ -126,7 +119,7 @@ static uint32_t force_ip(struct command *command)
 {
 	const uint8_t *data = command->data;
 
-	if (command->length != FORCEIP_BYTES)
+	if (command->length != GVCP_FORCEIP_BYTES)
 		return INVALID_HEADER;
 	if (memcmp(data + 2, ETH_OWN.bytes, sizeof ETH_OWN.bytes)) {
 		command->answered = false;
@@ -193,7 +186,7 @@ static void put_off(const struct command *command)
 	if (!(control.configuration & GVCP_CONFIGURATION) || !control_is(command->peer))
 		return;
 	put32((uint8_t *)frame + HEADERS, GVCP_PENDING_MS);
-	acknowledge(command, frame, PENDING, SUCCESS, PENDING_BYTES);
+	acknowledge(command, frame, GVCP_PENDING_ACK - 1, SUCCESS, PENDING_BYTES);
 }
 
 /* Keeps a command until the sensor's bus is done; one at a time. The controller's takes the place of
@@ -231,7 +224,7 @@ bool gvcp_frame(const uint8_t *frame, uint32_t length)
 		return false;
 	command.data = datagram.data + HEADER;
 	command.length = datagram.length - HEADER;
-	if (datagram.length < HEADER || datagram.data[0] != KEY ||
+	if (datagram.length < HEADER || datagram.data[0] != GVCP_KEY ||
 	    get16(datagram.data + 4) != command.length)
 		return true;
 	command.peer = &datagram.from;

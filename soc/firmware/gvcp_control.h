@@ -5,13 +5,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "hw.h"
 #include "ip.h"
 
 /* Of an acknowledge; UNFINISHED is none: the sensor's bus is at work. */
 enum gvcp_status {
-	SUCCESS = 0, UNFINISHED = 1, NOT_IMPLEMENTED = 0x8001, INVALID_PARAMETER = 0x8002,
-	INVALID_ADDRESS = 0x8003, WRITE_PROTECT = 0x8004, BAD_ALIGNMENT = 0x8005,
-	ACCESS_DENIED = 0x8006, BUSY = 0x8007, INVALID_HEADER = 0x800e, DEVICE_ERROR = 0x8ffe
+	CONFIG_GVCP_STATUSES, UNFINISHED = 1
 };
 
 /* Registers that a controller writes, and the controller. */

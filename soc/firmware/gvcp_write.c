@@ -7,9 +7,6 @@
 
 #define FIRE (1u << 31)
 #define PORTS_MAX 0xffffu
-#define PACKET_LEAST 576u
-#define PACKET_MOST 16380u
-#define DELAY_MOST 1000000u		/* ns */
 
 static bool receiver(struct receiver *to)
 {
@@ -65,7 +62,7 @@ static uint32_t write_packet_size(uint32_t value)
 	struct receiver to;
 	uint32_t size = value & 0xffff;
 
-	if (size < PACKET_LEAST || size > PACKET_MOST)
+	if (size < PACKET_MIN || size > PACKET_MAX)
 		return INVALID_PARAMETER;
 	size = stream_packet_size(size);
 	if (control.acquiring && size != (control.packet_size & 0xffff))
@@ -108,7 +105,7 @@ static uint32_t write_bootstrap(uint32_t address, uint32_t value)
 		control.address = value;
 		return SUCCESS;
 	case BOOT_StreamPacketDelay:
-		if (value > DELAY_MOST)
+		if (value > PACKET_DELAY_MAX)
 			return INVALID_PARAMETER;
 		control.delay = value;
 		return SUCCESS;

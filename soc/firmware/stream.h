@@ -8,8 +8,6 @@
 #include "eth.h"
 
 #define STREAM_PORT 49152u	/* of UDP, that packets come from */
-#define STREAM_HEADERS 36	/* bytes of IP, UDP and GVSP, all counted in a packet's size */
-#define STREAM_STEP 16		/* bytes of the picture in a packet are a multiple of this */
 
 struct receiver {
 	struct eth_address mac;

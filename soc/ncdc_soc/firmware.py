@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ncdc_hdl.link.processor import LINK_BASE
 from ncdc_model.errors import InputError
-from ncdc_model.interface import gvcp
+from ncdc_model.interface import gvcp, gvcp_tables, gvsp
 from ncdc_model.interface.features import FEATURES, feature
 from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.genicam import genicam_xml
@@ -182,6 +182,11 @@ def _sensor(setup):
         "SENSOR_GAIN": _hex(mt9p031.GLOBAL_GAIN), "SENSOR_PATTERN": _hex(mt9p031.TEST_PATTERN)}
 
 
+def _enumerated(table):
+    """The names and codes of a table of :mod:`ncdc_model.interface.gvcp_tables`, for a C enum."""
+    return ", ".join(f"{one.name} = 0x{one.code:x}" for one in table)
+
+
 def _protocols(identity, clock_hz):
     # Packed it takes an eighth of the ROM, and of the time that a client needs to read it.
     xml = _zipped(gvcp.XML_NAME, genicam_xml())
@@ -201,6 +206,16 @@ def _protocols(identity, clock_hz):
         "GVCP_PENDING_MS": f"{gvcp.PENDING_MS}u",
         "GVCP_DISCOVERY_BYTES": _hex(gvcp.DISCOVERY_BYTES),
         "TABLE_PORT": f"{TCP_PORT}u", "TABLE_USERS": f"{_USERS}",
+        "CONFIG_GVCP_COMMANDS": _enumerated(gvcp_tables.COMMANDS),
+        "CONFIG_GVCP_STATUSES": _enumerated(gvcp_tables.STATUSES),
+        "GVCP_KEY": _hex(gvcp.KEY), "GVCP_MEMORY_MAX": f"{gvcp.MEMORY_BYTES_MAX}u",
+        "GVCP_PENDING_ACK": _hex(gvcp.PENDING_ACK),
+        "GVCP_REGISTERS_MAX": f"{gvcp.REGISTERS_MAX}u",
+        "GVCP_FORCEIP_BYTES": f"{gvcp.FORCE_IP.size}u",
+        "STREAM_HEADERS": f"{gvsp.HEADERS_BYTES}u", "STREAM_STEP": f"{gvsp.PAYLOAD_STEP}u",
+        "PACKET_MIN": f"{feature('GevSCPSPacketSize').low}u",
+        "PACKET_MAX": f"{feature('GevSCPSPacketSize').high}u",
+        "PACKET_DELAY_MAX": f"{feature('GevSCPD').high}u",
         "HEARTBEAT_MS": f"{gvcp.HEARTBEAT_MS}u",
         "HEARTBEAT_MIN_MS": f"{gvcp.HEARTBEAT_MIN_MS}u",
         "HEARTBEAT_MAX_MS": f"{gvcp.HEARTBEAT_MAX_MS}u", "TABLE_IDLE_MS": f"{1000 * IDLE_SECONDS}u",

@@ -66,9 +66,9 @@ def test_a_planted_overflow_is_found(soc, tmp_path, monkeypatch):
     sources = tmp_path / "firmware"
     subprocess.run(["cp", "-r", str(FIRMWARE), str(sources)], check=True)
     text = (sources / "gvcp.c").read_text()
-    rule = "count > MEMORY_MAX"
+    rule = "count > GVCP_MEMORY_MAX"
     assert text.count(rule) == 1
-    (sources / "gvcp.c").write_text(text.replace(rule, "count > MEMORY_MAX + 64"))
+    (sources / "gvcp.c").write_text(text.replace(rule, "count > GVCP_MEMORY_MAX + 64"))
     monkeypatch.setattr("ncdc_soc.firmware.FIRMWARE", sources)
     planted = host_program(soc[1], tmp_path)
     done = subprocess.run([planted, "100000", "1"], capture_output=True, text=True)

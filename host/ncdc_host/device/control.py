@@ -3,11 +3,12 @@
 import struct
 import threading
 import time
+from dataclasses import replace
 from ipaddress import IPv4Address
 
 from ncdc_host.device.registers import Refused
 from ncdc_host.device.stream import Receiver
-from ncdc_model.interface import gvcp
+from ncdc_model.interface import gvcp, gvsp
 from ncdc_model.interface.features import FEATURES, feature
 from ncdc_model.interface.genicam import genicam_xml
 
@@ -150,7 +151,8 @@ class ControlAgent:
         for name, value in (("HeartbeatTimeout", gvcp.HEARTBEAT_MS), ("ControlPrivilege", 0),
                             ("Configuration", 0), ("StreamPort", 0), ("StreamPacketDelay", 0),
                             ("StreamAddress", 0),
-                            ("StreamPacketSize", gvcp.SCPS_DO_NOT_FRAGMENT | 1500),
+                            ("StreamPacketSize",
+                             gvcp.SCPS_DO_NOT_FRAGMENT | gvsp.packet_size(1500)),
                             ("StreamSourcePort", self._stream.port), ("TimestampControl", 0),
                             ("TimestampHigh", 0), ("TimestampLow", 0)):
             self._words[gvcp.place(name).address] = value
@@ -297,10 +299,6 @@ class ControlAgent:
 
     def _write_bootstrap(self, address, value):
         name = self._writable[address]
-        if name.startswith("Stream") and self._acquiring:
-            fire = name == "StreamPacketSize" and value & gvcp.SCPS_FIRE
-            if name != "StreamPacketDelay" and not fire and value != self._words[address]:
-                raise Refused("locked")
         if name == "HeartbeatTimeout":
             value = min(max(value, gvcp.HEARTBEAT_MIN_MS), gvcp.HEARTBEAT_MAX_MS)
         elif name == "Configuration" and value & ~gvcp.CONFIGURATION_PENDING_ACK:
@@ -313,16 +311,22 @@ class ControlAgent:
             limits = feature("GevSCPSPacketSize")
             if not limits.low <= value & 0xFFFF <= limits.high:
                 raise Refused("value")
-            fire, value = value & gvcp.SCPS_FIRE, value & ~gvcp.SCPS_FIRE
-            self._words[address] = value
-            if fire and (receiver := self._receiver()) is not None:
-                self._stream.fire_test(receiver)
+            asked, size = value & 0xFFFF, gvsp.packet_size(value & 0xFFFF)
+            if self._acquiring and size != self._words[address] & 0xFFFF:
+                raise Refused("locked")
+            self._words[address] = size | value & gvcp.SCPS_DO_NOT_FRAGMENT
+            if value & gvcp.SCPS_FIRE and (receiver := self._receiver()) is not None:
+                self._stream.fire_test(replace(receiver, packet_size=asked))
+            return
         elif name == "TimestampControl":
             if value & 2:
                 now = self._camera.now_ns()
                 self._words[gvcp.place("TimestampHigh").address] = now >> 32
                 self._words[gvcp.place("TimestampLow").address] = now & 0xFFFFFFFF
             return
+        if (self._acquiring and name in ("StreamPort", "StreamAddress")
+                and value != self._words[address]):
+            raise Refused("locked")
         self._words[address] = value
 
     def _write_feature(self, one, value):

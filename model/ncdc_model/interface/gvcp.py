@@ -10,7 +10,7 @@ __all__ = ["ACCESS_DENIED", "BAD_ALIGNMENT", "BOOTSTRAP", "BUSY", "CAPABILITY", 
            "CCP_EXCLUSIVE", "CONFIGURATION_PENDING_ACK", "CORRECTOR_BASE", "CORRECTOR_BYTES",
            "DEVICE_ERROR", "Command", "DISCOVERY", "DISCOVERY_BYTES", "FEATURE_BASE", "FORCEIP",
            "FORCE_IP", "HEARTBEAT_MAX_MS", "HEARTBEAT_MIN_MS", "HEARTBEAT_MS", "INVALID_ADDRESS",
-           "INVALID_HEADER", "INVALID_PARAMETER", "MEMORY_BYTES_MAX", "NOT_IMPLEMENTED",
+           "INVALID_HEADER", "INVALID_PARAMETER", "KEY", "MEMORY_BYTES_MAX", "NOT_IMPLEMENTED",
            "PACKETRESEND", "PACKET_UNAVAILABLE", "PENDING_ACK", "PENDING_MS", "PORT", "Place",
            "READMEM", "READREG", "REGISTERS_MAX", "SCPS_DO_NOT_FRAGMENT", "SCPS_FIRE", "SUCCESS",
            "WRITEMEM", "WRITEREG", "WRITE_PROTECT", "XML_BASE", "XML_NAME", "acknowledge",
@@ -28,7 +28,7 @@ NOT_IMPLEMENTED, INVALID_PARAMETER, INVALID_ADDRESS = 0x8001, 0x8002, 0x8003
 WRITE_PROTECT, BAD_ALIGNMENT, ACCESS_DENIED, BUSY = 0x8004, 0x8005, 0x8006, 0x8007
 PACKET_UNAVAILABLE, INVALID_HEADER, DEVICE_ERROR = 0x800C, 0x800E, 0x8FFE
 
-_KEY = 0x42
+KEY = 0x42                      # begins each command
 _ANSWER = 0x01                  # flag: the sender wants an acknowledge
 _COMMAND = struct.Struct(">BBHHH")      # key, flags, command, length, request
 _ACKNOWLEDGE = struct.Struct(">HHHH")   # status, acknowledge, length, request
@@ -141,7 +141,7 @@ class Command:
 
 def command_packet(code, request, payload=b"", answered=True):
     """The bytes of a command."""
-    return _COMMAND.pack(_KEY, _ANSWER if answered else 0, code, len(payload), request) + payload
+    return _COMMAND.pack(KEY, _ANSWER if answered else 0, code, len(payload), request) + payload
 
 
 def parse_command(data):
@@ -153,7 +153,7 @@ def parse_command(data):
     if len(data) < _COMMAND.size:
         return None
     key, flags, code, length, request = _COMMAND.unpack_from(data)
-    if key != _KEY or length != len(data) - _COMMAND.size:
+    if key != KEY or length != len(data) - _COMMAND.size:
         return None
     return Command(code, request, data[_COMMAND.size:], bool(flags & _ANSWER))
 

@@ -3,12 +3,14 @@
 import struct
 
 __all__ = ["HEADERS_BYTES", "HEADER_FIELDS", "IMAGE", "LEADER", "LEADER_FIELDS", "MIN_PACKET",
-           "PAYLOAD", "TRAILER", "TRAILER_FIELDS", "header", "leader", "payload_packets", "trailer"]
+           "PAYLOAD", "PAYLOAD_STEP", "TRAILER", "TRAILER_FIELDS", "header", "leader",
+           "packet_size", "payload_packets", "trailer"]
 
 LEADER, TRAILER, PAYLOAD = 1, 2, 3      # the format byte
 IMAGE = 0x0001                          # payload type
 HEADERS_BYTES = 20 + 8 + 8              # IP, UDP and GVSP, all counted in a packet's size
 MIN_PACKET = 576                        # bytes with headers that a client may ask for at least
+PAYLOAD_STEP = 16                       # bytes of a picture in a packet are a multiple of it
 
 # The packets of a picture: (bytes, meaning) of each field.
 HEADER_FIELDS = ((2, "status, 0"), (2, "block: number of the picture, 1 to 65535, then 1 again"),
@@ -41,6 +43,11 @@ def leader(block, time_ns, pixel_format, size, offset=(0, 0)):
 def trailer(block, packet, height):
     """The last packet of a picture; ``packet``: number behind the last payload packet."""
     return header(block, TRAILER, packet) + _TRAILER.pack(0, IMAGE, height)
+
+
+def packet_size(asked):
+    """The largest size up to ``asked``, in bytes with headers, that a device of ours sends."""
+    return (asked - HEADERS_BYTES) // PAYLOAD_STEP * PAYLOAD_STEP + HEADERS_BYTES
 
 
 def payload_packets(size, packet_size):
