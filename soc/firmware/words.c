@@ -123,27 +123,34 @@ static enum refusal write_page(uint32_t address, uint32_t value)
 	return READ_ONLY;
 }
 
-/* Whether users may write the sensor's register: none of these changes size, position or clock of
- * the frame, which the corrector relies on. */
-static bool free_to_write(uint32_t address)
+/* Whether users may write this to the sensor's register: none of these changes size, position or
+ * clock of the frame, which the corrector relies on. */
+static enum refusal user_writes(uint32_t address, uint32_t value)
 {
-	static const uint16_t USER[] = SENSOR_USER;
+	static const struct {
+		uint16_t address, mask, low, high;
+	} USER[] = SENSOR_USER;
+	enum refusal refusal = READ_ONLY;
 
-	for (unsigned k = 0; k < sizeof USER / sizeof *USER; ++k)
-		if (USER[k] == address)
-			return true;
-	return false;
+	for (unsigned k = 0; k < sizeof USER / sizeof *USER; ++k) {
+		uint32_t part = value & USER[k].mask;
+
+		if (USER[k].address != address)
+			continue;
+		if (part >= USER[k].low && part <= USER[k].high)
+			return DONE;
+		refusal = BAD_VALUE;
+	}
+	return refusal;
 }
 
 static enum refusal write_sensor(uint32_t address, uint32_t value)
 {
 	uint16_t *place = kept(address);
+	enum refusal refusal = user_writes(address, value);
 
-	if (!free_to_write(address))
-		return READ_ONLY;
-	if ((address == SENSOR_SHUTTER_UPPER && value > 15) ||
-	    (address == SENSOR_GAIN && (value & 63) < 8))
-		return BAD_VALUE;
+	if (refusal)
+		return refusal;
 	switch (sensor_ask(true, address, &value)) {
 	case SENSOR_UNDER_WAY: return UNDER_WAY;
 	case SENSOR_SILENT: return NO_ANSWER;

@@ -176,7 +176,9 @@ def _sensor(setup):
         "SENSOR_I2C": _hex(sensor.i2c_address), "SENSOR_POINTER_BITS": sensor.pointer_bits,
         "SENSOR_VALUE_BITS": sensor.value_bits, "SENSOR_ID_ADDRESS": _hex(identity),
         "SENSOR_ID": _hex(value)[:-1], "SENSOR_SET_UP": _braced(writes),
-        "SENSOR_WAIT_CLOCKS": "1u", "SENSOR_USER": _braced(map(str, sensor.user_registers)),
+        "SENSOR_WAIT_CLOCKS": "1u", "SENSOR_USER": _braced(
+            _braced([_hex(one.address), _hex(one.mask), _hex(low), _hex(high)])
+            for one in sensor.user_registers for low, high in one.ranges),
         "SENSOR_LAST": _hex(_SENSOR_LAST), "SENSOR_SHUTTER_UPPER": _hex(mt9p031.SHUTTER_UPPER),
         "SENSOR_SHUTTER_LOWER": _hex(mt9p031.SHUTTER_LOWER),
         "SENSOR_GAIN": _hex(mt9p031.GLOBAL_GAIN), "SENSOR_PATTERN": _hex(mt9p031.TEST_PATTERN)}

@@ -1,96 +1,30 @@
 """Table I and II from the DE10-Nano's processor: server between registers, memory and client."""
 
-import json
 import socket
 import subprocess
 import sys
-import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
-from camera_bus import Bus
-from cameras import barrel_descriptor
-from ncdc.cli import main
+from hps_server import I2C, WIDTH, hps_project, serving
 from ncdc_host.client.devices import open_device
 from ncdc_host.client.errors import DeviceError
-from ncdc_host.client.table import Connection
 from ncdc_model.interface.features import system_word
 from ncdc_model.sensors import mt9p031
-
-WIDTH, HEIGHT, PITCH = 64, 24, 72
-SIZES = {"RAW": PITCH * HEIGHT, "CORRECTED": 3 * WIDTH * HEIGHT}
-I2C = mt9p031.SENSOR.i2c_address
 
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
-    """Folder of the project, as the command writes it."""
-    folder = tmp_path_factory.mktemp("server")
-    barrel_descriptor((WIDTH, HEIGHT), (WIDTH, HEIGHT), hidden_neurons=2, bayer="GRBG").save(
-        folder / "net.toml")
-    assert main(["build", str(folder / "net.toml"), "--board", "de10-nano", "-o",
-                 str(folder / "project")]) == 0
-    return folder / "project"
-
-
-class Running:
-    """A server on this machine, the registers behind it, and its frames' memory."""
-
-    def __init__(self, project):
-        import ncdc_board
-        import ncdc_registers
-        import ncdc_server
-        settings = json.loads((project / "ncdc_board.json").read_text())
-        identity = {bytes([register]): value.to_bytes(2, "big")
-                    for register, value in settings["sensor"]["chip_id"]}
-        self.bus = Bus(ncdc_registers, {I2C: identity, settings["transmitter"]["i2c_address"]: {}})
-        for name, value in {"RAW_BYTES": SIZES["RAW"], "CORRECTED_BYTES": SIZES["CORRECTED"],
-                            "RAW_PITCH": PITCH, "CORRECTED_WIDTH": WIDTH, "WINDOW_WIDTH": WIDTH,
-                            "CORRECTED_HEIGHT": HEIGHT, "WINDOW_HEIGHT": HEIGHT,
-                            "FRAMES_MISSED": 0x12345}.items():
-            self.put(name, value)
-        board = ncdc_board.Board(self.bus.read, self.bus.write, settings)
-        board.start()
-        rng = np.random.default_rng(1)
-        self.memory = bytearray(rng.integers(0, 256, 1 << 16, np.uint8).tobytes())
-        self.settings, self.server = settings, ncdc_server.TableServer(
-            board, self.memory, "127.0.0.1", 0)
-        self.url = f"tcp://127.0.0.1:{self.server.port}"
-        threading.Thread(target=self.server.serve, daemon=True).start()
-
-    def put(self, name, value):
-        self.bus.words[self.bus.names.OFFSET[name]] = value
-
-    def newest(self, store, buffer, number, clocks=0):
-        """Let the next claim get this frame; its picture."""
-        at = self.bus.words[self.bus.names.OFFSET[f"{store}{buffer}_BASE"]]
-        first = at - self.settings["frames"]
-        self.put(f"{store}{buffer}_TIME_LOW", clocks & 0xFFFFFFFF)
-        self.put(f"{store}{buffer}_TIME_HIGH", clocks >> 32)
-        self.bus.newest[store] = (buffer, number)
-        part = np.frombuffer(bytes(self.memory[first:first + SIZES[store]]), np.uint8)
-        if store == "RAW":
-            return part.reshape(HEIGHT, PITCH)[:, :WIDTH]
-        return part.reshape(HEIGHT, WIDTH, 3)
-
-    def connection(self):
-        return Connection("127.0.0.1", self.server.port)
+    return hps_project(tmp_path_factory.mktemp("server"))
 
 
 @pytest.fixture
-def running(project, monkeypatch):
-    monkeypatch.syspath_prepend(str(project))
-    mine = [path.stem for path in project.glob("ncdc_*.py")]
-    for name in mine:
-        monkeypatch.delitem(sys.modules, name, raising=False)
-    made = Running(project)
-    yield made
-    made.server.close()
-    for name in mine:
-        sys.modules.pop(name, None)
+def running(project):
+    with serving(project) as made:
+        yield made
 
 
 def test_the_client_sees_settings_and_pictures(running):
@@ -129,10 +63,10 @@ def test_no_user_writes_another_register_of_the_sensor(running):
     before = dict(sent)
     with running.connection() as connection:
         for address in [*range(0x100), 0x100, 0x1235, 0xEFFF]:
-            connection.write(address, 0x0109)
+            connection.write(address, 9)
         assert [connection.read(address) for address in (0x100, 0xEFFF)] == [0, 0]
     changed = {key[0] for key in sent if sent[key] != before.get(key)}
-    assert changed == set(mt9p031.SENSOR.user_registers)
+    assert changed == {one.address for one in mt9p031.SENSOR.user_registers}
 
 
 def test_silent_users_give_their_position_to_a_new_one(running):

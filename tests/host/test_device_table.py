@@ -208,7 +208,7 @@ def test_a_device_that_goes_is_named(one):
 
 def test_no_user_writes_what_decides_the_frame(one):
     """Size, position, skipping, clock and resets of the sensor are the device's alone."""
-    free = set(mt9p031.SENSOR.user_registers)
+    free = {one.address for one in mt9p031.SENSOR.user_registers}
     with connected(one) as user:
         for address in [*range(0x100), 0x100, 0x0123, 0xEFFF]:
             before = user.read(address)

@@ -65,7 +65,7 @@ def width(user):
 
 def test_users_write_the_registers_of_the_list(wire):
     user, = users(wire, 1)
-    free = set(mt9p031.SENSOR.user_registers)
+    free = {one.address for one in mt9p031.SENSOR.user_registers}
     # What is read back is what the bus says, here always zeros: GVCP's status tells instead.
     asker = Asker(wire)
     assert asker.write(CCP, 2) == gvcp.SUCCESS

@@ -1,6 +1,7 @@
 """What Linux on the board's processor needs: device tree, settings, and the program that starts."""
 
 import json
+from dataclasses import asdict
 from importlib.resources import files
 
 from ncdc_boards.camera_board.set_up import camera_values
@@ -43,7 +44,8 @@ def host_files(design, setup, corner):
     settings = {
         "board": board.name, "frames": base, "frame_bytes": size, "clock_hz": clock_hz,
         "registers": camera_values(setup, corner, clock_hz),
-        "sensor": setup.report() | {"user_registers": setup.sensor.user_registers},
+        "sensor": setup.report() | {"user_registers": [
+            asdict(one) for one in setup.sensor.user_registers]},
         **_pictures(design.system), "table": _table(),
         "transmitter": {
             "i2c_address": I2C_ADDRESS, "pointer_bits": 8, "value_bits": 8,

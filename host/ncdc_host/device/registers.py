@@ -7,7 +7,7 @@ import threading
 from dataclasses import dataclass, replace
 
 from ncdc_model.errors import InputError
-from ncdc_model.interface.features import FEATURES, TEST_PATTERNS, feature, system_word
+from ncdc_model.interface.features import FEATURES, feature, system_word
 from ncdc_model.interface.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
 from ncdc_model.interface.table_one import SYSTEM_PAGE, SYSTEM_WORDS
 from ncdc_model.sensors import mt9p031 as sensor
@@ -18,11 +18,10 @@ _SENSOR_REGISTERS = 0x100           # further addresses answer nothing: read as 
 _EXPOSURE_NS = 10_000_000           # after reset: what the photo was taken with
 _MIRRORS = 1 << sensor.MIRROR_ROW | 1 << sensor.MIRROR_COLUMN     # of READ_MODE_2
 # All that may be written, of the sensor and of the system's page.
-_WRITABLE = {*sensor.SENSOR.user_registers, sensor.READ_MODE_2} | {
+_WRITABLE = {sensor.READ_MODE_2, *(one.address for one in sensor.SENSOR.user_registers)} | {
     word.address for word in SYSTEM_WORDS if word.access == "rw"}
 # Sensor registers that a device keeps, so that reading them takes no time on the I2C bus.
 _KEPT = {sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER, sensor.GLOBAL_GAIN, sensor.TEST_PATTERN}
-_PATTERNS = {choice.word for choice in TEST_PATTERNS}
 _SHAPE = {address for one in FEATURES if one.locked for address in one.table}
 
 
@@ -260,11 +259,7 @@ class Registers:
         return view if pixel_format.raw == self._view.pixel_format.raw else self._whole(view)
 
     def _write_sensor(self, address, value):
-        if address == sensor.SHUTTER_UPPER and value > 15:
-            raise Refused("value")
-        if address == sensor.GLOBAL_GAIN and value & 63 < 8:
-            raise Refused("value")
-        if address == sensor.TEST_PATTERN and value not in _PATTERNS:
+        if sensor.SENSOR.user_takes(address, value) is False:
             raise Refused("value")
         self._sensor[address] = value
         self.bus_accesses += 1

@@ -112,13 +112,11 @@ def _formats():
 
 
 def _pattern(name):
-    word = sensor.TEST_PATTERN_MODES[name] << 3 | 1
+    word = sensor.pattern_word(name)
     return Choice(name, word, word)
 
 
-TEST_PATTERNS = (Choice("Off", 0, 0), *(_pattern(name) for name in (
-    "GreyHorizontalRamp", "GreyVerticalRamp", "GreyDiagonalRamp", "HorizontalBars", "VerticalBars",
-    "ColorBar")))
+TEST_PATTERNS = (Choice("Off", 0, 0), *map(_pattern, sensor.USER_PATTERNS))
 
 _MODES = (Choice("Continuous", 0, 0), Choice("SingleFrame", 1, 1))
 

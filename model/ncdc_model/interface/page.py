@@ -19,7 +19,7 @@ def protocols_doc():
         page=table_one.SYSTEM_PAGE, header=table_two.HEADER_BYTES, port=gvcp.PORT,
         registers=gvcp.REGISTERS_MAX,
         idle=table_one.IDLE_SECONDS,
-        writable=", ".join(f"0x{address:02X}" for address in mt9p031.SENSOR.user_registers),
+        writable=", ".join(f"0x{one.address:02X}" for one in mt9p031.SENSOR.user_registers),
         memory=gvcp.MEMORY_BYTES_MAX,
         feature_base=gvcp.FEATURE_BASE, xml_base=gvcp.XML_BASE,
         corrector_base=gvcp.CORRECTOR_BASE, headers=gvsp.HEADERS_BYTES,

@@ -13,6 +13,7 @@ from ncdc_model.sensors.sensor import (
     Sensor,
     Setup,
     Timing,
+    UserRegister,
     Write,
     exposure_lines,
     factor_of,
@@ -58,7 +59,7 @@ SENSOR = Sensor(
                   lines=(1, 0xFFFF), vertical=(_LEAST_VERTICAL, 0x7FFF),
                   gain_256=(256, 127 * 256), pixel_clock_hz=36_000_000,    # C
                   frame_lines=1200 + 0x7FFF),
-    user_registers=(_SHUTTER_WIDTH, *_COLOUR_GAINS, _GLOBAL_GAIN))
+    user_registers=tuple(map(UserRegister, (_SHUTTER_WIDTH, *_COLOUR_GAINS, _GLOBAL_GAIN))))
 
 
 def setup(settings):

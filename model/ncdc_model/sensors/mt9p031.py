@@ -13,6 +13,7 @@ from ncdc_model.sensors.sensor import (
     Sensor,
     Setup,
     Timing,
+    UserRegister,
     Write,
     exposure_lines,
     factor_of,
@@ -66,6 +67,16 @@ TEST_PATTERN_MODES = {"ColorField": 0, "GreyHorizontalRamp": 1, "GreyVerticalRam
                       "VerticalBars": 7, "ColorBar": 8}
 """Bits 6..3 of TEST_PATTERN; DS, test patterns. Mode 4, the classic pattern, is not offered."""
 
+USER_PATTERNS = ("GreyHorizontalRamp", "GreyVerticalRamp", "GreyDiagonalRamp", "HorizontalBars",
+                 "VerticalBars", "ColorBar")
+"""Test patterns that users of a network choose from."""
+
+
+def pattern_word(name):
+    """TEST_PATTERN for the test pattern of that name."""
+    return TEST_PATTERN_MODES[name] << 3 | 1
+
+
 FIRST_ROW, FIRST_COLUMN = 54, 16    # of the active pixels; DS, pixel array structure
 _PIXEL_CLOCK_MHZ = 96               # DS, key performance parameters
 _MIN_BLANKING = 450                 # pairs of columns: 346 + 64 + 80 / 2; DS, frame time
@@ -88,8 +99,15 @@ SENSOR = Sensor(
                   smallest=(2, 2), lines=(1, (1 << 20) - 1), vertical=(9, 4096),
                   gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096),
     test_patterns=TEST_PATTERN_MODES,
-    user_registers=(SHUTTER_UPPER, SHUTTER_LOWER, *COLOUR_GAINS, GLOBAL_GAIN, TEST_PATTERN,
-                    *(address for address, _ in TEST_COLOURS.values()), _BAR_WIDTH))
+    user_registers=(
+        UserRegister(SHUTTER_UPPER, ranges=((0, 15),)), UserRegister(SHUTTER_LOWER),
+        *map(UserRegister, COLOUR_GAINS),
+        # Less than 1 would leave what is white grey.
+        UserRegister(GLOBAL_GAIN, mask=63, ranges=((8, 63),)),
+        UserRegister(TEST_PATTERN, ranges=((0, 0), *(
+            (word, word) for word in map(pattern_word, USER_PATTERNS)))),
+        *(UserRegister(address) for address, _ in TEST_COLOURS.values()),
+        UserRegister(_BAR_WIDTH)))
 
 
 def line_clocks(columns):
@@ -158,7 +176,7 @@ def _picture(asked):
         writes += [Write(register, value, f"test pattern's {colour}")
                    for colour, (register, value) in TEST_COLOURS.items()]
         writes += [Write(_ROW_BLACK_OFFSET, 0, "no offset on a test pattern"),
-                   Write(TEST_PATTERN, mode << 3 | 1, "test pattern")]
+                   Write(TEST_PATTERN, pattern_word(asked.test_pattern), "test pattern")]
     return writes
 
 

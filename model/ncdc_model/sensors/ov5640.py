@@ -20,6 +20,7 @@ from ncdc_model.sensors.sensor import (
     Sensor,
     Setup,
     Timing,
+    UserRegister,
     Write,
     exposure_lines,
     factor_of,
@@ -64,7 +65,8 @@ SENSOR = Sensor(
                   pixel_clock_hz=96_000_000, frame_lines=_MOST_LINES),
     # L, 0x503D: bit 7 on, bits 3..2 kind of bars, bits 1..0 bars or squares.
     test_patterns={"ColorBar": 0x80},
-    user_registers=(0x3500, 0x3501, 0x3502, 0x350A, 0x350B, 0x503D))    # exposure, gain, pattern
+    # Exposure, gain, pattern.
+    user_registers=tuple(map(UserRegister, (0x3500, 0x3501, 0x3502, 0x350A, 0x350B, 0x503D))))
 
 
 def setup(settings):

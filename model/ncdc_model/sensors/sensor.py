@@ -6,7 +6,8 @@ from math import log10
 
 from ncdc_model.errors import InputError
 
-__all__ = ["Limits", "Sensor", "Settings", "Setup", "Timing", "Write", "bayer_at", "check_window",
+__all__ = ["Limits", "Sensor", "Settings", "Setup", "Timing",
+           "UserRegister", "Write", "bayer_at", "check_window",
            "exposure_lines", "factor_of", "frame_lines", "pattern_mode", "resolved"]
 
 UNITY_GAIN = 256        # of ``gain_256``
@@ -47,6 +48,27 @@ class Limits:
 
 
 @dataclass(frozen=True)
+class UserRegister:
+    """A register that any user of a network may write, and with what.
+
+    Parameters
+    ----------
+    address : int
+    mask : int
+        Bits that the ranges are about; the other bits are free.
+    ranges : tuple of (int, int)
+        Lowest and highest value of the masked bits.
+    """
+    address: int
+    mask: int = 0xFFFF
+    ranges: tuple = ((0, 0xFFFF),)
+
+    def takes(self, value):
+        """Whether a user may write ``value``."""
+        return any(low <= value & self.mask <= high for low, high in self.ranges)
+
+
+@dataclass(frozen=True)
 class Sensor:
     """An image sensor.
 
@@ -77,8 +99,8 @@ class Sensor:
     test_patterns : dict of str to int
         Name and value for the sensor's register; "Off" is always there besides.
     limits : Limits
-    user_registers : tuple of int
-        Registers that any user of a network may write: exposure, gain and test pattern. None of
+    user_registers : tuple of UserRegister
+        What any user of a network may write: exposure, gain and test pattern. None of
         them changes size, position, skipping, clock or Bayer phase of a frame.
     """
     name: str
@@ -98,6 +120,11 @@ class Sensor:
     limits: Limits
     test_patterns: dict = field(default_factory=dict)
     user_registers: tuple = ()
+
+    def user_takes(self, address, value):
+        """Whether a user of a network may write ``value`` to ``address``; None: to no value."""
+        one = next((one for one in self.user_registers if one.address == address), None)
+        return None if one is None else one.takes(value)
 
 
 @dataclass(frozen=True)

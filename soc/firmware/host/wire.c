@@ -4,7 +4,8 @@
  * shows from then on; "l VALUE", what the packetiser's status is. Each is answered by the frames that
  * were sent meanwhile, in hex, by "r VALUE" for packets that the packetiser sends again, "s" for a
  * frame that it sends, and by ".".
- * The sensor answers each access with zeros; a new frame is complete whenever time passes. */
+ * The sensor's registers take what is written; all but the identity and the gain are 0 at first. A
+ * new frame is complete whenever time passes. */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,12 +30,35 @@ static uint32_t core[WORDS], csr[0x4000], slot[ETHMAC_SLOT_BYTES / 4], out[2 * E
 static uint32_t length, pending, link_status;
 static uint64_t now;
 
+/* The sensor at the I2C bus: registers of 16 bits at addresses of 8, which count on by themselves. */
+static uint8_t registers[0x200];
+static uint32_t i2c_result, i2c_bytes, i2c_at;
+
+static void hold(uint32_t address, uint32_t value)
+{
+	registers[2 * address] = (uint8_t)(value >> 8);
+	registers[2 * address + 1] = (uint8_t)value;
+}
+
+static void i2c(uint32_t command)
+{
+	i2c_result = 0;
+	if (command & NCDC_I2C_COMMAND_START)
+		i2c_bytes = 0;
+	else if (command & NCDC_I2C_COMMAND_WRITE && ++i2c_bytes == 1)
+		i2c_at = 2 * (command & 0xff);
+	else if (command & NCDC_I2C_COMMAND_WRITE)
+		registers[i2c_at++ % sizeof registers] = (uint8_t)command;
+	else if (command & NCDC_I2C_COMMAND_READ)
+		i2c_result = registers[i2c_at++ % sizeof registers];
+}
+
 uint32_t reg_read(uint32_t address)
 {
 	switch (address) {
 	case NCDC_TIME_LOW: return (uint32_t)now;
 	case NCDC_TIME_HIGH: return (uint32_t)(now >> 32);
-	case NCDC_I2C_RESULT: return 0;
+	case NCDC_I2C_RESULT: return i2c_result;
 	case NCDC_CAMERA_STATUS: return NCDC_CAMERA_STATUS_CORRECTED_FRAME |
 					NCDC_CAMERA_STATUS_RAW_FRAME;
 	case NCDC_READER0: case NCDC_READER0 + 4: case NCDC_READER0 + 8: return NCDC_READER0_HELD;
@@ -80,6 +104,8 @@ void reg_write(uint32_t address, uint32_t value)
 		printf("s\n");
 	else if (address == LINK_RESEND_LAST)
 		printf("r %x\n", (unsigned)value);
+	else if (address == NCDC_I2C_COMMAND)
+		i2c(value);
 	else if (address - ETHMAC_TX_BASE < sizeof out)
 		out[(address - ETHMAC_TX_BASE) / 4] = value;
 	else if (address - NCDC_BASE < sizeof core)
@@ -124,6 +150,8 @@ int main(void)
 {
 	static char line[2 * ETHMAC_SLOT_BYTES + 8];
 
+	hold(SENSOR_ID_ADDRESS, SENSOR_ID);
+	hold(SENSOR_GAIN, 8);
 	interrupt_begin();
 	words_begin();
 	gvcp_begin();

@@ -118,12 +118,20 @@ class TableServer:
             self._corrected = bool(value)
         elif name == "FORMAT" and value in self.formats.values():
             self._corrected = value == self.formats["corrected"]
-        elif address in self.sensor["user_registers"] and value >> self.sensor["value_bits"] == 0:
+        elif self._user_writes(address, value):
             try:
                 self.camera.write_sensor(self.sensor, address, value)
             except CameraError:
                 return
             self._first = self.camera.get("RAW_BEGUN") + 1
+
+    def _user_writes(self, address, value):
+        """Whether users may write this to the sensor's register."""
+        if value >> self.sensor["value_bits"]:
+            return False
+        return any(one["address"] == address
+                   and any(low <= value & one["mask"] <= high for low, high in one["ranges"])
+                   for one in self.sensor["user_registers"])
 
     def _size(self):
         """Width and height of the pictures."""
