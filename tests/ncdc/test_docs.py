@@ -27,7 +27,7 @@ from ncdc_model.training.train import TRAINERS
 
 _STORES = stores_for(Hardware(), 2)
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("**/*.md"))]
 SOURCES = ("ncdc", "ncdc_hdl", "host", "model", "sim", "boards", "tests", "docs")
 
 _FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
