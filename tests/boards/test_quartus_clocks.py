@@ -7,9 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from cameras import barrel_descriptor
+from ncdc_boards.camera_board.design import design_of, sensor_for
 from ncdc_boards.camera_board.ethernet import MODULE
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus.plls import REFERENCE_MHZ
+from ncdc_boards.quartus.project import project_name, top_verilog
+from ncdc_boards.quartus.user import user_module
 from ncdc_hdl.video.modes import mode_named
 from ncdc_soc.board import board_processor
 from ncdc_soc.phy.rgmii import RgmiiPhy
@@ -18,7 +22,7 @@ from transfers import Edge, Transfer, shortest_ps, transfers
 LEAST_PS = 3000         # that a register, a route and another register get
 ROOMS = {"clock_sys": "sync", "clock_transmit": "ethernet", "clock_late": "ethernet_late"}
 # First registers of synchronisers, and those that end a reset: the constraints cut what ends there.
-CUT = r"multiregimpl\d+_regs0|ars_cd_eth_"
+CUT = r"multiregimpl\d+_regs0|ars_cd_eth_|\beth_[rt]x_rst$|\|din_s1$"
 
 
 def clocks_of(plan):
@@ -68,6 +72,31 @@ def test_bits_made_for_the_late_cell_at_once_are_seen(tmp_path, clocks, monkeypa
     found = too_short(processor_transfers(tmp_path), clocks)
     assert found and {(one.launch, one.capture) for one in found} == {
         (Edge("clock_transmit"), Edge("clock_late"))}
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("name,processor", [("de2-115", True), ("de1-soc", False)])
+def test_no_path_of_a_whole_board_is_shorter_than_3_ns(tmp_path, name, processor):
+    lens = barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, strength=.4)
+    design = design_of(board(name), [("a", lens)], sensor_for("mt9p031", lens.geometry),
+                       mode_named("640x480"), processor=processor)
+    texts, files = {"top.v": top_verilog(design), "user.v": user_module()}, []
+    if processor:
+        made = board_processor(board(name), 75_000_000)
+        texts |= {"processor.v": made.text, "core.v": Path(made.core).read_text()}
+        files = [f"{MODULE}_{memory}.init" for memory in ("rom", "sram")]
+    found = transfers(texts, project_name(board(name)), tmp_path, files)
+    domains = clocks_of(design.clocks)
+    clocks = {f"clocks.{loop}[{k}]": domains[domain] for loop, names in
+              design.clocks.loops().items() for k, domain in enumerate(names)}
+    assert len(found) > 20 and {clock for one in found for clock in (
+        one.launch.clock, one.capture.clock)} & clocks.keys()
+    assert too_short(found, clocks) == set()
+
+
+def test_the_de10_nano_has_no_shifted_clock():
+    plan = board("de10-nano").clock_plan(mode_named("640x480"), 100)
+    assert {plan.output(domain)[1] for domain in plan.targets()} == {0}
 
 
 @pytest.mark.parametrize("launch,capture,ps", [

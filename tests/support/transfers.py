@@ -1,6 +1,7 @@
 """From which clock edge to which a design's registers hand on, and how much time there is."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -19,14 +20,39 @@ for _name in ("ALTDDIO_OUT", "altddio_out"):
     _REGISTERS[_name] = ("outclock", ("datain_h", "datain_l"), ())
 for _name in ("ALTDDIO_IN", "altddio_in"):
     _REGISTERS[_name] = ("inclock", (), ("dataout_h", "dataout_l"))
+for _name in ("altera_std_synchronizer", "altera_std_synchronizer_bundle"):
+    _REGISTERS[_name] = ("clk", ("din",), ("dout",))
 _THROUGH = {"$not", "$_NOT_", "altiobuf_in", "altiobuf_out"}    # a clock goes through these
 _LOOPS = {"altpll": "clk", "altera_pll": "outclk"}              # and their outputs
+_SETTINGS = re.compile(r"(\b(?:altpll|altera_pll|sld_virtual_jtag)\b) #\(.*?\)(?= \w+ \()", re.S)
 _STUBS = """
 (* blackbox *) module ALTDDIO_OUT #(parameter WIDTH = 1) (input [WIDTH-1:0] datain_h, datain_l,
     input outclock, output [WIDTH-1:0] dataout); endmodule
 (* blackbox *) module ALTDDIO_IN #(parameter WIDTH = 1) (input [WIDTH-1:0] datain, input inclock,
     output [WIDTH-1:0] dataout_h, dataout_l); endmodule
 (* blackbox *) module DFF (input d, clk, clrn, prn, output q); endmodule
+(* blackbox *) module altddio_out #(parameter width = 1) (input [width-1:0] datain_h, datain_l,
+    input outclock, output [width-1:0] dataout); endmodule
+(* blackbox *) module altera_std_synchronizer #(parameter depth = 3) (input clk, reset_n, din,
+    output dout); endmodule
+(* blackbox *) module altera_std_synchronizer_bundle #(parameter width = 1, depth = 3) (
+    input clk, reset_n, input [width-1:0] din, output [width-1:0] dout); endmodule
+(* blackbox *) module altiobuf_in #(parameter enable_bus_hold = "", use_differential_mode = "",
+    parameter number_of_channels = 1) (
+    input [number_of_channels-1:0] datain, output [number_of_channels-1:0] dataout); endmodule
+(* blackbox *) module altiobuf_out #(parameter enable_bus_hold = "", use_differential_mode = "",
+    parameter use_oe = "", number_of_channels = 1) (
+    input [number_of_channels-1:0] datain, oe, output [number_of_channels-1:0] dataout); endmodule
+(* blackbox *) module altiobuf_bidir #(parameter enable_bus_hold = "", use_differential_mode = "",
+    parameter number_of_channels = 1) (
+    input [number_of_channels-1:0] datain, oe, output [number_of_channels-1:0] dataout,
+    inout [number_of_channels-1:0] dataio); endmodule
+(* blackbox *) module altpll (input [1:0] inclk, input areset, output [4:0] clk, output locked);
+    endmodule
+(* blackbox *) module altera_pll (input refclk, rst, fbclk, output [4:0] outclk, output locked);
+    endmodule
+(* blackbox *) module sld_virtual_jtag (input ir_out, output tck, tdi, input tdo,
+    output virtual_state_cdr, virtual_state_sdr, virtual_state_udr); endmodule
 """
 
 
@@ -41,7 +67,7 @@ class Edge:
 @dataclass(frozen=True, order=True)
 class Transfer:
     """A register, and one that takes its value through logic or a wire, by the names of what they
-    drive, and the edges that clock them."""
+    drive, and the edges that clock them. A synchroniser is its first register, "...|din_s1"."""
     source: str
     launch: Edge
     sink: str
@@ -84,6 +110,7 @@ def transfers(texts, top, folder, files=()):
     files : sequence of str
         Files that the Verilog reads; what is in them does not matter.
     """
+    texts = {name: _SETTINGS.sub(r"\1", text) for name, text in texts.items()}
     for name, text in (texts | {"stubs.v": _STUBS} | dict.fromkeys(files, "0\n")).items():
         (folder / name).write_text(text)
     script = (f"read_verilog {' '.join([*texts, 'stubs.v'])}; hierarchy -top {top}; proc; flatten; "
@@ -119,7 +146,10 @@ class _Netlist:
         self.sources |= {bit: (self.names[bit], edge) for bit in driven}
         if inputs:
             shown = self.names[driven[0]] if driven else name
-            self.sinks.append((shown, edge, [bit for port in inputs for bit in wires.get(port, ())]))
+            if cell["type"].startswith("altera_std"):
+                shown = f"{name}|din_s1"
+            read = [bit for port in inputs for bit in wires.get(port, ())]
+            self.sinks.append((shown, edge, read))
 
     def _edge(self, bit, falls):
         """The edge that a net is: clocks go through inverters and input buffers."""
