@@ -113,6 +113,19 @@ def test_every_port_bit_has_its_own_pin(folders, name):
     assert {to: f"PIN_{pin}" for to, pin in table.items()} == pins
 
 
+@pytest.mark.parametrize("name", BOARDS)
+def test_no_input_of_a_header_floats(folders, name):
+    """Without camera or adaptor. The pixel clock's pin has no pull-up, and RS-232 has a receiver."""
+    pins, calls = pins_of(folders[name], name)
+    up = {call[2] for call in calls if call[0] == "set_instance_assignment" and call[1] == "-to"
+          and call[3:5] == ["-name", "WEAK_PULL_UP_RESISTOR"]}
+    wanted = {pin for pin in pins if pin.startswith(("camera_0__d_", "camera_0__lval",
+                                                     "camera_0__fval", "camera_0__s"))
+              and "standby" not in pin}
+    wanted |= {"uart_0__rx__io"} - ({"uart_0__rx__io"} if name == "de2-115" else set())
+    assert len(wanted) >= 16 and wanted - up == set()
+
+
 def test_the_constraints_name_what_the_verilog_has(whole):
     """Loops with so many outputs, registers and synchronisers by their names; and every port of the
     top has a pin."""

@@ -31,8 +31,8 @@ FREE = {
     "led_*": (("to",), "seen by eye"),
     "uart_0__rx__io": (("from",), "a serial line has no clock; behind a synchroniser"),
     "uart_0__tx__io": (("to",), "a serial line has no clock"),
-    "camera_0__scl__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
-    "camera_0__sda__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
+    "camera_0__scl__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
+    "camera_0__sda__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
     "camera_0__reset_n__io": (("to",), "changes once"),
     "camera_0__standby__io": (("to",), "constant"),
     "vga_0__sync_n__io": (("to",), "constant"),
@@ -41,8 +41,8 @@ FREE = {
     "eth_rgmii_0__mdc__io": (("to",), "2.5 MHz at most, bit by bit by the processor"),
     "eth_rgmii_0__mdio__io": (("from", "to"), "with it; behind a synchroniser"),
     "eth_rgmii_0__rst__io": (("to",), "changes once"),
-    "hdmi_0__scl__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
-    "hdmi_0__sda__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
+    "hdmi_0__scl__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
+    "hdmi_0__sda__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
 }
 """Ports without timing: whether paths begin or end there, and why they have none."""
 

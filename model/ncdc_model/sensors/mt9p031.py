@@ -20,6 +20,7 @@ from ncdc_model.sensors.sensor import (
     pattern_mode,
     resolved,
 )
+from ncdc_model.sensors.waking import Waking
 
 __all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_SIZE",
            "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN", "MIRROR_COLUMN",
@@ -89,7 +90,9 @@ SENSOR = Sensor(
                   gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096),
     test_patterns=TEST_PATTERN_MODES,
     user_registers=(SHUTTER_UPPER, SHUTTER_LOWER, *COLOUR_GAINS, GLOBAL_GAIN, TEST_PATTERN,
-                    *(address for address, _ in TEST_COLOURS.values()), _BAR_WIDTH))
+                    *(address for address, _ in TEST_COLOURS.values()), _BAR_WIDTH),
+    waking=Waking(reset_us=1000, rest_us=0, rest_clocks=850_000,
+                  source="Linux, drivers/media/i2c/mt9p031.c, mt9p031_power_on"))
 
 
 def line_clocks(columns):

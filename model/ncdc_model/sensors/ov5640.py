@@ -27,6 +27,7 @@ from ncdc_model.sensors.sensor import (
     pattern_mode,
     resolved,
 )
+from ncdc_model.sensors.waking import Waking
 
 __all__ = ["SENSOR", "setup"]
 
@@ -64,7 +65,9 @@ SENSOR = Sensor(
                   pixel_clock_hz=96_000_000, frame_lines=_MOST_LINES),
     # L, 0x503D: bit 7 on, bits 3..2 kind of bars, bits 1..0 bars or squares.
     test_patterns={"ColorBar": 0x80},
-    user_registers=(0x3500, 0x3501, 0x3502, 0x350A, 0x350B, 0x503D))    # exposure, gain, pattern
+    user_registers=(0x3500, 0x3501, 0x3502, 0x350A, 0x350B, 0x503D),    # exposure, gain, pattern
+    waking=Waking(reset_us=1000, rest_us=20_000, rest_clocks=0,
+                  source="DS, section 2.7, power up sequence, t3 and t4, as L repeats them"))
 
 
 def setup(settings):

@@ -5,6 +5,7 @@ from fractions import Fraction
 from math import log10
 
 from ncdc_model.errors import InputError
+from ncdc_model.sensors.waking import Waking
 
 __all__ = ["Limits", "Sensor", "Settings", "Setup", "Timing", "Write", "bayer_at", "check_window",
            "exposure_lines", "factor_of", "frame_lines", "pattern_mode", "resolved"]
@@ -80,6 +81,8 @@ class Sensor:
     user_registers : tuple of int
         Registers that any user of a network may write: exposure, gain and test pattern. None of
         them changes size, position, skipping, clock or Bayer phase of a frame.
+    waking : Waking
+        Reset and rest before the first access.
     """
     name: str
     title: str
@@ -98,6 +101,7 @@ class Sensor:
     limits: Limits
     test_patterns: dict = field(default_factory=dict)
     user_registers: tuple = ()
+    waking: Waking = None
 
 
 @dataclass(frozen=True)
