@@ -94,7 +94,11 @@ class Waker(wiring.Component):
         m.d.comb += over.eq((left == 0) & self.ready & (setting | self.enabled))
         with m.If(self.bad):
             m.d.sync += odd.eq(1)
-        with m.If(self.came | ~self.ready):
+        started = Signal()                  # the programs are out of their reset, and busy
+        ends = Signal()                     # the set-up does
+        m.d.sync += started.eq(self.ready & ~restart)
+        m.d.comb += ends.eq(started & setting & ~self.busy & ~restart)
+        with m.If(self.came | ~self.ready | ends):
             m.d.sync += [left.eq(watch - 1), watches.eq(0), odd.eq(0), due.eq(0)]
         with m.Elif(over):
             m.d.sync += [left.eq(watch - 1), watches.eq(watches + 1),
@@ -112,9 +116,7 @@ class Waker(wiring.Component):
         with m.If(restart):
             m.d.sync += [setting.eq(1), pressed.eq(0),
                          self.trouble.eq(due | silent | self.trouble)]
-        started = Signal()                  # the programs are out of their reset, and busy
-        m.d.sync += started.eq(self.ready & ~restart)
-        with m.If(started & setting & ~self.busy & ~restart):
+        with m.If(ends):
             m.d.sync += [setting.eq(0), self.trouble.eq(0)]
         return m
 
