@@ -21,7 +21,7 @@ DOMAINS = {"pixel_clk": "pixel_clk", "pixel_rst": "pixel_clk",
                             "sensor__data"), "sensor_clock"),
            "jtag_clk": "jtag_clk", **dict.fromkeys(
                (f"scan__{name}" for name in ("tdi", "capture", "shift", "update")), "jtag_clk"),
-           **dict.fromkeys(("scl", "sda", "receive", *BUTTONS), "")}
+           **dict.fromkeys(("scl", "sda", "receive", "again", *BUTTONS), "")}
 
 
 @pytest.fixture(scope="module")
