@@ -115,7 +115,7 @@ def test_every_port_bit_has_its_own_pin(folders, name):
 
 @pytest.mark.parametrize("name", BOARDS)
 def test_no_input_of_a_header_floats(folders, name):
-    """Without camera or adaptor. The pixel clock's pin has no pull-up, and RS-232 has a receiver."""
+    """Without camera or adaptor. A clock network has no pull-up, and RS-232 has a receiver."""
     pins, calls = pins_of(folders[name], name)
     up = {call[2] for call in calls if call[0] == "set_instance_assignment" and call[1] == "-to"
           and call[3:5] == ["-name", "WEAK_PULL_UP_RESISTOR"]}
