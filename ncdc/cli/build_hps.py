@@ -17,6 +17,7 @@ from ncdc_model.files import check_outputs, write_text
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import BGR8, output_format
 from ncdc_model.interface.system_values import memory_bytes
+from ncdc_model.sensors.waking import wake_times
 
 __all__ = ["build_hps"]
 
@@ -74,4 +75,5 @@ def _designed(args, board, named):
         raise InputError(f"the frames take {needed / 1e6:.1f} MB, {there / 1e6:.1f} MB of the "
                          f"{board.name} are kept for them: a smaller picture fits")
     pixel = output_format(system.hardware.format).pixel_bytes
-    return HpsDesign(board, system, mode, pixel, clocks), setup, corner
+    reset_us, _ = wake_times(setup.sensor.waking, setup.settings.clock_hz)
+    return HpsDesign(board, system, mode, pixel, clocks, reset_us), setup, corner

@@ -41,7 +41,7 @@ def last_screen(name, path, photo, run_us):
     light = moving_photo(descriptor, setup, (left, top), photo, _FRAMES, (12, 0))
     hardware, _ = planned(hardware_for(on), Fixed(None, None, None), descriptor)
     design = design_of(on, [(path, descriptor)], sensor, mode_for(*g.corrected), hardware=hardware,
-                       power_up_us=20, waits=False)
+                       hurry=1000, waits=False, i2c_hz=400_000)
     run = simulate_board(design, "mt9p031", light, run_us=run_us, optimise="-O2")
     raw = levelled(raw_frames(setup, light), setup.sensor.black)
     raw = raw[:, top:top + g.distorted_height, left:left + g.distorted_width]

@@ -133,6 +133,11 @@ static int sensor_write(const struct write *write)
 
 int sensor_set_up(void)
 {
+	uint32_t woken = now32();
+
+	/* Its reset may have ended as the firmware began. */
+	while (now32() - woken < SENSOR_REST_CLOCKS)
+		;
 	if (sensor_read(SENSOR_ID_ADDRESS) != SENSOR_ID)
 		return -1;
 	for (unsigned k = 0; k + 1 < WRITES; ++k) {

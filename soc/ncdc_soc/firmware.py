@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+from ncdc_boards.camera_board.set_up import I2C_HZ
+from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.link.processor import LINK_BASE
 from ncdc_model.errors import InputError
 from ncdc_model.interface import gvcp, gvcp_tables, gvsp
@@ -21,6 +23,7 @@ from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.system_map import system_registers
 from ncdc_model.interface.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_model.sensors import mt9p031
+from ncdc_model.sensors.waking import wake_times
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
 from ncdc_soc.processor import MAP
@@ -29,7 +32,7 @@ __all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
 
 FIRMWARE = Path(__file__).resolve().parents[1] / "firmware"
 _COMPILER = "riscv64-unknown-elf-gcc"
-_I2C_QUARTER = 8            # clocks, the least: in simulation nobody waits for a slow bus
+_I2C_QUARTER_LEAST = 8      # clocks
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
 _SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
@@ -77,7 +80,7 @@ class Identity:
         return self.mac.replace(":", "").upper()
 
 
-def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up=True,
+def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up=1,
            first_reader=0):
     """Text of ``config.h``: all that the C does not know of itself.
 
@@ -92,21 +95,22 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
     corner : (int, int)
         Column and row of the sensor's frame at which raw frames begin.
     identity : Identity
-    sets_up : bool
-        The firmware sets up camera and sensor; else somebody else has.
+    sets_up : int
+        The firmware sets up camera and sensor, with the sensor's times and the I2C bus so many
+        times faster than on a board: 1, more in simulations. 0: another part of the design does.
     first_reader : int
         Of the readers of frames, the first that is the firmware's.
     """
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
         **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup),
-        **_sensor(setup),
+        **_sensor(setup, soc.clock_hz, max(1, sets_up)),
         **_protocols(identity, soc.clock_hz),
-        "SETS_UP": int(sets_up), "FIRST_READER": f"{first_reader}u"}.items()]
+        "SETS_UP": int(sets_up > 0), "FIRST_READER": f"{first_reader}u"}.items()]
     lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in _features())
                  + "};")
     lines += [f"#define CONFIG_CHOICES {_choices()}", f"#define CONFIG_FEATURES {_table()}",
-              f"#define SYSTEM_SETTINGS {_settings(system, setup, corner)}"]
+              f"#define SYSTEM_SETTINGS {_settings(system, setup, corner, _quarter(soc, sets_up))}"]
     return "\n".join([*lines, "#endif"]) + "\n"
 
 
@@ -168,15 +172,24 @@ def _pictures(system, setup):
         "RATE_TENTHS_MAX": f"{max(rate, feature('AcquisitionFrameRate').high)}u"}
 
 
-def _sensor(setup):
+def _quarter(soc, sets_up):
+    """Clocks of a quarter of a bit of the I2C bus, with ``sets_up`` of :func:`config`."""
+    return max(_I2C_QUARTER_LEAST, quarter_clocks(soc.clock_hz, I2C_HZ) // max(1, sets_up))
+
+
+def _sensor(setup, clock_hz, hurry):
     sensor = setup.sensor
+    # Its reset pin is not the firmware's: whatever ends it, the firmware begins with it or later.
+    awake_us = sum(wake_times(sensor.waking, setup.settings.clock_hz))
     (identity, value), *_ = sensor.chip_id
     writes = [f"{{0x{w.register:x}, 0x{w.value:x}, {w.wait_us}}}" for w in setup.writes]
     return {
         "SENSOR_I2C": _hex(sensor.i2c_address), "SENSOR_POINTER_BITS": sensor.pointer_bits,
         "SENSOR_VALUE_BITS": sensor.value_bits, "SENSOR_ID_ADDRESS": _hex(identity),
         "SENSOR_ID": _hex(value)[:-1], "SENSOR_SET_UP": _braced(writes),
-        "SENSOR_WAIT_CLOCKS": "1u", "SENSOR_USER": _braced(
+        "SENSOR_WAIT_CLOCKS": f"{max(1, -(-clock_hz // (10**6 * hurry)))}u",
+        "SENSOR_REST_CLOCKS": f"{awake_us * clock_hz // (10**6 * hurry)}u",
+        "SENSOR_USER": _braced(
             _braced([_hex(one.address), _hex(one.mask), _hex(low), _hex(high)])
             for one in sensor.user_registers for low, high in one.ranges),
         "SENSOR_LAST": _hex(_SENSOR_LAST), "SENSOR_SHUTTER_UPPER": _hex(mt9p031.SHUTTER_UPPER),
@@ -276,12 +289,12 @@ def _table():
     return _braced(rows)
 
 
-def _settings(system, setup, corner):
+def _settings(system, setup, corner, quarter):
     """Registers of the camera, before the sensor is set up."""
     values = {
         "SENT_WIDTH": setup.timing.width, "SENT_HEIGHT": setup.timing.height,
         "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
-        "CLOCK_LIMIT": 2 * setup.timing.frame_clocks, "I2C_QUARTER": _I2C_QUARTER}
+        "CLOCK_LIMIT": 2 * setup.timing.frame_clocks, "I2C_QUARTER": quarter}
     places = {r.name: r.address for r in system_registers(system.stores)}
     return _braced(_braced([_hex(MAP["ncdc"] + 4 * places[name]), _hex(value)])
                    for name, value in values.items())

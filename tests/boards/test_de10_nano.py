@@ -236,6 +236,66 @@ def test_frames_lie_apart_in_the_memory_kept_for_them(host, project):
         started(host, project, frame_bytes=102399)
 
 
+HANDOFF = 0x1FF     # that U-Boot's bridge enable writes: qts/sdram_config.h of its de10-nano
+FPGAPORTRST = 0xFFC25080
+
+
+def test_each_memory_port_is_asked_for_its_reset(project):
+    """The bits are those of the ports that the system has, and U-Boot's handoff lacks some."""
+    resets = json.loads((project / "ncdc_board.json").read_text())["port_resets"]
+    processor = {call[2]: call[3] for call in recorded("qsys", project / "ncdc_qsys.tcl")
+                 if call[0] == "set_instance_parameter_value" and call[1] == "hps_0"}
+    kinds = re.split(r"(?<!\\) ", processor["F2SDRAM_Type"])
+    assert (resets["address"], resets["all"]) == (FPGAPORTRST, 0x3FFF)
+    commands = sum(bits & 0x3F00 for bits in resets["used"].values())
+    assert commands == sum(0x100 << k for k in range(len(kinds)))
+    for low, way in ((0, "Read"), (4, "Write")):
+        queues = sum(bits >> low & 0xF for bits in resets["used"].values())
+        assert queues == (1 << sum(way in kind for kind in kinds)) - 1
+    assert {name for name, bits in resets["used"].items() if bits & ~HANDOFF} == {"write", "screen"}
+
+
+def opened(host, project, folder, value):
+    """The board's module opens the board, whose memory controller has this word; the word then."""
+    module, _ = host
+    memory, registers = folder / "mem", folder / "uio0"
+    with memory.open("wb") as file:
+        file.truncate(0x1_0000_0000)            # of 4 GB, without a block on the disk
+        file.seek(FPGAPORTRST)
+        file.write(value.to_bytes(4, "little"))
+    registers.write_bytes(bytes(1 << 17))
+    module.open_board(str(registers), str(project / "ncdc_board.json"), str(memory))
+    with memory.open("rb") as file:
+        file.seek(FPGAPORTRST)
+        return int.from_bytes(file.read(4), "little")
+
+
+def test_memory_ports_leave_their_resets_and_it_is_said(host, project, tmp_path, capsys):
+    assert opened(host, project, tmp_path, HANDOFF) == 0x3FFF
+    assert capsys.readouterr().out == ("memory ports write, screen were in reset: 0x3fff is "
+                                       "written to 0xffc25080\n")
+    assert opened(host, project, tmp_path, 0x3FFF) == 0x3FFF
+    assert capsys.readouterr().out == ""
+
+
+def test_a_memory_port_that_stays_in_reset_is_an_error(host, project):
+    class Stuck(list):
+        def __setitem__(self, at, value):
+            super().__setitem__(at, value & ~0x400)
+
+    resets = json.loads((project / "ncdc_board.json").read_text())["port_resets"]
+    with pytest.raises(OSError, match="the memory ports screen stay in reset: 0xffc25080 reads "
+                                      "0x3bff after 0x3fff was written; load the bitstream"):
+        host[0].release_ports(Stuck([0]), resets)
+
+
+def test_the_project_makes_what_u_boot_loads(project):
+    settings = [call[2:4] for call in recorded("qsf", project / f"{NAME}.qsf")
+                if call[0] == "set_global_assignment"]
+    for name in ("GENERATE_RBF_FILE", "ON_CHIP_BITSTREAM_DECOMPRESSION"):
+        assert [name, "ON"] in settings
+
+
 def test_the_page_has_the_command_and_the_files(project):
     page = (Path(__file__).parents[2] / "docs" / "de10_nano.md").read_text()
     assert "    ncdc build net.toml --board de10-nano -o board\n" in page

@@ -9,12 +9,12 @@ import pytest
 from amaranth.back import verilog
 
 from cameras import barrel_descriptor
-from constraints import complaints
+from constraints import complaints, unlimited
 from ncdc.cli import main
 from ncdc_boards.camera_board.design import design_of, sensor_for
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
-from ncdc_boards.quartus.sdc import FREE
+from ncdc_boards.quartus.sdc import FREE, GRAY_COUNTERS
 from ncdc_hdl.video.modes import mode_named
 from quartus_files import TCL, directions, pins_of, recorded
 
@@ -60,7 +60,8 @@ def test_every_port_is_constrained_or_free(folders, name):
     assert complaints(calls, directions(folder, name), FREE, LOOPS) == []
     clocks = {call[call.index("-name") + 1] for call in calls if "clock" in call[0] and
               "-name" in call}
-    assert clocks == {"clk50_0__io", "sensor", "sdram_pin", "sensor_reference_pin", "jtag"} | (
+    assert clocks == {"clk50_0__io", "sensor", "sdram_pin", "sensor_reference_pin",
+                      "altera_reserved_tck"} | (
         {"vga_pin"} if board(name).dac else set())
 
 
@@ -87,6 +88,18 @@ def test_the_checker_finds_what_is_planted(whole, tmp_path, old, new, said):
     assert any(said in sentence for sentence in found), found
 
 
+CORE_NS = 40 / 3        # the core's period, the shortest of those that a queue joins
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_each_gray_counter_has_a_limit_that_false_paths_do_not_end(folders, name):
+    calls = recorded("sdc", folders[name] / f"{project_name(board(name))}.sdc")
+    assert len(GRAY_COUNTERS) == 2 and unlimited(calls, GRAY_COUNTERS, CORE_NS) == []
+    assert unlimited([call for call in calls if call[0] != "set_net_delay"], GRAY_COUNTERS,
+                     CORE_NS) == list(GRAY_COUNTERS)
+    assert unlimited(calls, GRAY_COUNTERS, CORE_NS / 2) == list(GRAY_COUNTERS)
+
+
 @pytest.mark.parametrize("name", BOARDS)
 def test_every_port_bit_has_its_own_pin(folders, name):
     pins, calls = pins_of(folders[name], name)
@@ -98,6 +111,19 @@ def test_every_port_bit_has_its_own_pin(folders, name):
     table = dict(re.findall(r"^\| `([^`]+)` \| (\w+) \|", (folders[name] / "PORTS.md").read_text(),
                             re.M))
     assert {to: f"PIN_{pin}" for to, pin in table.items()} == pins
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_no_input_of_a_header_floats(folders, name):
+    """Without camera or adaptor. A clock network has no pull-up, and RS-232 has a receiver."""
+    pins, calls = pins_of(folders[name], name)
+    up = {call[2] for call in calls if call[0] == "set_instance_assignment" and call[1] == "-to"
+          and call[3:5] == ["-name", "WEAK_PULL_UP_RESISTOR"]}
+    wanted = {pin for pin in pins if pin.startswith(("camera_0__d_", "camera_0__lval",
+                                                     "camera_0__fval", "camera_0__s"))
+              and "standby" not in pin}
+    wanted |= {"uart_0__rx__io"} - ({"uart_0__rx__io"} if name == "de2-115" else set())
+    assert len(wanted) >= 16 and wanted - up == set()
 
 
 def test_the_constraints_name_what_the_verilog_has(whole):
@@ -119,7 +145,7 @@ def test_the_constraints_name_what_the_verilog_has(whole):
     assert {port.strip() for port in top.split(",")} == {bit.partition("[")[0] for bit in pins}
 
 
-def quartus(folder, tmp_path, slack, clocks):
+def quartus(folder, tmp_path, slack, clocks, skew="0.2"):
     """What build.sh ends with, with scripts in place of Quartus's programs."""
     tools = tmp_path / "bin"
     tools.mkdir(exist_ok=True)
@@ -130,15 +156,20 @@ def quartus(folder, tmp_path, slack, clocks):
         script.chmod(0o755)
     return subprocess.run(["sh", folder / "build.sh"], text=True, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, env=os.environ | {
-        "PATH": f"{tools}:{os.environ['PATH']}", "SLACK": slack, "CLOCKS": clocks})
+        "PATH": f"{tools}:{os.environ['PATH']}", "SLACK": slack, "CLOCKS": clocks, "SKEW": skew})
 
 
-def test_the_script_fails_on_negative_slack(whole, tmp_path):
-    clocks = "clk50_0__io sensor sdram_pin sensor_reference_pin vga_pin jtag"
+def test_the_script_fails_on_negative_slack_and_on_skew(whole, tmp_path):
+    clocks = "clk50_0__io sensor sdram_pin sensor_reference_pin vga_pin altera_reserved_tck"
     good = quartus(whole, tmp_path, "0.1", clocks)
     assert good.returncode == 0 and "the least slack is 0.1 ns" in good.stdout, good.stdout
     bad = quartus(whole, tmp_path, "-0.25", clocks)
     assert bad.returncode and "the design misses its timing by 0.25 ns" in bad.stdout
+    for source, sink in GRAY_COUNTERS:
+        assert f"skew from {source} to {sink}: 0.25" in good.stdout
+    apart = quartus(whole, tmp_path, "0.1", clocks, skew="10.75")
+    assert apart.returncode and re.search(
+        r"bits of \*\|produce_w_gry\* arrive 10.75 ns apart, 10.667 at most", apart.stdout)
     lost = quartus(whole, tmp_path, "0.1", clocks.replace(" vga_pin", ""))
     assert lost.returncode and "there is no clock vga_pin" in lost.stdout
 

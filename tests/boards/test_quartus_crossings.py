@@ -21,7 +21,7 @@ DOMAINS = {"pixel_clk": "pixel_clk", "pixel_rst": "pixel_clk",
                             "sensor__data"), "sensor_clock"),
            "jtag_clk": "jtag_clk", **dict.fromkeys(
                (f"scan__{name}" for name in ("tdi", "capture", "shift", "update")), "jtag_clk"),
-           **dict.fromkeys(("scl", "sda", "receive", *BUTTONS), "")}
+           **dict.fromkeys(("scl", "sda", "receive", "again", *BUTTONS), "")}
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def unnamed(crossings, sdc):
     """Crossings that no constraint names: not into a synchroniser or the reset of one, nor from
     what a false path begins at."""
     cut = re.findall(r"set_false_path -from \[get_registers {\*:([\w|]+)\*}\] -to .get_clocks", sdc)
-    skewed = re.findall(r"set_max_skew -from \[get_registers {\*\|(\w+)\*}\]", sdc)
+    skewed = re.findall(r"set_net_delay .*-from \[get_registers {\*\|(\w+)\*}\]", sdc)
     found = []
     for crossing in crossings:
         source = crossing.source.replace(".", "|")
@@ -65,6 +65,6 @@ def test_every_crossing_is_named(design):
         or sink in ("picture", "scan__tdo") or "consume_buffered_cdc" in sink)}
     assert left == set()
     # Without the constraints on settings and counters they are found.
-    less = re.sub(r"set_(max_skew|false_path -from).*\n", "", sdc)
+    less = re.sub(r"set_(net_delay|false_path -from).*\n", "", sdc)
     assert {c.source.split(".")[-1] for c in unnamed(crossings, less)} >= {
         "values", "produce_w_gry", "consume_r_gry", "request", "answer"}

@@ -7,13 +7,13 @@ import pytest
 from amaranth.back import verilog
 
 from cameras import barrel_descriptor
-from constraints import complaints
+from constraints import complaints, unlimited
 from ncdc.cli import main
 from ncdc_boards.camera_board.design import design_of, sensor_for
 from ncdc_boards.camera_board.ethernet import MODULE
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus.project import project_files
-from ncdc_boards.quartus.sdc import FREE
+from ncdc_boards.quartus.sdc import FREE, GRAY_COUNTERS, PROCESSOR_GRAY_COUNTERS
 from ncdc_hdl.video.modes import mode_named
 from ncdc_soc.board import board_processor
 from peers import need
@@ -54,6 +54,15 @@ def test_every_port_is_constrained_or_free(folder):
     clocks = {call[call.index("-name") + 1] for call in calls if "clock" in call[0]
               and "-name" in call}
     assert {"eth_rgmii_0__rx_clk__io", "ethernet_pin"} <= clocks
+
+
+def test_each_gray_counter_has_a_limit_and_is_asked_for(folder):
+    calls = recorded("sdc", folder / "ncdc_de2_115.sdc")
+    assert len(PROCESSOR_GRAY_COUNTERS) == 1
+    assert unlimited(calls, PROCESSOR_GRAY_COUNTERS, 8) == []
+    script = (folder / "check_timing.tcl").read_text()
+    for source, sink in (*GRAY_COUNTERS, *PROCESSOR_GRAY_COUNTERS):
+        assert f"{{{source}}} {{{sink}}} " in script
 
 
 @pytest.mark.parametrize("old,new,said", [

@@ -16,7 +16,8 @@ litex = pytest.importorskip("litex_boards.platforms.radiona_ulx3s")
 # boards from version 2 on, where the latter is the ESP32's enable.
 LITEX = {
     "clk25": ("clk25", 0, None), "uart.rx": ("serial", 0, "rx"), "uart.tx": ("serial", 0, "tx"),
-    "button_fire": ("user_btn", 1, None), "button_left": ("user_btn", 5, None),
+    "button_down": ("user_btn", 4, None), "button_fire": ("user_btn", 1, None),
+    "button_left": ("user_btn", 5, None),
     "button_right": ("user_btn", 6, None), "hdmi.clk": ("gpdi", 0, "clk_p"),
     "hdmi.d0": ("gpdi", 0, "data0_p"), "hdmi.d1": ("gpdi", 0, "data1_p"),
     "hdmi.d2": ("gpdi", 0, "data2_p"), "sdram.clk": ("sdram_clock", 0, None),
@@ -76,7 +77,7 @@ def test_every_resource_that_the_top_asks_for_is_compared():
     asked = set(re.findall(r'request\((?:platform, )?"(\w+)"', text))
     asked |= set(re.findall(r'"(button_\w+)"', text))
     compared = {"led" if name.startswith("led") else name.partition(".")[0] for name in LITEX}
-    assert asked == compared | {"camera"} and len(asked) == 10
+    assert asked == compared | {"camera"} and len(asked) == 11
 
 
 def test_a_wrong_pin_is_found(placed):

@@ -301,3 +301,44 @@ def test_reset_completes_the_burst(data_width, strip, form, seed):
     assert log[-len(second):] == second
     assert log[:-len(second)] == list(
         bursts(BASES[0], size, strip, word, form))[:len(log) - len(second)]
+
+
+@pytest.mark.parametrize("kind", ["whole", "refused", "misaligned", "outside once"])
+def test_the_packer_itself_keeps_a_wrong_frame_from_memory(kind):
+    """Whatever lets it begin: of a frame that is refused, or whose base is no word's, or that was
+    outside its place once, it sends a void word for the end and nothing else."""
+    dut, sent, size = Packer(32), [], (8, 4)
+    pixels = np.random.default_rng(3).integers(0, 256, (size[1], size[0], 3))
+
+    class Bench:
+        packer = dut
+
+    async def source(ctx):
+        ctx.set(dut.o.ready, 1)
+        await begin(ctx, Bench, 64 + 2 * (kind == "misaligned"), size, 0, BGRX8)
+        if kind == "refused":
+            ctx.set(dut.refuse, 1)
+            await ctx.tick()
+        if kind == "outside once":
+            ctx.set(dut.limit, 64)
+        for k, item in enumerate(groups(pixels, 0, 1)):
+            ctx.set(dut.limit, 64 if kind == "outside once" and k == 0 else 4096)
+            ready = False
+            while not ready:
+                ctx.set(dut.i.payload, item)
+                ctx.set(dut.i.valid, 1)
+                _, _, ready = await ctx.tick().sample(dut.i.ready)
+            ctx.set(dut.i.valid, 0)
+        await ctx.tick().repeat(4)
+
+    async def sink(ctx):
+        while True:
+            _, _, valid, word = await ctx.tick().sample(dut.o.valid, dut.o.payload)
+            if valid:
+                sent.append((word.void, word.last))
+
+    run_bench(dut, source, background=(sink,), results=())
+    if kind == "whole":
+        assert sent == [(0, 0)] * (size[0] * size[1] - 1) + [(0, 1)]
+    else:
+        assert sent == [(1, 1)]

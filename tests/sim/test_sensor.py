@@ -7,7 +7,7 @@ import sensors
 from kept import run_cocotb
 from ncdc_model.sensors.catalogue import SENSORS, sensor_named
 from ncdc_sim.cocotb_run import Design
-from ncdc_sim.sensor.verilog import Fault
+from ncdc_sim.sensor.verilog import AWAKE, Fault
 from ncdc_sim.tools import SimulationError
 from sensors import controlled, random_light, run_sensor, with_lines
 
@@ -74,7 +74,7 @@ def test_a_fault_is_in_its_row_and_the_next_frame_is_right(kind):
         ("mt9p031", "stuck_sda"), ("ov5640", ""), ("mt9d111", "")))])
 def test_our_controller_sets_it_up(name, fault):
     # The chip id takes two STARTs a register.
-    plusargs = Fault(fault, start=2).plusargs() if fault else []
+    plusargs = [f"+sensor_hurry={AWAKE}"] + (Fault(fault, start=2).plusargs() if fault else [])
     run_cocotb(controlled(name), "sensor_control", "verilator", plusargs=plusargs, sensor=name,
                asked=SMALL, fault=fault)
 

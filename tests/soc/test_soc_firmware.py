@@ -1,5 +1,6 @@
 """The firmware: its size, and the same C on this machine under sanitizers, fed with anything."""
 
+import re
 import subprocess
 
 import pytest
@@ -9,6 +10,7 @@ from ncdc_model.hardware import Hardware
 from ncdc_model.sensors.framing import setup_around
 from ncdc_soc.core import SocCore
 from ncdc_soc.firmware import FIRMWARE, config, firmware_image, host_program
+from ncdc_soc.processor import MAP
 from ncdc_soc.soc import soc_verilog
 from peers import need
 
@@ -23,6 +25,23 @@ def soc():
     verilog = soc_verilog(core)
     return verilog, config(core.system, core.packetiser.capacity, verilog,
                            *setup_around("mt9p031", descriptor.geometry))
+
+
+def test_the_sensor_gets_its_times_as_on_a_board(soc):
+    """But in simulations, which say by how much they are faster."""
+    verilog, text = soc
+    mhz = verilog.clock_hz // 10**6
+    values = dict(re.findall(r"^#define (\w+) (\d+)u$", text, re.M))
+    assert int(values["SENSOR_WAIT_CLOCKS"]) == mhz
+    assert int(values["SENSOR_REST_CLOCKS"]) >= 45_000 * mhz
+    core = SocCore(barrel_descriptor(), Hardware(bus="axi", format="BGR8"))
+    quarter = next(r.address for r in core.system.table if r.name == "I2C_QUARTER")
+    setting = f"{{{MAP['ncdc'] + 4 * quarter:#x}u, (0x\\w+)u}}"
+    assert int(re.search(setting, text)[1], 16) == mhz * 10 // 4      # 100 kHz
+    fast = config(core.system, core.packetiser.capacity, verilog,
+                  *setup_around("mt9p031", barrel_descriptor().geometry), sets_up=1000)
+    assert int(re.search(setting, fast)[1], 16) == 8
+    assert f"#define SENSOR_REST_CLOCKS {45 * mhz}u\n" in fast
 
 
 def test_it_fits(soc, tmp_path):

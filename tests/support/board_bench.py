@@ -31,7 +31,7 @@ class Bench:
         setup, (left, top) = self.sensor
         named = [("a", lenses[0]), ("b", lenses[1])]
         self.design = design_of(board(name), named if mode else named[:1], self.sensor, mode,
-                                power_up_us=20, waits=False, **more)
+                                **{"hurry": 1000, "waits": False, "i2c_hz": 400_000} | more)
         noise = np.random.default_rng(1).integers(0, 4096, (frames, size[1] + 4, size[0] + 4),
                                                   dtype=np.uint16)
         self.light = Light(noise)

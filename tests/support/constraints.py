@@ -3,7 +3,7 @@
 import re
 from fnmatch import fnmatchcase
 
-__all__ = ["complaints"]
+__all__ = ["complaints", "unlimited"]
 
 _COLLECTION = re.compile(r"<(\w+) ([^>]*)>")
 # What a false path may end at, besides the ports without timing: first registers of synchronisers,
@@ -141,3 +141,15 @@ def _cuts(sdc, free):
                       or kind == "clocks" and "-from" in words):
                 said.append(f"paths {end[1:]} {pattern} are cut")
     return cut, said
+
+
+def unlimited(calls, counters, period):
+    """Pairs of ``counters`` whose bits may cross apart by a period, in ns, or more.
+
+    What bounds them is the delay of their routes: of what is cut as well nothing else counts.
+    """
+    limits = {}
+    for words in _Sdc(calls, {}).of("set_net_delay"):
+        pair = tuple(_COLLECTION.fullmatch(option(words, end)).group(2) for end in ("-from", "-to"))
+        limits[tuple(pattern.strip("{}") for pattern in pair)] = float(option(words, "-max"))
+    return [pair for pair in counters if limits.get(pair, period) >= period]

@@ -9,6 +9,7 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from ncdc_boards.board import Board
 from ncdc_boards.camera_board.buttons import Chooser
+from ncdc_boards.camera_board.waking import Times, Waker
 from ncdc_boards.sdram.controller import SdramController
 from ncdc_boards.sdram.layouts import SdramPins
 from ncdc_hdl.avalon.bus import Agent, WriteHost
@@ -55,9 +56,11 @@ class Design:
         That the buttons choose from, without the raw picture.
     screen_burst : int
         Words that the screen reads at once, at most; 0 without one.
-    power_up_us : int
-        Microseconds from the clocks' lock until the sensor's reset ends, and from there until
-        the set-up begins.
+    times : Times
+        Of the sensor's reset, its rest, and the watch over its frames.
+    hurry : int
+        So many times faster pass the reset, the rest, and the pause before the sensor is asked
+        again: 1, more in simulations. The watch is as given.
     processor : bool
         There is a processor with Ethernet.
     """
@@ -69,7 +72,8 @@ class Design:
     programs: tuple
     lenses: int
     screen_burst: int
-    power_up_us: int = 2000
+    times: Times
+    hurry: int = 1
     processor: bool = False
 
     @property
@@ -107,9 +111,11 @@ class BoardCore(wiring.Component):
         If the design has a ``processor``.
     following, previous, raw : ``In(1)``
         Buttons, high while pressed, at any time; with a screen.
+    again : ``In(1)``
+        A button, likewise, that wakes the sensor and sets it up anew.
     lights : ``Out(8)``
-        The memory is ready; the set-up is over; the sensor did not answer; with a screen: the
-        memory was too slow for it; the number of the lens.
+        The memory is ready; the set-up is over; the sensor does not answer, or is set up anew as no
+        good frame came; with a screen: the memory was too slow for it; the number of the lens.
     """
 
     def __init__(self, design):
@@ -124,7 +130,7 @@ class BoardCore(wiring.Component):
                                       late=_WIRES_LATE)
         super().__init__({
             "sensor_clock": In(1), "sensor": In(PINS), "sensor_reset_n": Out(1),
-            "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1),
+            "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1), "again": In(1),
             "sdram": Out(SdramPins(board.chip)), "receive": In(1), "send": Out(1),
             **({"picture": Out(PICTURE), **dict.fromkeys(BUTTONS, In(1))} if screen else {}),
             "lights": Out(LIGHTS), **({"scan": In(Scan())} if board.jtag else {}),
@@ -145,14 +151,14 @@ class BoardCore(wiring.Component):
             m.d.comb += link.irq.eq(system.irq)
         connect(m, self.memory.pins, flipped(self.sdram))
         self._ports(m)
-        ready = self._sensor(m)
-        programs = self._registers(m, ready)
+        waker = self._sensor(m)
+        programs = self._registers(m, waker.ready)
+        m.d.comb += [waker.busy.eq(programs.busy), waker.failed.eq(programs.failures != 0)]
         shown = Const(0, 0)
         if self.screen:
             self._screen(m)
             shown = Cat(self.screen.underruns != 0, self._buttons(m, programs))
-        m.d.comb += self.lights.eq(Cat(self.memory.ready, ~programs.busy, programs.failures != 0,
-                                       shown))
+        m.d.comb += self.lights.eq(Cat(self.memory.ready, ~programs.busy, waker.trouble, shown))
         return m
 
     def _screen(self, m):
@@ -185,7 +191,7 @@ class BoardCore(wiring.Component):
             port.byteenable.eq(bus.byteenable), bus.waitrequest.eq(port.waitrequest)]
 
     def _sensor(self, m):
-        """The sensor; high once its reset and its rest behind it are over."""
+        """The sensor, and what wakes it."""
         system = self.design.system
         m.d.comb += [
             system.sensor_clock.eq(self.sensor_clock),
@@ -195,13 +201,21 @@ class BoardCore(wiring.Component):
             system.scl.eq(self.scl), system.sda.eq(self.sda),
             self.scl_low.eq(system.scl_low), self.sda_low.eq(system.sda_low),
         ]
-        wait = self.design.power_up_us * self.design.core_hz // 10**6
-        waited = Signal(range(2 * wait + 1))
-        with m.If(waited != 2 * wait):
-            m.d.sync += waited.eq(waited + 1)
-        # A register: a pin with logic before it could end the sensor's reset too early.
-        m.d.sync += self.sensor_reset_n.eq(waited >= wait)
-        return waited == 2 * wait
+        times, hurry = self.design.times, self.design.hurry
+        times = Times(times.reset_us // hurry, times.rest_us // hurry, times.watch_us)
+        m.submodules.waker = waker = Waker(times, self.design.core_hz)
+        # The pixel clock, slow enough to be looked at.
+        m.domains.pixel_clock = ClockDomain(local=True, reset_less=True)
+        m.d.comb += ClockSignal("pixel_clock").eq(self.sensor_clock)
+        count = Signal(4, name="pixel_clocks")
+        m.d.pixel_clock += count.eq(count + 1)
+        m.submodules.pixel_clock_cdc = FFSynchronizer(count[-1], waker.edge)
+        m.submodules.again_cdc = FFSynchronizer(self.again, waker.again)
+        m.d.comb += [
+            waker.came.eq(system.raw.came), waker.bad.eq(system.capture.ends
+                                                         & ~system.capture.good),
+            waker.enabled.eq(system.capture.enable), self.sensor_reset_n.eq(waker.reset_n)]
+        return waker
 
     def _registers(self, m, ready):
         """Who writes registers: the programs, hosts at the serial port and at the chain, and the
@@ -215,7 +229,7 @@ class BoardCore(wiring.Component):
         hold = Signal(init=1)
         m.d.sync += hold.eq(~(ready & self.memory.ready))
         m.submodules.programs = programs = ResetInserter(hold)(ProgramRunner(
-            design.programs, SYSTEM_WORDS_BITS, patience=design.core_hz // 10))
+            design.programs, SYSTEM_WORDS_BITS, patience=design.core_hz // 10 // design.hurry))
         connect(m, programs.access, access.hosts[0])
         connect(m, bridge.access, access.hosts[1])
         if design.board.jtag:

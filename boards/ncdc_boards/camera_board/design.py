@@ -4,7 +4,8 @@ from dataclasses import replace
 
 from ncdc_boards.camera_board.budget import screen_burst
 from ncdc_boards.camera_board.core import Design
-from ncdc_boards.camera_board.set_up import lens_program, set_up_program
+from ncdc_boards.camera_board.set_up import I2C_HZ, lens_program, set_up_program
+from ncdc_boards.camera_board.waking import Times
 from ncdc_hdl.export.registers.lenses import check_lens
 from ncdc_hdl.link.processor import READERS
 from ncdc_hdl.system import System
@@ -13,8 +14,9 @@ from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import BGR8, output_format
 from ncdc_model.raw_lens import raw_lens
 from ncdc_model.sensors.framing import setup_around
+from ncdc_model.sensors.waking import wake_times
 
-__all__ = ["READER_OF_HOST", "design_of", "hardware_for", "sensor_for"]
+__all__ = ["READER_OF_HOST", "design_of", "hardware_for", "sensor_for", "times_for"]
 
 _DATA_WIDTH = 32        # of the memory ports
 _SENSOR_CLOCK_HZ = 25_000_000
@@ -79,6 +81,7 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
                          f"--interpolation {board.interpolations[0]}")
     _check_rows(board, descriptor.geometry, hardware)
     core_mhz, waits = core_mhz or board.core_mhz, more.pop("waits", True)
+    i2c_hz = more.pop("i2c_hz", I2C_HZ)
     clocks = board.clock_plan(mode, core_mhz)
     if processor:
         clocks = replace(clocks, ethernet=True)
@@ -92,14 +95,21 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
                 raise InputError(f"{path}: the {what} picture has {sizes[1][0]}x{sizes[1][1]} "
                                  f"pixels, that of {named[0][0]} {sizes[0][0]}x{sizes[0][1]}")
     lenses = [one for _, one in named] + [raw_lens(descriptor)] if mode else []
-    programs = [set_up_program(system, *sensor, round(core_mhz * 1e6), waits),
+    programs = [set_up_program(system, *sensor, round(core_mhz * 1e6), waits, i2c_hz),
                 *(lens_program(system, lens) for lens in lenses)]
     pixel_bytes = output_format(hardware.format).pixel_bytes
     design = Design(board, system, mode, pixel_bytes, clocks, tuple(programs), len(named),
                     screen_burst(board, mode, clocks, hardware,
                                  descriptor.geometry.corrected_width, processor) if mode else 0,
-                    processor=processor)
+                    times_for(sensor[0]), processor=processor)
     return replace(design, **more)
+
+
+def times_for(setup):
+    """The :class:`Times` for a sensor's :class:`Setup`: its data's with a margin, and a watch of a
+    second, or of four frames if those are longer."""
+    reset, rest = wake_times(setup.sensor.waking, setup.settings.clock_hz)
+    return Times(reset, rest, max(1_000_000, round(4e6 / setup.timing.frames_per_second)))
 
 
 def _check_rows(board, geometry, hardware):

@@ -11,9 +11,10 @@ from ncdc_model.interface.register_map import (
 )
 from ncdc_model.interface.system_map import I2C_COMMAND_FLAGS
 
-__all__ = ["camera_values", "lens_program", "register_addresses", "set_up_program"]
+__all__ = ["I2C_HZ", "camera_values", "lens_program", "register_addresses", "set_up_program"]
 
-_I2C_HZ = 400_000
+I2C_HZ = 100_000
+"""Standard mode: the pull-ups of an FPGA's pins, some 25 kOhm, are too weak for 400 kHz."""
 _HELD_SECONDS = .025            # SCL, at most, as the SMBus specification has it
 _FLAGS = {name: mask for name, mask, _ in I2C_COMMAND_FLAGS}
 _BUSY, _FAILED = 0x100, 0xE00   # of I2C_RESULT: not over; NACK, LOST, TIMEOUT
@@ -24,22 +25,23 @@ def register_addresses(system):
     return {r.name: r.address for r in (*system.corrector.registers.table, *system.table)}
 
 
-def camera_values(setup, corner, clock_hz):
+def camera_values(setup, corner, clock_hz, i2c_hz=I2C_HZ):
     """Values of the camera's registers for a sensor's set-up, by name; parameters as of
     :func:`set_up_program`."""
     timing = setup.timing
     return {
-        "I2C_QUARTER": quarter_clocks(clock_hz, _I2C_HZ),
+        "I2C_QUARTER": quarter_clocks(clock_hz, i2c_hz),
         "I2C_LIMIT": round(clock_hz * _HELD_SECONDS),
         "SENT_WIDTH": timing.width, "SENT_HEIGHT": timing.height,
         "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
         "CLOCK_LIMIT": 2 * clock_hz * timing.line_clocks // timing.pixel_clock_hz + clock_hz // 100}
 
 
-def set_up_program(system, setup, corner, clock_hz, waits=True):
+def set_up_program(system, setup, corner, clock_hz, waits=True, i2c_hz=I2C_HZ):
     """Steps that set up the sensor and begin to correct its frames.
 
-    If the sensor does not answer, the program begins anew.
+    If the sensor does not answer, the program begins anew. It may run again later: what is captured
+    before the sensor is set up is of no use, and registers take no values meanwhile.
 
     Parameters
     ----------
@@ -51,10 +53,13 @@ def set_up_program(system, setup, corner, clock_hz, waits=True):
         Of the registers.
     waits : bool
         Whether to wait for the sensor's phase-locked loop, which its model has not.
+    i2c_hz : int
+        Bits per second of the bus to the sensor.
     """
     at = register_addresses(system)
-    values = camera_values(setup, corner, clock_hz)
-    steps = [(Op.WRITE, at[name], value) for name, value in values.items()]
+    steps = [(Op.WRITE, at["CAMERA_ENABLE"], 0), (Op.WRITE, at["RUN"], 0)]
+    steps += [(Op.WRITE, at[name], value)
+              for name, value in camera_values(setup, corner, clock_hz, i2c_hz).items()]
     # A target that was left in the midst of a byte ends it; whether one is there does not matter.
     steps += _command(at, 0, "READ", "NACK", "STOP")
     *writes, last = setup.writes

@@ -37,15 +37,16 @@ class HpsDesign:
     pixel_bytes : int
         Of a pixel in memory.
     clocks : ClockPlan
-    power_up_us : int
-        Microseconds from the clocks' lock until the sensor's reset ends.
+    reset_us : int
+        Microseconds from the clocks' lock until the sensor's reset ends. Linux, which sets the
+        sensor up, begins long after its rest.
     """
     board: object
     system: System
     mode: object
     pixel_bytes: int
     clocks: object
-    power_up_us: int = 2000
+    reset_us: int = 5000
 
 
 class HpsCore(wiring.Component):
@@ -127,7 +128,7 @@ class HpsCore(wiring.Component):
             system.scl.eq(self.scl & self.hdmi_scl), system.sda.eq(self.sda & self.hdmi_sda),
             self.scl_low.eq(system.scl_low), self.sda_low.eq(system.sda_low),
         ]
-        wait = round(design.power_up_us * design.clocks.core_mhz)
+        wait = round(design.reset_us * design.clocks.core_mhz)
         waited = Signal(range(wait + 1))
         running = Signal()          # low in the reset only
         with m.If(waited != wait):

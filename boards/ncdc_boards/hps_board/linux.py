@@ -6,6 +6,7 @@ from importlib.resources import files
 
 from ncdc_boards.camera_board.set_up import camera_values
 from ncdc_boards.hps_board.adv7513 import I2C_ADDRESS, WRITES
+from ncdc_boards.hps_board.ports import PORT_RESETS, PORT_RESETS_ALL, port_resets
 from ncdc_boards.quartus.project import project_name
 from ncdc_hdl.export.axi.device_tree import Place, device_tree
 from ncdc_model.interface.frames import output_format
@@ -43,6 +44,7 @@ def host_files(design, setup, corner):
     clock_hz = round(board.core_mhz * 1e6)
     settings = {
         "board": board.name, "frames": base, "frame_bytes": size, "clock_hz": clock_hz,
+        "port_resets": {"address": PORT_RESETS, "all": PORT_RESETS_ALL, "used": port_resets()},
         "registers": camera_values(setup, corner, clock_hz),
         "sensor": setup.report() | {"user_registers": [
             asdict(one) for one in setup.sensor.user_registers]},

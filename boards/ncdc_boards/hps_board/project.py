@@ -11,6 +11,12 @@ __all__ = ["project_files"]
 
 # Analog Devices, ADV7511/ADV7513, video data to clock, rounded up, in ns.
 _HDMI_SETUP, _HDMI_HOLD = 1.8, 1.3
+# U-Boot loads a .rbf. A compressed one fits the board's switches MSEL at 01010.
+_SETTINGS = f"""\
+set_global_assignment -name QIP_FILE {SYSTEM}/synthesis/{SYSTEM}.qip
+set_global_assignment -name GENERATE_RBF_FILE ON
+set_global_assignment -name ON_CHIP_BITSTREAM_DECOMPRESSION ON
+"""
 _BEFORE = f"""\
 qsys-script --script={SYSTEM}.tcl
 qsys-generate {SYSTEM}.qsys --synthesis=VERILOG
@@ -39,8 +45,8 @@ def project_files(design, setup, corner):
     return assembled(
         board, HpsTop(design),
         lambda ports: constraints(design, setup.timing.pixel_clock_hz / 1e6, ports, _hdmi()),
-        settings=f"set_global_assignment -name QIP_FILE {SYSTEM}/synthesis/{SYSTEM}.qip\n",
-        before=_BEFORE, mapped=_MAPPED.format(system=SYSTEM, name=project_name(board)),
+        settings=_SETTINGS, before=_BEFORE,
+        mapped=_MAPPED.format(system=SYSTEM, name=project_name(board)),
     ) | {f"{SYSTEM}.tcl": system_tcl(board)} | host_files(design, setup, corner)
 
 

@@ -29,7 +29,7 @@ cd "$(dirname "$0")"
 {mapped}for tool in fit asm; do
     quartus_$tool --rev={name} {name}
 done
-# Ends with an error if a clock is missed, in any corner, or a constraint has found nothing.
+# Ends with an error if a clock or a counter's skew is missed, or a constraint has found nothing.
 quartus_sta -t check_timing.tcl
 echo "{name}.sof: quartus_pgm -m jtag -o 'p;{name}.sof{second}'"
 """
@@ -52,10 +52,26 @@ foreach pattern {{{registers}}} {{
         fail "no register is called $pattern"
     }}
 }}
+# The longest or the shortest way from registers to others, in ns; constraints do not matter.
+proc way {{from to args}} {{
+    set found {{}}
+    set paths [get_path -from [get_registers $from] -to [get_registers $to] -npaths 1000 \
+        -pairs_only {{*}}$args]
+    foreach_in_collection path $paths {{ lappend found [get_path_info $path -arrival_time] }}
+    if {{[llength $found] == 0}} {{ fail "there is no path from $from to $to" }}
+    set order [lsort -real $found]
+    return [expr {{$args eq "-min_path" ? [lindex $order 0] : [lindex $order end]}}]
+}}
 set worst 1e9
 foreach_in_collection corner [get_available_operating_conditions] {{
     set_operating_conditions $corner
     update_timing_netlist
+    # Of each Gray counter: how far apart its bits arrive, and ns that are allowed.
+    foreach {{from to limit}} {{{counters}}} {{
+        set skew [expr {{[way $from $to] - [way $from $to -min_path]}}]
+        puts "skew from $from to $to: $skew ns"
+        if {{$skew > $limit}} {{ fail "bits of $from arrive $skew ns apart, $limit at most" }}
+    }}
     foreach kind {{setup hold recovery removal mpw}} {{
         # Of each clock: its name, its slack, and more.
         foreach clock [get_clock_domain_info -$kind] {{
@@ -135,7 +151,11 @@ def _check(board, name, sdc):
     """The script that looks at the slack of all clocks."""
     clocks = re.findall(r"-name \"?(\w+)\"?", sdc)
     registers = sorted(set(re.findall(r"get_registers ({[^}]*})", sdc)))
-    return _CHECK.format(name=name, clocks=" ".join(clocks), registers=" ".join(registers))
+    counters = re.findall(r"set_net_delay -max ([\d.]+) -from \[get_registers ({[^}]*})\] "
+                          r"-to \[get_registers ({[^}]*})\]", sdc)
+    return _CHECK.format(name=name, clocks=" ".join(clocks), registers=" ".join(registers),
+                         counters=" ".join(f"{source} {sink} {limit}"
+                                           for limit, source, sink in counters))
 
 
 def _prepared(board, top):

@@ -1,7 +1,6 @@
 """Resources that amaranth-boards lacks."""
 
 from amaranth.build import Attrs, Pins, Resource, Subsignal
-from amaranth_boards.resources import UARTResource
 
 __all__ = ["CAMERA_PINS", "LVTTL", "SDRAM_ATTRS", "camera", "serial", "vga_dac"]
 
@@ -17,9 +16,16 @@ D5M's TRIGGER, which is kept low too."""
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o", "standby": "o"}
 
 
+_UP = Attrs(WEAK_PULL_UP_RESISTOR="ON")
+
+
 def camera(conn):
-    """The camera module TRDB-D5M on the 40-pin header ``conn``, (name, number)."""
-    up = {name: [Attrs(WEAK_PULL_UP_RESISTOR="ON")] for name in ("scl", "sda")}
+    """The camera module TRDB-D5M on the 40-pin header ``conn``, (name, number).
+
+    Without a camera its inputs are high, so that no frame begins. The pixel clock's may be an input
+    of a clock network, which has no pull-up.
+    """
+    up = {name: [_UP] for name in ("scl", "sda", "d", "lval", "fval")}
     return Resource("camera", 0, *(
         Subsignal(name, Pins(" ".join(map(str, numbers)), dir=_DIRECTIONS.get(name, "i"),
                              conn=conn), *up.get(name, []))
@@ -27,8 +33,10 @@ def camera(conn):
 
 
 def serial(conn):
-    """A serial port's adaptor of 3.3 V on pins 1 (its TX) and 2 (its RX) of a header."""
-    return UARTResource(0, rx="1", tx="2", conn=conn, attrs=LVTTL)
+    """A serial port's adaptor of 3.3 V on pins 1 (its TX) and 2 (its RX) of a header; without one
+    the line is high, as it is when nothing is sent."""
+    return Resource("uart", 0, Subsignal("rx", Pins("1", dir="i", conn=conn), _UP),
+                    Subsignal("tx", Pins("2", dir="o", conn=conn)), LVTTL)
 
 
 def vga_dac(*, clk, hs, vs, sync, blank, r, g, b):

@@ -3,8 +3,8 @@
 from ncdc_boards.quartus.names import CYCLONE_IV
 from ncdc_model.errors import InputError
 
-__all__ = ["CHAIN_PORTS", "FREE", "SDRAM_NS", "TRACE", "check_sensor", "constraints", "generated",
-           "ports_like"]
+__all__ = ["CHAIN_PORTS", "FREE", "GRAY_COUNTERS", "PROCESSOR_GRAY_COUNTERS", "SDRAM_NS", "TRACE",
+           "check_sensor", "constraints", "generated", "ports_like"]
 
 # Pin of output k of a loop, as Quartus names it; `derive_pll_clocks` gives its clock that name.
 _CYCLONE_IV_PIN = "*{loop}|auto_generated|pll1|clk[{k}]"
@@ -22,6 +22,7 @@ _SENSOR_LEAST, _SENSOR_MOST = 0, 6
 # RGMII 1.3: set-up and hold at a receiver; 2.0: at the pins of a chip that sends its clock late.
 _RGMII_NS = {"sent": 1.0, "received": 1.2}
 _RGMII_EDGES = 4    # ns between them, at 1000 Mbit/s
+_CHAIN_CLOCK = "altera_reserved_tck"
 _CHAIN_NS = 33.333  # 30 MHz: Intel, USB-Blaster II has 24 MHz
 _INPUT = 1.5        # ns: set-up of an input of the device behind its clock, about
 
@@ -30,8 +31,8 @@ FREE = {
     "led_*": (("to",), "seen by eye"),
     "uart_0__rx__io": (("from",), "a serial line has no clock; behind a synchroniser"),
     "uart_0__tx__io": (("to",), "a serial line has no clock"),
-    "camera_0__scl__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
-    "camera_0__sda__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
+    "camera_0__scl__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
+    "camera_0__sda__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
     "camera_0__reset_n__io": (("to",), "changes once"),
     "camera_0__standby__io": (("to",), "constant"),
     "vga_0__sync_n__io": (("to",), "constant"),
@@ -40,8 +41,8 @@ FREE = {
     "eth_rgmii_0__mdc__io": (("to",), "2.5 MHz at most, bit by bit by the processor"),
     "eth_rgmii_0__mdio__io": (("from", "to"), "with it; behind a synchroniser"),
     "eth_rgmii_0__rst__io": (("to",), "changes once"),
-    "hdmi_0__scl__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
-    "hdmi_0__sda__io": (("from", "to"), "I2C, 400 kHz, behind a synchroniser"),
+    "hdmi_0__scl__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
+    "hdmi_0__sda__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
 }
 """Ports without timing: whether paths begin or end there, and why they have none."""
 
@@ -58,8 +59,16 @@ set_false_path -to [get_registers {*altera_std_synchronizer:*|din_s1}]
 set_false_path -to [get_pins -nowarn -compatibility_mode {*altera_std_synchronizer*|clrn}]
 # Settings of the camera, which are locked while it is captured.
 set_false_path -from [get_registers {*:page|values*}] -to [get_clocks {sensor}]
-# Bits of a Gray counter cross together: they differ by less than the shortest period.
 """
+GRAY_COUNTERS = (("*|produce_w_gry*", "*:produce_cdc|*din_s1"),
+                 ("*|consume_r_gry*", "*:consume_cdc|*din_s1"))
+"""Registers of the queues' Gray counters, and first registers of the synchronisers behind them."""
+PROCESSOR_GRAY_COUNTERS = ((
+    "*ncdc_processor:processor|*graycounter*_q*",
+    "*ncdc_processor:processor|*multiregimpl*_regs0*"),)
+"""The same of LiteX's queues."""
+# Of a period: what a route may take of which all bits of a Gray counter have one.
+_GRAY_PART = .8
 
 
 def check_sensor(mhz):
@@ -99,10 +108,7 @@ def constraints(design, sensor_mhz, ports, groups=None):
         *_sensor(),
         *([*_sdram(), *_screen(board, design.clocks.pixel_mhz), *_chain(),
            *(_ethernet() if design.processor else [])] if groups is None else groups),
-        _SYNCHRONISERS + "\n".join(
-            f"set_max_skew -from [get_registers {{*|{counter}*}}] "
-            f"-to [get_registers {{*:{crossing}|*din_s1}}] {period:.3f}" for counter, crossing in
-            (("produce_w_gry", "produce_cdc"), ("consume_r_gry", "consume_cdc")))]
+        _SYNCHRONISERS + "\n".join(_gray(GRAY_COUNTERS, period))]
     lines += _free([*ports, *(CHAIN_PORTS if groups is None else ())])
     return "\n".join(lines) + "\n"
 
@@ -168,11 +174,13 @@ def _chain():
     """The scan chain that configures the device, whose ports Quartus adds."""
     return [
         "# Scan chain, with the fastest cable and some more.",
-        f"create_clock -name jtag -period {_CHAIN_NS} [get_ports {{altera_reserved_tck}}]",
+        "# Named as Quartus' own cell at the chain names it: two names would be two clocks.",
+        f"create_clock -name {_CHAIN_CLOCK} -period {_CHAIN_NS} [get_ports {{{_CHAIN_CLOCK}}}]",
         "# A request lies still from before the core is told of it until it is answered, the",
         "# answer from before the chain is told of it.",
         "set_false_path -from [get_registers {*:jtag|request*}] -to [get_clocks $core]",
-        "set_false_path -from [get_registers {*:jtag|answer*}] -to [get_clocks {jtag}]"]
+        "set_false_path -from [get_registers {*:jtag|answer*}] "
+        f"-to [get_clocks {{{_CHAIN_CLOCK}}}]"]
 
 
 def _ethernet():
@@ -195,10 +203,23 @@ def _ethernet():
             "# The first registers of LiteX's synchronisers, and both of those that end a reset.",
             "set_false_path -to [get_registers {*ncdc_processor:processor|*multiregimpl*_regs0*}]",
             "set_false_path -to [get_registers {*ncdc_processor:processor|*ars_cd_eth_*}]",
-            "# Gray counters of its queues: their bits differ by less than the shortest period.",
-            "set_max_skew -from [get_registers {*ncdc_processor:processor|*graycounter*_q*}] "
-            "-to [get_registers {*ncdc_processor:processor|*multiregimpl*_regs0*}] "
-            f"{2 * _RGMII_EDGES}.000"]
+            *_gray(PROCESSOR_GRAY_COUNTERS, 2 * _RGMII_EDGES)]
+
+
+def _gray(counters, period):
+    """Limits of the routes of Gray counters' bits, which cross together.
+
+    Two bits that change one period after the other must not arrive in the other order. Every route
+    between a counter and its synchronisers is shorter than a part of the shortest period. The same
+    paths are cut, by the synchroniser cell's own attribute too: a limit of skew or delay would be
+    ignored there, a limit of net delay is not (Intel, Quartus Prime Standard Timing Analyzer,
+    683068, timing constraint precedence).
+
+    Parameters: pairs of patterns of registers; ns.
+    """
+    return ["# Bits of Gray counters cross together.",
+            *(f"set_net_delay -max {_GRAY_PART * period:.3f} -from [get_registers {{{source}}}] "
+              f"-to [get_registers {{{sink}}}]" for source, sink in counters)]
 
 
 def _free(ports):

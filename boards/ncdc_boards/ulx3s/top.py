@@ -19,7 +19,7 @@ from ncdc_hdl.video.dvi import Dvi
 __all__ = ["Ulx3sTop"]
 
 _BUTTONS = {"following": ("button_right", 0), "previous": ("button_left", 0),
-            "raw": ("button_fire", 0)}
+            "raw": ("button_fire", 0), "again": ("button_down", 0)}
 
 
 class Ulx3sTop(Elaboratable):

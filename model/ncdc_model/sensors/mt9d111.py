@@ -21,6 +21,7 @@ from ncdc_model.sensors.sensor import (
     pattern_mode,
     resolved,
 )
+from ncdc_model.sensors.waking import Waking
 
 __all__ = ["SENSOR", "setup"]
 
@@ -59,7 +60,9 @@ SENSOR = Sensor(
                   lines=(1, 0xFFFF), vertical=(_LEAST_VERTICAL, 0x7FFF),
                   gain_256=(256, 127 * 256), pixel_clock_hz=36_000_000,    # C
                   frame_lines=1200 + 0x7FFF),
-    user_registers=tuple(map(UserRegister, (_SHUTTER_WIDTH, *_COLOUR_GAINS, _GLOBAL_GAIN))))
+    user_registers=tuple(map(UserRegister, (_SHUTTER_WIDTH, *_COLOUR_GAINS, _GLOBAL_GAIN))),
+    waking=Waking(reset_us=1000, rest_us=20_000, rest_clocks=0,
+                  source="not found in DS; taken for those of the OV5640"))
 
 
 def setup(settings):

@@ -21,6 +21,7 @@ from ncdc_model.sensors.sensor import (
     pattern_mode,
     resolved,
 )
+from ncdc_model.sensors.waking import Waking
 
 __all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_SIZE",
            "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN", "MIRROR_COLUMN",
@@ -107,7 +108,9 @@ SENSOR = Sensor(
         UserRegister(TEST_PATTERN, ranges=((0, 0), *(
             (word, word) for word in map(pattern_word, USER_PATTERNS)))),
         *(UserRegister(address) for address, _ in TEST_COLOURS.values()),
-        UserRegister(_BAR_WIDTH)))
+        UserRegister(_BAR_WIDTH)),
+    waking=Waking(reset_us=1000, rest_us=0, rest_clocks=850_000,
+                  source="Linux, drivers/media/i2c/mt9p031.c, mt9p031_power_on"))
 
 
 def line_clocks(columns):

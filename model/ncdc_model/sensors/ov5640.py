@@ -28,6 +28,7 @@ from ncdc_model.sensors.sensor import (
     pattern_mode,
     resolved,
 )
+from ncdc_model.sensors.waking import Waking
 
 __all__ = ["SENSOR", "setup"]
 
@@ -66,7 +67,9 @@ SENSOR = Sensor(
     # L, 0x503D: bit 7 on, bits 3..2 kind of bars, bits 1..0 bars or squares.
     test_patterns={"ColorBar": 0x80},
     # Exposure, gain, pattern.
-    user_registers=tuple(map(UserRegister, (0x3500, 0x3501, 0x3502, 0x350A, 0x350B, 0x503D))))
+    user_registers=tuple(map(UserRegister, (0x3500, 0x3501, 0x3502, 0x350A, 0x350B, 0x503D))),
+    waking=Waking(reset_us=1000, rest_us=20_000, rest_clocks=0,
+                  source="DS, section 2.7, power up sequence, t3 and t4, as L repeats them"))
 
 
 def setup(settings):

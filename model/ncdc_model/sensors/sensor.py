@@ -5,6 +5,7 @@ from fractions import Fraction
 from math import log10
 
 from ncdc_model.errors import InputError
+from ncdc_model.sensors.waking import Waking
 
 __all__ = ["Limits", "Sensor", "Settings", "Setup", "Timing",
            "UserRegister", "Write", "bayer_at", "check_window",
@@ -102,6 +103,8 @@ class Sensor:
     user_registers : tuple of UserRegister
         What any user of a network may write: exposure, gain and test pattern. None of
         them changes size, position, skipping, clock or Bayer phase of a frame.
+    waking : Waking
+        Reset and rest before the first access.
     """
     name: str
     title: str
@@ -120,6 +123,7 @@ class Sensor:
     limits: Limits
     test_patterns: dict = field(default_factory=dict)
     user_registers: tuple = ()
+    waking: Waking = None
 
     def user_takes(self, address, value):
         """Whether a user of a network may write ``value`` to ``address``; None: to no value."""

@@ -80,7 +80,7 @@ class NetworkModel:
         self.design = design_of(
             board, [("lens", descriptor)], sensor, _slow(geometry.corrected),
             hardware=hardware or hardware_for(board), core_mhz=core_mhz, processor=True,
-            power_up_us=20, waits=False)
+            hurry=1000, waits=False, i2c_hz=400_000)
         width, height = geometry.distorted
         sent = (frames, self.setup.timing.height, self.setup.timing.width)
         self.light = Light(np.random.default_rng(1).integers(0, 4096, sent, dtype=np.uint16))
@@ -153,9 +153,9 @@ class NetworkRun:
             "pace": _PACE, "poll": _POLL, "patience": _PATIENCE}
         self._process = subprocess.Popen(
             [*command_of(model.program), *(f"+{key}={value}" for key, value in settings.items()),
-             *model.light.plusargs("sensor.bin")], cwd=folder, env=environment(), text=True,
-            errors="replace", stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT)
+             *model.light.plusargs("sensor.bin", model.design.hurry)], cwd=folder,
+            env=environment(), text=True, errors="replace", stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         return self
 
     def __exit__(self, *failure):

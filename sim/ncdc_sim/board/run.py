@@ -15,7 +15,9 @@ from ncdc_sim.sdram import chip_parameters
 from ncdc_sim.sensor.verilog import sensor_sources
 from ncdc_sim.tools import SimulationError
 
-__all__ = ["BoardRun", "request_at", "scans_at", "simulate_board"]
+__all__ = ["BoardRun", "request_at", "scans_at", "simulate_board", "unplugged_at"]
+
+_REFERENCE_MHZ = 25         # of the boards, to the sensor
 
 # The bench comes first.
 _ULX3S = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v")
@@ -46,6 +48,12 @@ class BoardRun:
         What came out of the scan chain, a number for each scan.
     sent : list of Passed
         Ethernet frames that were sent, without preamble and check sequence.
+    lights : list of (int, int)
+        Microsecond of a change, and the lights from then on; bit k is light k.
+    sensor_frames : list of int
+        Numbers of the frames that the sensor began, since it was told to start.
+    early : int
+        Accesses over I2C before the sensor's time.
     """
     screen: Screen = None
     results: dict = field(default_factory=dict)
@@ -53,6 +61,9 @@ class BoardRun:
     serial: bytes = b""
     scans: list = field(default_factory=list)
     sent: list = field(default_factory=list)
+    lights: list = field(default_factory=list)
+    sensor_frames: list = field(default_factory=list)
+    early: int = 0
 
     def take(self, line):
         """Keep what a line of the bench tells; SimulationError if that is an error."""
@@ -63,6 +74,12 @@ class BoardRun:
             self.pixel_clock_ps = float(values[1])
         elif kind == "UART":
             self.serial += bytes.fromhex(values[0])
+        elif kind == "LED":
+            self.lights.append((int(values[0]), int(values[1])))
+        elif line == "SENSOR early":
+            self.early += 1
+        elif line.startswith("SENSOR frame"):
+            self.sensor_frames.append(int(values[1]))
         elif kind == "JTAG":
             self.scans.append(int(values[0], 16))
         elif kind in ("SENSOR-ERROR", "BOARD-ERROR", "MONITOR-ERROR"):
@@ -82,8 +99,8 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
         What falls on it.
     run_us : int
     events : dict, optional
-        Plusargs of ``hdl/board_run.v``, buttons that are pressed, of :func:`request_at` and of
-        :func:`scans_at`.
+        Plusargs of ``hdl/board_run.v``, buttons that are pressed, of :func:`request_at`, of
+        :func:`scans_at` and of :func:`unplugged_at`.
     edit : callable, optional
         Changes the Verilog of the top: to see a test fail.
     optimise : str, optional
@@ -122,7 +139,7 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
         if ethernet:
             ethernet.fill(folder)
         run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items()),
-             *light.plusargs("sensor.bin")], folder, result.take)
+             *light.plusargs("sensor.bin", design.hurry)], folder, result.take)
         if design.mode:
             result.screen = screen_of((folder / "screen.bin").read_bytes())
         if ethernet:
@@ -139,6 +156,12 @@ def scans_at(microsecond, values):
     """Events: numbers of 64 bits are scanned into the chain of a Quartus board, one by one."""
     return {"jtag_at_us": microsecond, "jtag_scans": "".join(f"{value:016x}" for value in values),
             "jtag_count": len(values)}
+
+
+def unplugged_at(microsecond, microseconds):
+    """Events: the sensor has no supply for so many microseconds, its reference being 25 MHz."""
+    return {"sensor_fault": "unplug", "sensor_fault_start": _REFERENCE_MHZ * microsecond,
+            "sensor_fault_clocks": _REFERENCE_MHZ * microseconds}
 
 
 def _top(design):

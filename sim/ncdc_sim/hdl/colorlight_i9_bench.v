@@ -40,7 +40,7 @@ module colorlight_i9_bench;
         .rx_clk(rx_clk), .rx_ctl(rx_ctl), .rx_data(rx_data));
 
     wire following, raw, over;      // there are no buttons
-    board_run script (.following(following), .raw(raw), .over(over));
+    board_run script (.following(following), .raw(raw), .again(), .over(over));
     wire led, rx, tx;
     uart_host #(.BAUD(`NCDC_BAUD)) host (.receive(tx), .send(rx));
     ncdc_colorlight_i9 dut (

@@ -55,7 +55,7 @@ module quartus_bench;
 `endif
 
     wire following, raw, over;
-    board_run script (.following(following), .raw(raw), .over(over));
+    board_run script (.following(following), .raw(raw), .again(), .over(over));
     wire [7:0] led;
     wire rx, tx;
     uart_host #(.BAUD(`NCDC_BAUD)) host (.receive(tx), .send(rx));
@@ -82,6 +82,7 @@ module quartus_bench;
         .led_0__io(led[0]), .led_1__io(led[1]), .led_2__io(led[2]), .led_3__io(led[3]),
         .led_4__io(led[4]), .led_5__io(led[5]), .led_6__io(led[6]), .led_7__io(led[7]));
 
+    always @(led) $display("LED %0d %0d", $time / 1000000, led);
     always @(posedge over) begin
         sdram.report;
         $display("RESULT monitor_errors %0d", monitor.errors);

@@ -1,6 +1,7 @@
 // A parallel CMOS image sensor: I2C target with its registers, and frames from a file at its pins.
 //
 //   sensor_i2c         I2C target: writes and reads of registers
+//   sensor_waking      reset and rest before it answers, and a sensor that is unplugged
 //   sensor_<name>      registers of one sensor, and what they mean
 //   sensor_core        frames by these meanings: window, mirrors, exposure, gain, test patterns
 //
@@ -22,6 +23,7 @@
 //   sensor_fault_frame=, sensor_fault_row=       where one of the first five happens, from 0 on
 //   sensor_fault_clocks=     pixel clocks of clock_stop, clocks of SCL of stuck_sda
 //   sensor_fault_start=      number of the START condition, from 0 on, of one of the last two
+//   sensor_khz=, sensor_hurry=, sensor_fault=unplug: see sensor_waking.v
 // A pixel outside of the file is dark. The file begins anew whenever the sensor is told to start,
 // and when it has ended. Each frame prints "SENSOR frame <number>", what cannot be modelled
 // "SENSOR-ERROR <reason>".
@@ -58,12 +60,23 @@ module sensor #(
     localparam [6:0] ADDRESS = MT9P031 ? 7'h5D : MT9D111 ? 7'h48 : 7'h3C;
     localparam WIDE_POINTER = OV5640, WIDE_VALUE = !OV5640;
     localparam BITS = MT9P031 ? 12 : 10;
+    // Before the first access. MT9P031: Linux, mt9p031.c. OV5640: data sheet, power up sequence, t3 and
+    // t4. MT9D111: not found; taken for that of the OV5640.
+    localparam RESET_US = 1000, REST_US = MT9P031 ? 0 : 20000, REST_CLOCKS = MT9P031 ? 850000 : 0;
     // Parities of the red pixels, counted from the first active one.
     localparam RED_COLUMN = 1, RED_ROW = OV5640;
 
+    wire plugged, awake, running;
+    sensor_waking #(
+        .RESET_US(RESET_US), .REST_US(REST_US), .REST_CLOCKS(REST_CLOCKS)
+    ) waking (
+        .extclk(extclk), .reset_n(reset_n), .scl(scl), .sda(sda), .plugged(plugged), .awake(awake));
+    wire powered = reset_n && plugged;
+    assign pixclk = running && plugged;
+
     generate if (MT9P031) begin : chip_mt9p031
         sensor_mt9p031 registers (
-            .clk(extclk), .reset_n(reset_n), .write(write), .pointer(pointer), .value(value),
+            .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
             .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
             .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
             .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
@@ -71,7 +84,7 @@ module sensor #(
     end endgenerate
     generate if (MT9D111) begin : chip_mt9d111
         sensor_mt9d111 registers (
-            .clk(extclk), .reset_n(reset_n), .write(write), .pointer(pointer), .value(value),
+            .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
             .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
             .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
             .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
@@ -79,7 +92,7 @@ module sensor #(
     end endgenerate
     generate if (OV5640) begin : chip_ov5640
         sensor_ov5640 registers (
-            .clk(extclk), .reset_n(reset_n), .write(write), .pointer(pointer), .value(value),
+            .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
             .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
             .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
             .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
@@ -93,13 +106,13 @@ module sensor #(
     sensor_i2c #(
         .ADDRESS(ADDRESS), .WIDE_POINTER(WIDE_POINTER), .WIDE_VALUE(WIDE_VALUE)
     ) target (
-        .clk(extclk), .reset_n(reset_n), .scl(scl), .sda(sda), .sda_low(sda_low), .write(write),
+        .clk(extclk), .reset_n(powered && awake), .scl(scl), .sda(sda), .sda_low(sda_low), .write(write),
         .pointer(pointer), .value(value), .answer(answer));
 
     sensor_core #(
         .BITS(BITS), .RED_COLUMN(RED_COLUMN), .RED_ROW(RED_ROW)
     ) core (
-        .extclk(extclk), .reset_n(reset_n), .pixclk(pixclk), .frame_valid(frame_valid),
+        .extclk(extclk), .reset_n(powered), .pixclk(running), .frame_valid(frame_valid),
         .line_valid(line_valid), .data(data), .streaming(streaming),
         .mirror_columns(mirror_columns), .mirror_rows(mirror_rows), .left(left), .top(top),
         .width(width), .height(height), .line_clocks(line_clocks), .frame_lines(frame_lines),

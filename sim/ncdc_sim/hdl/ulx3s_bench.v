@@ -36,8 +36,8 @@ module ulx3s_bench;
     wire lane_clock;
     dvi_monitor monitor (.clock(lane_clock), .lanes(lanes));
 
-    wire following, raw, over;
-    board_run script (.following(following), .raw(raw), .over(over));
+    wire following, raw, again, over;
+    board_run script (.following(following), .raw(raw), .again(again), .over(over));
     wire [7:0] led;
     wire rx, tx, wifi;
     uart_host #(.BAUD(`NCDC_BAUD)) host (.receive(tx), .send(rx));
@@ -51,10 +51,11 @@ module ulx3s_bench;
         .camera_0__sda__io(sda), .camera_0__reset_n__io(sensor_reset_n),
         .camera_0__standby__io(standby), .camera_0__xclk__io(xclk), .uart_0__rx__io(rx),
         .uart_0__tx__io(tx), .button_right_0__io(following), .button_left_0__io(1'b0),
-        .button_fire_0__io(raw), .led_0__io(led[0]), .led_1__io(led[1]), .led_2__io(led[2]),
+        .button_fire_0__io(raw), .button_down_0__io(again), .led_0__io(led[0]), .led_1__io(led[1]), .led_2__io(led[2]),
         .led_3__io(led[3]), .led_4__io(led[4]), .led_5__io(led[5]), .led_6__io(led[6]),
         .led_7__io(led[7]), .esp32_0__en__io(wifi));
 
+    always @(led) $display("LED %0d %0d", $time / 1000000, led);
     always @(posedge over) begin
         sdram.report;
         $display("RESULT monitor_errors %0d", monitor.errors);

@@ -6,10 +6,13 @@ import numpy as np
 
 from ncdc_sim.runner import HDL
 
-__all__ = ["Light", "Fault", "sensor_sources"]
+__all__ = ["AWAKE", "Light", "Fault", "sensor_sources"]
 
-_FILES = ("sensor.v", "sensor_core.v", "sensor_i2c.v", "sensor_mt9p031.v", "sensor_mt9d111.v",
-          "sensor_ov5640.v")
+_FILES = ("sensor.v", "sensor_core.v", "sensor_i2c.v", "sensor_waking.v", "sensor_mt9p031.v",
+          "sensor_mt9d111.v", "sensor_ov5640.v")
+AWAKE = 10**6
+"""So many times shorter reset and rest are that the model needs none: for simulations of what comes
+after them."""
 
 
 def sensor_sources():
@@ -40,12 +43,14 @@ class Light:
         """Bytes of the file that the model reads."""
         return np.ascontiguousarray(self.frames, "<u2").tobytes()
 
-    def plusargs(self, file):
-        """Of the model, which finds the bytes in ``file``."""
+    def plusargs(self, file, hurry=AWAKE):
+        """Of the model, which finds the bytes in ``file``; so many times shorter than the true
+        ones are its reset and its rest."""
         height, width = self.frames.shape[1:]
         return [f"+sensor_file={file}", f"+sensor_file_width={width}",
                 f"+sensor_file_height={height}", f"+sensor_file_left={self.left}",
-                f"+sensor_file_top={self.top}", f"+sensor_nominal={self.nominal}"]
+                f"+sensor_file_top={self.top}", f"+sensor_nominal={self.nominal}",
+                f"+sensor_hurry={hurry}"]
 
 
 @dataclass(frozen=True)
@@ -56,10 +61,12 @@ class Fault:
     ----------
     kind : str
         "short_line", "long_line", "glitch", "cut_frame", "clock_stop", in a frame and row;
-        "nack", "stuck_sda", behind a START condition. All count from 0.
+        "nack", "stuck_sda", behind a START condition; "unplug", from an external clock on. All
+        count from 0.
     frame, row, start : int
     clocks : int
-        Pixel clocks of "clock_stop", clocks of SCL of "stuck_sda"; 0: 20,000 and 9.
+        Pixel clocks of "clock_stop", clocks of SCL of "stuck_sda", external clocks of "unplug"; 0:
+        20,000, 9, none.
     """
     kind: str
     frame: int = 0

@@ -11,7 +11,7 @@ set commands(qsys) {create_system set_project_property add_instance
 set commands(qsf) {set_global_assignment set_location_assignment set_instance_assignment}
 set commands(sdc) {create_clock create_generated_clock derive_pll_clocks
     derive_clock_uncertainty set_input_delay set_output_delay set_false_path set_clock_groups
-    set_multicycle_path set_max_skew get_ports get_clocks get_pins get_nets get_registers}
+    set_multicycle_path set_net_delay get_ports get_clocks get_pins get_nets get_registers}
 
 proc report {name arguments} {
     puts [join [concat [list $name] $arguments] \x1f]

@@ -7,13 +7,13 @@ sensor are set up over I2C, and from then on the screen shows the straightened p
 import json
 import os
 import sys
-from mmap import MAP_SHARED, PROT_READ, mmap
+from mmap import MAP_SHARED, PAGESIZE, PROT_READ, mmap
 
 import ncdc_registers as registers
 from ncdc_backends import Mapped
 from ncdc_camera import Camera
 
-__all__ = ["Board", "open_board"]
+__all__ = ["Board", "open_board", "release_ports"]
 
 _STEP = 4096                # of the places of frames
 _WORDS = 1 << 17            # bytes of the registers
@@ -73,10 +73,55 @@ class Board:
         camera.write_sensor(sensor, last["register"], last["value"])
 
 
+def release_ports(word, resets):
+    """End the resets of the memory's ports; names of the ports in use that were in reset.
+
+    U-Boot's ``bridge enable`` writes what the board's vendor handed it, which ends the resets of
+    some ports only: a picture would stay black without an error.
+
+    Parameters
+    ----------
+    word : memoryview
+        Of 32 bits, one: the register FPGAPORTRST.
+    resets : dict
+        ``port_resets`` of ``ncdc_board.json``.
+
+    Raises
+    ------
+    OSError
+        If a port in use stays in reset.
+    """
+    before = word[0]
+    word[0] = resets["all"]
+    after = word[0]
+    held = {value: [name for name, bits in resets["used"].items() if bits & ~value]
+            for value in (before, after)}
+    if held[after]:
+        raise OSError(f"the memory ports {', '.join(held[after])} stay in reset: "
+                      f"{resets['address']:#x} reads {after:#06x} after {resets['all']:#06x} was "
+                      f"written; load the bitstream in U-Boot, then bridge enable")
+    return held[before]
+
+
+def _open_ports(memory, resets):
+    """Call :func:`release_ports` with the register in the file ``memory``; print what it did."""
+    page, offset = resets["address"] // PAGESIZE * PAGESIZE, resets["address"] % PAGESIZE
+    words = memoryview(mmap(os.open(memory, os.O_RDWR | os.O_SYNC), PAGESIZE, MAP_SHARED,
+                            offset=page)).cast("I")
+    held = release_ports(words[offset // 4:offset // 4 + 1], resets)
+    if held:
+        print(f"memory ports {', '.join(held)} were in reset: {resets['all']:#06x} is written to "
+              f"{resets['address']:#x}")
+
+
 def open_board(uio="/dev/uio0", settings="ncdc_board.json", memory="/dev/mem"):
-    """The :class:`Board`, and the memory of its frames, mapped: its byte 0 is the first frame's."""
+    """The :class:`Board`, and the memory of its frames, mapped: its byte 0 is the first frame's.
+
+    The memory's ports are out of their resets then, see :func:`release_ports`.
+    """
     with open(settings, encoding="utf-8") as file:
         settings = json.load(file)
+    _open_ports(memory, settings["port_resets"])
     frames = mmap(os.open(memory, os.O_RDONLY | os.O_SYNC), settings["frame_bytes"], MAP_SHARED,
                   PROT_READ, offset=settings["frames"])
     return Board(*Mapped(uio, size=_WORDS), settings), frames

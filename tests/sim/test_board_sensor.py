@@ -1,0 +1,81 @@
+"""A board and its sensor: its data sheet's times, and a sensor that goes and comes back."""
+
+from dataclasses import replace
+
+import pytest
+
+from board_bench import HEIGHT, SMALL, WIDTH, Bench
+from ncdc_boards.camera_board.waking import Times
+from ncdc_sim.board.run import unplugged_at
+
+pytestmark = pytest.mark.regress
+
+READY, SET_UP, TROUBLE = 1, 2, 4
+SECOND_US = 4000            # of the watch: 250 times shorter than a second, as are the times below
+
+
+@pytest.fixture(scope="module")
+def bench():
+    made = Bench("ulx3s", SMALL, (WIDTH, HEIGHT))
+    made.design = replace(made.design, times=Times(5000, 40_000, SECOND_US))
+    return made
+
+
+def lit_at(run, us):
+    """The lights at a microsecond."""
+    return [lights for at, lights in run.lights if at <= us][-1]
+
+
+def test_an_unplugged_sensor_comes_back_by_itself(bench):
+    """Gone for two seconds, as the watch counts them: a light meanwhile, and a picture again within
+    two seconds."""
+    gone, back = 8000, 8000 + 2 * SECOND_US
+    run = bench.run(back + 2 * SECOND_US, optimise="-O1", events=unplugged_at(
+        gone, 2 * SECOND_US))
+    assert lit_at(run, gone) & 7 == READY | SET_UP
+    # A second without a frame, and a bit: the set-up runs and gets no answer.
+    assert lit_at(run, back) & 7 == READY | TROUBLE
+    assert lit_at(run, back + 2 * SECOND_US) & 7 == READY | SET_UP
+    # The sensor began its frames anew, and the screen shows a golden one of those at the end.
+    restarts = [k for k, number in enumerate(run.sensor_frames) if number == 0]
+    numbers = bench.shown(run)
+    assert len(restarts) >= 2 and numbers[-1] is not None
+    late = numbers[len(numbers) * back // (back + 2 * SECOND_US):]
+    assert len(set(late)) >= 3, "the screen stands still"
+    # One that is plugged in between a reset and a try cannot be known to want another reset.
+    assert run.early <= 1
+
+
+def test_without_a_watch_the_screen_stands_still(bench):
+    """The old fault: nobody sets the sensor up again."""
+    gone, back = 8000, 8000 + 2 * SECOND_US
+    kept = bench.design
+    bench.design = replace(kept, times=replace(kept.times, watch_us=1_000_000))
+    run = bench.run(back + 2 * SECOND_US, optimise="-O1", events=unplugged_at(
+        gone, 2 * SECOND_US))
+    bench.design = kept
+    numbers = bench.shown(run)
+    assert len(set(numbers[len(numbers) // 2:])) == 1
+
+
+def test_a_button_sets_the_sensor_up_anew(bench):
+    run = bench.run(14_000, optimise="-O1", events={"press_again_us": 6000, "hold_us": 2000})
+    dark = [at for at, lights in run.lights if at > 6000 and not lights & SET_UP]
+    assert len(dark) == 1 and lit_at(run, 13_999) & 7 == READY | SET_UP
+    assert not any(lights & TROUBLE for _, lights in run.lights)
+    assert run.early == 0 and bench.shown(run)[-1] is not None
+
+
+@pytest.mark.parametrize("early", [False, True])
+def test_true_times_and_not_one_access_before(bench, early):
+    """Reset, rest and bus as on a board. Woken after 2 ms and 2 ms, as it was, the sensor is asked
+    too early, and its light goes out when it has answered."""
+    made = Bench("ulx3s", SMALL, (WIDTH, HEIGHT), hurry=1, i2c_hz=100_000)
+    assert made.design.times == Times(5000, 40_000, 1_000_000)
+    if early:
+        made.design = replace(made.design, times=Times(2000, 2000))
+    run = made.run(150_000 if early else 62_000, optimise="-O2")
+    assert (run.early > 0) == early
+    assert any(lights & TROUBLE for _, lights in run.lights) == early
+    assert run.lights[-1][1] & 7 == READY | SET_UP
+    assert made.shown(run)[-1] is not None
