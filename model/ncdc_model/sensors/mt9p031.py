@@ -2,7 +2,10 @@
 
 Sources: DS, the data sheet MT9P031/D of onsemi (Rev. 10, 2017; tables and sections by their names);
 L, drivers/media/i2c/mt9p031.c of Linux, for limits, PLL and the order of gain stages. Line and
-frame times agree with those that PixeLINK publishes for its PL-D775, which has this sensor.
+frame times agree with those that PixeLINK publishes for its PL-D775, which has this sensor, those
+with skipping and binning with DS, frame rates at common resolutions.
+T, drivers/media/i2c/mt9t031.c of Linux, of a sensor of the same family, says that a window that is
+binned must begin at a multiple of the group.
 """
 
 from fractions import Fraction
@@ -49,6 +52,7 @@ _HORIZONTAL_BLANK = 0x05    # pairs of columns less one
 _VERTICAL_BLANK = 0x06      # lines less one
 _OUTPUT_CONTROL = 0x07
 _STOPPED, _RUNNING = 0x1F80, 0x1F82     # bit 1: chip enable; the rest as after reset
+_ROW_MODE, _COLUMN_MODE = 0x22, 0x23    # bits 5..4: bins less one; bits 2..0: skip less one
 _PIXEL_CLOCK_CONTROL = 0x0A
 _INVERT_PIXEL_CLOCK = 0x8000            # pins change as the clock falls: capture looks as it rises
 _RESTART = 0x0B
@@ -68,10 +72,9 @@ TEST_PATTERN_MODES = {"ColorField": 0, "GreyHorizontalRamp": 1, "GreyVerticalRam
 
 FIRST_ROW, FIRST_COLUMN = 54, 16    # of the active pixels; DS, pixel array structure
 _PIXEL_CLOCK_MHZ = 96               # DS, key performance parameters
-_MIN_BLANKING = 450                 # pairs of columns: 346 + 64 + 80 / 2; DS, frame time
-_MIN_LINE = 41 + 346 + 99           # pairs of columns, whatever the width; DS, row time
+_ROW_OVERHEAD = 346                 # pairs of columns, for each row read; DS, frame time
+_DARK_COLUMNS = {1: 80, 2: 40, 4: 20}       # read before a row, by bins; DS, table 7
 _MIN_BEYOND = 8                     # lines of the vertical blanking less one; DS, frame time
-_OVERHEAD = 208 + 98 + 1 - 94       # pairs of columns: shutter overhead without delay; DS, exposure
 _PLL_CLOCKS = (6_000_000, 27_000_000)           # external clock; this one and what follows: L
 _PLL_INPUT = (2_000_000, 13_500_000)            # external clock / N
 _PLL_OSCILLATOR = (180_000_000, 360_000_000)    # external clock * M / N
@@ -86,15 +89,28 @@ SENSOR = Sensor(
     clock_hz=24_000_000, pixel_clock_hz=96_000_000,
     limits=Limits(step=2, corner_step=2,        # DS, window control
                   smallest=(2, 2), lines=(1, (1 << 20) - 1), vertical=(9, 4096),
-                  gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096),
+                  gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096,
+                  # Row_Bin and Column_Bin are 0, 1 or 3; of its skips those with an even grid.
+                  reductions=((2, 1), (2, 2), (4, 1), (4, 2), (4, 4))),
     test_patterns=TEST_PATTERN_MODES,
     user_registers=(SHUTTER_UPPER, SHUTTER_LOWER, *COLOUR_GAINS, GLOBAL_GAIN, TEST_PATTERN,
-                    *(address for address, _ in TEST_COLOURS.values()), _BAR_WIDTH))
+                    *(address for address, _ in TEST_COLOURS.values()), _BAR_WIDTH),
+    first=(FIRST_COLUMN, FIRST_ROW))
 
 
-def line_clocks(columns):
-    """Pixel clocks of a line of ``columns`` without binning, at the least blanking."""
-    return 2 * max(columns // 2 + _MIN_BLANKING, _MIN_LINE)
+def _blanking(bins):
+    """The least horizontal blanking, in pairs of columns; DS, frame time, and L."""
+    return _ROW_OVERHEAD * bins + 64 + _DARK_COLUMNS[bins] // 2
+
+
+def line_clocks(columns, bins=1):
+    """Pixel clocks of a line of ``columns`` samples, at the least blanking; DS: row time."""
+    return 2 * max(columns // 2 + _blanking(bins), 41 + _ROW_OVERHEAD * bins + 99)
+
+
+def _overhead(bins):
+    """Pixel clocks of a line that are not exposed, without shutter delay; DS, exposure."""
+    return 2 * (208 * bins + 98 + 1 - 94)
 
 
 def line_time_ns(columns):
@@ -105,8 +121,8 @@ def line_time_ns(columns):
 def setup(settings):
     """The :class:`Setup` for ``settings``; raises :class:`InputError` at a limit."""
     asked = resolved(SENSOR, settings)
-    line = line_clocks(asked.width)
-    lines = exposure_lines(SENSOR, asked, line, 2 * _OVERHEAD)
+    line, overhead = line_clocks(asked.width, asked.bins), _overhead(asked.bins)
+    lines = exposure_lines(SENSOR, asked, line, overhead)
     total = frame_lines(SENSOR, asked, line, lines + 1)
     gain, gain_256 = _gain(factor_of(SENSOR, asked))
     writes = (
@@ -116,9 +132,10 @@ def setup(settings):
         *_clock(asked),
         Write(COLUMN_START, FIRST_COLUMN + asked.left, "first column"),
         Write(ROW_START, FIRST_ROW + asked.top, "first row"),
-        Write(COLUMN_SIZE, asked.width - 1, "columns less one"),
-        Write(ROW_SIZE, asked.height - 1, "rows less one"),
-        Write(_HORIZONTAL_BLANK, _MIN_BLANKING - 1, "horizontal blanking: the least"),
+        Write(COLUMN_SIZE, asked.skip * asked.width - 1, "columns less one"),
+        Write(ROW_SIZE, asked.skip * asked.height - 1, "rows less one"),
+        *_reduction(asked),
+        Write(_HORIZONTAL_BLANK, _blanking(asked.bins) - 1, "horizontal blanking: the least"),
         # A longer exposure makes the frame longer by itself.
         Write(_VERTICAL_BLANK, min(total - asked.height, SENSOR.limits.vertical[1]) - 1,
               "vertical blanking, lines less one"),
@@ -129,7 +146,19 @@ def setup(settings):
         Write(_RESTART, 1, "begin anew with these"), Write(_OUTPUT_CONTROL, _RUNNING, "start"))
     return Setup(SENSOR, asked, writes,
                  Timing(asked.width, asked.height, line, total, asked.pixel_clock_hz),
-                 lines * line - 2 * _OVERHEAD, gain_256)
+                 lines * line - overhead, gain_256)
+
+
+def _reduction(asked):
+    """Skipping and binning; nothing where all pixels are read, as after reset."""
+    if asked.skip == 1:
+        return []
+    mode = asked.bins - 1 << 4 | asked.skip - 1
+    meaning = f"of {2 * asked.skip} {{}} two are sent"
+    if asked.bins > 1:
+        meaning += f", each the mean of {asked.bins}"
+    return [Write(_ROW_MODE, mode, meaning.format("rows")),
+            Write(_COLUMN_MODE, mode, meaning.format("columns"))]
 
 
 def _gain(factor):
