@@ -174,7 +174,8 @@ def test_mt9d111_reduced_by_hand():
 
 
 LIMITS = [
-    ("mt9p031", {"skip": 3}, "skip is 3 and bins 1, the mt9p031 has 1 and 1, 2 and 1, 2 and 2, 4"),
+    ("mt9p031", {"skip": 8}, "skip is 8 and bins 1, the mt9p031 has 1 and 1, 2 and 1, 2 and 2, 3"),
+    ("mt9p031", {"skip": 4, "bins": 3}, "skip is 4 and bins 3, the mt9p031 has 1 and 1, 2 and 1"),
     ("mt9p031", {"bins": 2}, "skip is 1 and bins 2, the mt9p031 has 1 and 1, 2 and 1"),
     ("ov5640", {"skip": 4}, "skip is 4 and bins 1, the ov5640 has 1 and 1, 2 and 1, 2 and 2"),
     ("mt9d111", {"skip": 2, "bins": 2}, "the mt9d111 has 1 and 1, 2 and 1"),

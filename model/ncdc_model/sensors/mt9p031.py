@@ -90,8 +90,9 @@ SENSOR = Sensor(
     limits=Limits(step=2, corner_step=2,        # DS, window control
                   smallest=(2, 2), lines=(1, (1 << 20) - 1), vertical=(9, 4096),
                   gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096,
-                  # Row_Bin and Column_Bin are 0, 1 or 3; of its skips those with an even grid.
-                  reductions=((2, 1), (2, 2), (4, 1), (4, 2), (4, 4))),
+                  # DS: Column_Skip is up to 6, Column_Bin 0, 1 or 3 and at most as much.
+                  reductions=tuple((skip, bins) for skip in range(2, 8) for bins in (1, 2, 4)
+                                   if bins <= skip)),
     test_patterns=TEST_PATTERN_MODES,
     user_registers=(SHUTTER_UPPER, SHUTTER_LOWER, *COLOUR_GAINS, GLOBAL_GAIN, TEST_PATTERN,
                     *(address for address, _ in TEST_COLOURS.values()), _BAR_WIDTH),

@@ -11,7 +11,7 @@
 // A model of what a user of the sensor sees, with these simplifications: settings are taken at the
 // beginning of a frame, none later; a sensor that is told to stop stops at once; there is no
 // automatic exposure and no noise. It skips and bins as far as ours are set up to, columns and rows
-// alike: the MT9P031 by 1, 2 and 4, the others by 2.
+// alike: the MT9P031 by 2 to 7, the others by 2.
 //
 // Plusargs, all of which may be absent; numbers are decimal:
 //   sensor_file=<name>       samples, 16 bits each, the low byte first, row by row, frame by frame

@@ -68,10 +68,9 @@ module sensor_mt9p031 (
             file[8'h0D] <= 1;
         end else if (write && pointer[7:0] != 8'h00 && pointer[7:0] != 8'hFF) begin
             file[pointer[7:0]] <= value;
-            if ((pointer[7:0] == 8'h22 || pointer[7:0] == 8'h23) && value != 16'h00
-                && value != 16'h01 && value != 16'h11 && value != 16'h03 && value != 16'h13
-                && value != 16'h33)
-                $display("SENSOR-ERROR skipping by 1, 2 and 4 is modelled");
+            if ((pointer[7:0] == 8'h22 || pointer[7:0] == 8'h23)
+                && (value[2:0] == 7 || value[5:4] == 2 || value[5:4] > value[2:0]))
+                $display("SENSOR-ERROR no such skipping and binning");
         end
     end
 
