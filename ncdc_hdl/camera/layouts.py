@@ -19,8 +19,8 @@ PINS = wiring.Signature({"frame_valid": Out(1), "line_valid": Out(1), "data": Ou
 
 ROWS = wiring.Signature({"frame": Out(1), "valid": Out(1), "row_end": Out(1),
                          "sample": Out(SAMPLE_BITS)})
-"""Frames on their way. ``frame`` is high during one, and low between two; ``row_end`` is high for the
-clock after the last sample of a row, in which ``frame`` may be low already."""
+"""Frames on their way. ``frame`` is high during one, and low between two; ``row_end`` is high for
+the clock after the last sample of a row, in which ``frame`` may be low already."""
 
 GRID = data.StructLayout({"weight": 2, "binning": 1})
 """How samples become an even grid: see ``ncdc_model.sensors.grid``."""
