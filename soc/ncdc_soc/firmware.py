@@ -17,7 +17,6 @@ from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.genicam import genicam_xml
 from ncdc_model.interface.link_map import LINK, TEMPLATES
 from ncdc_model.interface.pixel_formats import raw_format
-from ncdc_model.interface.system_map import system_registers
 from ncdc_model.interface.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_model.sensors import mt9p031
 from ncdc_soc.lwip import FILES, lwip_source
@@ -125,7 +124,7 @@ def _hardware(capacity, soc):
 def _registers(system):
     """Byte address of each register, and the flags of those that have some."""
     found = {}
-    for prefix, base, table in (("NCDC_", 0, system_registers(system.stores)),
+    for prefix, base, table in (("NCDC_", 0, system.table),
                                 ("", LINK_BASE, LINK)):
         for register in table:
             found[prefix + register.name] = _hex(MAP["ncdc"] + 4 * (base + register.address))
@@ -252,7 +251,7 @@ def _settings(system, setup, corner):
         "SENT_WIDTH": setup.timing.width, "SENT_HEIGHT": setup.timing.height,
         "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
         "CLOCK_LIMIT": 2 * setup.timing.frame_clocks, "I2C_QUARTER": _I2C_QUARTER}
-    places = {r.name: r.address for r in system_registers(system.stores)}
+    places = {r.name: r.address for r in system.table}
     return _braced(_braced([_hex(MAP["ncdc"] + 4 * places[name]), _hex(value)])
                    for name, value in values.items())
 
