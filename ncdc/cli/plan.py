@@ -4,6 +4,7 @@ from fractions import Fraction
 
 from ncdc.cli.board_design import add_mode
 from ncdc.cli.common import add_json, write_report
+from ncdc.cli.field import add_field, field_of, field_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import (
     add_fixed,
@@ -61,6 +62,7 @@ def add_arguments(parser):
     parser.add_argument("--camera", metavar="SENSOR",
                         help="also the clocks of a running system, in which this sensor's frames "
                              f"come to the same memory meanwhile: {', '.join(_NAMES)}")
+    add_field(parser)
     add_follow(parser)
     add_json(parser)
 
@@ -74,6 +76,9 @@ def run(args):
         raise InputError(f"--mode {args.mode} is of a board: --board NAME is needed")
     if args.system:
         raise InputError("--system is of a board: --board NAME is needed")
+    if args.field is not None and not args.camera:
+        raise InputError(f"--field {args.field} is of a sensor: --camera NAME or --board NAME is "
+                         "needed")
     args.clock = CLOCK_MHZ if args.clock is None else args.clock
     if not 1 <= args.clock <= 1000:
         raise InputError(f"the clock is {args.clock:g} MHz, the limits are 1 and 1000")
@@ -112,11 +117,13 @@ def _beside(args, descriptor, planned):
     """What a running camera makes of the plan, under the names in every report."""
     if not args.camera:
         return {}
-    setup, _ = setup_around(args.camera, descriptor.geometry, exposure_us=_EXPOSURE_US)
-    timing = setup.timing
+    setup, crop = setup_around(args.camera, descriptor.geometry, field=field_of(args),
+                               exposure_us=_EXPOSURE_US)
+    timing = crop.arriving(setup.timing)
     clocks = clocks_beside_camera(
         descriptor, planned.hardware, memory_at(args.memory, args.clock),
         Corrector(descriptor, planned.hardware).timing, timing,
         Fraction(args.clock * 1e6) / timing.pixel_clock_hz)
     return {"beside_camera_clocks_per_pixel": clocks / planned.pixels,
-            "camera_frames_per_second": timing.frames_per_second}
+            "camera_frames_per_second": setup.timing.frames_per_second,
+            **field_report(setup, crop, descriptor.geometry)}

@@ -19,6 +19,7 @@ from ncdc_model.interface.link_map import LINK, TEMPLATES
 from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_model.sensors import mt9p031
+from ncdc_model.sensors.framing import Crop
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
 from ncdc_soc.processor import MAP
@@ -75,8 +76,8 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
     soc : ProcessorVerilog
     setup : Setup
         Of the sensor.
-    corner : (int, int)
-        Column and row of the sensor's frame at which raw frames begin.
+    corner : Crop
+        What capture makes of the sensor's frames.
     identity : Identity
     sets_up : bool
         The firmware sets up camera and sensor; else somebody else has.
@@ -247,9 +248,11 @@ def _table():
 
 def _settings(system, setup, corner):
     """Registers of the camera, before the sensor is set up."""
-    values = {
+    crop = Crop(*corner)
+    values = {"GRID_WEIGHT": crop.weight, "GRID_BIN": crop.binning} if crop.grid else {}
+    values |= {
         "SENT_WIDTH": setup.timing.width, "SENT_HEIGHT": setup.timing.height,
-        "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
+        "WINDOW_LEFT": crop.left, "WINDOW_TOP": crop.top, "BLACK_LEVEL": setup.sensor.black,
         "CLOCK_LIMIT": 2 * setup.timing.frame_clocks, "I2C_QUARTER": _I2C_QUARTER}
     places = {r.name: r.address for r in system.table}
     return _braced(_braced([_hex(MAP["ncdc"] + 4 * places[name]), _hex(value)])

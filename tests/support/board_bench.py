@@ -28,15 +28,14 @@ class Bench:
         self.kept = 0xF0 if name == "de0-cv" else 0xFF      # bits of a colour that the board shows
         lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
         self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100)
-        setup, (left, top) = self.sensor
+        setup, crop = self.sensor
         named = [("a", lenses[0]), ("b", lenses[1])]
         self.design = design_of(board(name), named if mode else named[:1], self.sensor, mode,
                                 power_up_us=20, waits=False, **more)
         noise = np.random.default_rng(1).integers(0, 4096, (frames, size[1] + 4, size[0] + 4),
                                                   dtype=np.uint16)
-        self.light = Light(noise)
-        raw = levelled(raw_frames(setup, self.light), setup.sensor.black)
-        self.raw = raw[:, top:top + size[1], left:left + size[0]]
+        self.light = Light(noise, setup.settings.left, setup.settings.top)
+        self.raw = levelled(crop.raw(raw_frames(setup, self.light), size), setup.sensor.black)
         self.lenses = [*lenses, raw_lens(lenses[0])]
 
     def run(self, run_us, **more):
