@@ -19,7 +19,7 @@ from ncdc_model.interface.link_map import LINK, TEMPLATES
 from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_model.sensors import mt9p031
-from ncdc_model.sensors.framing import Crop
+from ncdc_model.sensors.framing import Crop, field_values
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
 from ncdc_soc.processor import MAP
@@ -87,6 +87,7 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
         **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup),
+        **_field(setup, Crop(*corner), system.descriptor.geometry),
         **_sensor(setup),
         **_protocols(identity, soc.clock_hz),
         "SETS_UP": int(sets_up), "FIRST_READER": f"{first_reader}u"}.items()]
@@ -153,6 +154,15 @@ def _pictures(system, setup):
         "LINE_TIME_NS": f"{round(1e9 * timing.line_clocks / timing.pixel_clock_hz)}u",
         "RATE_TENTHS": f"{max(1, rate)}u",
         "RATE_TENTHS_MAX": f"{max(rate, feature('AcquisitionFrameRate').high)}u"}
+
+
+def _field(setup, crop, geometry):
+    """What part of the sensor raw frames show."""
+    values = field_values(setup, crop, geometry)
+    at = {word.address: values[word.name] for word in SYSTEM_WORDS if word.name in values}
+    first = min(at)
+    return {"FIELD_FIRST": _hex(first),
+            "CONFIG_FIELD": _braced(str(at[first + k]) for k in range(len(values)))}
 
 
 def _sensor(setup):
@@ -238,11 +248,12 @@ def _table():
     for one in _features():
         upper, lower = (["NO_WORD", "NO_WORD"] + [_hex(word) for word in one.table])[-2:]
         shift, width = one.field or (0, 0)
-        choices = [f"CHOICES_{one.name}", str(len(one.choices))]
+        choices, count = "0", "0"
+        if one.choices and one.table:
+            choices, count = f"CHOICES_{one.name}", str(len(one.choices))
         rows.append(_braced([
-            _hex(one.address), f"FEATURE_{one.name}", access[one.access], upper, lower, str(shift),
-            str(width), _hex(one.low), _hex(one.high),
-            *(choices if one.choices and one.table else ["0", "0"])]))
+            f"FEATURE_{one.name}", access[one.access], upper, lower, str(shift),
+            str(width), _hex(one.low), count, _hex(one.high), choices]))
     return _braced(rows)
 
 

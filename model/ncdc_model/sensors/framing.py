@@ -10,7 +10,7 @@ from ncdc_model.sensors.field import Field, Way, field_named, ways_of
 from ncdc_model.sensors.grid import MAX_REDUCTION, grid_weight, gridded
 from ncdc_model.sensors.sensor import Settings, Timing, bayer_at
 
-__all__ = ["Crop", "grid_offset", "grid_row", "setup_around", "shown"]
+__all__ = ["Crop", "field_values", "grid_offset", "grid_row", "setup_around", "shown"]
 
 _SMOOTH_HZ = 15         # frames per second from which on movement looks continuous
 _DROPPED = 2            # columns and rows that the evened grid loses at its end
@@ -113,6 +113,16 @@ def shown(plan, crop, geometry):
         begins = [begin + way.reduction * corner + grid_offset(plan, crop)
                   for begin, corner in zip((asked.left, asked.top), crop[:2])]
     return (*begins, *size)
+
+
+def field_values(plan, crop, geometry):
+    """The words of the system's page that say which part of the sensor raw frames show, by name.
+    Where an even grid begins outside of the sensor, they begin with it."""
+    left, top, *_ = shown(plan, crop, geometry)
+    reduction = plan.settings.skip << crop.binning
+    return {"SENSOR_WIDTH": plan.sensor.columns, "SENSOR_HEIGHT": plan.sensor.rows,
+            "DECIMATION_X": reduction, "DECIMATION_Y": reduction,
+            "FIELD_LEFT": max(0, left), "FIELD_TOP": max(0, top)}
 
 
 def grid_offset(plan, crop):

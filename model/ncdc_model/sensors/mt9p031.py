@@ -24,12 +24,11 @@ from ncdc_model.sensors.sensor import (
     resolved,
 )
 
-__all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_SIZE",
-           "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN", "MIRROR_COLUMN",
-           "MIRROR_ROW", "READ_MODE_2", "ROW_SIZE", "ROW_START", "SENSOR", "SHUTTER_LOWER",
-           "SHUTTER_UPPER",
-           "TEST_COLOURS", "TEST_PATTERN", "TEST_PATTERN_MODES", "line_clocks", "line_time_ns",
-           "setup"]
+__all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_MODE",
+           "COLUMN_SIZE", "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN",
+           "MIRROR_COLUMN", "MIRROR_ROW", "READ_MODE_2", "ROW_MODE", "ROW_SIZE", "ROW_START",
+           "SENSOR", "SHUTTER_LOWER", "SHUTTER_UPPER", "TEST_COLOURS", "TEST_PATTERN",
+           "TEST_PATTERN_MODES", "line_clocks", "line_time_ns", "mode_word", "setup"]
 
 # DS, register list and register description.
 CHIP_VERSION = 0x00
@@ -52,7 +51,7 @@ _HORIZONTAL_BLANK = 0x05    # pairs of columns less one
 _VERTICAL_BLANK = 0x06      # lines less one
 _OUTPUT_CONTROL = 0x07
 _STOPPED, _RUNNING = 0x1F80, 0x1F82     # bit 1: chip enable; the rest as after reset
-_ROW_MODE, _COLUMN_MODE = 0x22, 0x23    # bits 5..4: bins less one; bits 2..0: skip less one
+ROW_MODE, COLUMN_MODE = 0x22, 0x23    # bits 5..4: bins less one; bits 2..0: skip less one
 _PIXEL_CLOCK_CONTROL = 0x0A
 _INVERT_PIXEL_CLOCK = 0x8000            # pins change as the clock falls: capture looks as it rises
 _RESTART = 0x0B
@@ -114,9 +113,14 @@ def _overhead(bins):
     return 2 * (208 * bins + 98 + 1 - 94)
 
 
-def line_time_ns(columns):
-    """Nanoseconds of a line of ``columns`` pixels at 96 MHz without binning, rounded to nearest."""
-    return round(1000 * line_clocks(columns) / _PIXEL_CLOCK_MHZ)
+def line_time_ns(columns, bins=1):
+    """Nanoseconds of a line of ``columns`` samples at 96 MHz, rounded to nearest."""
+    return round(1000 * line_clocks(columns, bins) / _PIXEL_CLOCK_MHZ)
+
+
+def mode_word(asked):
+    """Value of ROW_MODE and of COLUMN_MODE for :class:`Settings`."""
+    return asked.bins - 1 << 4 | asked.skip - 1
 
 
 def setup(settings):
@@ -154,12 +158,12 @@ def _reduction(asked):
     """Skipping and binning; nothing where all pixels are read, as after reset."""
     if asked.skip == 1:
         return []
-    mode = asked.bins - 1 << 4 | asked.skip - 1
+    mode = mode_word(asked)
     meaning = f"of {2 * asked.skip} {{}} two are sent"
     if asked.bins > 1:
         meaning += f", each the mean of {asked.bins}"
-    return [Write(_ROW_MODE, mode, meaning.format("rows")),
-            Write(_COLUMN_MODE, mode, meaning.format("columns"))]
+    return [Write(ROW_MODE, mode, meaning.format("rows")),
+            Write(COLUMN_MODE, mode, meaning.format("columns"))]
 
 
 def _gain(factor):
