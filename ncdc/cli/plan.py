@@ -83,6 +83,8 @@ def run(args):
     if not 1 <= args.clock <= 1000:
         raise InputError(f"the clock is {args.clock:g} MHz, the limits are 1 and 1000")
     descriptor = Descriptor.load(args.descriptor)
+    framing = setup_around(args.camera, descriptor.geometry, field=field_of(args),
+                           exposure_us=_EXPOSURE_US) if args.camera else None
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
     hardware = Hardware(data_width=width, output=args.to, lanes=args.pixels_per_clock,
@@ -94,7 +96,7 @@ def run(args):
     made = planned.hardware.made_for(descriptor)
     report = planned.report() | {"nodes": descriptor.nodes, "share": made.share,
                                  "tansigs": made.units(descriptor.hidden_neurons)}
-    report |= _beside(args, descriptor, planned)
+    report |= _beside(args, descriptor, planned, framing)
     if write_report({"digest": descriptor.digest, "output": args.to, **report,
                      **(bound.report() if bound else {})}, args.json):
         return
@@ -113,12 +115,12 @@ def run(args):
               f"second")
 
 
-def _beside(args, descriptor, planned):
-    """What a running camera makes of the plan, under the names in every report."""
-    if not args.camera:
+def _beside(args, descriptor, planned, framing):
+    """What a running camera makes of the plan, under the names in every report; ``framing``: its
+    set-up and crop, None without one."""
+    if framing is None:
         return {}
-    setup, crop = setup_around(args.camera, descriptor.geometry, field=field_of(args),
-                               exposure_us=_EXPOSURE_US)
+    setup, crop = framing
     timing = crop.arriving(setup.timing)
     clocks = clocks_beside_camera(
         descriptor, planned.hardware, memory_at(args.memory, args.clock),

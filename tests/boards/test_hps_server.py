@@ -112,6 +112,18 @@ def test_the_client_sees_settings_and_pictures(running):
         assert connection.read(system_word("NUMBER_LOWER")) == 7
 
 
+def test_the_part_of_the_sensor_that_raw_frames_show(running):
+    names = ("SENSOR_WIDTH", "SENSOR_HEIGHT", "DECIMATION_X", "DECIMATION_Y", "FIELD_LEFT",
+             "FIELD_TOP")
+    with running.connection() as connection:
+        values = [connection.read(system_word(name)) for name in names]
+        assert connection.write(system_word("DECIMATION_X"), 1) == values[2]
+    # Of 64x24 by 7, around the middle, as far as the colours allow.
+    assert values[:4] == [2592, 1944, 7, 7]
+    assert abs(values[4] - (2592 - 7 * WIDTH) / 2) <= 4
+    assert abs(values[5] - (1944 - 7 * HEIGHT) / 2) <= 4
+
+
 def test_what_decides_the_frames_size_is_not_written(running):
     with running.connection() as connection:
         before = connection.read(mt9p031.COLUMN_SIZE)
