@@ -32,8 +32,8 @@ class Binning(wiring.Component):
     i, o : ``In(ROWS)``, ``Out(ROWS)``
     """
 
-    latency = 4
-    """Sum of two in a row, memory, sum of four, output."""
+    latency = 5
+    """Sum of two in a row, memory, its output register, sum of four, output."""
 
     def __init__(self, width):
         self.width = width
@@ -58,7 +58,8 @@ class Binning(wiring.Component):
         place = register(m, "place", Cat(x[0], y[0], x[2:]))
         m.d.comb += [write.addr.eq(place), write.data.eq(pair), read.addr.eq(place)]
         m.d.comb += write.en.eq(register(m, "upper", i.valid & second & ~lower, reset_less=False))
-        four = register(m, "four", register(m, "pair_d", pair) + read.data + 2)
+        above = register(m, "above", read.data)
+        four = register(m, "four", above + delay(m, pair, 2, "pair") + 2)
         m.d.sync += o.sample.eq(Mux(self.on, four >> 2,
                                     delay(m, i.sample, self.latency - 1, "sample")))
         for name, value in (("valid", i.valid & (~self.on | second & lower)),

@@ -38,8 +38,8 @@ class Evening(wiring.Component):
     i, o : ``In(ROWS)``, ``Out(ROWS)``
     """
 
-    latency = (1 + Moved.latency) + (_MEMORY + Moved.latency) + 1
-    """Taps of a row, and what is made of them; those of a column; the output."""
+    latency = (1 + Moved.latency) + (_MEMORY + Moved.latency)
+    """Taps of a row, and what is made of them; the same of a column."""
 
     def __init__(self, width):
         self.width = width
@@ -49,10 +49,8 @@ class Evening(wiring.Component):
         m = Module()
         sample, now = self._along_rows(m)
         sample, now = self._along_columns(m, sample, now)
-        straight = delay(m, self.i.sample, self.latency - 1, "straight")
-        m.d.sync += self.o.sample.eq(Mux(self.weight.any(), sample, straight))
-        for name, value in now.items():
-            m.d.sync += getattr(self.o, name).eq(value)
+        m.d.comb += [self.o.sample.eq(sample),
+                     *(getattr(self.o, name).eq(value) for name, value in now.items())]
         return m
 
     def _along_rows(self, m):
@@ -92,7 +90,10 @@ class Evening(wiring.Component):
         """The middle one of ``taps`` moved; ``index`` is that of the newest."""
         m.submodules[name] = moved = Moved()
         first = index < 2 + _UNMOVED
-        m.d.comb += [moved.taps.eq(taps), moved.odd.eq(index[0]),
+        # What does not move leaves with its own clock.
+        middle = Mux(self.weight.any(), taps[2], taps[0])
+        m.d.comb += [moved.taps.eq(Cat(taps[0], taps[1], middle, taps[3], taps[4])),
+                     moved.odd.eq(index[0]),
                      moved.weight.eq(Mux(first, 0, self.weight))]
         return moved.o, {key: delay(m, value, moved.latency, f"{name}_{key}", reset_less=False)
                          for key, value in now.items()}
