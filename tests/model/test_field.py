@@ -47,6 +47,7 @@ def test_without_a_field_the_window_is_in_the_middle():
     ("mt9p031", (640, 480), 4, 2, 0, 23.1),         # 4 bins would send 14.3
     ("mt9p031", (320, 240), 7, 4, 0, 30.5),
     ("mt9p031", (800, 600), 3, 2, 0, 17.3),
+    ("mt9p031", (1280, 720), 2, 1, 0, 15.6), ("mt9p031", (1920, 1080), 1, 1, 0, 8.1),
     ("mt9p031", (1280, 960), 2, 1, 0, 11.8),        # fewer than 15 anyway: the most
     ("ov5640", (640, 480), 2, 2, 1, 6.7),           # binning costs it nothing
     ("mt9d111", (640, 480), 2, 1, 0, 43.5), ("mt9d111", (1280, 960), 1, 1, 0, 14.3)])
@@ -55,6 +56,14 @@ def test_the_way_to_reduce(name, size, skip, bins, binning, rate):
     assert (plan.settings.skip, plan.settings.bins, crop.binning) == (skip, bins, binning)
     assert round(plan.timing.frames_per_second, 1) == rate
     assert grid_row(plan, crop) == (plan.timing.width if skip > 1 else None)
+
+
+def test_the_ov5640_is_slow_at_25_mhz():
+    """5,000 clocks a line whatever its width, 3,792 of every other pair."""
+    plan, _ = sensor_for("ov5640", geometry(), field="640x480")
+    assert plan.timing.line_clocks == 5000 and round(plan.timing.frames_per_second, 1) == 9.9
+    plan, _ = sensor_for("ov5640", geometry(), field="full")
+    assert plan.timing.line_clocks == 3792
 
 
 def test_a_fast_clock_leaves_time_for_more_bins():
