@@ -21,6 +21,10 @@ def read(one):
             mt9p031.COLUMN_START, mt9p031.COLUMN_SIZE, mt9p031.ROW_MODE, mt9p031.COLUMN_MODE)]
         user.write(system_word("DECIMATION_X"), 2)
         assert user.read(system_word("DECIMATION_X")) == words["DecimationHorizontal"]
+        # A window of raw frames is one of the sensor.
+        for name, value in (("SOURCE", 0), ("WIDTH", 32), ("OFFSET_X", 8)):
+            assert user.write(system_word(name), value) == value
+        registers += [user.read(mt9p031.COLUMN_START), user.read(mt9p031.COLUMN_SIZE)]
     return list(words.values()), registers
 
 
@@ -29,14 +33,14 @@ def test_a_whole_field():
         words, registers = read(one)
     # Of 4, it bins 4, from a multiple of 8 on.
     assert words == [2592, 1944, 4, 4, 1000, 698]
-    assert registers == [16 + 1000, 4 * SIZE[0] - 1, 0x33, 0x33]
+    assert registers == [16 + 1000, 4 * SIZE[0] - 1, 0x33, 0x33, 16 + 1000 + 4 * 8, 4 * 32 - 1]
 
 
 def test_a_window_in_the_middle():
     with device([small_lens(bayer="GRBG")]) as one:
         words, registers = read(one)
     assert words == [2592, 1944, 1, 1, (2592 - SIZE[0]) // 2, (1944 - SIZE[1]) // 2]
-    assert registers == [16 + words[4], SIZE[0] - 1, 0, 0]
+    assert registers == [16 + words[4], SIZE[0] - 1, 0, 0, 16 + words[4] + 8, 31]
 
 
 def test_a_client_sees_it_as_features():
