@@ -18,10 +18,12 @@ from ncdc_hdl.lib.ports import flat, join, ports_as
 from ncdc_hdl.registers.page import Page
 from ncdc_hdl.video.frame_reader import SCREEN
 from ncdc_model.errors import InputError
+from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
 from ncdc_model.interface.system_map import (
     EVENTS,
+    GRID_ROW_MIN,
     LOCKED,
     STORES,
     SYSTEM_WORDS_BITS,
@@ -48,6 +50,10 @@ class System(wiring.Component):
         That claim frames by registers.
     screens : int
         Readers of corrected frames in gateware, 0 or 1.
+    grid : int, optional
+        Samples of the longest row that the sensor sends, from 8 on: samples can be moved to
+        an even Bayer grid as they come, see :class:`ncdc_hdl.camera.grid.Grid`; absent: they stay
+        where they are.
 
     Members
     -------
@@ -69,18 +75,24 @@ class System(wiring.Component):
     Raises
     ------
     InputError
-        If there is a screen, and corrected pixels leave as a stream.
+        If there is a screen, and corrected pixels leave as a stream; if ``grid`` is out of its
+        range.
     """
 
-    def __init__(self, descriptor, hardware=Hardware(), readers=2, screens=0):
+    def __init__(self, descriptor, hardware=Hardware(), readers=2, screens=0, grid=None):
         if screens and hardware.stream:
             raise InputError("corrected pixels leave as a stream, a screen shows those in memory")
+        if grid is not None and not GRID_ROW_MIN <= grid <= MAX_SIZE:
+            raise InputError(f"the longest row of the grid stage has {grid} samples, it must have "
+                             f"{GRID_ROW_MIN} to {MAX_SIZE}")
         self.corrector = Corrector(descriptor, hardware, runs=True)
         self.descriptor, self.hardware = descriptor, self.corrector.hardware
         self.stores = stores_for(self.hardware, readers, screens)
-        self.table = system_registers(self.stores)
+        self.grid = grid
+        self.table = system_registers(self.stores, grid)
         self.pending = PENDING if self.hardware.axi else 0
-        self.capture = Capture(self.hardware.data_width, burst=_BURST, pending=self.pending)
+        self.capture = Capture(self.hardware.data_width, burst=_BURST, pending=self.pending,
+                               grid=grid)
         self.raw = FrameStore(1 + readers, looks=2)
         self.corrected = None if self.hardware.stream else FrameStore(readers + screens)
         ports = flat("csr", Agent(SYSTEM_WORDS_BITS), In) | {"sensor_clock": In(1)}
@@ -178,6 +190,9 @@ class System(wiring.Component):
             capture.place.height.eq(values.WINDOW_HEIGHT),
             capture.place.base.eq(base), capture.place.limit.eq(base + values.RAW_BYTES),
         ]
+        if self.grid is not None:
+            m.d.comb += [capture.grid.weight.eq(values.GRID_WEIGHT),
+                         capture.grid.binning.eq(values.GRID_BIN)]
 
     def _base(self, values, store, buffer):
         """Base address of the ``buffer`` of a store."""
@@ -260,6 +275,7 @@ class System(wiring.Component):
         result = i2c.result
         shown = {
             "CAMERA_STATUS": Cat(capture.active, control.corrector.active, Const(0, 6), events),
+            **({} if self.grid is None else {"GRID_ROW": self.grid}),
             "CAMERA_ROWS": capture.rows, "LINE_FAULTS": capture.counts.lines,
             "FRAMES_CUT": capture.counts.cut, "OVERFLOWS": capture.counts.overflows,
             "FRAMES_MISSED": capture.counts.missed, "CLOCK_STOPS": capture.counts.stopped,

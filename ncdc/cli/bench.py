@@ -4,6 +4,7 @@ import sys
 
 from ncdc.bench.accuracy import command as accuracy
 from ncdc.bench.client import command as client
+from ncdc.bench.grid import command as grid
 from ncdc.bench.lines import command as lines
 from ncdc.bench.network import command as network
 from ncdc.bench.nodes import command as nodes
@@ -21,7 +22,7 @@ __all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
 
 HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
-BENCHES = {"accuracy": accuracy, "client": client, "lines": lines,
+BENCHES = {"accuracy": accuracy, "client": client, "grid": grid, "lines": lines,
            "network": network, "nodes": nodes, "photos": photos, "pictures": pictures,
            "synth": synth, "system": system, "tansig": tansig, "throughput": throughput,
            "truth": truth, "window": window}

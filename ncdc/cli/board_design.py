@@ -10,6 +10,7 @@ from ncdc_boards.hps_board.ports import DATA_WIDTH
 from ncdc_hdl.video.modes import mode_for, mode_named
 from ncdc_model.errors import InputError
 from ncdc_model.fetch.plan import Fixed
+from ncdc_model.sensors.field import FULL
 
 __all__ = ["add_mode", "board_named", "designed", "print_rates", "rates"]
 
@@ -51,7 +52,8 @@ def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, No
     lanes : int
         Pixels per clock.
     settings : dict, optional
-        Of the sensor, ``exposure_us`` and ``pixel_clock_hz``; 10 ms, and its clock undivided.
+        Of the sensor, ``exposure_us``, ``pixel_clock_hz`` and ``field``; 10 ms, its clock
+        undivided, all that fits.
     processor : bool
         With a processor and Ethernet; a board without a screen always is.
 
@@ -66,7 +68,7 @@ def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, No
     # The clocks first: they are checked at once, and what follows takes seconds.
     board.clock_plan(wanted, board.core_mhz)
     placed = sensor_for(sensor or _BAYER_SENSOR, geometry,
-                        **{"exposure_us": 10_000.0} | (settings or {}))
+                        **{"exposure_us": 10_000.0, "field": FULL} | (settings or {}))
     check_lanes(board, hardware_for(board), lanes)
     hardware, line = planned(hardware_for(board, lanes), fixed, named[0][1])
     design = design_of(board, named, placed, wanted, hardware=hardware,

@@ -17,6 +17,7 @@ from ncdc.bitstream.flow import (
 from ncdc.cli.board_design import add_mode, board_named, designed, print_rates, rates
 from ncdc.cli.build_hps import build_hps
 from ncdc.cli.common import add_json, write_report
+from ncdc.cli.field import add_field, field_lines, field_of, field_report
 from ncdc.terminal import Steps
 from ncdc_boards.catalogue import board as board_of
 from ncdc_boards.ecp5.build import clock_cells, prepared
@@ -48,6 +49,7 @@ def add_arguments(parser):
     parser.add_argument("--sensor", default="mt9p031", metavar="NAME",
                         help="mt9p031 (default; Terasic D5M), ov5640, mt9d111")
     add_mode(parser)
+    add_field(parser)
     parser.add_argument("--pixel-clock-mhz", type=float, default=0, metavar="MHZ",
                         help="of the sensor, made by its own phase-locked loop (default: 25, "
                              "without)")
@@ -123,10 +125,12 @@ def _open(args, board, named, output):
     for file, text in texts.items():
         write_text(output / file, text)
     write_bytes(output / f"{name}.bit", bits)
+    geometry = named[0][1].geometry
     report = _report(args, best, placements, bits, budget, time.monotonic() - began)
+    report |= field_report(*sensor, geometry)
     report["files"] = [str(output / file) for file in (f"{name}.bit", *texts)]
     if not write_report(report, args.json):
-        _print(report, output / f"{name}.bit", board.name)
+        _print(report, field_lines(*sensor, geometry), output / f"{name}.bit", board.name)
 
 
 def _quartus(args, board, named, output):
@@ -145,12 +149,14 @@ def _quartus(args, board, named, output):
     report = {"board": board.name, "sensor": args.sensor,
               "clocks": [{"name": name, "target_mhz": mhz}
                          for name, mhz in design.clocks.targets().items()],
-              **rates(budget), "files": [str(output / name) for name in files],
+              **rates(budget), **field_report(*sensor, named[0][1].geometry),
+              "files": [str(output / name) for name in files],
               "kept": [str(output / USER_FILE)] if kept else []}
     if write_report(report, args.json):
         return
     for clock in report["clocks"]:
         print(f"{clock['name']:>16}: {clock['target_mhz']:7.2f} MHz needed")
+    print("\n".join(field_lines(*sensor, named[0][1].geometry)))
     print_rates(report)
     for name in report["kept"]:
         print(f"{name}: yours, left as it is")
@@ -163,7 +169,7 @@ def _design(args, board, named):
     for what does not fit."""
     design, sensor, budget, _ = designed(
         board, named, sensor=args.sensor, mode=args.mode, processor=args.system,
-        settings={"exposure_us": args.exposure_us,
+        settings={"exposure_us": args.exposure_us, "field": field_of(args),
                   "pixel_clock_hz": round(args.pixel_clock_mhz * 1e6)})
     return design, sensor, budget
 
@@ -205,8 +211,9 @@ def _report(args, best, placements, bits, budget, seconds):
         **rates(budget)}
 
 
-def _print(report, bitstream, loaded):
-    """The report for people; ``loaded``: the board, as openFPGALoader calls it."""
+def _print(report, field, bitstream, loaded):
+    """The report for people; ``field``: lines on that; ``loaded``: the board, as openFPGALoader
+    calls it."""
     for clock in report["clocks"]:
         slack = 1 - clock["target_mhz"] / clock["achieved_mhz"]
         spare = 1000 / clock["target_mhz"] - 1000 / clock["achieved_mhz"]
@@ -214,6 +221,7 @@ def _print(report, bitstream, loaded):
               f"{clock['target_mhz']:7.2f}, slack {spare:.2f} ns, {100 * slack:.0f} %")
     print(f"{report['lut']} LUTs, {report['ff']} flip-flops, {report['dsp']} multipliers, "
           f"{report['ram_blocks']} block RAMs; seed {report['seed']}")
+    print("\n".join(field))
     print_rates(report)
     print(f"{bitstream}: {report['bitstream_bytes']} bytes, in {report['seconds']:.0f} s; "
           f"openFPGALoader -b {loaded} {bitstream}")

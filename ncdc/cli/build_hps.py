@@ -1,6 +1,7 @@
 """``ncdc build`` for a board whose memory is a hard processor's: its project for Intel's tools."""
 
 from ncdc.cli.common import write_report
+from ncdc.cli.field import field_lines, field_of, field_report
 from ncdc.cli.hardware import planned
 from ncdc_boards.camera_board.design import sensor_for
 from ncdc_boards.hps_board.core import HpsDesign
@@ -17,6 +18,7 @@ from ncdc_model.files import check_outputs, write_text
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import BGR8, output_format
 from ncdc_model.interface.system_values import memory_bytes
+from ncdc_model.sensors.framing import grid_row
 from ncdc_model.sensors.waking import wake_times
 
 __all__ = ["build_hps"]
@@ -40,12 +42,14 @@ def build_hps(args, board, named, output):
               "clocks": [{"name": name, "target_mhz": mhz}
                          for name, mhz in design.clocks.targets().items()],
               "sensor_frames_per_second": setup.timing.frames_per_second,
+              **field_report(setup, corner, named[0][1].geometry),
               "files": [str(output / name) for name in files],
               "kept": [str(output / USER_FILE)] if kept else []}
     if write_report(report, args.json):
         return
     for clock in report["clocks"]:
         print(f"{clock['name']:>16}: {clock['target_mhz']:7.2f} MHz needed")
+    print("\n".join(field_lines(setup, corner, named[0][1].geometry)))
     print(f"the sensor sends {setup.timing.frames_per_second:.1f} frames a second")
     for name in report["kept"]:
         print(f"{name}: yours, left as it is")
@@ -65,11 +69,13 @@ def _designed(args, board, named):
                          f"pixels, the mode {args.mode} does not hold it: {least.name} does")
     clocks = board.clock_plan(mode, board.core_mhz)
     setup, corner = sensor_for(args.sensor, geometry, exposure_us=args.exposure_us,
+                               field=field_of(args),
                                pixel_clock_hz=round(args.pixel_clock_mhz * 1e6))
     hardware = Hardware(data_width=DATA_WIDTH, format=BGR8.name,
                         multiplier_bits=board.multiplier_bits)
     hardware, _ = planned(hardware, Fixed(None, None, None), descriptor)
-    system = System(descriptor, hardware, readers=_READERS, screens=1)
+    system = System(descriptor, hardware, readers=_READERS, screens=1,
+                    grid=grid_row(setup, corner))
     needed, there = memory_bytes(descriptor, system.hardware, system.stores), board.frames[1]
     if needed > there:
         raise InputError(f"the frames take {needed / 1e6:.1f} MB, {there / 1e6:.1f} MB of the "

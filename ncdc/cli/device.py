@@ -7,6 +7,7 @@ from argparse import Namespace
 from ipaddress import IPv4Address
 
 from ncdc.cli.common import add_samples, raw_frame
+from ncdc.cli.field import add_field, field_of
 from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
@@ -34,6 +35,7 @@ def add_arguments(parser):
                        help="of this machine; further devices take the following ones "
                        "(default: 127.0.0.2)")
     serve.add_argument("--count", type=int, default=1, metavar="N", help="devices (default: 1)")
+    add_field(serve)
     serve.add_argument("--fps", type=float, default=30.0, metavar="F",
                        help="frames per second after reset (default: 30)")
     serve.add_argument("--loss", type=float, default=0.0, metavar="P",
@@ -73,7 +75,8 @@ def run(args):
     try:
         for address in addresses:
             options = DeviceOptions(address, fps=args.fps, loss=args.loss, noise=args.noise,
-                                    loss_again=args.loss_again, tcp_port=args.tcp_port)
+                                    loss_again=args.loss_again, tcp_port=args.tcp_port,
+                                    field=field_of(args))
             devices.append(EmulatedDevice(corrections, options, image))
             print(f"{options.serial} at {address}: Table I on TCP port {devices[-1].table.port}, "
                   f"GVCP on UDP port {PORT}", flush=True)

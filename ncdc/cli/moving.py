@@ -3,6 +3,7 @@
 import sys
 
 from ncdc.cli.common import raw_frame, read_photo, write_report
+from ncdc.cli.field import add_field, field_of, field_report
 from ncdc.cli.hardware import fixed_of, hardware_of, planned
 from ncdc.cli.waves import waves_of
 from ncdc.terminal import Progress
@@ -10,7 +11,7 @@ from ncdc_hdl.system import System
 from ncdc_model.errors import InputError
 from ncdc_model.images import check_animation, is_raw, write_animation
 from ncdc_model.sensors.catalogue import SENSORS
-from ncdc_model.sensors.framing import setup_around
+from ncdc_model.sensors.framing import grid_row, setup_around
 from ncdc_sim.sensor.photo import moving_photo, still_raw
 from ncdc_sim.system.camera import simulate_camera
 
@@ -27,6 +28,7 @@ def add_moving(parser):
         "corrected as they come; OUT is an animation of the corrected pictures")
     group.add_argument("--camera", metavar="SENSOR",
                        help=", ".join(sensor.name for sensor in SENSORS))
+    add_field(group)
     group.add_argument("--frames", type=int, default=5, metavar="N", help="default: 5")
     group.add_argument("--velocity", default="12,0", metavar="X,Y",
                        help="corrected pixels to the right and down by which the scene of a colour "
@@ -47,14 +49,15 @@ def run_moving(args, descriptor):
             raise InputError(f"{option} is given with --camera {args.camera}, which does not take "
                              f"it")
     hardware, _ = planned(hardware_of(args), fixed_of(args, 0 if args.follow else None), descriptor)
-    plan, corner = setup_around(args.camera, descriptor.geometry,
-                                exposure_us=args.exposure_us)
+    plan, crop = setup_around(args.camera, descriptor.geometry, field=field_of(args),
+                              exposure_us=args.exposure_us)
     raw, note = raw_frame(args, descriptor.geometry)
     photo = read_photo(args.image, args, warn=lambda sentence: None).image   # it warned before
-    light = (still_raw(plan, corner, raw) if is_raw(photo)
-             else moving_photo(descriptor, plan, corner, photo, args.frames, velocity))
+    light = (still_raw(plan, crop, raw) if is_raw(photo)
+             else moving_photo(descriptor, plan, crop, photo, args.frames, velocity))
     result = simulate_camera(
-        System(descriptor, hardware), plan, light, corner=corner, count=args.frames,
+        System(descriptor, hardware, grid=grid_row(plan, crop)), plan, light, corner=crop,
+        count=args.frames,
         follow=args.follow, memory=args.memory, simulator=args.simulator, seed=args.seed,
         waves=waves_of(args), progress=Progress("simulating"))
     write_animation(args.output, [frame.picture for frame in result.frames],
@@ -64,7 +67,7 @@ def run_moving(args, descriptor):
     report = result.report() | {
         "sensor": plan.sensor.name, "frames_per_second": plan.timing.frames_per_second,
         "memory": args.memory, "simulator": args.simulator,
-        **hardware.report(descriptor.geometry)}
+        **field_report(plan, crop, descriptor.geometry), **hardware.report(descriptor.geometry)}
     if not write_report(report, args.json):
         print(f"{report['frames']} frames of {plan.sensor.name} at "
               f"{report['frames_per_second']:.1f} a second, {report['pixels_compared']} pixels "

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 from ncdc.cli.board_design import add_mode
 from ncdc.cli.common import add_json, write_report
+from ncdc.cli.field import add_field, field_of, field_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import (
     add_fixed,
@@ -61,6 +62,7 @@ def add_arguments(parser):
     parser.add_argument("--camera", metavar="SENSOR",
                         help="also the clocks of a running system, in which this sensor's frames "
                              f"come to the same memory meanwhile: {', '.join(_NAMES)}")
+    add_field(parser)
     add_follow(parser)
     add_json(parser)
 
@@ -74,10 +76,15 @@ def run(args):
         raise InputError(f"--mode {args.mode} is of a board: --board NAME is needed")
     if args.system:
         raise InputError("--system is of a board: --board NAME is needed")
+    if args.field is not None and not args.camera:
+        raise InputError(f"--field {args.field} is of a sensor: --camera NAME or --board NAME is "
+                         "needed")
     args.clock = CLOCK_MHZ if args.clock is None else args.clock
     if not 1 <= args.clock <= 1000:
         raise InputError(f"the clock is {args.clock:g} MHz, the limits are 1 and 1000")
     descriptor = Descriptor.load(args.descriptor)
+    framing = setup_around(args.camera, descriptor.geometry, field=field_of(args),
+                           exposure_us=_EXPOSURE_US) if args.camera else None
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
     hardware = Hardware(data_width=width, output=args.to, lanes=args.pixels_per_clock,
@@ -89,7 +96,7 @@ def run(args):
     made = planned.hardware.made_for(descriptor)
     report = planned.report() | {"nodes": descriptor.nodes, "share": made.share,
                                  "tansigs": made.units(descriptor.hidden_neurons)}
-    report |= _beside(args, descriptor, planned)
+    report |= _beside(args, descriptor, planned, framing)
     if write_report({"digest": descriptor.digest, "output": args.to, **report,
                      **(bound.report() if bound else {})}, args.json):
         return
@@ -108,15 +115,17 @@ def run(args):
               f"second")
 
 
-def _beside(args, descriptor, planned):
-    """What a running camera makes of the plan, under the names in every report."""
-    if not args.camera:
+def _beside(args, descriptor, planned, framing):
+    """What a running camera makes of the plan, under the names in every report; ``framing``: its
+    set-up and crop, None without one."""
+    if framing is None:
         return {}
-    setup, _ = setup_around(args.camera, descriptor.geometry, exposure_us=_EXPOSURE_US)
-    timing = setup.timing
+    setup, crop = framing
+    timing = crop.arriving(setup.timing)
     clocks = clocks_beside_camera(
         descriptor, planned.hardware, memory_at(args.memory, args.clock),
         Corrector(descriptor, planned.hardware).timing, timing,
         Fraction(args.clock * 1e6) / timing.pixel_clock_hz)
     return {"beside_camera_clocks_per_pixel": clocks / planned.pixels,
-            "camera_frames_per_second": timing.frames_per_second}
+            "camera_frames_per_second": setup.timing.frames_per_second,
+            **field_report(setup, crop, descriptor.geometry)}

@@ -2,6 +2,7 @@
 
 from ncdc.cli.board_design import board_named, designed, print_rates, rates
 from ncdc.cli.common import write_report
+from ncdc.cli.field import field_lines, field_of, field_report
 from ncdc.cli.hardware import fixed_of
 from ncdc_model.errors import InputError
 from ncdc_model.interface.system_values import memory_bytes
@@ -19,9 +20,10 @@ def plan_board(args, descriptor):
             raise InputError(f"--{name.replace('_', '-')} and --board {args.board} are given, the "
                              f"board has its own")
     board = board_named(args.board)
-    design, (setup, _), budget, line = designed(
+    design, (setup, crop), budget, line = designed(
         board, [(args.descriptor, descriptor)], sensor=args.camera, mode=args.mode,
-        fixed=fixed_of(args), lanes=args.pixels_per_clock, processor=args.system)
+        fixed=fixed_of(args), lanes=args.pixels_per_clock, processor=args.system,
+        settings={"field": field_of(args)})
     if args.rate and budget.corrected_per_second < args.rate:
         raise InputError(
             f"{budget.corrected_per_second:.1f} frames per second are corrected on {board.name} "
@@ -32,7 +34,8 @@ def plan_board(args, descriptor):
               "mode": design.mode.name if design.mode else None,
               "clocks": [{"name": name, "target_mhz": mhz}
                          for name, mhz in design.clocks.targets().items()],
-              "memory_bytes": needed, "memory_bytes_there": board.memory_bytes, **rates(budget)}
+              "memory_bytes": needed, "memory_bytes_there": board.memory_bytes, **rates(budget),
+              **field_report(setup, crop, descriptor.geometry)}
     if write_report(report, args.json):
         return
     shown = f", {design.mode.name}: pixel clock {design.clocks.pixel_mhz:.2f} MHz, " \
@@ -42,6 +45,7 @@ def plan_board(args, descriptor):
     print(f"{board.title}{shown}core {design.clocks.core_mhz:g} MHz")
     print(f"frames of {needed / 1e6:.1f} MB in all, in {board.memory_bytes / 1e6:.1f} MB; the "
           f"{screen}{camera} {budget.camera / 1e6:.0f} MB/s, of {budget.carried / 1e6:.0f} MB/s")
+    print("\n".join(field_lines(setup, crop, descriptor.geometry)))
     print_rates(report)
     if line:
         print(line)

@@ -13,8 +13,11 @@ HELP = "register writes that set up an image sensor: window, exposure, gain, fra
 EXAMPLE = "ncdc sensor show mt9p031 --width 1280 --height 1024 --exposure-us 10000 --gain-db 6"
 
 _TEXTS = {
-    "width": "columns of the window (default: all)", "height": "its rows (default: all)",
+    "width": "samples of a row (default: of all columns)",
+    "height": "rows of them (default: of all rows)",
     "left": "first column, of the active pixels (default: 0)", "top": "first row (default: 0)",
+    "skip": "active columns per sample, and rows: of 2 N two are sent (default: 1)",
+    "bins": "columns, and rows, whose mean a sample is (default: 1)",
     "exposure_us": "microseconds (default: 10000)", "gain_db": "decibels (default: 0)",
     "mirror_columns": "the picture left to right", "mirror_rows": "the picture upside down",
     "test_pattern": "picture that the sensor makes itself (default: Off)",
@@ -22,6 +25,8 @@ _TEXTS = {
     "clock_hz": "external clock of the sensor (default: its usual one)",
     "pixel_clock_hz": "default: the sensor's usual one",
 }
+
+_OPTIONS = {"bins": "--bin"}
 
 
 def add_arguments(parser):
@@ -31,12 +36,13 @@ def add_arguments(parser):
     show.add_argument("sensor", metavar="SENSOR",
                       help=", ".join(f"{sensor.name} ({sensor.title})" for sensor in SENSORS))
     for field in dataclasses.fields(Settings):
-        option = f"--{field.name.replace('_', '-')}"
+        option = _OPTIONS.get(field.name, f"--{field.name.replace('_', '-')}")
         kind = type(field.default)
         if kind is bool:
-            show.add_argument(option, action="store_true", help=_TEXTS[field.name])
+            show.add_argument(option, dest=field.name, action="store_true",
+                              help=_TEXTS[field.name])
         else:
-            show.add_argument(option, type=kind, default=field.default,
+            show.add_argument(option, dest=field.name, type=kind, default=field.default,
                               metavar={int: "N", float: "X", str: "NAME"}[kind],
                               help=_TEXTS[field.name])
     show.add_argument("--c", metavar="FILE",
@@ -70,7 +76,20 @@ def _summary(plan):
         ("frame", f"{timing.frame_lines} lines, {timing.frames_per_second:.3f} a second"),
         ("samples", f"{timing.width}x{timing.height} {plan.bayer}, {sensor.bits} bits; black is "
                     f"{sensor.black} of 4095"),
+        ("field", _field(plan)),
     )
+
+
+def _field(plan):
+    """The part of the sensor that the samples cover, and how many pixels each stands for."""
+    asked, sensor = plan.settings, plan.sensor
+    width, height = asked.skip * asked.width, asked.skip * asked.height
+    reduced = "every pixel" if asked.skip == 1 else \
+        f"1 of {asked.skip} columns and rows, each the mean of {asked.bins}" if asked.bins > 1 \
+        else f"1 of {asked.skip} columns and rows"
+    return (f"{width}x{height}+{asked.left}+{asked.top} of {sensor.columns}x{sensor.rows}: "
+            f"{100 * width / sensor.columns:.1f} % of the width, "
+            f"{100 * height / sensor.rows:.1f} % of the height; {reduced}")
 
 
 def _table(plan):

@@ -62,6 +62,8 @@ def run(args):
     descriptor = Descriptor.load(args.descriptor)
     if args.camera:
         return run_moving(args, descriptor)
+    if args.field is not None:
+        raise InputError(f"--field {args.field} is of a sensor: --camera NAME is needed")
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     raw, note = raw_frame(args, descriptor.geometry)
     hardware = hardware_of(args)

@@ -7,6 +7,7 @@ import tempfile
 import numpy as np
 
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
+from ncdc.cli.field import add_field, field_of
 from ncdc_model.corrector import check_raw
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
@@ -32,6 +33,7 @@ def add_arguments(parser):
         action.add_argument("--exposure-us", type=float, default=1000.0, metavar="X",
                             help="of the sensor at first, in microseconds; then the light is as in "
                                  "the photo (default: 1000)")
+        add_field(action)
         if name == "build":
             add_json(action)
             continue
@@ -64,7 +66,7 @@ def _model(args, descriptor, raw):
     except ModuleNotFoundError as error:
         raise InputError(f"{error.name} is not installed, which the system needs: "
                          "pip install 'ncdc[soc]'") from error
-    return SocModel(descriptor, raw, args.exposure_us)
+    return SocModel(descriptor, raw, args.exposure_us, field=field_of(args))
 
 
 def _build(args, descriptor):

@@ -17,6 +17,7 @@ from ncdc_hdl.video.modes import mode_for
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.fetch.plan import Fixed
+from ncdc_model.sensors.field import FULL
 from ncdc_model.sensors.level import levelled
 from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.photo import moving_photo
@@ -36,15 +37,14 @@ def last_screen(name, path, photo, run_us):
     """
     on, descriptor = board(name), Descriptor.load(path)
     g = descriptor.geometry
-    sensor = sensor_for("mt9p031", g, exposure_us=_EXPOSURE_US)
-    setup, (left, top) = sensor
-    light = moving_photo(descriptor, setup, (left, top), photo, _FRAMES, (12, 0))
+    sensor = sensor_for("mt9p031", g, exposure_us=_EXPOSURE_US, field=FULL)
+    setup, crop = sensor
+    light = moving_photo(descriptor, setup, crop, photo, _FRAMES, (12, 0))
     hardware, _ = planned(hardware_for(on), Fixed(None, None, None), descriptor)
     design = design_of(on, [(path, descriptor)], sensor, mode_for(*g.corrected), hardware=hardware,
                        hurry=1000, waits=False, i2c_hz=400_000)
     run = simulate_board(design, "mt9p031", light, run_us=run_us, optimise="-O2")
-    raw = levelled(raw_frames(setup, light), setup.sensor.black)
-    raw = raw[:, top:top + g.distorted_height, left:left + g.distorted_width]
+    raw = levelled(crop.raw(raw_frames(setup, light), g.distorted), setup.sensor.black)
     golden = [correct(descriptor, np.ascontiguousarray(one),
                       strip=design.system.hardware.strip).picture for one in raw]
     for number, frame in enumerate(run.screen.frames):

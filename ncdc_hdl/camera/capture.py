@@ -9,7 +9,7 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.bus import WriteHost
 from ncdc_hdl.camera.frame_writer import COUNTS, PLACE, FrameWriter
-from ncdc_hdl.camera.layouts import ENTRY, PINS, SETTINGS, SIZE_BITS
+from ncdc_hdl.camera.layouts import ENTRY, GRID, PINS, SETTINGS, SIZE_BITS
 from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_hdl.lib.relay import Relay
 
@@ -33,6 +33,8 @@ class Capture(wiring.Component):
         A power of two.
     pending : int
         As of :class:`BurstWriter`: rows and frames then wait for the memory's answers.
+    grid : int, optional
+        As of :class:`SensorPort`.
 
     Members
     -------
@@ -43,6 +45,8 @@ class Capture(wiring.Component):
         Frames that begin from now on are captured; one that is under way is captured to its end.
     settings : ``In(SETTINGS)``
         Constant while ``active``.
+    grid : ``In(GRID)``
+        Likewise; only with ``grid``.
     active : ``Out(1)``
         Enabled, or a frame is under way in the sensor's domain.
     place, limit, begins, ends, good, rows, counts
@@ -53,12 +57,12 @@ class Capture(wiring.Component):
         As of :class:`BurstWriter`.
     bus : ``Out(WriteHost(data_width, burst, pending))``
     """
-    def __init__(self, data_width, *, burst, depth=512, pending=0):
+    def __init__(self, data_width, *, burst, depth=512, pending=0, grid=None):
         self.data_width, self.burst, self.depth = data_width, burst, depth
-        self.pending = pending
+        self.pending, self.row = pending, grid
         super().__init__({
             "clock": In(1), "pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
-            "active": Out(1),
+            **({} if grid is None else {"grid": In(GRID)}), "active": Out(1),
             "place": In(PLACE), "limit": In(32), "begins": Out(1), "ends": Out(1), "good": Out(1),
             "rows": Out(SIZE_BITS), "counts": Out(COUNTS), "half_full": Out(1),
             "memory_rst": In(1), "bus": Out(WriteHost(data_width, burst, pending)),
@@ -73,7 +77,7 @@ class Capture(wiring.Component):
         m.d.comb += [ClockSignal("camera").eq(self.clock),
                      ClockSignal("camera_queue").eq(self.clock)]
         m.submodules.reset = ResetSynchronizer(ResetSignal(), domain="camera")
-        m.submodules.port = port = DomainRenamer("camera")(SensorPort())
+        m.submodules.port = port = DomainRenamer("camera")(SensorPort(self.row))
         m.submodules.queue = queue = AsyncFIFOBuffered(
             width=ENTRY.size, depth=self.depth, r_domain="sync", w_domain="camera_queue")
         # Registers before the queue and behind its block RAM.
@@ -89,6 +93,8 @@ class Capture(wiring.Component):
         m.d.camera += active.eq(port.active)
         m.submodules.active = FFSynchronizer(active, active_there)
         connect(m, flipped(self.pins), port.pins)
+        if self.row is not None:
+            m.d.comb += port.grid.eq(self.grid)
         connect(m, relay.o, writer.i)
         connect(m, writer.o, words.i)
         connect(m, words.o, bursts.i)

@@ -8,14 +8,22 @@ from ncdc_hdl.camera.level import LEVEL
 from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.sensors.level import SAMPLE_BITS
 
-__all__ = ["ENTRY", "Kind", "PINS", "REPORT", "RUN", "RUN_PLACES", "SAMPLES", "SETTINGS",
-           "SIZE_BITS"]
+__all__ = ["ENTRY", "GRID", "Kind", "PINS", "REPORT", "ROWS", "RUN", "RUN_PLACES", "SAMPLES",
+           "SETTINGS", "SIZE_BITS"]
 
 SIZE_BITS = MAX_SIZE.bit_length()
 SAMPLES = 4                             # of an entry
 
 PINS = wiring.Signature({"frame_valid": Out(1), "line_valid": Out(1), "data": Out(SAMPLE_BITS)})
 """A parallel sensor's signals, high when valid; fewer bits of a sample lie at the top."""
+
+ROWS = wiring.Signature({"frame": Out(1), "valid": Out(1), "row_end": Out(1),
+                         "sample": Out(SAMPLE_BITS)})
+"""Frames on their way. ``frame`` is high during one, and low between two; ``row_end`` is high for
+the clock after the last sample of a row, in which ``frame`` may be low already."""
+
+GRID = data.StructLayout({"weight": 2, "binning": 1})
+"""How samples become an even grid: see ``ncdc_model.sensors.grid``."""
 
 SETTINGS = data.StructLayout({
     "sent_width": SIZE_BITS, "sent_height": SIZE_BITS,      # what the sensor sends, exactly

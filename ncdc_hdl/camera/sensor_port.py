@@ -4,7 +4,17 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.camera.layouts import ENTRY, PINS, REPORT, SAMPLES, SETTINGS, SIZE_BITS, Kind
+from ncdc_hdl.camera.grid import Grid
+from ncdc_hdl.camera.layouts import (
+    ENTRY,
+    GRID,
+    PINS,
+    REPORT,
+    SAMPLES,
+    SETTINGS,
+    SIZE_BITS,
+    Kind,
+)
 from ncdc_hdl.camera.level import Level
 from ncdc_hdl.lib.pipeline import delay, register
 
@@ -21,12 +31,23 @@ class SensorPort(wiring.Component):
     counted. Each row outside of the window leaves an entry without samples, which tells that the
     sensor's clock runs.
 
+    With ``grid`` the window counts in the frame that :func:`ncdc_model.sensors.grid.gridded` makes
+    of the sensor's; faults are those of the sensor's rows, as without. A row longer than ``grid``
+    is one of them where samples are moved or binned.
+
+    Parameters
+    ----------
+    grid : int, optional
+        Samples of the longest row that a sensor sends; absent: samples stay where they are.
+
     Members
     -------
     pins : ``In(PINS)``
     enable : ``In(1)``
     settings : ``In(SETTINGS)``
         Constant while ``active``.
+    grid : ``In(GRID)``
+        Likewise; only with ``grid``.
     active : ``Out(1)``
         Enabled, or a frame is under way, or its end waits.
     entry, push : ``Out(ENTRY)``, ``Out(1)``
@@ -34,8 +55,10 @@ class SensorPort(wiring.Component):
     room : ``In(1)``
         The queue takes an entry.
     """
-    def __init__(self):
+    def __init__(self, grid=None):
+        self.row = grid
         super().__init__({"pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
+                          **({} if grid is None else {"grid": In(GRID)}),
                           "active": Out(1), "entry": Out(ENTRY), "push": Out(1), "room": In(1)})
 
     def elaborate(self, platform):
@@ -45,10 +68,21 @@ class SensorPort(wiring.Component):
         frame = register(m, "frame", self.pins.frame_valid, reset_less=False)
         line = register(m, "line", self.pins.line_valid & self.pins.frame_valid, reset_less=False)
         sample = register(m, "sample", self.pins.data)
-        frame_before = register(m, "frame_before", frame, reset_less=False)
-        line_before = register(m, "line_before", line, reset_less=False)
         # A frame that was under way when the reset ended has not begun.
         known = register(m, "known", Const(1), reset_less=False)
+        enable, even = self.enable, None
+        if self.row is not None:
+            even = self._even(m, frame, line, sample)
+            # All that happens is as much later; a frame whose first samples came before `enable`,
+            # when settings were free, is none of ours.
+            enable &= delay(m, enable, Grid.latency + 1 + Level.latency, "enable",
+                            reset_less=False)
+            frame, line, known = (delay(m, value, Grid.latency, name, reset_less=False)
+                                  for name, value in (("frame", frame), ("line", line),
+                                                      ("known", known)))
+            sample = even.sample
+        frame_before = register(m, "frame_before", frame, reset_less=False)
+        line_before = register(m, "line_before", line, reset_less=False)
         begins, ends, row_ends = Signal(), Signal(), Signal()
         m.d.comb += [begins.eq(frame & ~frame_before & register(m, "was_known", known,
                                                                 reset_less=False)),
@@ -65,39 +99,65 @@ class SensorPort(wiring.Component):
             m.d.sync += y.eq(0)
         with m.Elif(row_ends):
             m.d.sync += y.eq(y + ~y.all())
-        right = register(m, "right", settings.left + settings.width - 1)
-        bottom = register(m, "bottom", settings.top + settings.height)
-        # Compared in one clock, joined in the next.
-        in_rows = register(m, "in_rows", (y >= settings.top) & (y < bottom))
-        beyond_left = register(m, "beyond_left", x >= settings.left)
-        before_end = register(m, "before_end", x <= right)
-        at_end = register(m, "at_end", x == right)
-        sent = register(m, "sent", line, reset_less=False)
         ended = register(m, "ended", row_ends, reset_less=False)
-        inside, last = Signal(), Signal()
-        m.d.comb += [inside.eq(sent & in_rows & beyond_left & before_end),
-                     last.eq(sent & in_rows & at_end)]
-        short = Signal()                # a row of the window ends before its last sample
-        outside = Signal()              # a row outside of the window ends
-        m.d.comb += [short.eq(ended & in_rows & before_end), outside.eq(ended & ~in_rows)]
+        inside, row_last, outside = self._window(m, x, y, line, ended, even)
 
         # Bytes, and with them what happens in their clock.
         m.submodules.level = level = Level()
         m.d.comb += [level.level.eq(settings.level),
                      level.i.eq(delay(m, sample, 1, "sample"))]
         later = {name: delay(m, signal, level.latency, name, reset_less=False)
-                 for name, signal in (("inside", inside), ("row_last", last | short),
-                                       ("outside", outside))}
+                 for name, signal in (("inside", inside), ("row_last", row_last),
+                                      ("outside", outside))}
         later |= {name: delay(m, signal, 1 + level.latency, name, reset_less=False)
                   for name, signal in (("begins", begins), ("ends", ends))}
-        wrong_length = register(m, "wrong_length", x != settings.sent_width)
+        wrong = x != settings.sent_width
+        if self.row is not None:
+            wrong |= (x > self.row) & self.grid.as_value().any()
+        wrong_length = register(m, "wrong_length", wrong)
         wrong_line = delay(m, ended & wrong_length, level.latency, "wrong_line", reset_less=False)
         rows = y + row_ends
         wrong_rows = delay(m, rows != settings.sent_height, 1 + level.latency, "wrong_rows")
-        self._entries(m, level.o, later, wrong_line, wrong_rows)
+        self._entries(m, level.o, later, enable, wrong_line, wrong_rows)
         return m
 
-    def _entries(self, m, byte, now, wrong_line, wrong_rows):
+    def _even(self, m, frame, line, sample):
+        """What the grid stage makes of the samples."""
+        m.submodules.grid = grid = Grid(self.row)
+        before = register(m, "line_sent", line, reset_less=False)
+        m.d.comb += [grid.settings.eq(self.grid), grid.i.frame.eq(frame), grid.i.valid.eq(line),
+                     grid.i.row_end.eq(before & ~line), grid.i.sample.eq(sample)]
+        return grid.o
+
+    def _window(self, m, x, y, line, ended, even):
+        """Whether the sample is in the window; whether a row of the window ends with it or after
+        it, a clock later; whether a row of the sensor has ended outside of the window."""
+        settings, sent_ended = self.settings, ended
+        left, top = settings.left, settings.top
+        if even is not None:
+            # Where it is in the binned frame; an evened one begins in its third column and row.
+            x, y = (Mux(self.grid.binning, Cat(value[0] & value[1], value[2:]), value)
+                    for value in (x, y))
+            line = even.valid
+            ended = register(m, "even_ended", even.row_end, reset_less=False)
+            begin = Mux(self.grid.weight.any(), 2, 0)
+            left, top = register(m, "left", left + begin), register(m, "top", top + begin)
+        right = register(m, "right", left + settings.width - 1)
+        bottom = register(m, "bottom", top + settings.height)
+        # Compared in one clock, joined in the next.
+        in_rows = register(m, "in_rows", (y >= top) & (y < bottom))
+        beyond_left = register(m, "beyond_left", x >= left)
+        before_end = register(m, "before_end", x <= right)
+        at_end = register(m, "at_end", x == right)
+        sent = register(m, "sent", line, reset_less=False)
+        inside, row_last, outside = Signal(), Signal(), Signal()
+        m.d.comb += [inside.eq(sent & in_rows & beyond_left & before_end),
+                     # A row of the window may end before its last sample.
+                     row_last.eq(in_rows & (sent & at_end | ended & before_end)),
+                     outside.eq(sent_ended & ~in_rows)]
+        return inside, row_last, outside
+
+    def _entries(self, m, byte, now, enable, wrong_line, wrong_rows):
         """Gather bytes, push entries, and keep account of what went wrong."""
         capturing = Signal()            # a frame is under way of which the queue knows
         full = Signal()                 # the queue was, in this frame
@@ -113,7 +173,7 @@ class SensorPort(wiring.Component):
             taken.eq(now["inside"] & (capturing & ~full | begin)),
             complete.eq(capturing & ~full
                         & (now["inside"] & (count == SAMPLES - 1) | now["row_last"])),
-            begin.eq(now["begins"] & self.enable & ~owed & self.room),
+            begin.eq(now["begins"] & enable & ~owed & self.room),
             self.active.eq(self.enable | capturing | owed),
         ]
         with m.If(complete):
@@ -140,7 +200,7 @@ class SensorPort(wiring.Component):
                 m.d.comb += [self.entry.kind.eq(Kind.ALIVE), self.push.eq(self.room)]
         with m.If(capturing & wrong_line):
             m.d.sync += lines.eq(lines + ~lines.all())
-        with m.If(now["begins"] & self.enable):
+        with m.If(now["begins"] & enable):
             # A row of one sample ends before there is a frame: the frame is bad.
             m.d.sync += [capturing.eq(begin), full.eq(0), count.eq(taken),
                          lines.eq(now["row_last"]),

@@ -13,6 +13,7 @@ static uint32_t rate = RATE_TENTHS;
 
 CONFIG_CHOICES
 static const struct feature FEATURES[] = CONFIG_FEATURES;
+static const uint16_t FIELD[] = CONFIG_FIELD;	/* words from FIELD_FIRST on */
 
 /* Registers of the sensor that are kept, so that reading them takes no time on the I2C bus. */
 static uint16_t shutter_upper, shutter_lower, gain, pattern;
@@ -82,6 +83,8 @@ static uint32_t page_read(uint32_t address)
 	case WORD_STREAMING: return words_streaming;
 	case WORD_FRAMES: return interrupt_frames(view.raw) & 0xffff;
 	}
+	if (address - FIELD_FIRST < sizeof FIELD / sizeof *FIELD)
+		return FIELD[address - FIELD_FIRST];
 	return 0;	/* also of offsets, number of the lens, of the last lens */
 }
 
@@ -175,12 +178,10 @@ enum refusal word_write(uint32_t address, uint32_t value)
 
 const struct feature *feature_at(uint32_t address)
 {
-	/* They lie one behind the other. */
+	/* They lie one after the other. */
 	uint32_t k = (address - GVCP_FEATURE_BASE) / 4;
 
-	if (k < sizeof FEATURES / sizeof *FEATURES && FEATURES[k].address == address)
-		return &FEATURES[k];
-	return 0;
+	return address % 4 == 0 && k < sizeof FEATURES / sizeof *FEATURES ? &FEATURES[k] : 0;
 }
 
 /* The word of a feature: of the page, or kept, so that it is there at once. */

@@ -16,15 +16,15 @@ struct choice {
 	uint16_t word;		/* in the word of Table I */
 };
 
+/* Of the feature at GVCP_FEATURE_BASE + 4 k; without gaps: they are many, and the ROM is small. */
 struct feature {
-	uint32_t address;
 	uint8_t id;		/* enum feature_id of config.h */
 	char access;		/* 'r', 'w' or 'b' for both */
 	uint16_t upper, lower;	/* addresses of its words, NO_WORD if it has none */
 	uint8_t shift, width;	/* of its field in the word; width 0: the whole */
-	uint32_t low, high;
+	uint8_t low, count;	/* its least value; how many choices */
+	uint32_t high;
 	const struct choice *choices;
-	uint8_t count;		/* of the choices */
 };
 
 struct view {

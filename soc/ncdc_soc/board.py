@@ -106,7 +106,7 @@ def processor_files(design, sensor, identity=Identity()):
     Parameters
     ----------
     design : ncdc_boards.camera_board.core.Design
-    sensor : (Setup, (int, int))
+    sensor : (Setup, Crop)
         As of :func:`~ncdc_boards.camera_board.design.sensor_for`; an MT9P031.
     identity : Identity
 

@@ -31,6 +31,8 @@ class SocCore(wiring.Component):
         That claim frames by registers.
     capacity : int
         Bytes of a packet's payload, at most: as of :class:`Packetiser`.
+    grid : int, optional
+        As of :class:`System`.
 
     Raises
     ------
@@ -47,9 +49,9 @@ class SocCore(wiring.Component):
         As of :class:`System`.
     """
 
-    def __init__(self, descriptor, hardware, readers=READERS, capacity=3840):
+    def __init__(self, descriptor, hardware, readers=READERS, capacity=3840, grid=None):
         self.link = ProcessorLink(hardware.data_width, capacity)
-        self.system = System(descriptor, hardware, readers)
+        self.system = System(descriptor, hardware, readers, grid=grid)
         self.reads = [name.partition("_")[0] for name in self.system.signature.members
                       if name.startswith("read") and name.endswith("_readdata")]
         self.ports = 3 + len(self.reads)

@@ -20,9 +20,9 @@ from ncdc_model.interface.frames import output_format
 from ncdc_model.interface.genicam import genicam_xml
 from ncdc_model.interface.link_map import LINK, TEMPLATES
 from ncdc_model.interface.pixel_formats import raw_format
-from ncdc_model.interface.system_map import system_registers
 from ncdc_model.interface.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_model.sensors import mt9p031
+from ncdc_model.sensors.framing import Crop, field_values
 from ncdc_model.sensors.waking import wake_times
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
@@ -92,8 +92,8 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
     soc : ProcessorVerilog
     setup : Setup
         Of the sensor.
-    corner : (int, int)
-        Column and row of the sensor's frame at which raw frames begin.
+    corner : Crop
+        What capture makes of the sensor's frames.
     identity : Identity
     sets_up : int
         The firmware sets up camera and sensor, with the sensor's times and the I2C bus so many
@@ -104,6 +104,7 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
         **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup),
+        **_field(setup, Crop(*corner), system.descriptor.geometry),
         **_sensor(setup, soc.clock_hz, max(1, sets_up)),
         **_protocols(identity, soc.clock_hz),
         "SETS_UP": int(sets_up > 0), "FIRST_READER": f"{first_reader}u"}.items()]
@@ -142,7 +143,7 @@ def _hardware(capacity, soc):
 def _registers(system):
     """Byte address of each register, and the flags of those that have some."""
     found = {}
-    for prefix, base, table in (("NCDC_", 0, system_registers(system.stores)),
+    for prefix, base, table in (("NCDC_", 0, system.table),
                                 ("", LINK_BASE, LINK)):
         for register in table:
             found[prefix + register.name] = _hex(MAP["ncdc"] + 4 * (base + register.address))
@@ -175,6 +176,15 @@ def _pictures(system, setup):
 def _quarter(soc, sets_up):
     """Clocks of a quarter of a bit of the I2C bus, with ``sets_up`` of :func:`config`."""
     return max(_I2C_QUARTER_LEAST, quarter_clocks(soc.clock_hz, I2C_HZ) // max(1, sets_up))
+
+
+def _field(setup, crop, geometry):
+    """What part of the sensor raw frames show."""
+    values = field_values(setup, crop, geometry)
+    at = {word.address: values[word.name] for word in SYSTEM_WORDS if word.name in values}
+    first = min(at)
+    return {"FIELD_FIRST": _hex(first),
+            "CONFIG_FIELD": _braced(str(at[first + k]) for k in range(len(values)))}
 
 
 def _sensor(setup, clock_hz, hurry):
@@ -281,21 +291,24 @@ def _table():
     for one in _features():
         upper, lower = (["NO_WORD", "NO_WORD"] + [_hex(word) for word in one.table])[-2:]
         shift, width = one.field or (0, 0)
-        choices = [f"CHOICES_{one.name}", str(len(one.choices))]
+        choices, count = "0", "0"
+        if one.choices and one.table:
+            choices, count = f"CHOICES_{one.name}", str(len(one.choices))
         rows.append(_braced([
-            _hex(one.address), f"FEATURE_{one.name}", access[one.access], upper, lower, str(shift),
-            str(width), _hex(one.low), _hex(one.high),
-            *(choices if one.choices and one.table else ["0", "0"])]))
+            f"FEATURE_{one.name}", access[one.access], upper, lower, str(shift),
+            str(width), _hex(one.low), count, _hex(one.high), choices]))
     return _braced(rows)
 
 
 def _settings(system, setup, corner, quarter):
     """Registers of the camera, before the sensor is set up."""
-    values = {
+    crop = Crop(*corner)
+    values = {"GRID_WEIGHT": crop.weight, "GRID_BIN": crop.binning} if crop.grid else {}
+    values |= {
         "SENT_WIDTH": setup.timing.width, "SENT_HEIGHT": setup.timing.height,
-        "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
+        "WINDOW_LEFT": crop.left, "WINDOW_TOP": crop.top, "BLACK_LEVEL": setup.sensor.black,
         "CLOCK_LIMIT": 2 * setup.timing.frame_clocks, "I2C_QUARTER": quarter}
-    places = {r.name: r.address for r in system_registers(system.stores)}
+    places = {r.name: r.address for r in system.table}
     return _braced(_braced([_hex(MAP["ncdc"] + 4 * places[name]), _hex(value)])
                    for name, value in values.items())
 

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from hps_server import I2C, WIDTH, hps_project, serving
+from hps_server import HEIGHT, I2C, WIDTH, hps_project, serving
 from ncdc_host.client.devices import open_device
 from ncdc_host.client.errors import DeviceError
 from ncdc_model.interface.features import system_word
@@ -44,6 +44,18 @@ def test_the_client_sees_settings_and_pictures(running):
         assert header.time_us == ((5 << 32) + 12_345_600) // 100 % (1 << 32)
         assert (header.address, header.port) == ("127.0.0.1", running.server.port)
         assert connection.read(system_word("NUMBER_LOWER")) == 7
+
+
+def test_the_part_of_the_sensor_that_raw_frames_show(running):
+    names = ("SENSOR_WIDTH", "SENSOR_HEIGHT", "DECIMATION_X", "DECIMATION_Y", "FIELD_LEFT",
+             "FIELD_TOP")
+    with running.connection() as connection:
+        values = [connection.read(system_word(name)) for name in names]
+        assert connection.write(system_word("DECIMATION_X"), 1) == values[2]
+    # Of 64x24 by 7, around the middle, as far as the colours allow.
+    assert values[:4] == [2592, 1944, 7, 7]
+    assert abs(values[4] - (2592 - 7 * WIDTH) / 2) <= 4
+    assert abs(values[5] - (1944 - 7 * HEIGHT) / 2) <= 4
 
 
 def test_what_decides_the_frames_size_is_not_written(running):

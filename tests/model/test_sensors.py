@@ -121,7 +121,72 @@ def test_a_frame_rate_is_kept(sensor):
         assert abs(timing.pixel_clock_hz / rate - timing.frame_clocks) <= timing.line_clocks / 2
 
 
+@pytest.mark.parametrize("bins,mode,blanking,line,rates", [
+    (1, 0x03, 449, 1542, (33.0, 84.5, 126.8)), (2, 0x13, 775, 2194, (23.2, 59.4, 89.1)),
+    (4, 0x33, 1457, 3558, (14.3, 36.6, 55.0))])
+def test_mt9p031_reduced_by_hand(bins, mode, blanking, line, rates):
+    """Modes, blanking and lines by the equations of the data sheet and of Linux."""
+    for rate, clock in zip(rates, (25_000_000, 64_000_000, 96_000_000)):
+        plan = prepared("mt9p031", width=642, height=482, left=16, top=10, skip=4, bins=bins,
+                        exposure_us=1000, pixel_clock_hz=clock, clock_hz=clock)
+        assert abs(plan.timing.frames_per_second - rate) < 0.05
+    expected = {0x01: 64, 0x02: 32, 0x03: 1927, 0x04: 2567, 0x05: blanking, 0x22: mode, 0x23: mode}
+    assert expected.items() <= last_of(plan).items()
+    assert plan.timing.line_clocks == line and plan.bayer == "GRBG"
+    # 96 MHz: (96,000 + overhead) / line; the overhead counts each of the rows.
+    overhead = 2 * (208 * bins + 5)
+    assert plan.exposure_clocks == round((96_000 + overhead) / line) * line - overhead
+    assert list(plan.columns[:4]) == [15 + bins + one for one in (0, 1, 8, 9)]
+    assert plan.rows[-2] == plan.rows[0] + 480 * 4 and plan.rows[-1] == plan.rows[-2] + 1
+
+
+@pytest.mark.parametrize("width,height,skip,bins,rate", [
+    (1024, 768, 2, 1, 63), (1024, 768, 2, 2, 47), (800, 600, 2, 1, 90), (800, 600, 2, 2, 65),
+    (640, 480, 4, 4, 53)])
+def test_mt9p031_reduced_rates_are_those_of_the_data_sheet(width, height, skip, bins, rate):
+    """Its table of resolutions, with 26 lines of vertical blanking."""
+    timing = prepared("mt9p031", width=width, height=height, skip=skip, bins=bins, top=2,
+                      exposure_us=1000).timing
+    assert round(96e6 / (timing.line_clocks * (height + 26))) == rate
+
+
+def test_ov5640_reduced_by_hand():
+    plan = prepared("ov5640", skip=2, bins=2, exposure_us=1000, clock_hz=25_000_000,
+                    pixel_clock_hz=25_000_000)
+    # All that is read unreduced, of which half is sent: by Linux's VGA mode 1896 by 984.
+    expected = {0x3800: 0, 0x3801: 0, 0x3803: 0, 0x3804: 0x0A, 0x3805: 0x3F, 0x3806: 0x07,
+                0x3807: 0x9F, 0x3808: 1296 >> 8, 0x3809: 1296 & 255, 0x380A: 972 >> 8,
+                0x380B: 972 & 255, 0x380C: 0x07, 0x380D: 0x68, 0x380E: 0x03, 0x380F: 0xD8,
+                0x3811: 8, 0x3813: 2, 0x3814: 0x31, 0x3815: 0x31, 0x3820: 0x01, 0x3821: 0x07,
+                0x3708: 0x64, 0x370C: 0x03, 0x5001: 0}
+    assert expected.items() <= last_of(plan).items()
+    assert abs(plan.timing.frames_per_second - 6.70) < 0.005 and plan.bayer == "BGGR"
+    skipped = last_of(prepared("ov5640", skip=2))
+    assert skipped[0x3820] == 0 and skipped[0x3821] == 6 and skipped[0x3814] == 0x31
+
+
+def test_mt9d111_reduced_by_hand():
+    plan = prepared("mt9d111", width=642, height=482, left=158, top=118, skip=2, exposure_us=1000,
+                    clock_hz=25_000_000, pixel_clock_hz=25_000_000)
+    expected = {0x01: 146, 0x02: 218, 0x03: 964, 0x04: 1284, 0x05: 516, 0x20: 0x90}
+    assert expected.items() <= last_of(plan).items()
+    assert plan.timing.line_clocks == 642 + 516 and abs(plan.timing.frames_per_second - 43.8) < .05
+
+
 LIMITS = [
+    ("mt9p031", {"skip": 8}, "skip is 8 and bins 1, the mt9p031 has 1 and 1, 2 and 1, 2 and 2, 3"),
+    ("mt9p031", {"skip": 4, "bins": 3}, "skip is 4 and bins 3, the mt9p031 has 1 and 1, 2 and 1"),
+    ("mt9p031", {"bins": 2}, "skip is 1 and bins 2, the mt9p031 has 1 and 1, 2 and 1"),
+    ("ov5640", {"skip": 4}, "skip is 4 and bins 1, the ov5640 has 1 and 1, 2 and 1, 2 and 2"),
+    ("mt9d111", {"skip": 2, "bins": 2}, "the mt9d111 has 1 and 1, 2 and 1"),
+    ("mt9p031", {"skip": 2, "mirror_rows": True}, "the mt9p031 mirrors unreduced frames only"),
+    ("mt9p031", {"skip": 4, "width": 650}, "width is 650, the mt9p031 needs a multiple of 2 from 2 "
+     "to 648"),
+    ("mt9p031", {"skip": 4, "width": 648, "left": 2},
+     "the window has the columns 2 to 2593, the mt9p031 has 2592"),
+    ("mt9p031", {"skip": 4, "bins": 2, "top": 8},
+     "top is 8, the mt9p031 bins from a multiple of 4 on: 6 or 10 fits"),
+    ("mt9d111", {"skip": 2, "width": 321, "height": 240}, "width is 321, the mt9d111 needs a mult"),
     ("mt9p031", {"width": 641}, "width is 641, the mt9p031 needs a multiple of 2 from 2 to 2592"),
     ("mt9p031", {"left": 3}, "left is 3, the mt9p031 needs a multiple of 2 from 0 to 2592"),
     ("mt9p031", {"width": 640, "left": 2000},
@@ -195,8 +260,26 @@ def test_columns_and_rows_stay_on_the_sensor(sensor):
 
 
 @EACH
+def test_reduced_columns_and_rows_keep_their_colours(sensor):
+    """Which pixels are read, counted one by one, and the phase that they give a frame."""
+    for skip, bins in sensor.limits.reductions:
+        left, top = ((8 - first) % (2 * bins) + 8 for first in sensor.first)
+        plan = setup(sensor, Settings(left=left, top=top, width=18, height=16, skip=skip,
+                                      bins=bins))
+        for places, begin in ((plan.columns, left), (plan.rows, top)):
+            read = [begin + 2 * skip * group + column for group in range(len(places) // 2)
+                    for column in (0, 1)]
+            means = [np.mean([first + 2 * k for k in range(bins)]) for first in read]
+            assert list(places) == means, (skip, bins)
+        assert plan.bayer == bayer_at(sensor.bayer, left, top)
+
+
+@EACH
 def test_values_fit_their_registers(sensor):
-    for asked in ({}, {"mirror_columns": True}, {"gain_db": 36, "exposure_us": 150_000}):
+    for asked in ({}, {"mirror_columns": True}, {"gain_db": 36, "exposure_us": 150_000},
+                  *({"skip": skip, "bins": bins, "top": 2 * bins - sensor.first[1] % (2 * bins),
+                     "left": 2 * bins - sensor.first[0] % (2 * bins)}
+                    for skip, bins in sensor.limits.reductions)):
         plan = setup(sensor, Settings(**asked))
         for write in plan.writes:
             assert 0 <= write.register < 1 << sensor.pointer_bits, write
@@ -210,12 +293,14 @@ def test_users_write_what_no_frame_depends_on(sensor):
     plain = dict(setup(sensor, first).pairs)
     free = {one.address for one in sensor.user_registers}
     for change in ({"width": 320}, {"height": 240}, {"left": 64, "top": 32},
-                   {"frames_per_second": 20.0}, {"mirror_columns": True, "mirror_rows": True}):
+                   {"frames_per_second": 20.0}, {"mirror_columns": True, "mirror_rows": True},
+                   {"skip": 2}):
         other = dict(setup(sensor, replace(first, **change)).pairs)
         changed = {register for register in other if other[register] != plain.get(register)}
         assert changed, change
-        # The exposure counts lines, whose length follows the width.
-        assert not changed & free or change == {"width": 320}, (change, changed & free)
+        # The exposure counts lines, whose length follows width and skipping.
+        longer = change in ({"width": 320}, {"skip": 2})
+        assert longer or not changed & free, (change, changed & free)
     for change in ({"exposure_us": 500.0}, {"gain_db": 6.0}):
         other = dict(setup(sensor, replace(first, **change)).pairs)
         changed = {register for register in other if other[register] != plain.get(register)}

@@ -126,3 +126,14 @@ def test_logic_before_a_synchroniser_is_found(monkeypatch):
     monkeypatch.setattr(capture, "FFSynchronizer", Behind)
     found = {c.sink: c.direct for c in crossings_of_capture() if "inner" in c.sink}
     assert found == {"active.inner.stage0": False, "enable.inner.stage0": False}
+
+
+def test_settings_of_the_grid_stage_are_locked_too():
+    system = System(barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, strength=.4),
+                    Hardware(data_width=64), grid=80)
+    netlist = rtlil.convert(system, name="ncdc_system", emit_src=False)
+    found = unknown(Clocks(netlist, {"scl": "", "sda": "", **dict.fromkeys(
+        SENSOR, "sensor_clock")}).crossings(), "")
+    assert {c.source for c in found} == {"page.values"}
+    assert set().union(*(registers_in(system, c.bits) for c in found)) == SETTINGS | {
+        "GRID_WEIGHT", "GRID_BIN"} <= set(LOCKED)

@@ -88,6 +88,18 @@ def test_the_screen_shows_the_golden_models_frames(name, request):
 
 
 @pytest.mark.regress
+def test_the_screen_shows_the_whole_field():
+    """The set-up program has the sensor skip and bin, and capture even the grid."""
+    bench = Bench("ulx3s", SMALL, (WIDTH, HEIGHT), field="full")
+    plan, crop = bench.sensor
+    assert plan.settings.skip == 7 and plan.settings.bins > 1 and crop.weight
+    run = bench.run(25_000, optimise="-O1")
+    check(bench, run)
+    shown = [number for number in bench.shown(run) if number is not None]
+    assert shown == sorted(shown) and len(set(shown)) >= 3
+
+
+@pytest.mark.regress
 def test_buttons_choose_lens_and_raw_picture(small):
     """The next frame behind a press has another lens, whole; frames before are the first lens's."""
     run = small.run(60_000, events={"press_following_us": 12_000, "press_raw_us": 36_000,

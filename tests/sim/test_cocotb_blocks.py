@@ -55,6 +55,8 @@ COMPONENTS = {
     "multiport128": lambda: Multiport(F, 128),
     "burst_writer": lambda: BurstWriter(64, burst=BURST),
     "capture32": lambda: Capture(32, burst=4, depth=16),
+    "capture_grid32": lambda: Capture(32, burst=4, depth=16, grid=56),
+    "capture_grid128": lambda: Capture(128, burst=4, depth=64, grid=28),
     "capture128": lambda: Capture(128, burst=4, depth=64),
     "i2c": lambda: I2cController(),
     "backmap": lambda: BackMap(D.hidden_neurons, D.formats),
@@ -150,6 +152,13 @@ def test_i2c(quarter, simulator):
 def test_capture(data_width, period_ps, phase_ps, wait, seed, simulator):
     run_cocotb(design(f"capture{data_width}"), "capture", simulator, camera_period_ps=period_ps,
                phase_ps=phase_ps, wait=wait, seed=seed)
+
+
+@simulated("data_width,grid,period_ps,phase_ps,wait,seed", (32, (0, 0), 10_000, 1, .2, 1),
+           (32, (3, 1), 19_990, 7_000, .6, 3), (128, (3, 0), 1_270, 300, .2, 2))
+def test_capture_with_a_grid_stage(data_width, grid, period_ps, phase_ps, wait, seed, simulator):
+    run_cocotb(design(f"capture_grid{data_width}"), "capture", simulator, grid=grid,
+               camera_period_ps=period_ps, phase_ps=phase_ps, wait=wait, seed=seed)
 
 
 @simulated("stall,busy", (0, 0), (.8, .5))

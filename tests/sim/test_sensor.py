@@ -14,6 +14,12 @@ from sensors import controlled, random_light, run_sensor, with_lines
 NAMES = [sensor.name for sensor in SENSORS]
 
 
+REDUCED = [(sensor.name, *pair) for sensor in SENSORS for pair in sensor.limits.reductions]
+CHEAP_REDUCED = [("mt9p031", 4, 2)]
+LONG_REDUCED = [("mt9p031", 2, 1), ("mt9p031", 3, 2), ("mt9p031", 4, 4), ("mt9p031", 7, 1),
+                *(one for one in REDUCED if one[0] != "mt9p031")]
+
+
 def random_settings(name, seed):
     """Fields of Settings of a small window anywhere, and light that covers most of it."""
     sensor, chance = sensor_named(name), np.random.default_rng(seed)
@@ -28,6 +34,31 @@ def random_settings(name, seed):
              "mirror_columns": bool(chance.integers(2)), "mirror_rows": bool(chance.integers(2))}
     return asked, random_light((2, height, width - 2), seed, asked["left"] + 1, asked["top"],
                                int(chance.integers(10_000, 400_000)))
+
+
+def random_reduced(name, skip, bins, seed):
+    """Fields of Settings of a small window, read reduced, and light of most of its pixels."""
+    sensor, rng = sensor_named(name), np.random.default_rng(seed)
+    width, height = (2 * int(rng.integers(least, least + 6)) for least in (9, 8))
+    left, top = (2 * bins * int(rng.integers(2, (size - skip * part) // (2 * bins)))
+                 - first % (2 * bins)
+                 for size, part, first in zip((sensor.columns, sensor.rows), (width, height),
+                                              sensor.first))
+    asked = {"width": width, "height": height, "left": left, "top": top, "skip": skip, "bins": bins,
+             "exposure_us": float(rng.uniform(60, 400)), "gain_db": float(rng.uniform(0, 30))}
+    # Some pixels of a mean lie outside of it, on each side.
+    return asked, random_light((2, skip * height - 3, skip * width - 5), seed, left + 1, top + 1,
+                               int(rng.integers(10_000, 400_000)))
+
+
+@pytest.mark.parametrize("name,skip,bins", [
+    *CHEAP_REDUCED, *(pytest.param(*each, marks=pytest.mark.regress)
+                      for each in LONG_REDUCED)])
+@pytest.mark.parametrize("simulator", ["verilator", pytest.param("icarus",
+                                                                 marks=pytest.mark.regress)])
+def test_reduced_frames_equal_the_twins(name, skip, bins, simulator):
+    """Which pixels are read, their means, and how long lines take."""
+    run_sensor(name, simulator, *random_reduced(name, skip, bins, 10 * skip + bins))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -21,22 +21,22 @@ SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
 
 class Bench:
     """A design for two lenses, or without a screen (``mode`` None) for one, the light on its
-    sensor, and the golden pictures of that."""
+    sensor, and the golden pictures of that; ``field``: as of ``sensor_for``."""
 
-    def __init__(self, name, mode, size, *, frames=6, **more):
+    def __init__(self, name, mode, size, *, frames=6, field=None, **more):
         self.mode, self.size = mode, size
         self.kept = 0xF0 if name == "de0-cv" else 0xFF      # bits of a colour that the board shows
         lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
-        self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100)
-        setup, (left, top) = self.sensor
+        self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100, field=field)
+        setup, crop = self.sensor
         named = [("a", lenses[0]), ("b", lenses[1])]
         self.design = design_of(board(name), named if mode else named[:1], self.sensor, mode,
                                 **{"hurry": 1000, "waits": False, "i2c_hz": 400_000} | more)
-        noise = np.random.default_rng(1).integers(0, 4096, (frames, size[1] + 4, size[0] + 4),
-                                                  dtype=np.uint16)
-        self.light = Light(noise)
-        raw = levelled(raw_frames(setup, self.light), setup.sensor.black)
-        self.raw = raw[:, top:top + size[1], left:left + size[0]]
+        asked = setup.settings
+        read = frames, asked.skip * asked.height, asked.skip * asked.width
+        noise = np.random.default_rng(1).integers(0, 4096, read, dtype=np.uint16)
+        self.light = Light(noise, asked.left, asked.top)
+        self.raw = levelled(crop.raw(raw_frames(setup, self.light), size), setup.sensor.black)
         self.lenses = [*lenses, raw_lens(lenses[0])]
 
     def run(self, run_us, **more):

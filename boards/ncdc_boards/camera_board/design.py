@@ -13,7 +13,7 @@ from ncdc_model.errors import InputError
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.frames import BGR8, output_format
 from ncdc_model.raw_lens import raw_lens
-from ncdc_model.sensors.framing import setup_around
+from ncdc_model.sensors.framing import grid_row, setup_around
 from ncdc_model.sensors.waking import wake_times
 
 __all__ = ["READER_OF_HOST", "design_of", "hardware_for", "sensor_for", "times_for"]
@@ -31,7 +31,8 @@ def hardware_for(board, lanes=1):
 
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
     """:func:`~ncdc_model.sensors.framing.setup_around` with the boards' clock to the sensor, which
-    is the pixel clock too unless ``pixel_clock_hz`` asks for another."""
+    is the pixel clock too unless ``pixel_clock_hz`` asks for another; ``settings``: ``field``, and
+    those of the sensor."""
     return setup_around(name, geometry, clock_hz=_SENSOR_CLOCK_HZ,
                         pixel_clock_hz=pixel_clock_hz or _SENSOR_CLOCK_HZ, **settings)
 
@@ -45,7 +46,7 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
     ----------
     board : Board
     named : sequence of (path, Descriptor)
-    sensor : (Setup, (int, int))
+    sensor : (Setup, Crop)
         As of :func:`sensor_for`.
     mode : VideoMode or None
         None if the board has no screen.
@@ -86,7 +87,7 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
     if processor:
         clocks = replace(clocks, ethernet=True)
     system = System(descriptor, hardware, readers=1 + processor * READERS,
-                    screens=int(mode is not None))
+                    screens=int(mode is not None), grid=grid_row(*sensor))
     for path, other in named[1:]:
         check_lens(system.corrector, path, other)
         for what in ("corrected", "distorted"):

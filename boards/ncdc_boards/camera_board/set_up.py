@@ -10,6 +10,7 @@ from ncdc_model.interface.register_map import (
     TABLE,
 )
 from ncdc_model.interface.system_map import I2C_COMMAND_FLAGS
+from ncdc_model.sensors.framing import Crop
 
 __all__ = ["I2C_HZ", "camera_values", "lens_program", "register_addresses", "set_up_program"]
 
@@ -28,12 +29,13 @@ def register_addresses(system):
 def camera_values(setup, corner, clock_hz, i2c_hz=I2C_HZ):
     """Values of the camera's registers for a sensor's set-up, by name; parameters as of
     :func:`set_up_program`."""
-    timing = setup.timing
-    return {
+    timing, crop = setup.timing, Crop(*corner)
+    grid = {"GRID_WEIGHT": crop.weight, "GRID_BIN": crop.binning} if crop.grid else {}
+    return grid | {
         "I2C_QUARTER": quarter_clocks(clock_hz, i2c_hz),
         "I2C_LIMIT": round(clock_hz * _HELD_SECONDS),
         "SENT_WIDTH": timing.width, "SENT_HEIGHT": timing.height,
-        "WINDOW_LEFT": corner[0], "WINDOW_TOP": corner[1], "BLACK_LEVEL": setup.sensor.black,
+        "WINDOW_LEFT": crop.left, "WINDOW_TOP": crop.top, "BLACK_LEVEL": setup.sensor.black,
         "CLOCK_LIMIT": 2 * clock_hz * timing.line_clocks // timing.pixel_clock_hz + clock_hz // 100}
 
 
@@ -47,8 +49,8 @@ def set_up_program(system, setup, corner, clock_hz, waits=True, i2c_hz=I2C_HZ):
     ----------
     system : System
     setup : Setup
-    corner : (int, int)
-        Column and row of the sensor's frame where the raw frame begins.
+    corner : Crop
+        What capture makes of the sensor's frame; or column and row where the raw frame begins.
     clock_hz : int
         Of the registers.
     waits : bool

@@ -24,6 +24,7 @@ from ncdc_model.interface.table_one import (
     UNKNOWN,
     WRITE,
 )
+from ncdc_model.sensors.framing import Crop, field_values
 
 __all__ = ["REGISTERS", "host_files"]
 
@@ -49,6 +50,7 @@ def host_files(design, setup, corner):
         "sensor": setup.report() | {"user_registers": [
             asdict(one) for one in setup.sensor.user_registers]},
         **_pictures(design.system), "table": _table(),
+        "field": field_values(setup, Crop(*corner), design.system.descriptor.geometry),
         "transmitter": {
             "i2c_address": I2C_ADDRESS, "pointer_bits": 8, "value_bits": 8,
             "writes": [{"register": register, "value": value, "meaning": meaning}

@@ -38,7 +38,7 @@ def project_files(design, setup, corner):
     design : ncdc_boards.hps_board.core.HpsDesign
     setup : Setup
         Of the sensor.
-    corner : (int, int)
+    corner : Crop
         Column and row of the sensor's frame where the raw frame begins.
     """
     board = design.board

@@ -46,6 +46,9 @@ class DeviceOptions:
         Read noise, grey levels, 0 to 50.
     tcp_port : int
         Of Table I; 0: a free one.
+    field : str
+        Part of the sensor that raw frames show, as of
+        :func:`ncdc_model.sensors.framing.setup_around`; None: the middle, pixel by pixel.
 
     Raises
     ------
@@ -59,6 +62,7 @@ class DeviceOptions:
     loss_again: float = 0.0
     noise: float = 1.0
     tcp_port: int = TCP_PORT
+    field: str = None
 
     def __post_init__(self):
         for name, low, high in (("fps", 0.1, 120), ("loss", 0, 0.5), ("loss_again", 0, 0.5),
@@ -133,7 +137,8 @@ class EmulatedDevice:
         self.options = options
         descriptor = corrections[0].descriptor
         light = MovingScene(descriptor) if image is None else Photo(image, descriptor.geometry)
-        self.registers = Registers(descriptor.geometry, len(corrections), round(10 * options.fps))
+        self.registers = Registers(descriptor.geometry, len(corrections), round(10 * options.fps),
+                                   options.field)
         self.camera = Camera(light, corrections, self.registers, options.noise)
         self._closed = threading.Event()
         with ExitStack() as opened:

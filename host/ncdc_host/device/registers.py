@@ -11,10 +11,14 @@ from ncdc_model.interface.features import FEATURES, feature, system_word
 from ncdc_model.interface.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
 from ncdc_model.interface.table_one import SYSTEM_PAGE, SYSTEM_WORDS
 from ncdc_model.sensors import mt9p031 as sensor
+from ncdc_model.sensors.field import FULL
+from ncdc_model.sensors.framing import field_values, setup_around
+from ncdc_model.sensors.sensor import Settings as Window
 
 __all__ = ["Refused", "Registers", "Settings", "View"]
 
 _SENSOR_REGISTERS = 0x100           # further addresses answer nothing: read as 0
+_CLOCK_HZ = sensor.SENSOR.clock_hz
 _EXPOSURE_NS = 10_000_000           # after reset: what the photo was taken with
 _MIRRORS = 1 << sensor.MIRROR_ROW | 1 << sensor.MIRROR_COLUMN     # of READ_MODE_2
 # All that may be written, of the sensor and of the system's page.
@@ -23,6 +27,19 @@ _WRITABLE = {sensor.READ_MODE_2, *(one.address for one in sensor.SENSOR.user_reg
 # Sensor registers that a device keeps, so that reading them takes no time on the I2C bus.
 _KEPT = {sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER, sensor.GLOBAL_GAIN, sensor.TEST_PATTERN}
 _SHAPE = {address for one in FEATURES if one.locked for address in one.table}
+
+
+def _framing(geometry, field):
+    """What is asked of an MT9P031, and the words of the page on that. A picture that is larger
+    than the sensor is emulated all the same, if no part of the sensor is named: of none."""
+    try:
+        plan, crop = setup_around(sensor.SENSOR.name, geometry, field=field, clock_hz=_CLOCK_HZ)
+    except InputError:
+        if field not in (None, FULL):
+            raise
+        return Window(), {"SENSOR_WIDTH": 0, "SENSOR_HEIGHT": 0, "DECIMATION_X": 1,
+                          "DECIMATION_Y": 1, "FIELD_LEFT": 0, "FIELD_TOP": 0}
+    return plan.settings, field_values(plan, crop, geometry)
 
 
 class Refused(Exception):
@@ -84,6 +101,9 @@ class Registers:
     lenses : int
     rate_tenths : int
         Frames per second after reset, tenths.
+    field : str, optional
+        Part of the sensor that raw frames show, as of
+        :func:`ncdc_model.sensors.framing.setup_around`.
 
     Attributes
     ----------
@@ -93,13 +113,19 @@ class Registers:
         Accesses so far that take time on the sensor's I2C bus in a device that has one.
     reference_ns : int
         Exposure time after reset, at which the light is as in the photo.
+
+    Raises
+    ------
+    InputError
+        If the raw frames cannot show that part of the sensor.
     """
-    def __init__(self, geometry, lenses, rate_tenths):
+    def __init__(self, geometry, lenses, rate_tenths, field=None):
         self.lock = threading.RLock()
         self._geometry, self._lens_max = geometry, lenses - 1
         self._on_change = []
         self.bus_accesses = 0
         self._streaming = False
+        self._asked, self._field = _framing(geometry, field)
         self._view = self._whole(View(BGR8, 0, 0, 0, 0))
         self._lens, self._rate = 0, rate_tenths
         self._sensor = [0] * _SENSOR_REGISTERS
@@ -175,7 +201,7 @@ class Registers:
             "FORMAT": self._present(view).pixel_format.mraw, "FRAME_RATE": self._rate,
             "LENS": self._lens, "OFFSET_X": view.x, "OFFSET_Y": view.y,
             "WIDTH_MAX": whole.width, "HEIGHT_MAX": whole.height, "LENS_MAX": self._lens_max,
-            "STREAMING": int(self._streaming), "FRAMES": 0}
+            "STREAMING": int(self._streaming), "FRAMES": 0, **self._field}
         for name, value in (("LINE_TIME", line), ("DROPPED", self.dropped), ("TORN", self.torn)):
             values[f"{name}_UPPER"], values[f"{name}_LOWER"] = value >> 16 & 0xFFFF, value & 0xFFFF
         return {system_word(name): value for name, value in values.items()}
@@ -186,15 +212,18 @@ class Registers:
         raw = view.pixel_format.raw
         width, height = (view.width, view.height) if raw else self._geometry.distorted
         x, y = (view.x, view.y) if raw else (0, 0)
+        skip = self._asked.skip
+        mode = sensor.mode_word(self._asked)
         return {sensor.CHIP_VERSION: sensor.CHIP_VERSION_VALUE,
-                sensor.ROW_START: sensor.FIRST_ROW + y,
-                sensor.COLUMN_START: sensor.FIRST_COLUMN + x,
-                sensor.ROW_SIZE: height - 1, sensor.COLUMN_SIZE: width - 1}
+                sensor.ROW_START: sensor.FIRST_ROW + self._asked.top + skip * y,
+                sensor.COLUMN_START: sensor.FIRST_COLUMN + self._asked.left + skip * x,
+                sensor.ROW_SIZE: skip * height - 1, sensor.COLUMN_SIZE: skip * width - 1,
+                sensor.ROW_MODE: mode, sensor.COLUMN_MODE: mode}
 
     def _line_ns(self):
         view = self._view
         columns = view.width if view.pixel_format.raw else self._geometry.distorted_width
-        return sensor.line_time_ns(columns)
+        return sensor.line_time_ns(columns, self._asked.bins)
 
     def _whole(self, view):
         """``view`` without a window."""

@@ -11,6 +11,7 @@ from ncdc_model.interface.gvcp import BOOTSTRAP, FEATURE_BASE
 from ncdc_model.interface.pixel_formats import PIXEL_FORMATS
 from ncdc_model.interface.table_one import SYSTEM_WORDS
 from ncdc_model.sensors import mt9p031 as sensor
+from ncdc_model.sensors.grid import MAX_REDUCTION
 
 __all__ = ["FEATURES", "Choice", "Feature", "TEST_PATTERNS", "feature", "system_word"]
 
@@ -208,6 +209,21 @@ FEATURES = (
     Feature("TriggerSoftware", "command", _own(29), "Send the next picture, while TriggerMode is "
             "On; a trigger that comes before it is sent does nothing.", "AcquisitionControl",
             access="wo", high=1),
+    Feature("SensorWidth", "integer", _own(30), "Active columns of the sensor.",
+            "ImageFormatControl", access="ro", unit="pixel", table=(_SYSTEM["SENSOR_WIDTH"],)),
+    Feature("SensorHeight", "integer", _own(31), "Active rows of the sensor.",
+            "ImageFormatControl", access="ro", unit="pixel", table=(_SYSTEM["SENSOR_HEIGHT"],)),
+    Feature("DecimationHorizontal", "integer", _own(32), "Active columns for each of a whole "
+            "raw frame.",
+            "ImageFormatControl", access="ro", low=1, high=MAX_REDUCTION,
+            table=(_SYSTEM["DECIMATION_X"],)),
+    Feature("DecimationVertical", "integer", _own(33), "Active rows for each of a whole raw "
+            "frame.", "ImageFormatControl", access="ro", low=1,
+            high=MAX_REDUCTION, table=(_SYSTEM["DECIMATION_Y"],)),
+    Feature("FieldLeft", "integer", _own(34), "Active column where whole raw frames begin.",
+            "NcdcControl", access="ro", unit="pixel", table=(_SYSTEM["FIELD_LEFT"],)),
+    Feature("FieldTop", "integer", _own(35), "Active row where whole raw frames begin.",
+            "NcdcControl", access="ro", unit="pixel", table=(_SYSTEM["FIELD_TOP"],)),
     Feature("GevSCPSPacketSize", "integer", _BOOTSTRAP["StreamPacketSize"], "Bytes of a packet "
             "with IP and UDP header.", "TransportLayerControl", low=576, high=16380, step=4,
             unit="byte", locked=True, field=(0, 16)),

@@ -30,7 +30,8 @@ def genicam_xml():
             _node(root, one)
             _register(root, one)
     SubElement(root, "Port", Name="Device", NameSpace="Standard")
-    ElementTree.indent(root)
+    # A line each, not indented: devices have little room for it.
+    ElementTree.indent(root, "")
     return ElementTree.tostring(root, "utf-8", xml_declaration=True)
 
 

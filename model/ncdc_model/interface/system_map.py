@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.interface.frames import ADDRESS_BITS
 from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS, Bits, Flag, Register
+from ncdc_model.sensors.grid import MAX_WEIGHT
 from ncdc_model.sensors.level import CURVE_BITS, PIECES, SAMPLE_BITS
 
-__all__ = ["CAMERA", "EVENTS", "I2C_COMMAND_FLAGS", "LOCKED", "STORES", "SYSTEM_WORDS_BITS",
-           "Stores", "system_registers"]
+__all__ = ["CAMERA", "EVENTS", "GRID_ROW_MIN", "I2C_COMMAND_FLAGS", "LOCKED", "STORES",
+           "SYSTEM_WORDS_BITS", "Stores", "system_registers"]
 
 SYSTEM_WORDS_BITS = ADDRESS_WORDS_BITS + 1
 CAMERA = 1 << ADDRESS_WORDS_BITS        # word address of the camera's registers
@@ -36,9 +37,11 @@ I2C_COMMAND_FLAGS = (("WRITE", 0x200, "send `DATA`"), ("READ", 0x400, "receive a
                      ("NACK", 0x800, "do not acknowledge the byte received"),
                      ("STOP", 0x1000, "STOP behind it"), ("START", 0x100, "START before it"))
 
+GRID_ROW_MIN = 8        # samples; so small a frame has a middle
+
 LOCKED = ("SENT_WIDTH", "SENT_HEIGHT", "WINDOW_LEFT", "WINDOW_TOP", "WINDOW_WIDTH",
-          "WINDOW_HEIGHT", "BLACK_LEVEL", *(f"CURVE{k}" for k in range(PIECES + 1)),
-          "RAW_PITCH", "RAW_BYTES", "CORRECTED_BYTES")
+          "WINDOW_HEIGHT", "BLACK_LEVEL", "GRID_WEIGHT", "GRID_BIN",
+          *(f"CURVE{k}" for k in range(PIECES + 1)), "RAW_PITCH", "RAW_BYTES", "CORRECTED_BYTES")
 """Settings that, like the bases of buffers, do not change while the camera is active or the
 corrector runs by itself."""
 
@@ -62,9 +65,17 @@ class Stores:
     screens: int = 0
 
 
-def system_registers(stores):
-    """All registers of a system but the corrector's, by ascending address."""
-    camera = (*_control(), *_settings(), *_curve(), *_counts(), *_screen(stores), *_i2c())
+def system_registers(stores, grid=None):
+    """All registers of a system but the corrector's, by ascending address.
+
+    Parameters
+    ----------
+    stores : Stores
+    grid : int, optional
+        Samples of the longest row that capture's grid stage takes; absent: there is no such stage.
+    """
+    camera = (*_control(), *_settings(), *_curve(), *_grid(grid), *_counts(), *_screen(stores),
+              *_i2c())
     return (*(_moved(r, CAMERA) for r in camera), *_stores(stores))
 
 
@@ -126,6 +137,24 @@ def _curve():
                  family=("CURVEj", "Byte of a sample that is 256 j above black; straight between "
                          "the nodes."))
         for k in range(PIECES + 1))
+
+
+def _grid(row):
+    """Of a system with a grid stage."""
+    if row is None:
+        return ()
+    return (
+        _rw("GRID_WEIGHT", 0x21, Bits(MAX_WEIGHT.bit_length()),
+            "By how many sixteenths of the distance to the next sample of its colour each sample "
+            "is moved to an even grid: 0 if the sensor skips nothing, 2 if it and `GRID_BIN` "
+            "reduce by 2, 3 if by 4. The window counts in the moved frame, which lacks the last "
+            "two columns and rows. Only where `GRID_ROW` is not 0."),
+        _rw("GRID_BIN", 0x22, Bits(1),
+            "1: before that, four samples of a colour become one, their mean: half the columns "
+            "and rows. Only where `GRID_ROW` is not 0."),
+        _ro("GRID_ROW", 0x23, "Samples of the longest row that can be moved or binned: a longer "
+            "one is then a fault. 0: the system has no such stage.", _SIZE),
+    )
 
 
 def _counts():

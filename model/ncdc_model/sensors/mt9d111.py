@@ -34,6 +34,7 @@ _SHUTTER_WIDTH, _SHUTTER_DELAY = 0x09, 0x0C
 _RESET = 0x0D
 _STANDBY = 1 << 2
 _READ_MODE_B = 0x20             # bit 0: rows, bit 1: columns mirrored; no border, both converters
+_SKIP_2 = 1 << 7 | 1 << 4       # of READ_MODE_B: columns and rows skipped, both by 2; DS, R0x20
 _COLOUR_GAINS = (0x2B, 0x2C, 0x2D, 0x2E)
 _GLOBAL_GAIN = 0x2F
 _CLOCK_CONTROL, _NO_PLL = 0x65, 0xE000          # as after reset: bypassed, and off
@@ -59,8 +60,9 @@ SENSOR = Sensor(
     limits=Limits(step=1, corner_step=1, smallest=(17, 2),      # DS, R0x03, R0x04
                   lines=(1, 0xFFFF), vertical=(_LEAST_VERTICAL, 0x7FFF),
                   gain_256=(256, 127 * 256), pixel_clock_hz=36_000_000,    # C
-                  frame_lines=1200 + 0x7FFF),
+                  frame_lines=1200 + 0x7FFF, reductions=((2, 1),)),
     user_registers=tuple(map(UserRegister, (_SHUTTER_WIDTH, *_COLOUR_GAINS, _GLOBAL_GAIN))),
+    first=(_FIRST_COLUMN, _FIRST_ROW),
     waking=Waking(reset_us=1000, rest_us=20_000, rest_clocks=0,
                   source="not found in DS; taken for those of the OV5640"))
 
@@ -76,7 +78,7 @@ def setup(settings):
     lines = exposure_lines(SENSOR, asked, line, _OVERHEAD)
     total = frame_lines(SENSOR, asked, line, lines)
     gain, gain_256 = _gain(factor_of(SENSOR, asked))
-    mirrors = asked.mirror_columns << 1 | asked.mirror_rows
+    mode = (_SKIP_2 if asked.skip == 2 else 0) | asked.mirror_columns << 1 | asked.mirror_rows
     writes = (
         Write(_PAGE, 1, "registers of the image processor"),
         Write(_BOOT_MODE, 1, "the microcontroller stays in reset"),
@@ -87,13 +89,15 @@ def setup(settings):
         Write(_CONTEXT_CONTROL, _CONTEXT_B, "blanking and read mode of context B"),
         Write(_ROW_START, _FIRST_ROW + asked.top, "first row"),
         Write(_COLUMN_START, _FIRST_COLUMN + asked.left, "first column"),
-        Write(_ROW_WIDTH, asked.height, "rows"), Write(_COLUMN_WIDTH, asked.width, "columns"),
+        Write(_ROW_WIDTH, asked.skip * asked.height, "rows"),
+        Write(_COLUMN_WIDTH, asked.skip * asked.width, "columns"),
         Write(_HORIZONTAL_BLANKING_B, _BLANKING, "horizontal blanking"),
         # A longer exposure makes the frame longer by itself.
         Write(_VERTICAL_BLANKING_B, min(total - asked.height, SENSOR.limits.vertical[1]),
               "vertical blanking, lines"),
         Write(_SHUTTER_WIDTH, lines, "exposure in lines"), Write(_SHUTTER_DELAY, 0, "no delay"),
-        Write(_READ_MODE_B, mirrors, "mirrors; no border"), Write(_GLOBAL_GAIN, gain, "gain"),
+        Write(_READ_MODE_B, mode, "mirrors, skipping; no border"),
+        Write(_GLOBAL_GAIN, gain, "gain"),
         Write(_RESET, 0, "start"))
     return Setup(SENSOR, asked, writes,
                  Timing(asked.width, asked.height, line, total, asked.pixel_clock_hz),

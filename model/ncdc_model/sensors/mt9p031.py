@@ -2,7 +2,10 @@
 
 Sources: DS, the data sheet MT9P031/D of onsemi (Rev. 10, 2017; tables and sections by their names);
 L, drivers/media/i2c/mt9p031.c of Linux, for limits, PLL and the order of gain stages. Line and
-frame times agree with those that PixeLINK publishes for its PL-D775, which has this sensor.
+frame times agree with those that PixeLINK publishes for its PL-D775, which has this sensor, those
+with skipping and binning with DS, frame rates at common resolutions.
+T, drivers/media/i2c/mt9t031.c of Linux, of a sensor of the same family, says that a window that is
+binned must begin at a multiple of the group.
 """
 
 from fractions import Fraction
@@ -23,12 +26,11 @@ from ncdc_model.sensors.sensor import (
 )
 from ncdc_model.sensors.waking import Waking
 
-__all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_SIZE",
-           "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN", "MIRROR_COLUMN",
-           "MIRROR_ROW", "READ_MODE_2", "ROW_SIZE", "ROW_START", "SENSOR", "SHUTTER_LOWER",
-           "SHUTTER_UPPER",
-           "TEST_COLOURS", "TEST_PATTERN", "TEST_PATTERN_MODES", "line_clocks", "line_time_ns",
-           "setup"]
+__all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_MODE",
+           "COLUMN_SIZE", "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN",
+           "MIRROR_COLUMN", "MIRROR_ROW", "READ_MODE_2", "ROW_MODE", "ROW_SIZE", "ROW_START",
+           "SENSOR", "SHUTTER_LOWER", "SHUTTER_UPPER", "TEST_COLOURS", "TEST_PATTERN",
+           "TEST_PATTERN_MODES", "line_clocks", "line_time_ns", "mode_word", "setup"]
 
 # DS, register list and register description.
 CHIP_VERSION = 0x00
@@ -51,6 +53,7 @@ _HORIZONTAL_BLANK = 0x05    # pairs of columns less one
 _VERTICAL_BLANK = 0x06      # lines less one
 _OUTPUT_CONTROL = 0x07
 _STOPPED, _RUNNING = 0x1F80, 0x1F82     # bit 1: chip enable; the rest as after reset
+ROW_MODE, COLUMN_MODE = 0x22, 0x23    # bits 5..4: bins less one; bits 2..0: skip less one
 _PIXEL_CLOCK_CONTROL = 0x0A
 _INVERT_PIXEL_CLOCK = 0x8000            # pins change as the clock falls: capture looks as it rises
 _RESTART = 0x0B
@@ -80,10 +83,9 @@ def pattern_word(name):
 
 FIRST_ROW, FIRST_COLUMN = 54, 16    # of the active pixels; DS, pixel array structure
 _PIXEL_CLOCK_MHZ = 96               # DS, key performance parameters
-_MIN_BLANKING = 450                 # pairs of columns: 346 + 64 + 80 / 2; DS, frame time
-_MIN_LINE = 41 + 346 + 99           # pairs of columns, whatever the width; DS, row time
+_ROW_OVERHEAD = 346                 # pairs of columns, for each row read; DS, frame time
+_DARK_COLUMNS = {1: 80, 2: 40, 4: 20}       # read before a row, by bins; DS, table 7
 _MIN_BEYOND = 8                     # lines of the vertical blanking less one; DS, frame time
-_OVERHEAD = 208 + 98 + 1 - 94       # pairs of columns: shutter overhead without delay; DS, exposure
 _PLL_CLOCKS = (6_000_000, 27_000_000)           # external clock; this one and what follows: L
 _PLL_INPUT = (2_000_000, 13_500_000)            # external clock / N
 _PLL_OSCILLATOR = (180_000_000, 360_000_000)    # external clock * M / N
@@ -98,7 +100,10 @@ SENSOR = Sensor(
     clock_hz=24_000_000, pixel_clock_hz=96_000_000,
     limits=Limits(step=2, corner_step=2,        # DS, window control
                   smallest=(2, 2), lines=(1, (1 << 20) - 1), vertical=(9, 4096),
-                  gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096),
+                  gain_256=(256, 128 * 256), pixel_clock_hz=96_000_000, frame_lines=1944 + 4096,
+                  # DS: Column_Skip is up to 6, Column_Bin 0, 1 or 3 and at most as much.
+                  reductions=tuple((skip, bins) for skip in range(2, 8) for bins in (1, 2, 4)
+                                   if bins <= skip)),
     test_patterns=TEST_PATTERN_MODES,
     user_registers=(
         UserRegister(SHUTTER_UPPER, ranges=((0, 15),)), UserRegister(SHUTTER_LOWER),
@@ -109,25 +114,41 @@ SENSOR = Sensor(
             (word, word) for word in map(pattern_word, USER_PATTERNS)))),
         *(UserRegister(address) for address, _ in TEST_COLOURS.values()),
         UserRegister(_BAR_WIDTH)),
+    first=(FIRST_COLUMN, FIRST_ROW),
     waking=Waking(reset_us=1000, rest_us=0, rest_clocks=850_000,
                   source="Linux, drivers/media/i2c/mt9p031.c, mt9p031_power_on"))
 
 
-def line_clocks(columns):
-    """Pixel clocks of a line of ``columns`` without binning, at the least blanking."""
-    return 2 * max(columns // 2 + _MIN_BLANKING, _MIN_LINE)
+def _blanking(bins):
+    """The least horizontal blanking, in pairs of columns; DS, frame time, and L."""
+    return _ROW_OVERHEAD * bins + 64 + _DARK_COLUMNS[bins] // 2
 
 
-def line_time_ns(columns):
-    """Nanoseconds of a line of ``columns`` pixels at 96 MHz without binning, rounded to nearest."""
-    return round(1000 * line_clocks(columns) / _PIXEL_CLOCK_MHZ)
+def line_clocks(columns, bins=1):
+    """Pixel clocks of a line of ``columns`` samples, at the least blanking; DS: row time."""
+    return 2 * max(columns // 2 + _blanking(bins), 41 + _ROW_OVERHEAD * bins + 99)
+
+
+def _overhead(bins):
+    """Pixel clocks of a line that are not exposed, without shutter delay; DS, exposure."""
+    return 2 * (208 * bins + 98 + 1 - 94)
+
+
+def line_time_ns(columns, bins=1):
+    """Nanoseconds of a line of ``columns`` samples at 96 MHz, rounded to nearest."""
+    return round(1000 * line_clocks(columns, bins) / _PIXEL_CLOCK_MHZ)
+
+
+def mode_word(asked):
+    """Value of ROW_MODE and of COLUMN_MODE for :class:`Settings`."""
+    return asked.bins - 1 << 4 | asked.skip - 1
 
 
 def setup(settings):
     """The :class:`Setup` for ``settings``; raises :class:`InputError` at a limit."""
     asked = resolved(SENSOR, settings)
-    line = line_clocks(asked.width)
-    lines = exposure_lines(SENSOR, asked, line, 2 * _OVERHEAD)
+    line, overhead = line_clocks(asked.width, asked.bins), _overhead(asked.bins)
+    lines = exposure_lines(SENSOR, asked, line, overhead)
     total = frame_lines(SENSOR, asked, line, lines + 1)
     gain, gain_256 = _gain(factor_of(SENSOR, asked))
     writes = (
@@ -137,9 +158,10 @@ def setup(settings):
         *_clock(asked),
         Write(COLUMN_START, FIRST_COLUMN + asked.left, "first column"),
         Write(ROW_START, FIRST_ROW + asked.top, "first row"),
-        Write(COLUMN_SIZE, asked.width - 1, "columns less one"),
-        Write(ROW_SIZE, asked.height - 1, "rows less one"),
-        Write(_HORIZONTAL_BLANK, _MIN_BLANKING - 1, "horizontal blanking: the least"),
+        Write(COLUMN_SIZE, asked.skip * asked.width - 1, "columns less one"),
+        Write(ROW_SIZE, asked.skip * asked.height - 1, "rows less one"),
+        *_reduction(asked),
+        Write(_HORIZONTAL_BLANK, _blanking(asked.bins) - 1, "horizontal blanking: the least"),
         # A longer exposure makes the frame longer by itself.
         Write(_VERTICAL_BLANK, min(total - asked.height, SENSOR.limits.vertical[1]) - 1,
               "vertical blanking, lines less one"),
@@ -150,7 +172,19 @@ def setup(settings):
         Write(_RESTART, 1, "begin anew with these"), Write(_OUTPUT_CONTROL, _RUNNING, "start"))
     return Setup(SENSOR, asked, writes,
                  Timing(asked.width, asked.height, line, total, asked.pixel_clock_hz),
-                 lines * line - 2 * _OVERHEAD, gain_256)
+                 lines * line - overhead, gain_256)
+
+
+def _reduction(asked):
+    """Skipping and binning; nothing where all pixels are read, as after reset."""
+    if asked.skip == 1:
+        return []
+    mode = mode_word(asked)
+    meaning = f"of {2 * asked.skip} {{}} two are sent"
+    if asked.bins > 1:
+        meaning += f", each the mean of {asked.bins}"
+    return [Write(ROW_MODE, mode, meaning.format("rows")),
+            Write(COLUMN_MODE, mode, meaning.format("columns"))]
 
 
 def _gain(factor):

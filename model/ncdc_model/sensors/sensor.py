@@ -37,6 +37,8 @@ class Limits:
     frame_lines : int
         The most lines of a frame, blanking included; where an exposure makes a frame longer by
         itself, the most that are set.
+    reductions : tuple of (int, int)
+        Pairs (skip, bins) of :class:`Settings` that it can, besides the unreduced (1, 1).
     """
     step: int
     corner_step: int
@@ -46,6 +48,7 @@ class Limits:
     gain_256: tuple
     pixel_clock_hz: int
     frame_lines: int
+    reductions: tuple = ()
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,8 @@ class Sensor:
     user_registers : tuple of UserRegister
         What any user of a network may write: exposure, gain and test pattern. None of
         them changes size, position, skipping, clock or Bayer phase of a frame.
+    first : (int, int)
+        Address of the first active column, and row, from which binned groups are counted.
     waking : Waking
         Reset and rest before the first access.
     """
@@ -123,6 +128,7 @@ class Sensor:
     limits: Limits
     test_patterns: dict = field(default_factory=dict)
     user_registers: tuple = ()
+    first: tuple = (0, 0)
     waking: Waking = None
 
     def user_takes(self, address, value):
@@ -135,12 +141,16 @@ class Sensor:
 class Settings:
     """What is asked of a sensor.
 
+    With ``skip`` above 1, each group of 2 ``skip`` columns sends two samples: those of its first
+    two columns, or with ``bins`` above 1 the means of the first ``bins`` even ones, and of as many
+    odd ones. So both keep their colour, and lie one active pixel apart. Rows are read alike.
+
     Parameters
     ----------
     width, height : int
-        Window of the active pixels; 0: all that lie right of ``left``, below ``top``.
+        Samples sent; 0: of all active pixels right of ``left``, below ``top``.
     left, top : int
-        Its corner.
+        Active pixel of the window's corner.
     exposure_us : float
     gain_db : float
     mirror_columns, mirror_rows : bool
@@ -151,6 +161,10 @@ class Settings:
         0: as many as the exposure allows.
     clock_hz, pixel_clock_hz : int
         External clock and pixel clock; 0: the sensor's usual ones.
+    skip : int
+        Active columns per sample, and rows.
+    bins : int
+        Columns whose mean is a sample, and rows; at most ``skip``.
     """
     width: int = 0
     height: int = 0
@@ -164,6 +178,8 @@ class Settings:
     frames_per_second: float = 0.0
     clock_hz: int = 0
     pixel_clock_hz: int = 0
+    skip: int = 1
+    bins: int = 1
 
 
 @dataclass(frozen=True)
@@ -257,21 +273,27 @@ class Setup:
     @property
     def bayer(self):
         """Colours of the frame's first pixels; follows from window and mirrors."""
-        return bayer_at(self.sensor.bayer, self.columns[0], self.rows[0])
+        binned = self.settings.bins - 1         # from the first column of a mean to its centre
+        return bayer_at(self.sensor.bayer, self.columns[0] - binned, self.rows[0] - binned)
 
     @property
     def columns(self):
-        """Of the active pixels, for each column of the frame, as a range."""
+        """Of the active pixels, for each column of the frame: the one read, or the centre of those
+        whose mean it is. A range where the sensor does not reduce, else a list."""
         asked = self.settings
         return self._read(asked.left, asked.width, asked.mirror_columns)
 
     @property
     def rows(self):
-        """Of the active pixels, for each row of the frame, as a range."""
+        """Of the active pixels, for each row of the frame, as :attr:`columns`."""
         asked = self.settings
         return self._read(asked.top, asked.height, asked.mirror_rows)
 
     def _read(self, begin, size, mirrored):
+        asked = self.settings
+        if asked.skip > 1:
+            begin += asked.bins - 1
+            return [begin + asked.skip * (k - k % 2) + k % 2 for k in range(size)]
         if not mirrored:
             return range(begin, begin + size)
         begin += self.sensor.mirror_keeps_bayer
@@ -288,9 +310,10 @@ def bayer_at(bayer, left, top):
 def resolved(sensor, settings):
     """``settings`` with what their zeros stand for; raises :class:`InputError` if a clock or the
     window is out of the sensor's limits."""
+    _check_reduction(sensor, settings)
     given = vars(settings) | {
-        "width": settings.width or sensor.columns - settings.left,
-        "height": settings.height or sensor.rows - settings.top,
+        "width": settings.width or _samples(sensor.columns - settings.left, settings.skip),
+        "height": settings.height or _samples(sensor.rows - settings.top, settings.skip),
         "clock_hz": settings.clock_hz or sensor.clock_hz,
         "pixel_clock_hz": settings.pixel_clock_hz or sensor.pixel_clock_hz}
     settings = Settings(**given)
@@ -301,23 +324,52 @@ def resolved(sensor, settings):
     return settings
 
 
+def _samples(active, skip):
+    """Samples sent of ``active`` columns: of whole groups, if the sensor reduces."""
+    return active if skip == 1 else active // (2 * skip) * 2
+
+
+def _check_reduction(sensor, settings):
+    """Raises :class:`InputError` unless ``sensor`` can skip and bin so."""
+    known = ((1, 1), *sensor.limits.reductions)
+    if (settings.skip, settings.bins) not in known:
+        pairs = ", ".join(f"{skip} and {bins}" for skip, bins in known)
+        raise InputError(f"skip is {settings.skip} and bins {settings.bins}, the {sensor.name} has "
+                         f"{pairs}")
+    if settings.skip > 1 and (settings.mirror_columns or settings.mirror_rows):
+        raise InputError(f"skip is {settings.skip}, the {sensor.name} mirrors unreduced frames "
+                         "only: data sheets leave open which pixels a reduced one has")
+
+
 def check_window(sensor, settings):
     """Raises :class:`InputError` unless the window is one that ``sensor`` can read."""
-    limits = sensor.limits
+    limits, skip = sensor.limits, settings.skip
+    even = 2 if skip > 1 else 1                 # whole groups
     for name, value, step, low, high in (
             ("left", settings.left, limits.corner_step, 0, sensor.columns),
             ("top", settings.top, limits.corner_step, 0, sensor.rows),
-            ("width", settings.width, limits.step, limits.smallest[0], sensor.columns),
-            ("height", settings.height, limits.step, limits.smallest[1], sensor.rows)):
+            ("width", settings.width, max(even, limits.step), limits.smallest[0],
+             sensor.columns // skip),
+            ("height", settings.height, max(even, limits.step), limits.smallest[1],
+             sensor.rows // skip)):
         if value != int(value) or value % step or not low <= value <= high:
             multiple = f"a multiple of {step} from" if step > 1 else "an integer from"
             raise InputError(f"{name} is {value}, the {sensor.name} needs {multiple} {low} to "
                              f"{high}")
     for name, begin, size, all_ in (("columns", settings.left, settings.width, sensor.columns),
                                     ("rows", settings.top, settings.height, sensor.rows)):
-        if begin + size > all_:
-            raise InputError(f"the window has the {name} {begin} to {begin + size - 1}, the "
-                             f"{sensor.name} has {all_}")
+        end = begin + skip * size
+        if end > all_:
+            raise InputError(f"the window has the {name} {begin} to {end - 1}, the {sensor.name} "
+                             f"has {all_}")
+    for name, begin, first in (("left", settings.left, sensor.first[0]),
+                               ("top", settings.top, sensor.first[1])):
+        group = 2 * settings.bins
+        if settings.bins > 1 and (first + begin) % group:
+            below = begin - (first + begin) % group
+            fits = " or ".join(str(one) for one in (below, below + group) if one >= 0)
+            raise InputError(f"{name} is {begin}, the {sensor.name} bins from a multiple of "
+                             f"{group} on: {fits} fits")
 
 
 def exposure_lines(sensor, settings, line_clocks, overhead):

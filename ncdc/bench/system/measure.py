@@ -116,7 +116,8 @@ def _row(run, verilogs, show):
     width, height = run.size
     noise = np.random.default_rng(1).integers(0, 4096 - SENSOR.black,
                                               (min(run.frames, 5), height, width), np.uint16)
-    light = Light(noise, *corner)
+    asked = setup.settings
+    light = Light(noise, asked.left + corner.left, asked.top + corner.top)
     common = {"corner": corner, "verilog": verilogs[key], "memory": run.memory, "progress": show}
     row = {"width": width, "height": height, "memory": run.memory, "output": run.output,
            "format": run.format, "follow": run.follow, "fault": run.fault or None,

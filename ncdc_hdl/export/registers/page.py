@@ -34,7 +34,8 @@ def register_doc(hidden_neurons, formats):
     return page.format(words=1 << ADDRESS_WORDS_BITS, neurons=hidden_neurons, beyond=SOURCE_BEYOND,
                        last=hidden_neurons - 1, skip=4 * SKIP, nodes=4 * NODES,
                        rows="".join(lines), bits=bits, high=16 + bits,
-                       system_rows="".join(_rows(system_registers(stores_for(Hardware(), 2)))))
+                       system_rows="".join(_rows(
+                           system_registers(stores_for(Hardware(), 2), MAX_SIZE))))
 
 
 def _rows(table):

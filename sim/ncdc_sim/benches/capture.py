@@ -1,4 +1,7 @@
-"""Capture from a sensor's pins into memory: two clocks of any ratio, every fault a sensor has."""
+"""Capture from a sensor's pins into memory: two clocks of any ratio, every fault a sensor has.
+
+With a grid stage the sensor sends as much more as that takes off: the window counts behind it.
+"""
 
 import random
 
@@ -7,17 +10,30 @@ import numpy as np
 from cocotb.triggers import FallingEdge, ReadOnly, Timer
 
 from ncdc_hdl.camera.frame_writer import COUNTS, PLACE
-from ncdc_hdl.camera.layouts import SETTINGS
+from ncdc_hdl.camera.layouts import GRID, SETTINGS
+from ncdc_model.sensors.grid import gridded
 from ncdc_model.sensors.level import LINEAR, levelled
 from ncdc_sim.benches.avalon import write_memory
 from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
 
 __all__ = ["faults", "frames", "half_full", "restarts", "switched_off", "too_small"]
 
-SENT, WINDOW, CORNER = (26, 14), (18, 9), (5, 3)        # width and height; left and top
+FRAME, WINDOW, CORNER = (26, 14), (18, 9), (5, 3)       # width and height; left and top
 PITCH, PLACE_BYTES, FIRST = 32, 512, 1024
 CURVE = (0, 40, *range(56, 257, 16), 254, 250)
-IDLE = 200              # clocks of the sensor without a sample after which its clock has stopped
+IDLE = 200              # clocks of the sensor without an entry after which its clock has stopped
+GRID_IDLE = 1000        # the same with a grid stage, where twelve rows may come before the first
+
+
+def grid():
+    """Weight and binning of the grid stage, or None without one."""
+    return settings().get("grid")
+
+
+def sent():
+    """Width and height of what the sensor sends, so that :data:`FRAME` is left."""
+    weight, binning = grid() or (0, 0)
+    return tuple((length + 2 * (weight > 0)) << binning for length in FRAME)
 
 
 class Sensor:
@@ -42,11 +58,14 @@ class Sensor:
         for _ in range(count):
             await self.tick(line=self.chance.getrandbits(1))
 
-    async def frame(self, change=lambda y, line: line, rows=SENT[1], at_row=None):
-        """Send a frame; returns its samples. ``change(y, line)`` makes another list of (LINE_VALID,
-        sample) of a row, ``at_row(y)`` is awaited before it."""
-        samples = np.array([[self.chance.getrandbits(12) for _ in range(SENT[0])]
-                            for _ in range(rows)])
+    async def frame(self, change=lambda y, line: line, more=0, rows=None, at_row=None):
+        """Send a frame of ``rows``, or ``more`` than it should have; returns its samples.
+
+        ``change(y, line)`` makes another list of (LINE_VALID, sample) of a row, ``at_row(y)`` is
+        awaited before it."""
+        width, height = sent()
+        samples = np.array([[self.chance.getrandbits(12) for _ in range(width)]
+                            for _ in range(rows or height + more)])
         # FRAME_VALID may rise with the first sample.
         for _ in range(self.chance.choice((0, 0, 1, 4))):
             await self.tick(1)
@@ -125,20 +144,25 @@ class Writer:
 def expected(samples, black=0, curve=LINEAR):
     """The window of a frame, as bytes."""
     (x, y), (width, height) = CORNER, WINDOW
+    if grid():
+        samples = gridded(samples, *grid())
     return levelled(samples[y:y + height, x:x + width], black, curve)
 
 
 def limit():
     """Clocks of the core for which none of the sensor comes."""
-    return max(IDLE, IDLE * settings()["camera_period_ps"] // (1000 * PERIOD))
+    idle = GRID_IDLE if grid() else IDLE
+    return max(idle, idle * settings()["camera_period_ps"] // (1000 * PERIOD))
 
 
 async def begin(dut, black=0, curve=LINEAR, enable=1):
     """A sensor whose clock runs, and what has become of its frames."""
-    s = settings()
+    s, (width, height) = settings(), sent()
+    stage = {} if not grid() else {
+        "grid": pack(GRID, dict(zip(("weight", "binning"), grid())))}
     await start(dut, memory_rst=0, limit=limit(), enable=0, pins__frame_valid=0, pins__line_valid=0,
-                settings=pack(SETTINGS, {
-                    "sent_width": SENT[0], "sent_height": SENT[1], "left": CORNER[0],
+                **stage, settings=pack(SETTINGS, {
+                    "sent_width": width, "sent_height": height, "left": CORNER[0],
                     "top": CORNER[1], "width": WINDOW[0], "height": WINDOW[1],
                     "level": {"black": black, "curve": list(curve)}}))
     sensor = Sensor(dut, s["camera_period_ps"], s["seed"])
@@ -235,9 +259,9 @@ async def faults(dut):
 
     cases = [("lines", {"change": short}), ("lines", {"change": long}),
              ("lines", {"change": glitch}),
-             ("cut", {"rows": SENT[1] - 1}), ("cut", {"rows": SENT[1] + 2}),
+             ("cut", {"more": -1}), ("cut", {"more": 2}),
              # Rows below the window for longer than the limit: the clock has not stopped.
-             ("cut", {"rows": SENT[1] + IDLE // SENT[0] + 8}), ("cut", {"rows": 2}),
+             ("cut", {"more": IDLE // sent()[0] + 8}), ("cut", {"rows": 2}),
              ("stopped", {"at_row": stop}), ("overflows", {"at_row": stall})]
     for name, fault in cases:
         before, number = counts(dut), len(writer.ended)
@@ -327,7 +351,7 @@ async def restarts(dut):
             dut.enable.value = 1 - int(dut.enable.value)
 
     for number in range(16):
-        clocks_of_frame = SENT[0] * SENT[1] * period
+        clocks_of_frame = sent()[0] * sent()[1] * period
         cocotb.start_soon(change(sensor.chance.randrange(clocks_of_frame),
                                  "rst" if number % 4 == 3 else "enable"))
         frames.append(await sensor.frame())

@@ -75,17 +75,18 @@ class NetworkModel:
         geometry = descriptor.geometry
         sensor = sensor_for(_SENSOR, geometry, pixel_clock_hz=_PIXEL_CLOCK_HZ,
                             exposure_us=_EXPOSURE_US, frames_per_second=frames_per_second)
-        self.setup, (left, top) = sensor
+        self.setup, crop = sensor
         self.descriptor = descriptor
         self.design = design_of(
             board, [("lens", descriptor)], sensor, _slow(geometry.corrected),
             hardware=hardware or hardware_for(board), core_mhz=core_mhz, processor=True,
             hurry=1000, waits=False, i2c_hz=400_000)
-        width, height = geometry.distorted
-        sent = (frames, self.setup.timing.height, self.setup.timing.width)
-        self.light = Light(np.random.default_rng(1).integers(0, 4096, sent, dtype=np.uint16))
-        self.raw = levelled(raw_frames(self.setup, self.light), self.setup.sensor.black)[
-            :, top:top + height, left:left + width]
+        asked = self.setup.settings
+        sent = (frames, asked.height, asked.width)
+        self.light = Light(np.random.default_rng(1).integers(0, 4096, sent, dtype=np.uint16),
+                           asked.left, asked.top)
+        self.raw = levelled(crop.raw(raw_frames(self.setup, self.light), geometry.distorted),
+                            self.setup.sensor.black)
         self.at = register_addresses(self.design.system) | {
             register.name: LINK_BASE + register.address for register in LINK}
         self.program = self._build(optimise)

@@ -11,7 +11,8 @@
 //
 // A model of what a user of the sensor sees, with these simplifications: settings are taken at the
 // beginning of a frame, none later; a sensor that is told to stop stops at once; there is no
-// binning, no skipping, no automatic exposure and no noise.
+// automatic exposure and no noise. It skips and bins as far as ours are set up to, columns and rows
+// alike: the MT9P031 by 2 to 7, the others by 2.
 //
 // Plusargs, all of which may be absent; numbers are decimal:
 //   sensor_file=<name>       samples, 16 bits each, the low byte first, row by row, frame by frame
@@ -49,6 +50,8 @@ module sensor #(
     wire               streaming, mirror_columns, mirror_rows;
     wire signed [16:0] left, top;
     wire [15:0]        width, height;
+    wire [3:0]         skip;
+    wire [2:0]         binning;
     wire [31:0]        line_clocks, frame_lines, gain;
     wire [47:0]        exposure;
     wire [3:0]         pattern;
@@ -79,24 +82,24 @@ module sensor #(
             .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
             .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
             .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
-            .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
-            .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+            .skip(skip), .binning(binning), .line_clocks(line_clocks), .frame_lines(frame_lines),
+            .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
     end endgenerate
     generate if (MT9D111) begin : chip_mt9d111
         sensor_mt9d111 registers (
             .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
             .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
             .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
-            .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
-            .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+            .skip(skip), .binning(binning), .line_clocks(line_clocks), .frame_lines(frame_lines),
+            .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
     end endgenerate
     generate if (OV5640) begin : chip_ov5640
         sensor_ov5640 registers (
             .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
             .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
             .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
-            .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure),
-            .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+            .skip(skip), .binning(binning), .line_clocks(line_clocks), .frame_lines(frame_lines),
+            .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
     end endgenerate
     initial if (!MT9P031 && !MT9D111 && !OV5640) begin
         $display("SENSOR-ERROR no sensor %0s", SENSOR);
@@ -115,6 +118,6 @@ module sensor #(
         .extclk(extclk), .reset_n(powered), .pixclk(running), .frame_valid(frame_valid),
         .line_valid(line_valid), .data(data), .streaming(streaming),
         .mirror_columns(mirror_columns), .mirror_rows(mirror_rows), .left(left), .top(top),
-        .width(width), .height(height), .line_clocks(line_clocks), .frame_lines(frame_lines),
-        .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+        .width(width), .height(height), .skip(skip), .binning(binning),
+        .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
 endmodule

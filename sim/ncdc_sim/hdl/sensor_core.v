@@ -6,6 +6,11 @@
 // window's corner at (left, top) of the active pixels, sample (x, y) is the pixel
 // (left + x, top + y), or counted from the other end of the window if mirrored.
 //
+// With `skip` above 1, of each 2 * skip columns the first two are sent, and of rows likewise: sample
+// x begins at column left + 2 * skip * floor(x / 2) + x mod 2. With `binning` above 1 it is the mean
+// of so many columns, from there on every other one, by as many rows: floor((sum + n / 2) / n), of
+// all n at once. A pixel outside of the file counts as 0. Mirrors are not modelled then.
+//
 // A sample s of the file leaves as
 //     min(4095, floor((s * factor + 32768) / 65536) + black)
 //     factor = floor(exposure * gain * 256 / nominal)
@@ -35,6 +40,8 @@ module sensor_core #(
     input  wire signed [16:0] top,
     input  wire [15:0]        width,
     input  wire [15:0]        height,
+    input  wire [3:0]         skip,             // 1 or more
+    input  wire [2:0]         binning,          // 1 to MAX_BINS
     input  wire [31:0]        line_clocks,
     input  wire [31:0]        frame_lines,
     input  wire [47:0]        exposure,         // pixel clocks
@@ -45,6 +52,7 @@ module sensor_core #(
 );
     localparam LEAD = 4, TAIL = 4;
     localparam MAX_WIDTH = 8192;                // of a frame in the file
+    localparam MAX_BINS = 4;
     localparam [11:0] MASK = 12'hFFF << (12 - BITS);
 
     // Settings of the run.
@@ -93,6 +101,8 @@ module sensor_core #(
     reg               run, flip_columns, flip_rows;
     reg signed [17:0] first_column, first_row;
     reg [15:0]        columns, rows;
+    reg [3:0]         step;             // active pixels per sample
+    reg [2:0]         together;         // of which a sample is the mean, in each direction
     reg [31:0]        clocks, lines;
     reg [63:0]        factor;
     reg [3:0]         shows;
@@ -103,12 +113,14 @@ module sensor_core #(
     reg [31:0] line, clock;             // where the outputs are
     reg [31:0] stopped;                 // clocks for which the pixel clock still stands
     reg        stood;                   // it has stopped in this run
-    reg [7:0]  row [0:2*MAX_WIDTH-1];   // bytes of the file's row
-    reg        row_there;               // the file has the row
+    reg [7:0]  row [0:2*MAX_WIDTH*MAX_BINS-1];  // bytes of the file's rows
+    reg [MAX_BINS-1:0] row_there;       // the file has the row
     reg        faulty, reached;         // this is the frame of the fault; the row, too
     reg [31:0] x;
-    reg signed [17:0] u, v;             // column and row in the active pixels, then in the file
+    reg signed [17:0] u, v;             // column and row in the active pixels: of the first pixel
+    reg signed [17:0] at_u, at_v;       // and of one of the mean
     reg [63:0] sample;
+    integer    i, j;
 
     assign pixclk = extclk && stopped == 0;
 
@@ -120,6 +132,10 @@ module sensor_core #(
             first_row = {top[16], top};
             columns = width;
             rows = height;
+            step = skip;
+            together = binning;
+            if (step != 1 && (flip_columns || flip_rows))
+                $display("SENSOR-ERROR mirrors are not modelled with skipping");
             clocks = line_clocks < width + LEAD + TAIL ? width + LEAD + TAIL : line_clocks;
             lines = frame_lines > height ? frame_lines : height + 1;
             factor = nominal == 0 ? 65536 : {16'd0, exposure} * {32'd0, gain} * 256 / nominal;
@@ -130,28 +146,42 @@ module sensor_core #(
         end
     endtask
 
-    // The row of the file that belongs to this row of the frame.
+    // Active pixels from the first one of a window to that of a sample.
+    function signed [17:0] away(input [15:0] number);
+        away = step == 1 ? number : 2 * step * number[15:1] + number[0];
+    endfunction
+
+    // The rows of the file that belong to this row of the frame.
     task read_row;
         begin
-            v = first_row + $signed({2'b0, flip_rows ? rows - 16'd1 - line[15:0] : line[15:0]});
-            row_there = frames != 0 && v >= $signed(file_top[17:0])
-                && v < $signed(file_top[17:0] + file_height[17:0]);
-            if (row_there) begin
-                got = $fseek(file, 2 * file_width * ((number % frames) * file_height + v - file_top),
-                             0);
-                got = $fread(row, file, 0, 2 * file_width);
+            v = first_row + away(flip_rows ? rows - 16'd1 - line[15:0] : line[15:0]);
+            for (j = 0; j < together; j = j + 1) begin
+                at_v = v + 2 * j;
+                row_there[j] = frames != 0 && at_v >= $signed(file_top[17:0])
+                    && at_v < $signed(file_top[17:0] + file_height[17:0]);
+                if (row_there[j]) begin
+                    got = $fseek(file, 2 * file_width
+                        * ((number % frames) * file_height + at_v - file_top), 0);
+                    got = $fread(row, file, 2 * MAX_WIDTH * j, 2 * file_width);
+                end
             end
         end
     endtask
 
     task find_sample;
         begin
-            u = first_column
-                + $signed({2'b0, flip_columns ? columns - 16'd1 - x[15:0] : x[15:0]});
+            u = first_column + away(flip_columns ? columns - 16'd1 - x[15:0] : x[15:0]);
             sample = 0;
-            if (row_there && u >= $signed(file_left[17:0])
-                && u < $signed(file_left[17:0] + file_width[17:0]))
-                sample = {52'd0, row[2 * (u - file_left) + 1][3:0], row[2 * (u - file_left)]};
+            for (j = 0; j < together; j = j + 1)
+                for (i = 0; i < together; i = i + 1) begin
+                    at_u = u + 2 * i;
+                    if (row_there[j] && at_u >= $signed(file_left[17:0])
+                        && at_u < $signed(file_left[17:0] + file_width[17:0]))
+                        sample = sample
+                            + {52'd0, row[2 * (MAX_WIDTH * j + at_u - file_left) + 1][3:0],
+                               row[2 * (MAX_WIDTH * j + at_u - file_left)]};
+                end
+            sample = (sample + together * together / 2) / (together * together);
             sample = ((sample * factor + 32768) >> 16) + {52'd0, dark};
             if (sample > 4095)
                 sample = 4095;

@@ -18,6 +18,8 @@ module sensor_mt9d111 (
     output wire signed [16:0] top,
     output wire [15:0]        width,
     output wire [15:0]        height,
+    output wire [3:0]         skip,
+    output wire [2:0]         binning,
     output wire [31:0]        line_clocks,
     output wire [31:0]        frame_lines,
     output wire [47:0]        exposure,         // pixel clocks
@@ -99,8 +101,14 @@ module sensor_mt9d111 (
         + (mirror_columns ? 1 : 0);
     assign top = $signed({1'b0, file[8'h01]}) - FIRST_ROW - (border != 0 ? 4 : 0)
         + (mirror_rows ? 1 : 0);
-    assign width = file[8'h04] + border;
-    assign height = file[8'h03] + border;
+    // Of both by 2 or of none; else columns and rows would not be alike.
+    assign skip = mode[7:2] == 6'b100100 ? 2 : 1;
+    assign binning = 1;
+    assign width = file[8'h04] / skip + border;
+    assign height = file[8'h03] / skip + border;
+    always @(posedge streaming)
+        if (mode[15] || (mode[7:2] != 6'b100100 && (mode[7] || mode[4])))
+            $display("SENSOR-ERROR skipping by 2 is modelled, of columns and rows");
     assign line_clocks = {16'd0, width} + {16'd0, file[8'h05]};
 
     wire [31:0] lines = file[8'h09] != 0 ? {16'd0, file[8'h09]} : 1;

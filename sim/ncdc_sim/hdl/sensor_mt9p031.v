@@ -17,6 +17,8 @@ module sensor_mt9p031 (
     output wire signed [16:0] top,
     output wire [15:0]        width,
     output wire [15:0]        height,
+    output wire [3:0]         skip,
+    output wire [2:0]         binning,
     output wire [31:0]        line_clocks,
     output wire [31:0]        frame_lines,
     output wire [47:0]        exposure,         // pixel clocks
@@ -66,23 +68,35 @@ module sensor_mt9p031 (
             file[8'h0D] <= 1;
         end else if (write && pointer[7:0] != 8'h00 && pointer[7:0] != 8'hFF) begin
             file[pointer[7:0]] <= value;
-            if ((pointer[7:0] == 8'h22 || pointer[7:0] == 8'h23) && value != 0)
-                $display("SENSOR-ERROR skipping and binning are not modelled");
+            if ((pointer[7:0] == 8'h22 || pointer[7:0] == 8'h23)
+                && (value[2:0] == 7 || value[5:4] == 2 || value[5:4] > value[2:0]))
+                $display("SENSOR-ERROR no such skipping and binning");
         end
     end
+
+    // Both modes are written before the start.
+    always @(posedge streaming)
+        if (file[8'h22] != file[8'h23])
+            $display("SENSOR-ERROR rows are skipped as columns are in this model");
 
     assign streaming = file[8'h07][1] && !file[8'h0D][0];
     assign mirror_rows = file[8'h20][15];
     assign mirror_columns = file[8'h20][14];
     assign left = $signed({1'b0, file[8'h02]}) - FIRST_COLUMN;
     assign top = $signed({1'b0, file[8'h01]}) - FIRST_ROW;
-    assign width = (file[8'h04] + 16'd2) & ~16'd1;
-    assign height = (file[8'h03] + 16'd2) & ~16'd1;
+    assign skip = {1'b0, file[8'h23][2:0]} + 1;
+    assign binning = {1'b0, file[8'h23][5:4]} + 1;
+    wire [5:0] group = 2 * skip;        // of which two are sent
+    assign width = 2 * ((file[8'h04] + group) / group);
+    assign height = 2 * ((file[8'h03] + group) / group);
 
-    // In pairs of columns.
-    wire [31:0] blanking = file[8'h05] + 1 > 450 ? file[8'h05] + 1 : 450;
+    // In pairs of columns. A row that is the mean of others takes the time of all of them.
+    wire [31:0] dark = binning == 1 ? 40 : binning == 2 ? 20 : 10;
+    wire [31:0] least_blanking = 346 * binning + 64 + dark;
+    wire [31:0] blanking = file[8'h05] + 1 > least_blanking ? file[8'h05] + 1 : least_blanking;
     wire [31:0] pairs = width / 2 + blanking;
-    assign line_clocks = 2 * (pairs > 486 ? pairs : 486);
+    wire [31:0] least_pairs = 41 + 346 * binning + 99;
+    assign line_clocks = 2 * (pairs > least_pairs ? pairs : least_pairs);
 
     wire [31:0] given_lines = {12'd0, file[8'h08][3:0], file[8'h09]};
     wire [31:0] lines = given_lines > 1 ? given_lines : 1;
@@ -92,7 +106,7 @@ module sensor_mt9p031 (
 
     // The overhead, in pairs of columns, of the shutter.
     wire [47:0] open = {16'd0, lines} * {16'd0, line_clocks};
-    wire [47:0] overhead = 2 * (208 + 98 + {32'd0, file[8'h0C]} + 1 - 94);
+    wire [47:0] overhead = 2 * (208 * {45'd0, binning} + 98 + {32'd0, file[8'h0C]} + 1 - 94);
     assign exposure = open > overhead ? open - overhead : 0;
 
     wire [31:0] analog_gain = file[8'h35][5:0] * (file[8'h35][6] ? 2 : 1);      // eighths

@@ -1,5 +1,5 @@
-// Registers of the OV5640, and what they mean: raw frames of all pixels of a window. Addresses,
-// defaults and equations: see model/ncdc_model/sensors/ov5640.py, from which this file shares no
+// Registers of the OV5640, and what they mean: raw frames of a window, of all pixels or of every
+// other pair of columns and rows. Addresses, defaults and equations: see model/ncdc_model/sensors/ov5640.py, from which this file shares no
 // code.
 
 `timescale 1ns/1ps
@@ -18,6 +18,8 @@ module sensor_ov5640 (
     output wire signed [16:0] top,
     output wire [15:0]        width,
     output wire [15:0]        height,
+    output wire [3:0]         skip,
+    output wire [2:0]         binning,
     output wire [31:0]        line_clocks,
     output wire [31:0]        frame_lines,
     output wire [47:0]        exposure,         // pixel clocks
@@ -71,10 +73,17 @@ module sensor_ov5640 (
             defaults;
         else if (write && there && pointer != 16'h300A && pointer != 16'h300B) begin
             file[place] <= value[7:0];
-            if ((pointer == 16'h3814 || pointer == 16'h3815) && value[7:0] != 8'h11)
-                $display("SENSOR-ERROR skipping is not modelled");
+            if ((pointer == 16'h3814 || pointer == 16'h3815) && value[7:0] != 8'h11
+                && value[7:0] != 8'h31)
+                $display("SENSOR-ERROR skipping by 1 and 2 is modelled");
         end
     end
+    always @(posedge streaming)
+        if (file[14'h0814] != file[14'h0815] || file[14'h0820][0] != file[14'h0821][0]
+            || (file[14'h0820][0] && skip == 1))
+            $display("SENSOR-ERROR rows are skipped and binned as columns are in this model");
+    assign skip = file[14'h0814] == 8'h31 ? 2 : 1;
+    assign binning = file[14'h0821][0] ? 2 : 1;
 
     // Outputs enabled, awake, and raw behind the correction of defects.
     wire raw = file[14'h1300][7:4] == 0 && file[14'h201F][2:0] == 3;
@@ -84,12 +93,12 @@ module sensor_ov5640 (
     wire [15:0] y_start = {file[14'h0802], file[14'h0803]};
     wire [15:0] x_offset = {file[14'h0810], file[14'h0811]};
     wire [15:0] y_offset = {file[14'h0812], file[14'h0813]};
-    // The sensor sees through its back; mirrored, reading begins one further.
+    // Offsets count samples. The sensor sees through its back; mirrored, reading begins one further.
     assign mirror_columns = !file[14'h0821][1];
     assign mirror_rows = file[14'h0820][1];
-    assign left = $signed({1'b0, x_start}) + $signed({1'b0, x_offset}) - FIRST_COLUMN
+    assign left = $signed({1'b0, x_start}) + $signed({1'b0, skip * x_offset}) - FIRST_COLUMN
         + (mirror_columns ? 1 : 0);
-    assign top = $signed({1'b0, y_start}) + $signed({1'b0, y_offset}) - FIRST_ROW
+    assign top = $signed({1'b0, y_start}) + $signed({1'b0, skip * y_offset}) - FIRST_ROW
         + (mirror_rows ? 1 : 0);
     assign width = {file[14'h0808], file[14'h0809]};
     assign height = {file[14'h080A], file[14'h080B]};

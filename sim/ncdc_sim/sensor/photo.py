@@ -1,11 +1,15 @@
 """A photo that moves before its lens, as the samples of a sensor."""
 
+from itertools import product
+
 import cv2
 import numpy as np
 
+from ncdc_model.errors import InputError
 from ncdc_model.geometry import MONO
 from ncdc_model.images import mosaic
 from ncdc_model.network import frame_coordinates
+from ncdc_model.sensors.framing import Crop, grid_offset
 from ncdc_model.sensors.sensor import bayer_at
 from ncdc_sim.sensor.scene import row_times
 from ncdc_sim.sensor.verilog import Light
@@ -13,17 +17,31 @@ from ncdc_sim.sensor.verilog import Light
 __all__ = ["moving_photo", "still_raw"]
 
 _FULL = 4095            # of a sensor's sample
+_MOST_BYTES = 2 << 30   # of samples of a moving photo
 _STEPS = 12             # of Newton's iteration: the last ones change less than a thousandth
 
 
-def still_raw(setup, corner, raw):
-    """:class:`Light` of a raw frame of bytes, whose first sample is at ``corner`` of the sensor's
-    frame."""
-    asked = setup.settings
-    return Light(_samples(setup, raw)[None], asked.left + corner[0], asked.top + corner[1])
+def still_raw(setup, crop, raw):
+    """:class:`Light` of a raw frame of bytes, which capture's :class:`Crop` makes the frame again.
+
+    Of a sensor that reduces, each active pixel lies between two pixels of its colour in ``raw``,
+    linearly; so reduced and evened they make ``raw`` again but for its finest detail.
+    """
+    asked, crop = setup.settings, Crop(*crop)
+    if asked.skip == 1 and not crop.grid:
+        return Light(_samples(setup, raw)[None], asked.left + crop.left, asked.top + crop.top)
+    x, y = _places(setup, crop, raw.shape)
+    active = np.empty((len(y), len(x)), np.float32)
+    for row, column in product((0, 1), (0, 1)):
+        # The raw frame begins so many samples, hence so many colours, into what the sensor sends.
+        plane = raw[(row + crop.top) % 2::2, (column + crop.left) % 2::2].astype(np.float32)
+        u = (x[column::2] - (column + crop.left) % 2) / 2
+        v = (y[row::2] - (row + crop.top) % 2) / 2
+        active[row::2, column::2] = _between(plane, u, v)
+    return Light(_samples(setup, active)[None], asked.left, asked.top)
 
 
-def moving_photo(descriptor, setup, corner, photo, frames, velocity):
+def moving_photo(descriptor, setup, crop, photo, frames, velocity):
     """:class:`Light` of frames in which what is on a photo moves, as the lens would show it.
 
     With the map M from corrected to distorted pixels, pixel x of a frame shows the photo at
@@ -33,28 +51,38 @@ def moving_photo(descriptor, setup, corner, photo, frames, velocity):
     ----------
     descriptor : Descriptor
     setup : Setup
-    corner : (int, int)
-        Column and row of the sensor's frame where the photo begins.
+    crop : Crop
+        What capture makes of the sensor's frames: there the photo begins.
     photo : ndarray of uint8, shape (distorted height, distorted width, 3)
     frames : int
     velocity : (float, float)
         Corrected pixels to the right and down per frame.
     """
-    asked, sensor = setup.settings, setup.sensor
+    asked, sensor, crop = setup.settings, setup.sensor, Crop(*crop)
+    reduced = asked.skip > 1 or crop.grid
     scale = 2.0**-descriptor.formats.coordinate.f_bits
     forward = [(raw * scale).astype(np.float32) for raw in frame_coordinates(descriptor)]
     u, v = _inverse(forward, photo.shape[:2])
-    left, top = asked.left + corner[0], asked.top + corner[1]
+    left, top = asked.left, asked.top
+    if reduced:
+        _check_bytes(setup, crop, frames)
+        places = _places(setup, crop, photo.shape)
+    else:
+        left, top = left + crop.left, top + crop.top
     bayer = MONO if descriptor.geometry.mono else bayer_at(sensor.bayer, left, top)
     period = setup.timing.frame_clocks / setup.timing.pixel_clock_hz
     made = []
     for number in range(frames):
-        times = row_times(setup, number)[corner[1]:corner[1] + len(photo)] / period
+        # With rows binned in the FPGA, at the first one of each pair.
+        rows = crop.top + np.arange(len(photo)) << crop.binning
+        times = row_times(setup, number)[rows] / period
         there = (u - velocity[0] * times[:, None], v - velocity[1] * times[:, None])
         there = [array.astype(np.float32) for array in there]
         x, y = (cv2.remap(table, *there, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
                 for table in forward)
         moved = cv2.remap(photo, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101)
+        if reduced:
+            moved = np.rint(_between(moved.astype(np.float32), *places)).astype(np.uint8)
         made.append(_samples(setup, mosaic(moved, bayer)))
     return Light(np.array(made), left, top)
 
@@ -62,6 +90,36 @@ def moving_photo(descriptor, setup, corner, photo, frames, velocity):
 def _samples(setup, values):
     """Samples of 12 bits of bytes, 255 the brightest that is told apart from black."""
     return np.round(values * ((_FULL - setup.sensor.black) / 255)).astype(np.uint16)
+
+
+def _places(setup, crop, shape):
+    """Where in raw frames of ``shape``, (height, width, ...), the active pixels of the sensor's
+    window lie: columns, rows."""
+    asked = setup.settings
+    reduction, found = asked.skip << crop.binning, []
+    for begin, sent, corner in ((asked.left, asked.width, crop.left),
+                                (asked.top, asked.height, crop.top)):
+        first = begin + reduction * corner + grid_offset(setup, crop)
+        active = begin + np.arange(asked.skip * sent)
+        found.append((active - first + .5) / reduction - .5)
+    return found
+
+
+def _between(values, x, y):
+    """``values`` (height, width, ...) at columns ``x`` and rows ``y``, linear, constant outside."""
+    grid = np.meshgrid(np.float32(x), np.float32(y))
+    return cv2.remap(values, *grid, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+
+def _check_bytes(setup, crop, frames):
+    """Raises :class:`InputError` if frames of all active pixels take too much memory."""
+    asked = setup.settings
+    one = 2 * asked.skip**2 * asked.width * asked.height
+    if frames * one > _MOST_BYTES:
+        raise InputError(
+            f"{frames} frames of the {asked.skip * asked.width}x{asked.skip * asked.height} pixels "
+            f"that the {setup.sensor.name} reads take {frames * one / 1e9:.1f} GB: at most "
+            f"{_MOST_BYTES // one} fit, or a field that is not reduced")
 
 
 def _inverse(forward, shape):

@@ -16,7 +16,8 @@ def raw_frames(setup, light):
 
     With factor = floor(exposure * gain * 256 / nominal), in which a gain of 1 is 256, a sample s
     leaves as min(4095, floor((s * factor + 32768) / 65536) + black), and a test pattern takes the
-    place of that; bits that the sensor does not have are cleared.
+    place of that; bits that the sensor does not have are cleared. Where the sensor bins, s is
+    floor((sum + n / 2) / n) of its n pixels, of which those without light are 0.
 
     Parameters
     ----------
@@ -24,14 +25,13 @@ def raw_frames(setup, light):
     light : Light
     """
     sensor = setup.sensor
-    u, v = np.array(setup.columns), np.array(setup.rows)
-    count, height, width = light.frames.shape
+    bins = setup.settings.bins
+    # Of the first pixel of each mean, whose colour it keeps.
+    u, v = np.array(setup.columns) - (bins - 1), np.array(setup.rows) - (bins - 1)
+    count = len(light.frames)
     if setup.settings.test_pattern == "Off":
-        samples = np.zeros((count, len(v), len(u)), np.int64)
-        rows = (v >= light.top) & (v < light.top + height)
-        columns = (u >= light.left) & (u < light.left + width)
-        samples[np.ix_(range(count), rows, columns)] = light.frames[
-            np.ix_(range(count), v[rows] - light.top, u[columns] - light.left)]
+        samples = sum(_read(light, u + 2 * i, v + 2 * j) for i in range(bins) for j in range(bins))
+        samples = (samples + bins * bins // 2) // bins**2
         factor = 1 << 16
         if light.nominal:
             factor = setup.exposure_clocks * setup.gain_256 * 256 // light.nominal
@@ -40,6 +40,17 @@ def raw_frames(setup, light):
         pattern = _pattern(setup.settings.test_pattern, sensor.bayer, u, v)
         samples = np.repeat(pattern[None], count, axis=0)
     return (samples & -1 << 12 - sensor.bits).astype(np.uint16)
+
+
+def _read(light, u, v):
+    """Samples (frames, rows, columns) of the active pixels of columns ``u`` and rows ``v``."""
+    count, height, width = light.frames.shape
+    samples = np.zeros((count, len(v), len(u)), np.int64)
+    rows = (v >= light.top) & (v < light.top + height)
+    columns = (u >= light.left) & (u < light.left + width)
+    samples[np.ix_(range(count), rows, columns)] = light.frames[
+        np.ix_(range(count), v[rows] - light.top, u[columns] - light.left)]
+    return samples
 
 
 def _pattern(name, bayer, u, v):

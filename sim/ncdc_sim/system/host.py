@@ -11,7 +11,6 @@ import numpy as np
 from ncdc_hdl.export.registers.python_registers import python_registers
 from ncdc_model.interface.frames import output_format, stored_picture
 from ncdc_model.interface.register_map import registers
-from ncdc_model.interface.system_map import system_registers
 
 __all__ = ["Content", "SystemHost"]
 
@@ -42,7 +41,7 @@ class SystemHost:
         self.live, self.system, self.geometry = live, system, system.descriptor.geometry
         descriptor = system.descriptor
         table = (*registers(descriptor.hidden_neurons, descriptor.formats, descriptor.nodes,
-                            system.hardware.colour), *system_registers(system.stores))
+                            system.hardware.colour), *system.table)
         driver = _driver(python_registers(table))
         self.camera = driver.Camera(lambda offset: live.read(offset >> 2),
                                     lambda offset, value: live.write(offset >> 2, value),

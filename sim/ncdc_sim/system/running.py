@@ -8,6 +8,7 @@ import numpy as np
 from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_model.interface.system_values import memory_bytes
+from ncdc_model.sensors.framing import Crop
 from ncdc_model.sensors.level import levelled
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.system.host import SystemHost
@@ -53,8 +54,9 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
     setup : Setup
         Of the sensor; its pixel clock is the one of the run.
     light : Light
-    corner : (int, int)
-        Column and row of the sensor's frame at which the raw frames begin.
+    corner : Crop
+        What capture makes of the sensor's frames, as far as ``system`` can; or column and row at
+        which the raw frames begin.
     clocks : Clocks, optional
         Of 100 MHz, and the pixel clock of ``setup``, if absent.
     verilog : str, optional
@@ -67,8 +69,8 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
     sensor = setup.sensor
     clocks = clocks or Clocks(extclk_period=2 * round(5e11 / setup.timing.pixel_clock_hz))
     frame = setup.timing.frame_clocks * clocks.extclk_period // clocks.clk_period
-    (left, top), (width, height) = corner, system.descriptor.geometry.distorted
-    raw = raw_frames(setup, light)[:, top:top + height, left:left + width]
+    crop = Crop(*corner)
+    raw = np.array(crop.raw(raw_frames(setup, light), system.descriptor.geometry.distorted))
     size = memory_bytes(system.descriptor, system.hardware, system.stores)
     with LiveSystem(verilog or system_verilog(system), sensor.name, light, size,
                     clocks=clocks, **run) as live:
@@ -76,8 +78,10 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
         live.sensor_power(True)
         live.wait(100)
         host.quarter = quarter_clocks(10**12 // clocks.clk_period, _I2C_HZ)
+        if crop.grid:
+            host.camera.put(GRID_WEIGHT=crop.weight, GRID_BIN=crop.binning)
         host.camera.put(SENT_WIDTH=setup.timing.width, SENT_HEIGHT=setup.timing.height,
-                        WINDOW_LEFT=left, WINDOW_TOP=top, BLACK_LEVEL=sensor.black,
+                        WINDOW_LEFT=crop.left, WINDOW_TOP=crop.top, BLACK_LEVEL=sensor.black,
                         CLOCK_LIMIT=frame // 2, I2C_QUARTER=host.quarter, **(registers or {}))
         # Without the waits, which are those of a PLL.
         report = setup.report()

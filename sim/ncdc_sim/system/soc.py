@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ncdc_model.corrector import correct
 from ncdc_model.hardware import Hardware
-from ncdc_model.sensors.framing import setup_around
+from ncdc_model.sensors.framing import grid_row, setup_around
 from ncdc_model.sensors.level import levelled
 from ncdc_sim.link.namespaces import TAP, TapNetwork
 from ncdc_sim.runner import HDL, build, command_of
@@ -42,6 +42,8 @@ class SocModel:
     hardware : Hardware, optional
     identity : Identity
         Of the device on its network.
+    field : str, optional
+        As of :func:`~ncdc_model.sensors.framing.setup_around`.
 
     Attributes
     ----------
@@ -52,18 +54,19 @@ class SocModel:
         Of the sensor.
     """
 
-    def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None, identity=Identity()):
+    def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None, identity=Identity(),
+                 field=None):
         self.descriptor, self.identity = descriptor, identity
+        self._field = field
+        self.setup, self._crop = self._set_up(exposure_us)
         core = SocCore(descriptor, hardware or Hardware(bus="axi", format="BGR8"),
-                       capacity=_QUEUE_BYTES)
+                       capacity=_QUEUE_BYTES, grid=grid_row(self.setup, self._crop))
         soc = soc_verilog(core)
-        self.setup, self._corner = setup_around(_SENSOR, descriptor.geometry,
-                                                exposure_us=exposure_us)
-        self._light = replace(still_raw(self.setup, self._corner, raw),
+        self._light = replace(still_raw(self.setup, self._crop, raw),
                               nominal=self.setup.exposure_clocks)
         with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
             self._rom, self.code_bytes, self.ram_bytes = firmware_image(
-                config(core.system, core.packetiser.capacity, soc, self.setup, self._corner,
+                config(core.system, core.packetiser.capacity, soc, self.setup, self._crop,
                        self.identity, sets_up=_HURRY), soc, folder)
         self.program = _build(core_verilog(core), soc)
 
@@ -86,13 +89,15 @@ class SocModel:
 
     def raw_at(self, exposure_us):
         """The raw frame that the sensor sends with that exposure."""
-        return self.raw(setup_around(_SENSOR, self.descriptor.geometry,
-                                     exposure_us=exposure_us)[0])
+        return self.raw(self._set_up(exposure_us)[0])
+
+    def _set_up(self, exposure_us):
+        return setup_around(_SENSOR, self.descriptor.geometry, field=self._field,
+                            exposure_us=exposure_us)
 
     def raw(self, setup):
         """The raw frame that the sensor sends with that :class:`Setup`."""
-        (left, top), (width, height) = self._corner, self.descriptor.geometry.distorted
-        frame = raw_frames(setup, self._light)[0, top:top + height, left:left + width]
+        frame, = self._crop.raw(raw_frames(setup, self._light), self.descriptor.geometry.distorted)
         return levelled(frame, setup.sensor.black)
 
 

@@ -101,7 +101,8 @@ class TableServer:
         # The others are 0: offsets, number of the lens, of the last lens, whether GVSP streams.
         return {"SOURCE": int(self._corrected), "WIDTH": width, "WIDTH_MAX": width,
                 "HEIGHT": height, "HEIGHT_MAX": height, "FORMAT": self._formation(),
-                "FRAME_RATE": round(10 * self.sensor["frames_per_second"])}.get(name, 0)
+                "FRAME_RATE": round(10 * self.sensor["frames_per_second"]),
+                **self.settings["field"]}.get(name, 0)
 
     def _long(self, name, last):
         """A number of two words."""
