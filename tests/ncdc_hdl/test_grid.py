@@ -7,10 +7,15 @@ import pytest
 from amaranth import *
 from amaranth.sim import Simulator
 
+from cameras import barrel_descriptor
 from ncdc_hdl.camera.grid import Grid
 from ncdc_hdl.camera.layouts import REPORT, Kind
 from ncdc_hdl.camera.moved import Moved
 from ncdc_hdl.camera.sensor_port import SensorPort
+from ncdc_hdl.system import System
+from ncdc_model.errors import InputError
+from ncdc_model.geometry import MAX_SIZE
+from ncdc_model.hardware import Hardware
 from ncdc_model.sensors.grid import evened, grid_size, gridded
 from ncdc_model.sensors.level import levelled
 from pipelines import run_pipeline
@@ -207,7 +212,7 @@ def test_reset_in_mid_row(mode):
     for at in (1, 152, len(first) - 3):
         port = Port(size, grid_size(size, *mode), (0, 0), mode)
         found = port.run(clocks, [(at, "reset", 1), (at + 1, "reset", 0)])
-        assert [rows for rows, report in found if report == CLEAN] == [whole(port, frames[1])], at
+        assert found == [(whole(port, frames[1]), CLEAN)], at
 
 
 def test_a_queue_that_is_full_is_reported():
@@ -244,3 +249,9 @@ def test_latency_is_that_of_the_samples(width):
 
     found = run_pipeline(dut, items, drive, lambda: [dut.o.valid, dut.o.sample])
     assert found == [(1, item) for item in items]
+
+
+@pytest.mark.parametrize("row", [7, MAX_SIZE + 1])
+def test_a_stage_for_rows_that_no_frame_has_is_not_made(row):
+    with pytest.raises(InputError, match=f"has {row} samples, it must have 8 to {MAX_SIZE}"):
+        System(barrel_descriptor((64, 24), (64, 24)), Hardware(data_width=64), grid=row)

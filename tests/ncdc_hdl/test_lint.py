@@ -64,6 +64,13 @@ def test_verilator_finds_only_what_is_waived_of_a_system(tmp_path):
     assert lint(verilog, "waivers.vlt") == (0, set())
 
 
+def test_verilator_finds_only_what_is_waived_of_a_system_with_a_grid_stage(tmp_path):
+    verilog = tmp_path / f"{SYSTEM}.v"
+    verilog.write_text(system_verilog(System(barrel_descriptor(), grid=1296)))
+    (tmp_path / "waivers.vlt").write_text(verilator_config(SYSTEM, SYSTEM_WAIVERS))
+    assert lint(verilog, "waivers.vlt") == (0, set())
+
+
 def test_every_waiver_of_verilator_is_needed(verilogs):
     found = [lint(path, "-Wno-fatal") for path in verilogs.values()]
     assert {status for status, _ in found} == {0}
