@@ -144,8 +144,13 @@ def _use(user, window, tabs, seconds, step):
     second.dialog.run()
     loaded = []
     second.session.lens_loaded.connect(lambda *_: loaded.append(True))
-    user.step("calibrate", 0, lambda: user.until(lambda: done and (loaded or done[0] is not True),
-                                                 600), picture=lambda: second.dialog)
+
+    def finish():
+        user.until(lambda: done, 600)
+        if done[0] is True:
+            second.dialog.load.click()
+            user.until(lambda: loaded)
+    user.step("calibrate", 0, finish, picture=lambda: second.dialog)
     second.dialog.reject()
     user.step("calibrated", 2.0, picture=True)
 
