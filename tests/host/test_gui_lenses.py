@@ -168,6 +168,22 @@ def test_a_failed_detection_shows_no_points_of_an_earlier_one(qtbot, tmp_path):
     assert not dialog.load.isEnabled() and not dialog.keep.isEnabled()
 
 
+def test_the_picture_leaves_space_for_a_long_result(qtbot):
+    shown = Shown.of(Frame.of_bytes(RAW.tobytes(), SIZE, bayer_format("RGGB"), 1, 0))
+    dialog = CalibrationDialog(shown, None, ["Lens 0"], 0)
+    qtbot.addWidget(dialog)
+    dialog.show()
+    before = dialog.picture.height()
+    report = {"warnings": ["the page may be bent or of two sheets, or the lens is uneven " * 6],
+              "mean_px": 0.1, "max_px": 0.5, "valid_percent": 99}
+    dialog.job.done.emit("net.toml", report)
+    qtbot.waitUntil(lambda: dialog.picture.height() < before, timeout=SECONDS)
+    seen, space = dialog.picture.pixmap().deviceIndependentSize(), dialog.picture.size()
+    assert seen.width() <= space.width() and seen.height() <= space.height()
+    state = dialog.state
+    assert state.height() >= state.heightForWidth(state.width())
+
+
 def test_another_lens_than_the_active_one_can_be_replaced(qtbot):
     shown = Shown.of(Frame.of_bytes(RAW.tobytes(), SIZE, bayer_format("RGGB"), 1, 0))
     limits = SimpleNamespace(neurons=8)

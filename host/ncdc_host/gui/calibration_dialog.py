@@ -28,6 +28,35 @@ _PICTURE_MIN = 160, 90
 _SIZE = 560, 640
 
 
+class _Picture(QLabel):
+    """Shows a picture as large as its space: the dialog is as large as the user wants it."""
+
+    def __init__(self):
+        super().__init__(alignment=Qt.AlignmentFlag.AlignCenter)
+        self._whole = QPixmap()
+        self.setMinimumSize(*_PICTURE_MIN)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+
+    def show_picture(self, pixmap):
+        """Show another picture."""
+        self._whole = pixmap
+        self._fit()
+
+    def _fit(self):
+        if self._whole.isNull():
+            return
+        ratio = self.devicePixelRatio()
+        scaled = self._whole.scaled(
+            (QSizeF(self.size()) * ratio).toSize(), Qt.AspectRatioMode.KeepAspectRatio,
+            Qt.TransformationMode.SmoothTransformation)
+        scaled.setDevicePixelRatio(ratio)
+        self.setPixmap(scaled)
+
+    def resizeEvent(self, event):
+        super().resizeEvent(event)
+        self._fit()
+
+
 class CalibrationDialog(QDialog):
     """Makes a lens of one raw frame; signals ``lens_wanted(path, number)`` when the user wants it
     loaded in the place of the device's lens of that number.
@@ -51,10 +80,7 @@ class CalibrationDialog(QDialog):
         self._shown, self._limits = shown, limits
         self.lens, self.found, self.result = None, "", ""
         self.job = Calibration(self)
-        self.picture = QLabel(alignment=Qt.AlignmentFlag.AlignCenter)
-        self.picture.setMinimumSize(*_PICTURE_MIN)
-        # Ignored: the dialog is as large as the user wants it, not as the picture is.
-        self.picture.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+        self.picture = _Picture()
         self.picture.setAccessibleName("Raw frame")
         self._show_frame()
         text = QLabel("The raw frame that the device sees now. It should show a calibration "
@@ -191,21 +217,7 @@ class CalibrationDialog(QDialog):
         self._show(QPixmap.fromImage(self._shown.image))
 
     def _show(self, pixmap):
-        self._pixmap = pixmap
-        self._scale()
-
-    def _scale(self):
-        ratio = self.devicePixelRatio()
-        scaled = self._pixmap.scaled(
-            (QSizeF(self.picture.size()) * ratio).toSize(), Qt.AspectRatioMode.KeepAspectRatio,
-            Qt.TransformationMode.SmoothTransformation)
-        scaled.setDevicePixelRatio(ratio)
-        self.picture.setPixmap(scaled)
-
-    def resizeEvent(self, event):
-        super().resizeEvent(event)
-        self.layout().activate()
-        self._scale()
+        self.picture.show_picture(pixmap)
 
     def _done(self, lens, report):
         self.lens = lens
