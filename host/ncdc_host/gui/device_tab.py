@@ -35,6 +35,7 @@ __all__ = ["DeviceTab"]
 _COMPARING = ("side by side", "wipe")
 _PATIENCE = 3.0         # seconds without a picture, besides three frames, that are worth a word
 _PANEL = 332            # pixels that the settings want at least
+_WIDEST = "120.0 pictures/s  ·  9999 lost"
 _SETTLE = 400           # ms after the last change of a setting until the raw frame is taken anew
 _URL = re.compile(r"\b[a-z]+://[^\s,;]*[\w\]/]")       # of a device, in a message
 # What the raw frame of a comparison depends on.
@@ -69,6 +70,9 @@ class DeviceTab(QWidget):
         self.histogram, self.settings = HistogramView(), SettingsPanel()
         self.lenses, self.statistics = LensPanel(), StatisticsPanel()
         self.foot, self.pixel, self.rate = ElidedLabel(), QLabel(), QLabel()
+        # As wide as what it mostly says: digits that come and go move nothing.
+        self.rate.setMinimumWidth(self.rate.fontMetrics().horizontalAdvance(_WIDEST))
+        self.rate.setAlignment(Qt.AlignmentFlag.AlignRight)
         self._counts = None
         self._lay_out()
         self._connect_session()
