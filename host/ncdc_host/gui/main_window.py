@@ -64,7 +64,9 @@ class MainWindow(QMainWindow):
         self.tabs.currentChanged.connect(self._enable)
         self._make_menus()
         self.statusBar().setSizeGripEnabled(True)
-        if discovery is not None:
+        if discovery is None:
+            self.devices.state.clear()
+        else:
             discovery.found.connect(self.devices.show_found)
             discovery.failed.connect(self.devices.show_failed)
             discovery.looking.connect(self.devices.show_looking)
