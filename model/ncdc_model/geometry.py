@@ -34,7 +34,8 @@ def scan_order(values, strip_width=0):
     """``values`` of an image, shape (height, width, ...), as (pixels, ...) in the hardware's order.
 
     Strips of ``strip_width`` columns from left to right, the last one what is left; in each the
-    rows from the top down, in each of those the columns from left to right. 0: one strip, a raster.
+    rows from the top down, in each of those the columns from left to right. 0: one strip, a raster,
+    which may share the memory of ``values``.
 
     Raises
     ------
@@ -43,9 +44,11 @@ def scan_order(values, strip_width=0):
     """
     check_strip_width(strip_width)
     width = values.shape[1]
-    edges = range(0, width, strip_width or width)
-    return np.concatenate([values[:, left:left + (strip_width or width)].reshape(
-        -1, *values.shape[2:]) for left in edges])
+    if not strip_width:
+        return values.reshape(-1, *values.shape[2:])
+    edges = range(0, width, strip_width)
+    return np.concatenate([values[:, left:left + strip_width].reshape(-1, *values.shape[2:])
+                           for left in edges])
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import sys
 
 from ncdc.report.box_drawing import draw_boxes
 
-__all__ = ["draw"]
+__all__ = ["DRAWING", "draw"]
 
 _BOXES = {      # left, bottom, width, height, text
     "ps": (-.6, 0, 2.9, 4.6, "processing system\nof a Zynq or Kria\n\n"
@@ -22,10 +22,13 @@ _ARROWS = (     # from x, to x, y, text above, text below
 )
 
 
+DRAWING = (tuple(_BOXES.values()), _ARROWS,
+           "aclk, aresetn: from the same clock and reset block as the interconnect")
+
+
 def draw(path):
     """Write the drawing of a corrector in the programmable logic beside its processor."""
-    draw_boxes(path, tuple(_BOXES.values()), _ARROWS,
-               "aclk, aresetn: from the same clock and reset block as the interconnect")
+    draw_boxes(path, *DRAWING)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from ncdc_boards.quartus.sdc import SDRAM_NS
 from ncdc_hdl.video.modes import mode_named
 from ncdc_sim.runner import HDL
 
-__all__ = ["draw_all"]
+__all__ = ["DRAWING", "draw_all"]
 
 _BOXES = (
     (-.4, 1.5, 2.4, 2.2, "sensor\n\nMT9P031 (D5M),\nOV5640"),
@@ -31,14 +31,14 @@ _ARROWS = (
     (12.6, 15.4, 1.1, "bursts", "whole rows"),
     (12.6, 15.4, 4.1, "VGA, GPDI", "the mode's own rate"),
 )
+DRAWING = (_BOXES, _ARROWS, "the scan-out reads from memory too, before anybody else; buttons "
+           "choose the lens; registers through a serial port", (12.5, 4.3))
 _LINE, _FILL, _TEXT = "#30507a", "#cfdff2", 9
 
 
 def draw_all(folder):
     """Write both drawings into a folder: the blocks of a board, and the clocks of its SDRAM."""
-    draw_boxes(str(Path(folder) / "board.png"), _BOXES, _ARROWS,
-               "the scan-out reads from memory too, before anybody else; buttons choose the lens; "
-               "registers through a serial port", size=(12.5, 4.3))
+    draw_boxes(str(Path(folder) / "board.png"), *DRAWING)
     _sdram_clock(Path(folder) / "board-sdram-clock.png")
 
 

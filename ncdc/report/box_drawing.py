@@ -1,19 +1,28 @@
 """Drawings of boxes and arrows between them."""
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-__all__ = ["draw_boxes"]
+__all__ = ["boxes_figure", "draw_boxes"]
 
+_MARGIN = .2            # between the text at an arrow and the boxes, both sides together
 _LINE = "#30507a"
 
 
-def draw_boxes(path, boxes, arrows, note="", size=(11.5, 4.1), vertical=()):
-    """Write a drawing as a PNG file.
+def draw_boxes(path, *drawing, **options):
+    """Write the drawing of :func:`boxes_figure` as a PNG file."""
+    boxes_figure(*drawing, **options).savefig(path, dpi=90, format="png",
+                                              metadata={"Software": None}, bbox_inches="tight")
+
+
+def boxes_figure(boxes, arrows, note="", size=(11.5, 4.1), vertical=()):
+    """A drawing, a matplotlib Figure.
+
+    Texts at arrows are made smaller where they would not fit between the boxes.
 
     Parameters
     ----------
-    path : str
     boxes : sequence of (left, bottom, width, height, text)
     arrows : sequence of (from x, to x, y, text above, text below)
     note : str
@@ -23,7 +32,8 @@ def draw_boxes(path, boxes, arrows, note="", size=(11.5, 4.1), vertical=()):
     vertical : sequence of (x, from y, to y, text to the right)
         Arrows upwards or downwards.
     """
-    figure = Figure(figsize=size)
+    figure, fitted = Figure(figsize=size), []
+    FigureCanvasAgg(figure)
     axes = figure.subplots()
     for left, bottom, width, height, text in boxes:
         axes.add_patch(Rectangle((left, bottom), width, height, facecolor="#eef3fa",
@@ -33,9 +43,10 @@ def draw_boxes(path, boxes, arrows, note="", size=(11.5, 4.1), vertical=()):
     for start, end, y, above, below in arrows:
         axes.annotate("", (end, y), (start, y), arrowprops={
             "arrowstyle": "-|>", "color": _LINE, "linewidth": 1.4})
-        axes.text((start + end) / 2, y + .08, above, ha="center", va="bottom", fontsize=9.5,
-                  family="monospace")
-        axes.text((start + end) / 2, y - .1, below, ha="center", va="top", fontsize=8.5)
+        middle, room = (start + end) / 2, abs(end - start) - _MARGIN
+        fitted += [(axes.text(middle, y + .08, above, ha="center", va="bottom", fontsize=9.5,
+                              family="monospace"), room),
+                   (axes.text(middle, y - .1, below, ha="center", va="top", fontsize=8.5), room)]
     for x, start, end, text in vertical:
         axes.annotate("", (x, end), (x, start), arrowprops={
             "arrowstyle": "-|>", "color": _LINE, "linewidth": 1.4})
@@ -46,4 +57,15 @@ def draw_boxes(path, boxes, arrows, note="", size=(11.5, 4.1), vertical=()):
     axes.set_xlim(left - .1, right + .1)
     axes.set_ylim(low - .8, high + .2)
     axes.set_axis_off()
-    figure.savefig(path, dpi=90, format="png", metadata={"Software": None}, bbox_inches="tight")
+    for text, room in fitted:
+        _fit(text, axes, room)
+    return figure
+
+
+def _fit(text, axes, width):
+    """Make a text of ``axes`` small enough for ``width`` of their units."""
+    (left, _), (right, _) = axes.transData.transform([(0, 0), (width, 0)])
+    wide = text.get_window_extent(axes.figure.canvas.get_renderer()).width
+    if wide > right - left:
+        text.set_fontsize(text.get_fontsize() * (right - left) / wide)
+

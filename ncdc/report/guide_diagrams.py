@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ncdc.report.box_drawing import draw_boxes
 
-__all__ = ["DRAWINGS", "VERTICAL", "draw_all"]
+__all__ = ["DRAWINGS", "VERTICAL", "draw_all", "size_of"]
 
 DRAWINGS = {    # file: boxes, arrows, note
     "guide-platform-designer.png": (
@@ -123,17 +123,22 @@ DRAWINGS = {    # file: boxes, arrows, note
         "no processor touches a pixel: it writes headers and registers"),
 }
 VERTICAL = {    # file: arrows (x, from y, to y, text at the right)
-    "soc.png": ((5.2, 3.1, 1.6, "port 0\nwrites"), (6.2, 1.6, 3.1, "port 1\npackets"),
-                (7.3, 1.6, 3.1, "port 2\ncorrector"),
+    "soc.png": ((5.2, 3.1, 1.6, "port 0\nwrites"), (6.3, 1.6, 3.1, "port 1\npackets"),
+                (7.5, 1.6, 3.1, "port 2\ncorrector"),
                 (11.7, 5.7, 4.8, "answers"), (13.4, 4.8, 5.7, "commands")),
 }
+
+
+def size_of(name):
+    """Inches of the drawing ``name``, (width, height)."""
+    return (12.5, 5.6) if name in VERTICAL else (12.5, 4.1)
 
 
 def draw_all(folder):
     """Write all drawings into a folder."""
     for name, (boxes, arrows, note) in DRAWINGS.items():
-        size = (12.5, 5.6) if name in VERTICAL else (12.5, 4.1)
-        draw_boxes(str(Path(folder) / name), boxes, arrows, note, size, VERTICAL.get(name, ()))
+        draw_boxes(str(Path(folder) / name), boxes, arrows, note, size_of(name),
+                   VERTICAL.get(name, ()))
 
 
 if __name__ == "__main__":

@@ -8,12 +8,13 @@ from matplotlib.patches import Rectangle
 
 from ncdc_model.interface.table_two import FIELDS
 
-__all__ = ["FILE", "PACKETS", "draw_packets"]
+__all__ = ["FILE", "PACKETS", "draw_packets", "packets_figure"]
 
 FILE = "packets.png"
 _ROW = 4            # bytes
 _COLUMNS = 4        # drawings beside each other
 _LINE = "#30507a"
+_BROKEN = {("formation", 1): "form-\nation"}     # names too long for their field's bytes
 _HEADER = (("status", 2), ("block", 2), ("kind", 1), ("packet", 3))
 PACKETS = {         # title: fields and their bytes; 0: as many as there are
     "Table I: request, answer": (("code", 1), ("address", 2), ("value", 2)),
@@ -32,6 +33,12 @@ PACKETS = {         # title: fields and their bytes; 0: as many as there are
 
 def draw_packets(folder):
     """Write the drawing into ``folder``; the fields of each packet, four bytes a row."""
+    packets_figure().savefig(Path(folder) / FILE, dpi=90, format="png",
+                             metadata={"Software": None}, bbox_inches="tight")
+
+
+def packets_figure():
+    """The drawing, a matplotlib Figure."""
     rows = -(-len(PACKETS) // _COLUMNS)
     figure = Figure(figsize=(11.5, 6.4))
     grid = figure.subplots(rows, _COLUMNS, height_ratios=(3.6, 11.7))
@@ -42,13 +49,12 @@ def draw_packets(folder):
         for name, size in fields:
             at = _field(axes, at, name, size)
         axes.set_title(title, fontsize=10, loc="left")
-        axes.set_xlim(-.5, _ROW + .1)
+        axes.set_xlim(-.55, _ROW + .1)
         axes.set_ylim(-11.2 if axes in grid[1] else -3.1, .5)
         for k in range(_ROW):
-            axes.text(k + .5, .08, str(k), ha="center", fontsize=7.5, color="#666666")
+            axes.text(k + .5, .14, str(k), ha="center", fontsize=7.5, color="#666666")
         axes.set_axis_off()
-    figure.savefig(Path(folder) / FILE, dpi=90, format="png", metadata={"Software": None},
-                   bbox_inches="tight")
+    return figure
 
 
 def _field(axes, at, name, size):
@@ -72,10 +78,10 @@ def _field(axes, at, name, size):
 def _box(axes, row, column, width, text, byte, colour="#eef3fa"):
     axes.add_patch(Rectangle((column, -row - 1), width, 1, facecolor=colour, edgecolor=_LINE,
                              linewidth=1.1))
-    axes.text(column + width / 2, -row - .5, text, ha="center", va="center",
-              fontsize=8.5 if len(text) < 8 * width else 6.5)
+    axes.text(column + width / 2, -row - .5, _BROKEN.get((text, width), text), ha="center",
+              va="center", fontsize=8.5 if len(text) < 8 * width else 7.5, linespacing=1)
     if column == 0 and byte is not None:
-        axes.text(-.08, -row - .5, str(byte), ha="right", va="center", fontsize=7.5,
+        axes.text(-.12, -row - .5, str(byte), ha="right", va="center", fontsize=7.5,
                   color="#666666")
 
 

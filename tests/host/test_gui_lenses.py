@@ -1,20 +1,27 @@
 """Lenses by the window: chosen, loaded from files good and bad, calibrated from the picture."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from PySide6.QtGui import QImage
 
 from cameras import barrel_descriptor
 from devices import SIZE, small_lens
-from guis import SECONDS, announced, tab_on, url_of
+from guis import SECONDS, announced, pixels_of, tab_on, url_of
 from ncdc_host.client import open_device
+from ncdc_host.client.frame import Frame
 from ncdc_host.device.correction import Correction
 from ncdc_host.gui.calibration import Calibration
+from ncdc_host.gui.calibration_dialog import CalibrationDialog
 from ncdc_host.gui.calibration_job import main as calibrate
+from ncdc_host.gui.shown import Shown
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.example import BAYER, example_camera, noise_picture, target_photo, true_map
+from ncdc_model.interface.pixel_formats import bayer_format
 
 RAW = noise_picture(*SIZE)
 
@@ -104,9 +111,15 @@ def test_calibrate_from_this_picture(qtbot, dots, tmp_path):
                 assert dialog.neurons.maximum() == 3 and dialog.neurons.value() == 3
                 assert np.array_equal(dialog._shown.frame.pixels, raw)
                 dialog.job.progress.connect(lambda share, mse: shares.append(share))
-                with qtbot.waitSignal(tab.session.lens_loaded, timeout=8 * SECONDS):
+                with qtbot.waitSignal(dialog.job.done, timeout=8 * SECONDS):
                     dialog.run()
                 assert "373 points" in dialog.state.text()
+                # Nothing is overwritten before the user says so.
+                assert dialog.number.currentText() == "Lens 0 (active)"
+                assert shows(tab, Correction(rough)(raw)[:, ::-1]) and dialog.load.isEnabled()
+                with qtbot.waitSignal(tab.session.lens_loaded, timeout=SECONDS):
+                    dialog.load.click()
+                assert "lens 0 of the device now" in dialog.state.text()
                 assert shares == sorted(shares) and len(shares) > 3
                 dialog.save_lens(tmp_path / "net.toml")
                 lens = Descriptor.load(tmp_path / "net.toml")
@@ -138,6 +151,54 @@ def test_a_picture_without_a_target(qtbot):
         assert not dialog.job.running
         old = tab.shown
         qtbot.waitUntil(lambda: tab.shown is not old, timeout=SECONDS)
+
+
+def test_a_failed_detection_shows_no_points_of_an_earlier_one(qtbot, tmp_path):
+    shown = Shown.of(Frame.of_bytes(RAW.tobytes(), SIZE, bayer_format("RGGB"), 1, 0))
+    dialog = CalibrationDialog(shown, None, ["Lens 0"], 0)
+    qtbot.addWidget(dialog)
+    frame = pixels_of(dialog.picture.pixmap().toImage())
+    overlay = tmp_path / "points.png"
+    assert QImage(64, 48, QImage.Format.Format_RGB32).save(str(overlay))
+    dialog.job.points_found.emit(99, "dots", str(overlay))
+    assert not np.array_equal(pixels_of(dialog.picture.pixmap().toImage()), frame)
+    dialog.run()
+    dialog.job.failed.emit("no photo shows the target")
+    assert np.array_equal(pixels_of(dialog.picture.pixmap().toImage()), frame)
+    assert not dialog.load.isEnabled() and not dialog.keep.isEnabled()
+
+
+def test_the_picture_leaves_space_for_a_long_result(qtbot):
+    shown = Shown.of(Frame.of_bytes(RAW.tobytes(), SIZE, bayer_format("RGGB"), 1, 0))
+    dialog = CalibrationDialog(shown, None, ["Lens 0"], 0)
+    qtbot.addWidget(dialog)
+    dialog.show()
+    before = dialog.picture.height()
+    report = {"warnings": ["the page may be bent or of two sheets, or the lens is uneven " * 6],
+              "mean_px": 0.1, "max_px": 0.5, "valid_percent": 99}
+    dialog.job.done.emit("net.toml", report)
+    qtbot.waitUntil(lambda: dialog.picture.height() < before, timeout=SECONDS)
+    seen, space = dialog.picture.pixmap().deviceIndependentSize(), dialog.picture.size()
+    assert seen.width() <= space.width() and seen.height() <= space.height()
+    state = dialog.state
+    assert state.height() >= state.heightForWidth(state.width())
+
+
+def test_another_lens_than_the_active_one_can_be_replaced(qtbot):
+    shown = Shown.of(Frame.of_bytes(RAW.tobytes(), SIZE, bayer_format("RGGB"), 1, 0))
+    limits = SimpleNamespace(neurons=8)
+    dialog = CalibrationDialog(shown, limits, ["Lens 0: a.toml", "Lens 1"], 0)
+    qtbot.addWidget(dialog)
+    wanted = []
+    dialog.lens_wanted.connect(lambda path, number: wanted.append((path, number)))
+    report = {"warnings": [], "mean_px": 0.1, "max_px": 0.5, "valid_percent": 99}
+    dialog.job.done.emit("net.toml", report)
+    assert wanted == []
+    dialog.number.setCurrentIndex(1)
+    dialog.load.click()
+    assert wanted == [("net.toml", 1)] and not dialog.load.isEnabled()
+    dialog.trouble("The device has gone.")
+    assert dialog.load.isEnabled() and "not loaded: The device" in dialog.state.text()
 
 
 def test_a_job_that_breaks_is_told(qtbot):

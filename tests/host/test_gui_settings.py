@@ -167,3 +167,31 @@ def test_the_exposure_box_keeps_every_digit(qtbot):
     assert seen == [1.234567]
     panel.exposure.show_value(2, 0.000001, 10_000, 0.01)
     assert box.text() == "2.000 ms"
+
+
+@pytest.mark.parametrize("decimals,high,typed,sent", [
+    (6, 10_000, "20000", 10_000), (6, 10_000, "12345.678901", 10_000),
+    (6, 10_000, "0.000001", 0.5), (0, 100, "500", 100), (0, 100, "0", 1)])
+def test_a_number_beyond_its_limit_becomes_the_limit(qtbot, decimals, high, typed, sent):
+    """None of its digits is dropped for it: 20000 would become 2000."""
+    editor, seen = NumberEditor("x", decimals, "ms", "log" if decimals else ""), []
+    qtbot.addWidget(editor)
+    editor.edited.connect(seen.append)
+    editor.show_value(5, .5 if decimals else 1, high, 1)
+    type_in(editor, typed)
+    assert seen == [sent] and editor.value == sent
+
+
+def test_no_exposure_is_sent_that_the_device_cannot_have(qtbot):
+    """Whole lines within the limits, although the limits are none; longer than the slider too."""
+    panel, sent = SettingsPanel(), []
+    qtbot.addWidget(panel)
+    panel.changed.connect(lambda name, value: sent.append((name, value)))
+    panel.show_features({"LineTime": FeatureInfo("LineTime", "integer", 16000, False),
+                         "ExposureTime": float_info("ExposureTime", 3200, 40, 3.00001e6)})
+    for typed, lines in (("0.04", 3), ("99999", 187_500), ("2000", 125_000)):
+        type_in(panel.exposure, typed)
+        assert sent.pop() == ("ExposureTime", lines * 16.0)
+    assert "From 0.040" in panel.exposure.toolTip() and "ms" in panel.exposure.toolTip()
+    type_in(panel.shutter, "1")
+    assert sent.pop() == ("ExposureTime", 48.0)

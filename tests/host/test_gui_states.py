@@ -192,8 +192,24 @@ def test_the_list_of_devices(qtbot):
     with qtbot.waitSignal(panel.wants) as wish:
         next(way for way in ways if "TCP" in way.text()).trigger()
     assert wish.args[0] == "tcp://10.0.0.3"
-    panel.show_opened(["tcp://10.0.0.3"])
-    assert "open" in panel.list.currentItem().text()
+    panel.show_opened([("tcp://10.0.0.3", "camera .3")])
+    assert "open" in panel.list.currentItem().text() and panel.list.count() == 2
+
+
+def test_a_device_that_is_open_is_listed_although_no_broadcast_finds_it(qtbot):
+    panel = DevicesPanel()
+    qtbot.addWidget(panel)
+    panel.show_found([])
+    panel.show_opened([("tcp://10.9.0.3:4000", "behind a router")])
+    assert panel.empty.isHidden() and panel.state.text() == "none found"
+    assert panel.list.currentItem().text() == "behind a router\n10.9.0.3:4000  ·  open"
+    with qtbot.waitSignal(panel.wants) as wish:
+        panel.open.click()
+    assert wish.args == ["tcp://10.9.0.3:4000", False, ""]      # the tab that there is
+    panel.show_found([])
+    assert panel.list.count() == 1
+    panel.show_opened([])
+    assert panel.list.count() == 0 and not panel.empty.isHidden()
 
 
 def test_discovery_finds_and_fails(qtbot, monkeypatch):

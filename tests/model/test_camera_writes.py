@@ -33,8 +33,8 @@ def test_accesses_do_not_leave_their_block():
 def test_a_read_waits_for_what_the_camera_has_written_before(beside):
     """A memory of a word per clock has the first read word at edge 4, or 5 if a camera's four words
     take the edges 1 to 4."""
-    writes = FrameWrites([], [], [], [], (lambda: iter(
-        [(0, 64 * k, 1) for k in range(4)])) if beside else None)
+    writes = FrameWrites(others=(lambda: iter([(0, 64 * k, 1) for k in range(4)])) if beside
+                         else None)
     memory = LatencyMemory((1, 1), 4.0)
     port = memory_port(memory, 32, writes, Lags(0))
     _, last = port.read(3, 4096, 4)

@@ -160,4 +160,5 @@ def test_writes_are_those_of_a_loop(data_width, block, strip):
     made = frame_writes(Geometry(80, 8, 80, 8), Hardware(data_width=data_width, strip=strip),
                         block, 0, TIMING)
     expected = words_of(80, 8, strip, data_width // 8, block)
-    assert list(zip(made.address, made.words, made.last)) == expected
+    assert [access[:3] for access in made.accesses()] == expected
+    assert made.count == len(expected)

@@ -2,7 +2,7 @@
 
 import shutil
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, QSizeF, Qt, Signal
 from PySide6.QtGui import QPixmap
 from PySide6.QtWidgets import (
     QComboBox,
@@ -24,11 +24,42 @@ __all__ = ["CalibrationDialog"]
 
 _TARGETS = ("auto", "dots", "circles:11x7", "acircles:4x11", "chessboard:9x6", "charuco:8x11")
 _NEURONS = 8
-_PICTURE = 480, 360
+_PICTURE_MIN = 160, 90
+_SIZE = 560, 640
+
+
+class _Picture(QLabel):
+    """Shows a picture as large as its space: the dialog is as large as the user wants it."""
+
+    def __init__(self):
+        super().__init__(alignment=Qt.AlignmentFlag.AlignCenter)
+        self._whole = QPixmap()
+        self.setMinimumSize(*_PICTURE_MIN)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+
+    def show_picture(self, pixmap):
+        """Show another picture."""
+        self._whole = pixmap
+        self._fit()
+
+    def _fit(self):
+        if self._whole.isNull():
+            return
+        ratio = self.devicePixelRatio()
+        scaled = self._whole.scaled(
+            (QSizeF(self.size()) * ratio).toSize(), Qt.AspectRatioMode.KeepAspectRatio,
+            Qt.TransformationMode.SmoothTransformation)
+        scaled.setDevicePixelRatio(ratio)
+        self.setPixmap(scaled)
+
+    def resizeEvent(self, event):
+        super().resizeEvent(event)
+        self._fit()
 
 
 class CalibrationDialog(QDialog):
-    """Makes a lens of one raw frame; signals ``lens_ready(path)`` to have it loaded.
+    """Makes a lens of one raw frame; signals ``lens_wanted(path, number)`` when the user wants it
+    loaded in the place of the device's lens of that number.
 
     Parameters
     ----------
@@ -36,21 +67,22 @@ class CalibrationDialog(QDialog):
         The raw frame, as the sensor's pixels lie.
     limits : LensLimits or None
         What the device can take; None: it takes none over this transport, and why is ``reason``.
-    number : int
-        Of the lens that the result is to become.
+    lenses : sequence of str
+        What the device's lenses are called.
+    active : int
+        Number of the one that is corrected now.
     """
-    lens_ready, photo_wanted = Signal(str), Signal(str, object)
+    lens_wanted, photo_wanted = Signal(str, int), Signal(str, object)
 
-    def __init__(self, shown, limits, number, reason="", parent=None):
+    def __init__(self, shown, limits, lenses, active, reason="", parent=None):
         super().__init__(parent)
         self.setWindowTitle("Calibrate from this picture")
-        self._shown, self._limits, self.lens = shown, limits, None
+        self._shown, self._limits = shown, limits
+        self.lens, self.found, self.result = None, "", ""
         self.job = Calibration(self)
-        self.picture = QLabel(alignment=Qt.AlignmentFlag.AlignCenter)
-        self.picture.setMinimumSize(*_PICTURE)
-        self.picture.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.picture = _Picture()
         self.picture.setAccessibleName("Raw frame")
-        self._show(QPixmap.fromImage(shown.image))
+        self._show_frame()
         text = QLabel("The raw frame that the device sees now. It should show a calibration "
                       "target that fills it: a page of dots, a chessboard, circles or ChArUco.")
         text.setWordWrap(True)
@@ -63,14 +95,14 @@ class CalibrationDialog(QDialog):
         column = QVBoxLayout(self)
         for widget in (text, self.picture):
             column.addWidget(widget, int(widget is self.picture))
-        column.addLayout(self._form(number, reason))
+        column.addLayout(self._form(lenses, active, reason))
         for widget in (self.state, self.progress):
             column.addWidget(widget)
         column.addWidget(self._buttons())
         self._connect()
-        self.resize(560, 640)
+        self.resize(QSize(*_SIZE).boundedTo(self.screen().availableSize()))
 
-    def _form(self, number, reason):
+    def _form(self, lenses, active, reason):
         form = QFormLayout()
         self.target = QComboBox(editable=True)
         self.target.addItems(_TARGETS)
@@ -82,10 +114,15 @@ class CalibrationDialog(QDialog):
                                 f"{highest}. More follow the lens more closely.")
         form.addRow("&Target", self.target)
         form.addRow("&Neurons", self.neurons)
-        goes = f"lens {number} of the device, as soon as it is trained" if self._limits else \
-            f"a file only: {reason}"
-        self.place = QLabel(goes, wordWrap=True)
-        form.addRow("Goes into", self.place)
+        self.number = QComboBox()
+        for k, name in enumerate(lenses):
+            self.number.addItem(name + (" (active)" if k == active else ""))
+        self.number.setCurrentIndex(active)
+        self.number.setToolTip("Nothing of the device changes before you press the button that "
+                               "loads the result.")
+        self.place = QLabel(f"a file only: {reason}", wordWrap=True)
+        form.addRow("&Replaces" if self._limits else "Goes into",
+                    self.number if self._limits else self.place)
         return form
 
     def _buttons(self):
@@ -93,10 +130,14 @@ class CalibrationDialog(QDialog):
         role = QDialogButtonBox.ButtonRole
         self.start = box.addButton("Calibrate and train", role.ActionRole)
         self.start.setDefault(True)
+        self.load = box.addButton("Load into the device", role.ActionRole)
+        self.load.setVisible(self._limits is not None)
         self.keep = box.addButton("Save lens file …", role.ActionRole)
-        self.keep.setEnabled(False)
+        for button in (self.load, self.keep):
+            button.setEnabled(False)
         self.leave = box.addButton(QDialogButtonBox.StandardButton.Close)
         self.start.clicked.connect(self.run)
+        self.load.clicked.connect(self._load)
         self.keep.clicked.connect(self._save)
         self.leave.clicked.connect(self.reject)
         return box
@@ -110,8 +151,9 @@ class CalibrationDialog(QDialog):
 
     def run(self):
         """Have the photo written, then begin (:meth:`photo_written`)."""
-        self._settable(False)
         self.lens = None
+        self._settable(False)
+        self._show_frame()          # no points of an earlier run
         self._step("Writing the raw frame")
         self.photo_wanted.emit(str(self.job.photo), self._shown.frame.pixels)
 
@@ -126,16 +168,24 @@ class CalibrationDialog(QDialog):
         self.job.start(self.target.currentText().strip(), self.neurons.value(),
                        self._shown.frame.pixel_format.bayer, **fixed)
 
-    def lens_loaded(self):
-        """The device has the lens."""
-        self.state.setText(self.state.text() + " The device corrects by it now.")
+    def _load(self):
+        self.load.setEnabled(False)
+        self.lens_wanted.emit(self.lens, self.number.currentIndex())
+
+    def lens_loaded(self, number):
+        """The device has the lens as its lens ``number``."""
+        if self.lens is None:
+            return
+        self.load.setEnabled(True)
+        self.state.setText(f"{self.result} It is lens {number} of the device now.")
 
     def trouble(self, text):
         """Something that was asked of the session did not work."""
         if not self.start.isEnabled() and not self.job.running:
             self._failed(text)
         elif self.lens is not None:
-            self.state.setText(f"{self.state.text()} It was not loaded: {text}")
+            self.load.setEnabled(True)
+            self.state.setText(f"{self.result} It was not loaded: {text}")
 
     def reject(self):
         self.job.cancel()
@@ -146,7 +196,8 @@ class CalibrationDialog(QDialog):
             widget.setEnabled(on)
         self.progress.setVisible(not on)
         self.leave.setText("Close" if on else "Cancel")
-        self.keep.setEnabled(on and self.lens is not None)
+        for button in (self.load, self.keep):
+            button.setEnabled(on and self.lens is not None)
 
     def _step(self, text):
         self.state.setText(f"{text} …")
@@ -162,21 +213,22 @@ class CalibrationDialog(QDialog):
         self._show(QPixmap(overlay))
         self.found = f"{count} points of the target ({target})"
 
+    def _show_frame(self):
+        self._show(QPixmap.fromImage(self._shown.image))
+
     def _show(self, pixmap):
-        self.picture.setPixmap(pixmap.scaled(
-            *_PICTURE, Qt.AspectRatioMode.KeepAspectRatio,
-            Qt.TransformationMode.SmoothTransformation))
+        self.picture.show_picture(pixmap)
 
     def _done(self, lens, report):
         self.lens = lens
         self._settable(True)
+        (self.load if self._limits is not None else self.keep).setDefault(True)
         warnings = "".join(f"\nWarning: {text}." for text in report["warnings"])
-        self.state.setText(
+        self.result = (
             f"{self.found}; over the whole picture the network errs by an estimated "
             f"{report['mean_px']:.3f} px in the mean, {report['max_px']:.2f} px at most; "
             f"{report['valid_percent']:.1f} % of the picture has a source.{warnings}")
-        if self._limits is not None:
-            self.lens_ready.emit(lens)
+        self.state.setText(self.result)
 
     def _failed(self, text):
         self._settable(True)

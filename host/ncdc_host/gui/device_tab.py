@@ -1,5 +1,7 @@
 """One device: its picture, its settings, its lenses, and what there is to say about it."""
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QPoint, QSettings, Qt, QTimer, Signal
@@ -15,7 +17,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from ncdc_host.client.device import Rate
 from ncdc_host.gui.calibration_dialog import CalibrationDialog
+from ncdc_host.gui.elided_label import ElidedLabel
 from ncdc_host.gui.histogram_view import HistogramView
 from ncdc_host.gui.lens_panel import LensPanel
 from ncdc_host.gui.message_bar import MessageBar
@@ -31,7 +35,9 @@ __all__ = ["DeviceTab"]
 _COMPARING = ("side by side", "wipe")
 _PATIENCE = 3.0         # seconds without a picture, besides three frames, that are worth a word
 _PANEL = 332            # pixels that the settings want at least
+_WIDEST = "120.0 pictures/s  ·  9999 lost"
 _SETTLE = 400           # ms after the last change of a setting until the raw frame is taken anew
+_URL = re.compile(r"\b[a-z]+://[^\s,;]*[\w\]/]")       # of a device, in a message
 # What the raw frame of a comparison depends on.
 _RAW = ("ExposureTime", "Gain", "TestPattern", "ReverseX", "ReverseY")
 
@@ -47,8 +53,11 @@ class DeviceTab(QWidget):
         Open this URL instead.
     said(text)
         For the status line.
+    enabled()
+        What :meth:`can` says may have changed.
     """
     titled, wants, said = Signal(str, str, str), Signal(str, bool), Signal(str)
+    enabled = Signal()
 
     def __init__(self, url, name="", monitor=False):
         super().__init__()
@@ -60,7 +69,11 @@ class DeviceTab(QWidget):
         self.view, self.bar, self.messages = PictureView(), ViewBar(), MessageBar()
         self.histogram, self.settings = HistogramView(), SettingsPanel()
         self.lenses, self.statistics = LensPanel(), StatisticsPanel()
-        self.foot, self.pixel, self.rate = QLabel(), QLabel(), QLabel()
+        self.foot, self.pixel, self.rate = ElidedLabel(), QLabel(), QLabel()
+        # As wide as what it mostly says: digits that come and go move nothing.
+        self.rate.setMinimumWidth(self.rate.fontMetrics().horizontalAdvance(_WIDEST))
+        self.rate.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self._counts = None
         self._lay_out()
         self._connect_session()
         self._connect_widgets()
@@ -68,7 +81,9 @@ class DeviceTab(QWidget):
         self._settle.timeout.connect(self.take_again)
         self._silence = QTimer(self, singleShot=True)
         self._silence.timeout.connect(self._no_picture_came)
-        self._wait("Connecting to " + self.url + " …")
+        self._rest = QTimer(self, singleShot=True, interval=round(1000 * Rate.SECONDS))
+        self._rest.timeout.connect(self._show_no_rate)
+        self._wait(f"Connecting to {self.name} …")
         self._enable()
         self.session.start()
 
@@ -81,7 +96,7 @@ class DeviceTab(QWidget):
         for widget in (group, self.settings, self.lenses, self.statistics):
             column.addWidget(widget)
         column.addStretch(1)
-        scroll = QScrollArea(widgetResizable=True)
+        scroll = self.panel = QScrollArea(widgetResizable=True)
         scroll.setFrameShape(QScrollArea.Shape.NoFrame)
         scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         scroll.setWidget(panel)
@@ -93,8 +108,8 @@ class DeviceTab(QWidget):
         column.setSpacing(0)
         foot = QHBoxLayout()
         foot.setContentsMargins(8, 4, 8, 4)
-        foot.addWidget(self.foot)
-        foot.addStretch(1)
+        foot.addWidget(self.foot, 1)
+        foot.addSpacing(8)
         foot.addWidget(self.pixel)
         foot.addSpacing(16)
         foot.addWidget(self.rate)
@@ -158,6 +173,22 @@ class DeviceTab(QWidget):
         for button in (self.bar.save, self.bar.freeze):
             button.setEnabled(self.shown is not None)
         self.bar.show_mode(self.mode, self.mode in _COMPARING and control)
+        self.enabled.emit()
+
+    def can(self, action):
+        """Whether an action makes sense now: the name of a mode, of a method of this class or of
+        its ``view``."""
+        if action in self.bar.modes:
+            return self.bar.modes[action].isEnabled()
+        if action in ("ask_lens", "calibrate"):
+            return self.lenses.isEnabled()
+        if action == "take_again":
+            return not self.bar.again.isHidden()
+        if action == "ask_raw":
+            return self._state == "open" and CORRECTION in (self.infos or {})
+        if action in ("ask_picture", "copy_picture", "freeze"):
+            return self.shown is not None
+        return self.view.has_picture
 
     def _wait(self, text, shade=False):
         self.view.set_text(text, shade)
@@ -175,6 +206,7 @@ class DeviceTab(QWidget):
 
     def _failed(self, reason, text):
         self.access = ""
+        self._show_no_rate()
         self._become("trouble")
         if reason == "held":
             self._wait("Another user has control of this device.")
@@ -184,7 +216,7 @@ class DeviceTab(QWidget):
             self.messages.setToolTip(text)
         else:
             self._wait("No picture: the device could not be opened.")
-            self.messages.show_message(_sentence(text), "error",
+            self.messages.show_message(self._sentence(text), "error",
                                        [("Try again", self.try_again)], lasting=True)
 
     def _other_ways(self, watch):
@@ -198,21 +230,22 @@ class DeviceTab(QWidget):
     def _lost(self, text):
         self.access = ""
         self._silence.stop()
+        self._show_no_rate()
         self._become("waiting")
         self._wait("The device does not answer any more.\nIt is tried again every two seconds.",
                    shade=True)
-        self.messages.show_message(_sentence(text), "warning", lasting=True)
+        self.messages.show_message(self._sentence(text), "warning", lasting=True)
 
     def try_again(self):
         """Open the device as before."""
         self.messages.clear()
-        self._wait("Connecting to " + self.url + " …")
+        self._wait(f"Connecting to {self.name} …")
         self.session.open()
 
     def watch(self):
         """Open it to watch only."""
         self.messages.clear()
-        self._wait("Connecting to " + self.url + " …")
+        self._wait(f"Connecting to {self.name} …")
         self.session.open(monitor=True)
 
     def take_control(self):
@@ -225,11 +258,21 @@ class DeviceTab(QWidget):
 
     def _no_pictures(self, text):
         self._silence.stop()
+        self._show_no_rate()
         self._wait("No pictures to watch: the user who has control does not send them to a group."
-                   if self.access == "monitor" else _sentence(text))
+                   if self.access == "monitor" else self._sentence(text))
 
     def _refused(self, text):
-        self.messages.show_message(_sentence(text), "warning")
+        self.messages.show_message(self._sentence(text), "warning")
+        if self.dialog is not None:
+            self.dialog.trouble(self._sentence(text))
+
+    def _sentence(self, text):
+        """A message of the device or of the way to it, which has its name in place of its URL."""
+        text = _URL.sub(lambda _: self.name, text)
+        if not text.startswith(self.name):
+            text = text[:1].upper() + text[1:]
+        return text + ("" if text.endswith(".") else ".")
 
     def _busy(self, text):
         if text:
@@ -256,6 +299,7 @@ class DeviceTab(QWidget):
         if shown is None:
             return
         self._listen()
+        self._rest.start()
         if self.frozen:
             return
         first, self.shown = self.shown is None, shown
@@ -331,7 +375,14 @@ class DeviceTab(QWidget):
             self._settle.start()
         self._enable()
 
+    def _show_no_rate(self):
+        """Nothing comes any more: what was counted stays, the rate does not."""
+        self._rest.stop()
+        if self._counts is not None:
+            self._counted(replace(self._counts, rate=0.0))
+
     def _counted(self, statistics):
+        self._counts = statistics
         frame = self.shown and self.shown.frame
         size = frame.pixels.shape[0] * frame.pixels.shape[1] * frame.pixel_format.pixel_bytes \
             if frame else 0
@@ -342,21 +393,23 @@ class DeviceTab(QWidget):
 
     def ask_lens(self):
         """Ask for a lens file, and load it into the lens that is chosen."""
+        number = self.lenses.active
         path, _ = QFileDialog.getOpenFileName(self, "Load lens file", _folder(),
                                               "Lens files (*.toml);;All files (*)")
         if path:
             _keep_folder(path)
-            self.load_lens(path)
+            self.load_lens(path, number)
 
-    def load_lens(self, path, name=""):
-        """Load a lens file into the lens that is chosen."""
-        self.session.load_lens(path, name or Path(path).name, self.lenses.active)
+    def load_lens(self, path, number=None, name=""):
+        """Load a lens file into lens ``number``, or into the one that is chosen."""
+        number = self.lenses.active if number is None else number
+        self.session.load_lens(path, name or Path(path).name, number)
 
     def _lens_loaded(self, number, name):
         self.lenses.name_lens(number, name)
         self.said.emit(f"Lens {number} is {name} now")
         if self.dialog is not None:
-            self.dialog.lens_loaded()
+            self.dialog.lens_loaded(number)
 
     def calibrate(self):
         """Take a raw frame, and open the dialog that makes a lens of it."""
@@ -365,13 +418,13 @@ class DeviceTab(QWidget):
     def _open_dialog(self, still):
         if self.dialog is not None:
             self.dialog.close()
-        dialog = self.dialog = CalibrationDialog(still.shown, still.limits, self.lenses.active,
-                                                 still.reason, self)
+        dialog = self.dialog = CalibrationDialog(still.shown, still.limits, self.lenses.texts(),
+                                                 self.lenses.active, still.reason, self)
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.photo_wanted.connect(self.session.save)
         self.session.saved.connect(dialog.photo_written)
-        self.session.refused.connect(dialog.trouble)
-        dialog.lens_ready.connect(lambda path: self.load_lens(path, "calibrated here"))
+        dialog.lens_wanted.connect(
+            lambda path, number: self.load_lens(path, number, "calibrated here"))
         dialog.finished.connect(self._dialog_closed)
         dialog.open()
 
@@ -417,10 +470,6 @@ class DeviceTab(QWidget):
         """Put what is seen on the clipboard."""
         QGuiApplication.clipboard().setPixmap(self.view.grab())
         self.said.emit("The picture is on the clipboard")
-
-
-def _sentence(text):
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
 
 
 def _folder():

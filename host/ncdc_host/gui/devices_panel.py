@@ -13,6 +13,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from ncdc_host.client import Found
+
 __all__ = ["DevicesPanel"]
 
 _URL = Qt.ItemDataRole.UserRole
@@ -29,7 +31,6 @@ class DevicesPanel(QWidget):
         super().__init__()
         title = QLabel("<b>Devices</b>")
         self.state = QLabel("looking …")
-        self.state.setEnabled(False)
         head = QHBoxLayout()
         head.addWidget(title)
         head.addStretch(1)
@@ -44,7 +45,6 @@ class DevicesPanel(QWidget):
         self.empty = QLabel(_EMPTY, wordWrap=True)
         QVBoxLayout(self.list.viewport()).addWidget(self.empty)
         self.empty.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.empty.setEnabled(False)
         self.open = QPushButton("Open")
         self.open.setToolTip("Open the device that is chosen (Enter); the arrow has other ways")
         self.open.clicked.connect(lambda: self._activated(self.list.currentItem()))
@@ -64,14 +64,23 @@ class DevicesPanel(QWidget):
             for button in pair:
                 row.addWidget(button)
             column.addLayout(row)
-        self._opened = set()
+        self._found, self._opened = [], {}
         self._enable()
 
     def show_found(self, found):
         """Show the :class:`Found` devices; the one that was chosen stays so."""
+        self._found = list(found)
+        self.state.setText(f"{len(found)} found" if found else "none found")
+        self._list()
+
+    def _list(self):
+        """Show the devices that were found, and those that are open all the same."""
         chosen = self.list.currentItem() and self.list.currentItem().data(_URL)
+        known = {one.address for one in self._found}
+        others = [Found(url, address, "", "", name) for address, (url, name) in
+                  self._opened.items() if address.partition(":")[0] not in known]
         self.list.clear()
-        for one in found:
+        for one in (*self._found, *others):
             item = QListWidgetItem(self._text(one))
             item.setData(_URL, one.url)
             item.setData(_FOUND, one)
@@ -81,28 +90,31 @@ class DevicesPanel(QWidget):
             self.list.addItem(item)
             if one.url == chosen:
                 self.list.setCurrentItem(item)
-        if found and self.list.currentItem() is None:
+        if self.list.count() and self.list.currentItem() is None:
             self.list.setCurrentRow(0)
-        self._say(_EMPTY, not found)
-        self.state.setText(f"{len(found)} found" if found else "none found")
+        self._say(_EMPTY, not self.list.count())
         self._enable()
 
     def show_failed(self, text):
         """Discovery does not work at all."""
-        self.list.clear()
-        self._say(text[:1].upper() + text[1:] + ".", True)
+        self._found = []
+        self._list()
+        self._say(text[:1].upper() + text[1:] + ".", not self.list.count())
         self.state.setText("")
 
     def show_looking(self):
         """A broadcast is under way."""
         self.state.setText("looking …")
 
-    def show_opened(self, urls):
-        """Mark the devices that are open."""
-        self._opened = {url.partition("://")[2] for url in urls}
-        for k in range(self.list.count()):
-            item = self.list.item(k)
-            item.setText(self._text(item.data(_FOUND)))
+    def show_opened(self, opened):
+        """Mark the devices that are open; those that no broadcast finds are listed for it.
+
+        ``opened``: pairs of URL and name.
+        """
+        opened = {url.partition("://")[2]: (url, name) for url, name in opened}
+        if opened != self._opened:
+            self._opened = opened
+            self._list()
 
     def ask_address(self):
         """Ask for a URL, and open it."""
@@ -132,6 +144,9 @@ class DevicesPanel(QWidget):
 
     def _want(self, item, scheme, monitor):
         found = item.data(_FOUND)
+        if found.address in self._opened and found not in self._found:
+            self.wants.emit(found.url, monitor, "")         # the tab that it has already
+            return
         name = " ".join(filter(None, (found.model, found.serial)))
         last = found.address.rpartition(".")[2]
         self.wants.emit(f"{scheme}://{found.address}", monitor, f"{name} .{last}")

@@ -5,6 +5,8 @@ from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPalette, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
+from ncdc_host.gui.colours import dimmed
+
 __all__ = ["HistogramView"]
 
 _COLOURS = QColor(222, 60, 60), QColor(45, 160, 75), QColor(60, 110, 225)
@@ -39,8 +41,7 @@ class HistogramView(QWidget):
     def paintEvent(self, event):
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        base, text = (self.palette().color(role) for role in
-                      (QPalette.ColorRole.Base, QPalette.ColorRole.PlaceholderText))
+        base, text = self.palette().color(QPalette.ColorRole.Base), dimmed(self.palette())
         line = painter.fontMetrics().height()
         box = self.rect().adjusted(0, 0, -1, -line - 2)
         painter.setPen(self.palette().color(QPalette.ColorRole.Mid))

@@ -34,6 +34,10 @@ class LensPanel(QGroupBox):
         """Number of the lens that is chosen."""
         return max(0, self.list.currentRow())
 
+    def texts(self):
+        """What each lens is called: list of str."""
+        return [self.list.item(k).text() for k in range(self.list.count())]
+
     def show_lenses(self, count, active):
         """Show ``count`` lenses, of which the device corrects ``active``."""
         with QSignalBlocker(self.list):

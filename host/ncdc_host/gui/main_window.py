@@ -1,11 +1,10 @@
 """The window: devices at the left, a tab for each that is open."""
 
-from PySide6.QtCore import QSettings, Qt
+from PySide6.QtCore import QSettings, QSize, Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import (
     QLabel,
     QMainWindow,
-    QMessageBox,
     QSplitter,
     QStackedWidget,
     QTabWidget,
@@ -13,12 +12,17 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from ncdc_host.gui.about import about_box
 from ncdc_host.gui.device_tab import DeviceTab
 from ncdc_host.gui.devices_panel import DevicesPanel
 from ncdc_host.gui.picture_view import MODES
 
 __all__ = ["MainWindow"]
 
+_SIZE = 1280, 820
+_DEVICES = 200          # width of the list of devices
+# Width, in pixels of the desktop's scale, from which on there is space for each panel by itself.
+_WIDE = {"devices": 1040, "settings": 860}
 _END = 3.0              # seconds that devices may take to give control back at the end
 _MARKS = {"open": "", "watching": " (watching)", "waiting": " …", "trouble": " !"}
 _WELCOME = """<h2>NCDC</h2>
@@ -37,7 +41,8 @@ class MainWindow(QMainWindow):
     def __init__(self, discovery=None):
         super().__init__()
         self.setWindowTitle("NCDC")
-        self.resize(1280, 820)
+        self._wide = None           # widths of _WIDE that the window has reached
+        self.resize(QSize(*_SIZE).boundedTo(self.screen().availableSize()))
         self.discovery, self._ending = discovery, []
         self.devices, self.tabs = DevicesPanel(), QTabWidget(tabsClosable=True, movable=True,
                                                              documentMode=True)
@@ -51,7 +56,7 @@ class MainWindow(QMainWindow):
         splitter.addWidget(self.devices)
         splitter.addWidget(self.middle)
         splitter.setStretchFactor(1, 1)
-        splitter.setSizes([230, 1050])
+        splitter.setSizes([_DEVICES, _SIZE[0] - _DEVICES])
         splitter.setCollapsible(1, False)
         self.setCentralWidget(splitter)
         self.devices.wants.connect(self.open_device)
@@ -59,7 +64,9 @@ class MainWindow(QMainWindow):
         self.tabs.currentChanged.connect(self._enable)
         self._make_menus()
         self.statusBar().setSizeGripEnabled(True)
-        if discovery is not None:
+        if discovery is None:
+            self.devices.state.clear()
+        else:
             discovery.found.connect(self.devices.show_found)
             discovery.failed.connect(self.devices.show_failed)
             discovery.looking.connect(self.devices.show_looking)
@@ -74,7 +81,7 @@ class MainWindow(QMainWindow):
 
     def _make_menus(self):
         bar = self.menuBar()
-        self.of_tab = []            # actions that need a device
+        self.of_tab = []            # (action, what DeviceTab.can is asked; "" of any tab)
         menu = bar.addMenu("&Device")
         self._add(menu, "&Look for devices", "F5", self.devices.look.emit)
         self._add(menu, "&Add address …", "Ctrl+O", self.devices.ask_address)
@@ -82,8 +89,8 @@ class MainWindow(QMainWindow):
         self._add_of_tab(menu, "Load &lens file …", "Ctrl+L", "ask_lens")
         self._add_of_tab(menu, "&Calibrate from this picture …", "Ctrl+K", "calibrate")
         menu.addSeparator()
-        self.of_tab.append(self._add(menu, "&Close tab", QKeySequence.StandardKey.Close,
-                                     lambda: self.close_tab(self.tabs.currentIndex())))
+        self.of_tab.append((self._add(menu, "&Close tab", QKeySequence.StandardKey.Close,
+                                      lambda: self.close_tab(self.tabs.currentIndex())), ""))
         self._add(menu, "&Quit", QKeySequence.StandardKey.Quit, self.close)
         menu = bar.addMenu("&Picture")
         self._add_of_tab(menu, "&Save picture …", QKeySequence.StandardKey.Save, "ask_picture")
@@ -94,20 +101,26 @@ class MainWindow(QMainWindow):
         self._add_of_tab(menu, "Take ra&w frame again", "R", "take_again")
         menu = bar.addMenu("&View")
         for k, mode in enumerate(MODES, 1):
-            self.of_tab.append(self._add(menu, f"&{k} {mode.capitalize()}", str(k),
-                                         lambda mode=mode: self.tab.set_mode(mode)))
+            self.of_tab.append((self._add(menu, f"&{k} {mode.capitalize()}", str(k),
+                                          lambda mode=mode: self.tab.set_mode(mode)), mode))
         menu.addSeparator()
         for text, key, act in (
                 ("&Larger", "+", lambda: self.tab.view.zoom_in()),
                 ("&Smaller", "-", lambda: self.tab.view.zoom_out()),
                 ("As large as the &window", "F", lambda: self.tab.view.fit()),
                 ("1:&1", "0", lambda: self.tab.view.set_scale(1))):
-            self.of_tab.append(self._add(menu, text, key, act))
+            self.of_tab.append((self._add(menu, text, key, act), "zoom"))
         menu.addSeparator()
+        self.panels = {}
+        for name, text, key in (("devices", "&Devices", "F8"), ("settings", "S&ettings", "F9")):
+            action = self.panels[name] = QAction(text, self, checkable=True, checked=True)
+            action.setShortcut(QKeySequence(key))
+            action.toggled.connect(self._show_panels)
+            menu.addAction(action)
         self._add(menu, "F&ull screen", "F11", self._full_screen)
         self._add(menu, "&Next tab", QKeySequence.StandardKey.NextChild, self._next_tab)
         menu = bar.addMenu("&Help")
-        self._add(menu, "&About NCDC", "F1", self._about)
+        self._add(menu, "&About NCDC", "F1", self.about)
 
     def _add(self, menu, text, key, act):
         action = QAction(text, self)
@@ -117,13 +130,14 @@ class MainWindow(QMainWindow):
         return action
 
     def _add_of_tab(self, menu, text, key, name):
-        self.of_tab.append(self._add(menu, text, key, lambda: getattr(self.tab, name)()))
+        self.of_tab.append((self._add(menu, text, key, lambda: getattr(self.tab, name)()), name))
 
     def _enable(self, *_):
-        for action in self.of_tab:
-            action.setEnabled(self.tab is not None)
+        for action, asked in self.of_tab:
+            action.setEnabled(self.tab is not None and (not asked or self.tab.can(asked)))
         self.middle.setCurrentIndex(int(self.tabs.count() > 0))
-        self.devices.show_opened(tab.url for tab in self.open_tabs())
+        self._show_panels()
+        self.devices.show_opened((tab.url, tab.name) for tab in self.open_tabs())
         self.setWindowTitle(f"{self.tab.name} - NCDC" if self.tab is not None else "NCDC")
 
     def _next_tab(self):
@@ -133,11 +147,29 @@ class MainWindow(QMainWindow):
     def _full_screen(self):
         self.setWindowState(self.windowState() ^ Qt.WindowState.WindowFullScreen)
 
-    def _about(self):
-        QMessageBox.about(self, "NCDC", "<b>NCDC</b><p>Client of cameras whose wide-angle "
-                          "distortion is corrected in hardware.<p>It speaks the paper's Table I "
-                          "and II, and GVCP and GVSP as Aravis does.<p>Qt by PySide6, "
-                          "LGPL version 3.")
+    def about(self):
+        """Show the versions of the program and its parts; returns the box."""
+        box = about_box(self)
+        box.open()
+        return box
+
+    # Panels at the sides.
+
+    def _show_panels(self, *_):
+        # Without a device there is nothing else to do than to choose one.
+        self.devices.setVisible(self.panels["devices"].isChecked() or not self.tabs.count())
+        for tab in self.open_tabs():
+            tab.panel.setVisible(self.panels["settings"].isChecked())
+
+    def resizeEvent(self, event):
+        """Hide panels where the window becomes too narrow for them, show them where it is wide
+        again; what the user has chosen meanwhile stays until then."""
+        super().resizeEvent(event)
+        wide = {name: self.width() >= width for name, width in _WIDE.items()}
+        for name, is_wide in wide.items():
+            if self._wide is None or is_wide != self._wide[name]:
+                self.panels[name].setChecked(is_wide)
+        self._wide = wide
 
     # Tabs.
 
@@ -160,6 +192,8 @@ class MainWindow(QMainWindow):
         tab.titled.connect(self._titled)
         tab.wants.connect(self._instead)
         tab.said.connect(self._say)
+        tab.enabled.connect(self._enable)
+        tab.panel.setVisible(self.panels["settings"].isChecked())
         self.tabs.setCurrentIndex(self.tabs.addTab(tab, tab.name))
         self.tabs.setTabToolTip(self.tabs.indexOf(tab), url)
         self._enable()

@@ -1,13 +1,14 @@
 """A line above the picture that tells what is wrong, with what can be done about it."""
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QEvent, Qt, QTimer
+from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QStyle, QToolButton
+
+from ncdc_host.gui.colours import message_colours
 
 __all__ = ["MessageBar"]
 
 _SECONDS = 10           # that a passing message stays
-_COLOURS = {"error": ("#fde7e6", "#b3261e"), "warning": ("#fff4d6", "#8a6100"),
-            "info": ("#e4effc", "#1a5fb4")}
 _ICONS = {"error": QStyle.StandardPixmap.SP_MessageBoxCritical,
           "warning": QStyle.StandardPixmap.SP_MessageBoxWarning,
           "info": QStyle.StandardPixmap.SP_MessageBoxInformation}
@@ -29,7 +30,7 @@ class MessageBar(QFrame):
         close = QToolButton(text="✕", autoRaise=True, toolTip="Close this message")
         close.clicked.connect(self.clear)
         self._row.addWidget(close)
-        self.buttons = []
+        self.buttons, self._kind = [], "info"
         self._timer = QTimer(self, singleShot=True, interval=1000 * _SECONDS)
         self._timer.timeout.connect(self.clear)
         self.lasting = False
@@ -56,9 +57,8 @@ class MessageBar(QFrame):
             return
         self._clear_buttons()
         self.lasting = lasting
-        paper, ink = _COLOURS[kind]
-        self.setStyleSheet(f"#messageBar {{background: {paper}; border-bottom: 1px solid {ink}}} "
-                           f"#messageBar QLabel {{color: #1d1d1d}}")
+        self._kind = kind
+        self._colour()
         size = self.style().pixelMetric(QStyle.PixelMetric.PM_SmallIconSize)
         self._icon.setPixmap(self.style().standardIcon(_ICONS[kind]).pixmap(size))
         self._label.setText(text)
@@ -70,6 +70,20 @@ class MessageBar(QFrame):
         self.show()
         self._timer.stop() if lasting else self._timer.start()
 
+    def _colour(self):
+        # The application's palette: this one's own has the colours of its style sheet.
+        paper, ink = (colour.name() for colour in message_colours(self._kind,
+                                                                  QGuiApplication.palette()))
+        sheet = (f"#messageBar {{background: {paper}; border-bottom: 1px solid {ink}}} "
+                 f"#messageBar QLabel, #messageBar QToolButton {{color: {ink}}}")
+        if sheet != self.styleSheet():
+            self.setStyleSheet(sheet)
+
+    def changeEvent(self, event):
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange and self.styleSheet():
+            self._colour()          # the desktop has become dark or light
+
     def clear(self):
         """Show nothing."""
         self._timer.stop()
@@ -80,5 +94,6 @@ class MessageBar(QFrame):
     def _clear_buttons(self):
         for button in self.buttons:
             self._row.removeWidget(button)
+            button.hide()
             button.deleteLater()
         self.buttons = []

@@ -3,6 +3,7 @@
 import math
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QValidator
 from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSlider, QSpinBox, QWidget
 
 __all__ = ["NumberEditor"]
@@ -22,11 +23,43 @@ class _Careful:
             event.ignore()
 
 
-class _Whole(_Careful, QSpinBox):
-    pass
+class _Limited:
+    """What is typed beyond a limit becomes the limit.
+
+    Qt's own boxes drop the digit that goes too far: of 20000 typed where 10000 is the limit, 2000
+    would be sent.
+    """
+
+    def validate(self, text, position):
+        state, *rest = super().validate(text, position)
+        if state == QValidator.State.Invalid and self._typed(text) is not None:
+            state = QValidator.State.Intermediate
+        return state, *rest
+
+    def fixup(self, text):
+        number = self._typed(text)
+        if number is None:
+            return super().fixup(text)
+        limit = self.minimum() if number < self.minimum() else self.maximum()
+        return self.textFromValue(limit) + self.suffix()
+
+    def _typed(self, text):
+        """The number that ``text`` is, with or without the unit; None if it is none."""
+        digits = text.removesuffix(self.suffix()).strip()
+        number, fine = self.locale().toDouble(digits)
+        if not fine or not math.isfinite(number):
+            return None
+        decimals = digits.partition(self.locale().decimalPoint())[2]
+        return number if len(decimals) <= self.decimals() else None
 
 
-class _Real(_Careful, QDoubleSpinBox):
+class _Whole(_Limited, _Careful, QSpinBox):
+    def decimals(self):
+        """Digits after the point, as of a box for real numbers."""
+        return 0
+
+
+class _Real(_Limited, _Careful, QDoubleSpinBox):
     """Shows the decimals that the number has, but no zeros after the third one."""
 
     def textFromValue(self, value):
@@ -52,11 +85,14 @@ class NumberEditor(QWidget):
         0: whole numbers.
     unit : str
     slider : {"", "linear", "log"}
+    about : str
+        What it is, a sentence for the tool tip, which has the limits besides.
     """
     edited = Signal(float)
 
-    def __init__(self, name, decimals=0, unit="", slider=""):
+    def __init__(self, name, decimals=0, unit="", slider="", about=""):
         super().__init__()
+        self._about, self._slider_high = about, 0
         self.box = _Real() if decimals else _Whole()
         if decimals:
             self.box.setDecimals(decimals)
@@ -85,8 +121,11 @@ class NumberEditor(QWidget):
         """The number in the box."""
         return self.box.value()
 
-    def show_value(self, value, low, high, step):
-        """Show what the device has, with the limits and the step that it has now."""
+    def show_value(self, value, low, high, step, slider_high=math.inf):
+        """Show what the device has, with the limits and the step that it has now.
+
+        ``slider_high``: where the slider ends, if the box's limit is too far for it.
+        """
         whole = isinstance(self.box, QSpinBox)
         with QSignalBlocker(self.box):
             if whole:
@@ -98,12 +137,17 @@ class NumberEditor(QWidget):
                 self.box.setRange(low, high)
                 self.box.setSingleStep(step)
                 self.box.setValue(value)
+        self._slider_high = min(self.box.maximum(), max(slider_high, self.box.value()))
+        limits = (self.box.textFromValue(limit) for limit in (self.box.minimum(),
+                                                              self.box.maximum()))
+        self.setToolTip(f"{self._about}\nFrom {' to '.join(limits)}{self.box.suffix()}.".strip())
         self._show_slider()
 
     def _show_slider(self):
         if self.slider is None:
             return
-        low, high, value = self.box.minimum(), self.box.maximum(), self.box.value()
+        low, high = self.box.minimum(), self._slider_high
+        value = min(self.box.value(), high)
         if self._log:
             low, high, value = (math.log(max(number, 1e-6)) for number in (low, high, value))
         share = (value - low) / (high - low) if high > low else 0
@@ -115,7 +159,7 @@ class NumberEditor(QWidget):
         self.edited.emit(value)
 
     def _slider_changed(self, tick):
-        low, high, share = self.box.minimum(), self.box.maximum(), tick / _TICKS
+        low, high, share = self.box.minimum(), self._slider_high, tick / _TICKS
         if self._log:
             low = max(low, 1e-6)
             value = low * (high / low)**share

@@ -26,10 +26,10 @@ class PictureView(QWidget):
     -------
     pointed(QPoint, str)
         Pixel under the cursor, (-1, -1) if there is none, and its colour.
-    scaled(float)
-        Screen pixels per pixel.
+    scaled(float or None)
+        Screen pixels per pixel; None while there is no picture.
     """
-    pointed, scaled = Signal(QPoint, str), Signal(float)
+    pointed, scaled = Signal(QPoint, str), Signal(object)
 
     def __init__(self):
         super().__init__()
@@ -42,7 +42,7 @@ class PictureView(QWidget):
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setMinimumSize(240, 180)
+        self.setMinimumSize(240, 135)
         self.setAccessibleName("Picture")
 
     def sizeHint(self):
@@ -54,7 +54,7 @@ class PictureView(QWidget):
         """Paint another live picture."""
         self.live = image
         self.update()
-        self.scaled.emit(self.scale)
+        self._tell_scale()
 
     def show_still(self, image):
         """Paint another raw frame to compare with."""
@@ -65,7 +65,7 @@ class PictureView(QWidget):
         """One of :data:`MODES`."""
         self.mode = mode
         self.update()
-        self.scaled.emit(self.scale)
+        self._tell_scale()
 
     def set_text(self, text, shade=False):
         """A sentence where there is no picture; ``shade``: the picture is an old one."""
@@ -73,6 +73,14 @@ class PictureView(QWidget):
         self.update()
 
     # Zoom.
+
+    @property
+    def has_picture(self):
+        """Whether there is anything to zoom."""
+        return self.live is not None or self.still is not None
+
+    def _tell_scale(self):
+        self.scaled.emit(self.scale if self.has_picture else None)
 
     @property
     def scale(self):
@@ -92,14 +100,16 @@ class PictureView(QWidget):
         """Make the picture as large as the window."""
         self._scale, self._middle = None, QPointF(0.5, 0.5)
         self.update()
-        self.scaled.emit(self.scale)
+        self._tell_scale()
 
     def zoom(self, factor, about=None):
         """Multiply the zoom; the point ``about`` of the widget stays where it is."""
         self.set_scale(self.scale * factor, about)
 
     def set_scale(self, scale, about=None):
-        """Set the zoom; whole factors show every pixel as a square."""
+        """Set the zoom; whole factors show every pixel as a square. Nothing without a picture."""
+        if not self.has_picture:
+            return
         about = QPointF(about if about is not None else self._areas()[0].center())
         before = self._share(about)
         self._scale = min(max(scale, _SCALES[0]), _SCALES[1])
@@ -107,7 +117,7 @@ class PictureView(QWidget):
         self._middle += before - after
         self._keep_inside()
         self.update()
-        self.scaled.emit(self._scale)
+        self._tell_scale()
 
     def zoom_in(self):
         self.zoom(_STEP)
@@ -295,4 +305,4 @@ class PictureView(QWidget):
         self.pointed.emit(pixel, f"{colour.red()} {colour.green()} {colour.blue()}")
 
     def resizeEvent(self, event):
-        self.scaled.emit(self.scale)
+        self._tell_scale()

@@ -312,7 +312,7 @@ class Session(QObject):
 
     def _take_still(self, purpose, mirrored):
         if self._device is None:
-            return
+            raise DeviceError(f"{self.url} is not open: it sends no raw frame")
         if not has_correction(self._device):
             raise DeviceError(f"{self.url} sends no raw frames")
         view = read_view(self._device)
@@ -334,7 +334,7 @@ class Session(QObject):
 
     def _load_lens(self, path, name, number):
         if self._device is None:
-            return
+            raise DeviceError(f"{self.url} is not open: {name} is not loaded")
         descriptor = Descriptor.load(path)
         self.busy.emit(f"Loading {name} into lens {number} …")
         try:

@@ -1,5 +1,7 @@
 """The sensor's settings and the picture's: shutter, exposure, gain, speed, size, format, mirror."""
 
+import math
+
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import (
     QCheckBox,
@@ -26,7 +28,8 @@ _FORMATS = {"BGR8": "Colour, 24 bit (BGR8)", "BGRa8": "Colour, 32 bit (BGRa8)",
             "Mono8": "Brightness (Mono8)"}
 _SHARES = {"Whole picture": 1.0, "Three quarters": 0.75, "Half": 0.5, "Quarter": 0.25}
 _OTHER = "Other window"
-_EXPOSURE_MAX = 1e6     # us: longer ones are set as a shutter
+_SLIDER_MAX_MS = 1000   # of the exposure: longer ones are typed
+_SLACK = 1e-6           # of a line
 
 
 class _Box(QComboBox):
@@ -62,8 +65,8 @@ class SettingsPanel(QWidget):
     def _sensor_group(self):
         group = QGroupBox("Sensor")
         form = _form(group)
-        self.shutter = NumberEditor("Shutter", unit="lines")
-        self.shutter.setToolTip("The exposure as the sensor counts it, in lines of the picture.")
+        self.shutter = NumberEditor("Shutter", unit="lines", about="The exposure as the sensor "
+                                    "counts it, in lines of the picture.")
         self.shutter.edited.connect(
             lambda lines: self.changed.emit("ExposureTime", lines * self._line_us))
         self.exposure = NumberEditor("Exposure", 6, "ms", "log")    # the device counts ns
@@ -116,8 +119,9 @@ class SettingsPanel(QWidget):
         return box
 
     def _expose(self, exposure_us):
-        """Whole lines: what the sensor can do."""
-        lines = max(1, round(exposure_us / self._line_us))
+        """Whole lines, as many as the shutter can have: what the sensor can do."""
+        box = self.shutter.box
+        lines = min(max(box.minimum(), round(exposure_us / self._line_us)), box.maximum())
         self.changed.emit("ExposureTime", lines * self._line_us)
 
     # What the device has.
@@ -146,9 +150,11 @@ class SettingsPanel(QWidget):
     def _show_sensor(self, shown):
         if info := shown.get("ExposureTime"):
             line, lines = self._line_us, round(info.value / self._line_us)
-            self.shutter.show_value(lines, 1, info.maximum / line, 1)
-            highest = max(info.value, min(info.maximum, _EXPOSURE_MAX))
-            self.exposure.show_value(info.value / 1000, info.minimum / 1000, highest / 1000, 1.0)
+            # A limit is a float: it may lack the last digit of a whole number of lines.
+            fewest, most = math.ceil(info.minimum / line - _SLACK), info.maximum / line + _SLACK
+            self.shutter.show_value(lines, max(1, fewest), most, 1)
+            self.exposure.show_value(info.value / 1000, info.minimum / 1000, info.maximum / 1000,
+                                     1.0, _SLIDER_MAX_MS)
         for name, editor, step in (("Gain", self.gain, 0.125),
                                    ("AcquisitionFrameRate", self.speed, 1.0)):
             if info := shown.get(name):

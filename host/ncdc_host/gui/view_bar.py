@@ -1,8 +1,16 @@
 """The row above the picture: what is shown, how large, and what to keep of it."""
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QToolButton, QWidget
+from PySide6.QtWidgets import (
+    QButtonGroup,
+    QHBoxLayout,
+    QLabel,
+    QSizePolicy,
+    QToolButton,
+    QWidget,
+)
 
+from ncdc_host.gui.flow_layout import FlowLayout
 from ncdc_host.gui.picture_view import MODES
 
 __all__ = ["ViewBar"]
@@ -21,9 +29,11 @@ class ViewBar(QWidget):
 
     def __init__(self):
         super().__init__()
-        self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(8, 6, 8, 6)
-        self._row.setSpacing(4)
+        # Rows that break where the window is narrow: no button makes it wider.
+        self._row = FlowLayout(self)
+        policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
         self.modes, group = {}, QButtonGroup(self)
         for mode in MODES:
             button = self.modes[mode] = QToolButton(text=mode.capitalize(), checkable=True,
@@ -31,21 +41,30 @@ class ViewBar(QWidget):
             button.clicked.connect(lambda _, mode=mode: self.mode_chosen.emit(mode))
             group.addButton(button)
             self._row.addWidget(button)
-        self._row.addSpacing(12)
-        self.again = self._button("Take raw frame again", "The raw frame to compare with is a "
-                                  "still: take another one (R)")
+        self.again = self._button("New raw frame", "The raw frame to compare with is a still: "
+                                  "take another one (R)")
         self.freeze = self._button("Freeze", "Keep this picture on the screen (space)")
         self.freeze.setCheckable(True)
-        self._row.addStretch(1)
-        self.zoom_out = self._button("−", "Smaller (−)")
-        self.scale = QLabel("100 %", alignment=Qt.AlignmentFlag.AlignCenter)
-        self.scale.setFixedWidth(self.scale.fontMetrics().horizontalAdvance("3200 %"))
-        self._row.addWidget(self.scale)
-        self.zoom_in = self._button("+", "Larger (+)")
-        self.fit = self._button("Fit", "As large as the window (F)")
-        self.whole = self._button("1:1", "A pixel on the screen for each of the picture (0)")
-        self._row.addSpacing(12)
         self.save = self._button("Save …", "Save the picture that is shown (Ctrl+S)")
+        self._row.addWidget(self._zoom_group())
+        self.show_scale(None)
+
+    def _zoom_group(self):
+        """The buttons that zoom, and how much, which stay together."""
+        group = QWidget()
+        row = QHBoxLayout(group)
+        row.setContentsMargins(6, 0, 0, 0)
+        row.setSpacing(4)
+        self.scale = QLabel(alignment=Qt.AlignmentFlag.AlignCenter)
+        self.scale.setFixedWidth(self.scale.fontMetrics().horizontalAdvance("3200 %"))
+        self.zoom_out = QToolButton(text="−", toolTip="Smaller (−)")
+        self.zoom_in = QToolButton(text="+", toolTip="Larger (+)")
+        self.fit = QToolButton(text="Fit", toolTip="As large as the window (F)")
+        self.whole = QToolButton(text="1:1", toolTip="A pixel on the screen for each of the "
+                                                     "picture (0)")
+        for widget in (self.zoom_out, self.scale, self.zoom_in, self.fit, self.whole):
+            row.addWidget(widget)
+        return group
 
     def _button(self, text, tip):
         button = QToolButton(text=text, toolTip=tip)
@@ -58,5 +77,7 @@ class ViewBar(QWidget):
         self.again.setVisible(comparing)
 
     def show_scale(self, scale):
-        """Show the zoom."""
-        self.scale.setText(f"{100 * scale:.0f} %")
+        """Show the zoom; None: there is no picture to zoom."""
+        self.scale.setText("–" if scale is None else f"{100 * scale:.0f} %")
+        for button in (self.zoom_out, self.zoom_in, self.fit, self.whole):
+            button.setEnabled(scale is not None)

@@ -1,6 +1,6 @@
 """What a running camera writes while a frame is corrected."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import count
 
@@ -67,6 +67,4 @@ class CameraWrites:
 
     def beside(self, writes, word, block):
         """``writes``, :class:`FrameWrites` or None for a stream, with these on the same port."""
-        mine = writes or FrameWrites([], [], [], [])
-        return FrameWrites(mine.address, mine.words, mine.last, mine.held,
-                           lambda: self.accesses(word, block))
+        return replace(writes or FrameWrites(), others=lambda: self.accesses(word, block))

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ncdc_model.fetch.lookups import pieces
 from ncdc_model.nodes import BEFORE, BEHIND
 
 __all__ = ["coordinate_lags"]
@@ -25,20 +26,36 @@ def coordinate_lags(boxes, timing):
         (look-up, lag): look-up i enters lag clocks after clock i, counted from the frame's first
         look-up. Only steps, which ascend in both; none if a group comes in each clock.
     """
-    if timing.nodes == 1:
-        firsts = np.arange(0, boxes.pixels, boxes.lanes) if timing.node_clocks > 1 else np.arange(0)
-        needed = np.arange(firsts.size)
-    else:
-        columns, rows = boxes.rows
-        segments = -(-columns // timing.nodes)
-        count = segments.repeat(rows)       # of each row of each strip
-        row = np.arange(count.size).repeat(count)
-        segment = np.arange(row.size) - (np.cumsum(count) - count)[row]
-        pixels = columns.repeat(rows)
-        firsts = (np.cumsum(pixels) - pixels)[row] + segment * timing.nodes
-        needed = row * (BEFORE + BEHIND) + np.arange(row.size)
-    lookup = np.searchsorted(boxes.pixel, firsts)
-    lag = needed * timing.node_clocks - lookup
-    highest = np.maximum.accumulate(np.append(0, lag))
-    steps = np.flatnonzero(highest[1:] > highest[:-1])
-    return list(zip(lookup[steps].tolist(), lag[steps].tolist()))
+    if timing.nodes == 1 and timing.node_clocks == 1:
+        return []
+    firsts = _groups(boxes) if timing.nodes == 1 else _segments(boxes, timing.nodes)
+    found, highest = [], 0
+    for first, needed in firsts:
+        lookup = np.searchsorted(boxes.pixel, first.astype(boxes.pixel.dtype))
+        lag = needed * timing.node_clocks - lookup
+        until = np.maximum.accumulate(np.append(highest, lag))
+        steps = np.flatnonzero(until[1:] > until[:-1])
+        found += zip(lookup[steps].tolist(), lag[steps].tolist())
+        highest = until[-1]
+    return found
+
+
+def _groups(boxes):
+    """First pixels of all groups, and how many networks come before: a piece at a time."""
+    for piece in pieces(-(-boxes.pixels // boxes.lanes)):
+        number = np.arange(piece.start, piece.stop)
+        yield number * boxes.lanes, number
+
+
+def _segments(boxes, nodes):
+    """First pixels of all segments between nodes, and how many nodes more than for the frame's
+    first pixel they need: a piece at a time."""
+    columns, rows = boxes.rows
+    count = (-(-columns // nodes)).repeat(rows)         # of each row of each strip
+    until, pixels = np.cumsum(count), columns.repeat(rows)
+    left = np.cumsum(pixels) - pixels
+    for piece in pieces(until[-1]):
+        number = np.arange(piece.start, piece.stop)
+        row = np.searchsorted(until, number, "right")
+        segment = number - (until - count)[row]
+        yield left[row] + segment * nodes, row * (BEFORE + BEHIND) + number

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.errors import InputError
-from ncdc_model.fetch.lookups import frame_windows, lookups
+from ncdc_model.fetch.lookups import frame_windows, lookups, pieces
 from ncdc_model.fetch.tags import accesses, misses
 from ncdc_model.fetch.timing import predict_clocks
 from ncdc_model.fetch.writes import frame_writes
@@ -129,18 +129,22 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None
     _, y0, used = windows.scanned(strip)
     needed = rows_needed(y0, used, geometry.distorted_height, geometry.interpolation)
     # All pixels of a group wait together.
-    needed = needed.reshape(-1, lanes).max(axis=1)[boxes.pixel // lanes]
-    number = np.arange(len(boxes))
-    entered = number.copy()
+    needed = needed.reshape(-1, lanes).max(axis=1)
     pending = hardware.cache.pending
-    behind = number[pending:]
-    entered[behind] = np.maximum(behind, free.read.clocks(behind - pending) + 1)
-    written = np.where(needed, (needed - 1) * float(line) + float(row) + late, 0)
-    begin = np.maximum(written + timing.row_to_lookup, timing.start)
-    end = begin + (1 + _ERROR) * (free.clocks - timing.start - entered)
-    worst = int(end.argmax())
+    latest, worst, worst_rows = -np.inf, 0, 0
+    for piece in pieces(len(boxes)):
+        rows = needed[boxes.pixel[piece] // lanes].astype(np.int64)
+        number = np.arange(piece.start, piece.stop)
+        before = np.maximum(number - pending, 0)
+        entered = np.where(number < pending, number,
+                           np.maximum(number, free.read.clocks(before) + 1))
+        written = np.where(rows, (rows - 1) * float(line) + float(row) + late, 0)
+        begin = np.maximum(written + timing.row_to_lookup, timing.start)
+        end = begin + (1 + _ERROR) * (free.clocks - timing.start - entered)
+        last = int(end.argmax())
+        if end[last] > latest:
+            latest, worst, worst_rows = end[last], piece.start + last, int(rows[last])
     progress(1)
     camera_clocks = round((geometry.distorted_height - 1) * line + row)
-    out = int(np.ceil(end[worst])) + timing.end_to_interrupt
-    return FollowBound(out - camera_clocks, camera_clocks, int(boxes.pixel[worst]),
-                       int(needed[worst]))
+    out = int(np.ceil(latest)) + timing.end_to_interrupt
+    return FollowBound(out - camera_clocks, camera_clocks, int(boxes.pixel[worst]), worst_rows)

@@ -9,7 +9,15 @@ from ncdc_model.geometry import scan_order
 from ncdc_model.hardware import check_lanes
 from ncdc_model.interpolation import FAST, Interpolation
 
-__all__ = ["Lookups", "Windows", "frame_windows", "lookups"]
+__all__ = ["Lookups", "Windows", "frame_windows", "lookups", "pieces"]
+
+_PLACE = np.int16       # of a sample's column or row: those of a raw frame have 12 bits
+_PIECE = 1 << 18        # look-ups at a time: bounds the memory that their temporary arrays take
+
+
+def pieces(count):
+    """Slices that cover ``count`` look-ups or pixels in turn, whole groups of pixels each."""
+    return [slice(first, min(first + _PIECE, count)) for first in range(0, count, _PIECE)]
 
 
 @dataclass(frozen=True)
@@ -18,7 +26,7 @@ class Windows:
 
     Parameters
     ----------
-    x0, y0 : ndarray of int32
+    x0, y0 : ndarray of int16
         Column and row that name the first place; zero where the pixel is blank.
     used : ndarray of bool
         False where the pixel is blank and reads nothing.
@@ -46,11 +54,11 @@ class Lookups:
 
     Parameters
     ----------
-    x0, y0, x1, y1 : ndarray of int32
+    x0, y0, x1, y1 : ndarray of int16
         First and last column and row.
     used : ndarray of bool
         False for a look-up that reads nothing.
-    pixel : ndarray of int64
+    pixel : ndarray of int32
         First pixel, in the order of the scan.
     pixels : int
         Corrected pixels of the frame.
@@ -83,7 +91,7 @@ class Lookups:
 def frame_windows(descriptor, progress=lambda done, total: None):
     """:class:`Windows` of a trained map; ``progress(done, total)`` counts corrected rows."""
     width, height = descriptor.geometry.corrected
-    x0, y0 = np.empty((2, height, width), np.int32)
+    x0, y0 = np.empty((2, height, width), _PLACE)
     used = np.empty((height, width), bool)
     for rows, columns, lines, _, _, valid in window_bands(descriptor):
         x0[rows], y0[rows], used[rows] = columns, lines, valid
@@ -106,26 +114,45 @@ def lookups(windows, strip=0, lanes=1):
         If ``lanes`` does not divide the width.
     """
     x0, y0, used = windows.scanned(strip)
-    width = windows.x0.shape[1]
-    scan = windows.interpolation, width, strip, lanes
-    needs = windows.interpolation
-    (x0, x1), (y0, y1) = (needs.bounds(first, size)
-                          for first, size in zip((x0, y0), windows.distorted))
+    width, needs = windows.x0.shape[1], windows.interpolation
+    scan = x0.size, needs, width, strip, lanes
     if lanes == 1:
-        return Lookups(x0, y0, x1, y1, used, np.arange(x0.size), x0.size, *scan)
+        pixel = np.arange(x0.size, dtype=np.int32)
+        return Lookups(*_bounds(windows, x0, y0), used, pixel, *scan)
     check_lanes(width, lanes)
-    # A group is cut where it has no box of its own: `begins` marks the first lane of each box.
-    edges = _Edges(x0, y0, x1, y1, used, needs, needs.box_word(lanes))
-    boxes, begins = edges, np.ones(x0.shape, bool)
+    parts = []
+    for piece in pieces(x0.size):
+        edges = _Edges(*_bounds(windows, x0[piece], y0[piece]), used[piece], needs,
+                       needs.box_word(lanes))
+        boxes, begins = _grouped(edges, lanes)
+        parts.append((*(array[begins] for array in boxes.arrays()),
+                      (piece.start + np.flatnonzero(begins)).astype(np.int32)))
+    return Lookups(*(np.concatenate(part) for part in zip(*parts)), *scan)
+
+
+def _bounds(windows, x0, y0):
+    """First columns, first rows, last columns and last rows of the samples of ``windows`` in the
+    places (x0, y0)."""
+    needs, (width, height) = windows.interpolation, windows.distorted
+    (x0, x1), (y0, y1) = needs.bounds(x0, width), needs.bounds(y0, height)
+    return x0, y0, x1, y1
+
+
+def _grouped(edges, lanes):
+    """The boxes of groups of ``lanes`` pixels, for each pixel, and which pixels begin one.
+
+    A group is cut where it has no box of its own.
+    """
+    boxes, begins = edges, np.ones(edges.used.shape, bool)
+    size = begins.size
     while lanes > 1:
         joined = edges.joined()
-        span = x0.size // joined.used.size
+        span = size // joined.used.size
         whole = np.repeat(joined.fits, span)
         boxes = boxes.where(whole, joined, span)
-        begins &= ~whole | (np.arange(x0.size) % span == 0)
+        begins &= ~whole | (np.arange(size) % span == 0)
         edges, lanes = joined, lanes // 2
-    return Lookups(*(array[begins] for array in boxes.arrays()), np.flatnonzero(begins), x0.size,
-                   *scan)
+    return boxes, begins
 
 
 @dataclass(frozen=True)

@@ -35,15 +35,17 @@ class _Port:
         self.ends = deque([0] * memory.max_pending, memory.max_pending)
         self.last = 0               # edge of the last word on the port
         self.writes, self.lags, self.known = writes, lags, 0
-        self.total = len(writes.words) if writes else 0
+        self.total = writes.count if writes else 0
+        self.mine = iter(writes.accesses() if writes else ())
+        self.own = next(self.mine, None)        # the frame's next access, as ``accesses`` has it
         self.others = iter(writes.others() if writes and writes.others else ())
         self.other = next(self.others, None)    # the next access of somebody else
-        self.own = 0                # accesses of the frame that have arrived
-        self.last_own = -1          # number of the last one of them
-        self.arrived = []           # edge that accepts the last word of each write access
-        self.accesses = []          # address and words of each
-        self.done = 0               # write accesses placed
-        self.done_at = deque([], self.queue)
+        self.arrived = 0            # write accesses that have arrived
+        self.last_edge = self.own_edge = 0      # of the last one, and of the frame's own last one
+        # Those that are not placed yet: (edge that accepts its last word, address, words, whether
+        # it is the frame's own).
+        self.waiting = deque()
+        self.done_at = deque([], self.queue)    # edges at which the last ones were placed
 
     def read(self, clock, address, words):
         accepted = max(clock, self.ends[0])
@@ -53,39 +55,38 @@ class _Port:
 
     def _arrive(self):
         """Arrivals of writes, as far as they are known; whether one waits to be placed."""
-        while len(self.arrived) < self.done + self.queue:
-            j, own = len(self.arrived), self._own_edge()
+        while len(self.waiting) < self.queue:
+            own = self._own_edge()
             theirs = self._other_is_first(own)
             if theirs:
-                edge, *access = self.other
+                edge, address, words = self.other
                 self.other = next(self.others, None)
             elif own is not None:
-                edge = own
-                access = self.writes.address[self.own], self.writes.words[self.own]
+                edge, (address, words, _, held) = own, self.own
             else:
                 break
-            words = access[1]
-            if j:
-                edge = max(edge, self.arrived[-1] + words)
-            if j >= self.queue:
-                before = j - self.queue - self.done + len(self.done_at)
-                edge = max(edge, self.done_at[before] + words)
-            self.arrived.append(edge)
-            self.accesses.append(access)
+            if self.arrived:
+                edge = max(edge, self.last_edge + words)
+            if self.arrived >= self.queue:
+                edge = max(edge, self.done_at[len(self.waiting) - self.queue] + words)
+            self.arrived += 1
+            self.last_edge = edge
+            self.waiting.append((edge, address, words, not theirs))
             if not theirs:
-                self.lags.hold(self.writes.held[self.own], edge - words + 1)
-                self.own, self.last_own = self.own + 1, j
-        return self.done < len(self.arrived)
+                self.own_edge = edge
+                self.lags.hold(held, edge - words + 1)
+                self.own = next(self.mine, None)
+        return bool(self.waiting)
 
     def _own_edge(self):
         """Edge at which the frame's next access would be complete; None if that is not known."""
-        if self.own == self.total:
+        if self.own is None:
             return None
-        last = self.writes.last[self.own]
+        _, words, last, _ = self.own
         if last >= self.known:
             return None
         self.lags.settle(last)
-        return self.lags.clock(last) + self.read_to_bus + self.writes.words[self.own] - 1
+        return self.lags.clock(last) + self.read_to_bus + words - 1
 
     def _other_is_first(self, own):
         """Whether somebody else's access comes before the frame's next one, which comes at ``own``.
@@ -93,7 +94,7 @@ class _Port:
         Of one that is not known all that is known is what comes before it. Behind the frame's last
         one nobody else counts.
         """
-        if self.other is None or (self.total and self.own == self.total):
+        if self.other is None or (self.total and self.own is None):
             return False
         if own is None:
             own = self.lags.clock(self.known) + self.read_to_bus if self.total else _NEVER
@@ -103,7 +104,7 @@ class _Port:
         """All pixels are known: the edge at which the last write is accepted."""
         self.known = _NEVER
         self.advance(_NEVER)
-        return self.arrived[self.last_own] if self.total else 0
+        return self.own_edge
 
 
 class _LatencyPort(_Port):
@@ -140,14 +141,15 @@ class _LatencyPort(_Port):
             self.last, cost = self._pay(edge, cost), 256
 
     def advance(self, clock):
-        while self._arrive() and self.arrived[self.done] < clock:
-            words = self.accesses[self.done][1]
-            edge = self.arrived[self.done] - words
+        while self._arrive() and self.waiting[0][0] < clock:
+            edge, _, words, own = self.waiting.popleft()
+            edge -= words
             for _ in range(words):
                 edge = self._pay(edge + 1, 256)
-            self.arrived[self.done] = edge
+            self.last_edge = edge           # no other one has arrived: the queue is of one
+            if own:
+                self.own_edge = edge
             self.done_at.append(edge)
-            self.done += 1
 
 
 class _DramPort(_Port):
@@ -204,7 +206,7 @@ class _DramPort(_Port):
                 self.batch = 1 if self.writing else self.batch + 1
                 self.writing = False
                 return max(edge, read_from)
-            write_from = self.arrived[self.done] + memory.controller_clocks
+            write_from = self.waiting[0][0] + memory.controller_clocks
             edge = max(edge, min(read_from, write_from))
             if edge >= clock:
                 return edge
@@ -215,9 +217,8 @@ class _DramPort(_Port):
                 return edge
             else:
                 # Nothing may go: wait for a read, a batch of writes, or until no read is held.
-                batch = self.done + memory.write_batch - 1
                 turn = min(read_from, self.last if edge < self.last < held_from else _NEVER,
-                           self.arrived[batch] if batch < len(self.arrived) else _NEVER)
+                           self._batch_edge())
                 if turn >= clock:
                     return clock
                 self.placed = turn - 1
@@ -230,20 +231,22 @@ class _DramPort(_Port):
             change = may_read and (not may_write or self.batch >= batch)
         else:
             idle = self.last <= edge < held_from
-            queued = self.done + batch - 1
             change = may_write and (idle or (
-                queued < len(self.arrived) and self.arrived[queued] <= edge
-                and (not may_read or self.batch >= batch)))
+                self._batch_edge() <= edge and (not may_read or self.batch >= batch)))
         if change:
             self.writing, self.batch = not self.writing, 0
         return self.writing and may_write
 
+    def _batch_edge(self):
+        """Edge at which a whole batch of writes waits; never, as far as that is known."""
+        batch = self.memory.write_batch
+        return self.waiting[batch - 1][0] if batch <= len(self.waiting) else _NEVER
+
     def _write(self, edge):
-        address, words = self.accesses[self.done]
+        _, address, words, _ = self.waiting.popleft()
         self._place(edge, address, self._length(address, address + words * self.word), True)
         self.batch += 1
         self.done_at.append(edge)
-        self.done += 1
 
     def _length(self, address, upto):
         """Memory clocks of data of the bytes address..upto."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.fetch.cache_options import TILE_WIDTH
+from ncdc_model.fetch.lookups import pieces
 from ncdc_model.interpolation import FAST, Interpolation
 
 __all__ = ["Accesses", "Misses", "accesses", "misses"]
@@ -20,8 +21,8 @@ class Accesses:
     Parameters
     ----------
     banks : tuple of (first, last, tile)
-        Of each tag bank three arrays: look-up in which a run of accesses to one tile begins, the
-        last look-up of the run, the tile's number (row << 12 | column).
+        Of each tag bank three arrays of int32: look-up in which a run of accesses to one tile
+        begins, the last look-up of the run, the tile's number (row << 12 | column).
     lookups : int
         Look-ups of the scan, those that read nothing included.
     interpolation : Interpolation
@@ -67,28 +68,47 @@ class Misses:
 
 def accesses(boxes):
     """:class:`Accesses` of the look-ups ``boxes`` (:class:`ncdc_model.fetch.lookups.Lookups`)."""
-    used = np.flatnonzero(boxes.used)
     rows_apart = boxes.interpolation.tile_rows - 1      # from one tile row of a bank to the next
     ty = boxes.interpolation.tile_height.bit_length() - 1
-    left, right = boxes.x0[used] >> _TX, boxes.x1[used] >> _TX
-    top, bottom = boxes.y0[used] >> ty, boxes.y1[used] >> ty
-    # Neighbours mostly touch the same tiles: those runs are one access from here on.
-    fresh = np.ones(len(used), bool)
-    fresh[1:] = ((np.diff(left) != 0) | (np.diff(right) != 0) | (np.diff(top) != 0)
-                 | (np.diff(bottom) != 0))
-    start = np.flatnonzero(fresh)
-    first, last = used[start], used[np.append(start, len(used))[1:] - 1]
-    left, right, top, bottom = (edge[start].astype(np.int64) for edge in (left, right, top, bottom))
+    first, last, (left, right, top, bottom) = _all_runs(boxes, ty)
     banks = []
     for bank in range(2 * (rows_apart + 1)):
         column = left + ((left ^ bank) & 1)
         row = top + ((bank >> 1) - top & rows_apart)
         touched = np.flatnonzero((column <= right) & (row <= bottom))
-        tile = row[touched] << _ROW | column[touched]
+        tile = row[touched].astype(np.int32) << _ROW | column[touched]
         begin = np.flatnonzero(np.diff(tile, prepend=-1))
         end = np.append(begin, len(touched))[1:] - 1
         banks.append((first[touched[begin]], last[touched[end]], tile[begin]))
     return Accesses(tuple(banks), len(boxes), boxes.interpolation)
+
+
+def _all_runs(boxes, ty):
+    """First and last look-up of each run of look-ups that touch the same tiles, and those tiles'
+    first and last column, first and last row; ``ty``: log2 of a tile's rows.
+
+    Neighbours mostly touch the same tiles: a run is one access from here on.
+    """
+    parts = []
+    for piece in pieces(len(boxes)):
+        used = (piece.start + np.flatnonzero(boxes.used[piece])).astype(np.int32)
+        edges = (boxes.x0[used] >> _TX, boxes.x1[used] >> _TX, boxes.y0[used] >> ty,
+                 boxes.y1[used] >> ty)
+        parts.append(_runs(used, used, edges))
+    firsts, lasts, edges = zip(*parts)
+    # A run may go on from one piece to the next.
+    return _runs(np.concatenate(firsts), np.concatenate(lasts),
+                 [np.concatenate(edge) for edge in zip(*edges)])
+
+
+def _runs(first, last, edges):
+    """The runs ``first`` to ``last`` of look-ups, each with ``edges``, four arrays: neighbours of
+    the same edges joined to one. Returns (first, last, edges)."""
+    fresh = np.ones(len(first), bool)
+    fresh[1:] = np.logical_or.reduce([np.diff(edge) != 0 for edge in edges])
+    start = np.flatnonzero(fresh)
+    end = np.append(start, len(first))[1:] - 1
+    return first[start], last[end], [edge[start] for edge in edges]
 
 
 def misses(accessed, options, split):
@@ -122,6 +142,6 @@ def misses(accessed, options, split):
         before = np.where(same_place, np.roll(last[order], 1), -1)
         which = order[missed]
         found.append((first[which], np.full(len(which), bank), tile[which], before[missed]))
-    lookup, bank, tile, victim = map(np.concatenate, zip(*found))
+    lookup, bank, tile, victim = (np.concatenate(part, dtype=np.int64) for part in zip(*found))
     order = np.lexsort((bank, lookup))
     return Misses(lookup[order], bank[order], tile[order], victim[order])

@@ -14,6 +14,7 @@ __all__ = ["Clocks", "predict_clocks"]
 # the first look-up's. In later frames they name the last look-up of the frame before, which has
 # read its window: claims in empty places then wait for nobody.
 _RESET_USER = 0
+_PIECE = 4096           # misses from one report of the progress to the next
 
 
 @dataclass(frozen=True)
@@ -69,19 +70,19 @@ def predict_clocks(missed, boxes, hardware, memory, timing, places, writes=None,
     if writes is not None and len(boxes) < boxes.pixels:
         writes = writes.by_lookup(boxes.pixel)
     run = _Frame(hardware, memory, timing, writes, coordinate_lags(boxes, timing))
-    columns = (missed.columns * TILE_WIDTH + places.source).tolist()
     tile_height = hardware.cache.tile_height
-    lines = (missed.rows * (tile_height * places.pitch)).tolist()
+    first = (missed.columns * TILE_WIDTH + places.source
+             + missed.rows * (tile_height * places.pitch))
     rows = [row * places.pitch for row in range(tile_height)]
-    total = len(missed)
-    for k, (i, victim, column, line) in enumerate(zip(
-            missed.lookup.tolist(), missed.victim.tolist(), columns, lines)):
-        run.reach(i)
-        run.missed.append((victim, [column + line + row for row in rows]))
-        if k % 4096 == 0:
-            progress(k, total)
+    for begin in range(0, len(missed), _PIECE):
+        piece = slice(begin, begin + _PIECE)
+        for i, victim, address in zip(*(array[piece].tolist() for array in (
+                missed.lookup, missed.victim, first))):
+            run.reach(i)
+            run.missed.append((victim, [address + row for row in rows]))
+        progress(begin, len(missed))
     run.finish(len(boxes) - 1)
-    if writes is not None and writes.words:
+    if writes is not None and writes.count:
         clocks = run.port.finish() + timing.start
     else:
         clocks = timing.start + run.read.clock(len(boxes) - 1) + timing.end

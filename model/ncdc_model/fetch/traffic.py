@@ -5,12 +5,15 @@ import numpy as np
 __all__ = ["SPAN", "distinct_bytes", "live_tiles", "worst_span"]
 
 SPAN = 8192                                 # pixels
+_ROWS = 64                                  # corrected rows at a time
 
 
 def distinct_bytes(windows, geometry):
     """Samples of the raw frame that some window of the frame holds, a byte each."""
     touched = np.zeros(geometry.distorted[::-1], bool)
-    touched[windows.y0[windows.used], windows.x0[windows.used]] = True
+    for top in range(0, len(windows.used), _ROWS):
+        x0, y0, used = (array[top:top + _ROWS] for array in (windows.x0, windows.y0, windows.used))
+        touched[y0[used], x0[used]] = True
     for axis in (0, 1):
         starts = np.moveaxis(touched, axis, 0).copy()
         grown = np.moveaxis(touched, axis, 0)
@@ -38,11 +41,12 @@ def live_tiles(accessed):
 
     As many a cache needs to hold that reads no tile twice.
     """
-    change = np.zeros(accessed.lookups + 1, np.int64)
+    begins, ends = [], []
     for first, last, tile in accessed.banks:
-        _, begin, which = np.unique(tile, return_index=True, return_inverse=True)
-        end = np.zeros(len(begin), np.int64)
-        np.maximum.at(end, which, last)
-        np.add.at(change, first[begin], 1)
-        np.subtract.at(change, end + 1, 1)
-    return int(np.cumsum(change).max(initial=0))
+        order = np.argsort(tile, kind="stable")         # tile by tile, its uses in order of time
+        fresh = np.diff(tile[order], prepend=-1) != 0
+        begins.append(first[order[fresh]])
+        ends.append(last[order[np.roll(fresh, -1)]])
+    begins, ends = (np.sort(np.concatenate(times)) for times in (begins, ends))
+    over = np.searchsorted(ends, begins)                # tiles that ended before each begin
+    return int((np.arange(1, len(begins) + 1) - over).max(initial=0))

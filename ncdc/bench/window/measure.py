@@ -10,6 +10,7 @@ __all__ = ["Stopwatch", "measure"]
 
 LIMIT_MS = 50.0         # an event that takes longer is felt
 _SIZE = 1360, 880
+_LAID_OUT = 10          # looks at events, after which a text that has changed has its space
 
 
 @dataclass
@@ -76,6 +77,8 @@ class _User:
         self.until(lambda: time.monotonic() > end)
         self.rows.append(self._watch[0].row(what))
         if picture and self._folder:
+            for _ in range(_LAID_OUT):
+                self._application.processEvents()
             widget = picture() if callable(picture) else self._window
             name = what.replace(" ", "-")
             widget.grab().save(str(self._folder / f"window-{name}.png"))
@@ -144,8 +147,13 @@ def _use(user, window, tabs, seconds, step):
     second.dialog.run()
     loaded = []
     second.session.lens_loaded.connect(lambda *_: loaded.append(True))
-    user.step("calibrate", 0, lambda: user.until(lambda: done and (loaded or done[0] is not True),
-                                                 600), picture=lambda: second.dialog)
+
+    def finish():
+        user.until(lambda: done, 600)
+        if done[0] is True:
+            second.dialog.load.click()
+            user.until(lambda: loaded)
+    user.step("calibrate", 0, finish, picture=lambda: second.dialog)
     second.dialog.reject()
     user.step("calibrated", 2.0, picture=True)
 

@@ -45,7 +45,8 @@ def moving_photo(descriptor, setup, crop, photo, frames, velocity):
     """:class:`Light` of frames in which what is on a photo moves, as the lens would show it.
 
     With the map M from corrected to distorted pixels, pixel x of a frame shows the photo at
-    M(M^-1(x) - d), with the way d that the scene has gone when the row of x is exposed.
+    M(M^-1(x) - d), with the way d that the scene has gone when the row of x is exposed. Beyond the
+    edges of the corrected picture the scene is mirrored.
 
     Parameters
     ----------
@@ -78,7 +79,8 @@ def moving_photo(descriptor, setup, crop, photo, frames, velocity):
         times = row_times(setup, number)[rows] / period
         there = (u - velocity[0] * times[:, None], v - velocity[1] * times[:, None])
         there = [array.astype(np.float32) for array in there]
-        x, y = (cv2.remap(table, *there, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        # What comes in at an edge is the mirrored scene: the edge's own colours would be streaks.
+        x, y = (cv2.remap(table, *there, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101)
                 for table in forward)
         moved = cv2.remap(photo, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101)
         if reduced:
