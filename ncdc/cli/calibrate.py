@@ -25,12 +25,11 @@ from ncdc_model.calibration.quality import Dropped, warnings_of
 from ncdc_model.errors import InputError
 from ncdc_model.images import write_image
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "judged", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "judged", "run"]
 
 _LENS, _DRAWN = 0.7, 0.9    # parts of the work done before the lens, and before the pictures
 _LISTED = 20                # dropped points that are printed
 
-HELP = "find a target's points in photos of it"
 EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
 
 

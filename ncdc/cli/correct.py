@@ -10,9 +10,8 @@ from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.images import check_suffix, write_image
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "correct an image with the bit-exact golden model"
 EXAMPLE = "ncdc correct net.toml frame.png -o corrected.png"
 
 

@@ -6,6 +6,7 @@ import time
 from argparse import Namespace
 from ipaddress import IPv4Address
 
+from ncdc.cli.commands import COMMANDS
 from ncdc.cli.common import add_samples, raw_frame
 from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
 from ncdc_model.descriptor import Descriptor
@@ -13,9 +14,8 @@ from ncdc_model.errors import InputError
 from ncdc_model.interface.gvcp import PORT
 from ncdc_model.interface.table_one import TCP_PORT
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "an emulated device on the network: sensor, correction by the golden model, both protocols"
 EXAMPLE = "ncdc device serve net.toml --photo photo.raw.png --count 3"
 _COUNT_MAX = 16
 
@@ -23,7 +23,8 @@ _COUNT_MAX = 16
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     serve = parser.add_subparsers(dest="action", metavar="ACTION", required=True).add_parser(
-        "serve", help=HELP, description=HELP, epilog=f"example: {EXAMPLE}")
+        "serve", help=COMMANDS["device"], description=COMMANDS["device"],
+        epilog=f"example: {EXAMPLE}")
     serve.add_argument("descriptors", metavar="NET", nargs="+",
                        help="descriptors of ncdc train, one a lens, all of one size")
     serve.add_argument("--photo", metavar="IMAGE",

@@ -34,12 +34,11 @@ from ncdc_model.files import write_text
 from ncdc_model.hardware import VIDEOS
 from ncdc_model.sensors.catalogue import SENSORS, sensor_named
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
 _NAMES = (TOP, AXI_TOP, SYSTEM, AXI_SYSTEM)     # of modules without --name
 _SENSORS = [sensor.name for sensor in SENSORS]
 
-HELP = "write the Verilog of the corrector and its drivers"
 EXAMPLE = "ncdc generate net.toml -o hardware --data-width 32"
 
 

@@ -25,9 +25,8 @@ from ncdc_model.memory_timing import memory_at
 from ncdc_model.sensors.catalogue import SENSORS
 from ncdc_model.sensors.framing import setup_around
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "choose cache, split and strips for a trained map, and predict its speed on a memory"
 _NAMES = [sensor.name for sensor in SENSORS]
 _EXPOSURE_US = 1000.0           # short: the sensor sends as many frames as it can
 EXAMPLE = "ncdc plan net.toml --memory ddr3 --clock 150 --to stream"

@@ -21,9 +21,8 @@ from ncdc_sim.memory.timing import simulated_memory
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.tools import SIMULATORS
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "difference", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "difference", "run"]
 
-HELP = "run the generated Verilog on an image and compare every pixel with the golden model"
 EXAMPLE = "ncdc simulate net.toml frame.png -o corrected.png --memory sdram"
 
 

@@ -13,9 +13,8 @@ from ncdc_model.errors import InputError
 from ncdc_model.images import check_suffix, write_image
 from ncdc_sim.link.namespaces import CLIENT, TAP, TapNetwork
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "the whole system in simulation: sensor, corrector, processor and Ethernet"
 EXAMPLE = "ncdc soc run --sim net.toml --photo photo.png"
 _EXPOSURES_US = (1.0, 1e6)
 

@@ -27,13 +27,12 @@ from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
 from ncdc_model.training.train import TRAINERS, check_request
 
-__all__ = ["EXAMPLE", "HELP", "TABLES", "add_arguments", "error_table", "nodes_text",
+__all__ = ["EXAMPLE", "TABLES", "add_arguments", "error_table", "nodes_text",
            "plot_training", "run", "training_progress"]
 
 _POOR = 1 / 640        # of the width: a map that is off by more at most is warned of
 TABLES = "training", "held_out", "beyond_points", "region", "frame"
 
-HELP = "train a camera's network and write its descriptor"
 EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
 
 
