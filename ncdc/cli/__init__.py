@@ -7,10 +7,12 @@ import sys
 from importlib.metadata import version
 
 from ncdc.cli.commands import COMMANDS
+from ncdc_model.errors import InputError
 
 __all__ = ["COMMANDS", "main", "parser"]
 
 _TO_FOLDER = ("demo", "generate", "bench", "build")      # commands whose --output is a folder
+_LIGHT = ("doctor",)                # commands that work where the packages of the others do not
 _INTERRUPTED = 130                  # exit status of programs that Ctrl-C has ended
 
 
@@ -75,7 +77,10 @@ def main(arguments=None):
     try:
         if name is None:
             name = _overview().parse_args(arguments).command
-        return _run(name, arguments)
+        return _run(name, parser(name).parse_args(arguments))
+    except InputError as error:
+        print(f"ncdc {name}: {error}", file=sys.stderr)
+        return 2
     except KeyboardInterrupt:
         # Progress may stand on the terminal's line.
         start = "\n" if sys.stderr.isatty() else ""
@@ -87,13 +92,14 @@ def main(arguments=None):
         return 1
 
 
-def _run(name, arguments):
+def _run(name, args):
     """Exit status of the command ``name``."""
-    args = parser(name).parse_args(arguments)
+    if name in _LIGHT:
+        return args.run(args) or 0
+
     import numpy as np
 
     from ncdc_host.client.errors import DeviceError
-    from ncdc_model.errors import InputError
     from ncdc_model.files import check_outputs
     from ncdc_model.threads import one_thread
     from ncdc_sim.tools import SimulationError
@@ -103,9 +109,6 @@ def _run(name, arguments):
         # What overflows becomes not-a-number, which the checks of the commands name.
         with np.errstate(all="ignore"), one_thread():
             return args.run(args) or 0
-    except InputError as error:
-        print(f"ncdc {name}: {error}", file=sys.stderr)
-        return 2
     except (SimulationError, DeviceError) as error:
         print(f"ncdc {name}: {error}", file=sys.stderr)
         return 1

@@ -6,6 +6,7 @@ __all__ = ["COMMANDS"]
 # run returns the exit status, None for 0.
 COMMANDS = {
     "demo": "photo, calibration, training, Verilog, simulation and report on the built-in example",
+    "doctor": "what is installed and what is missing, for which purpose, with the line to type",
     "calibrate": "find a target's points in photos of it",
     "train": "train a camera's network and write its descriptor",
     "evaluate": "measure the error of a descriptor",
