@@ -7,6 +7,7 @@ __all__ = ["COMMANDS"]
 COMMANDS = {
     "demo": "photo, calibration, training, Verilog, simulation and report on the built-in example",
     "doctor": "what is installed and what is missing, for which purpose, with the line to type",
+    "target": "write a page of a calibration target, true to scale, to be printed",
     "calibrate": "find a target's points in photos of it",
     "train": "train a camera's network and write its descriptor",
     "evaluate": "measure the error of a descriptor",
