@@ -109,6 +109,8 @@ def _run(name, args):
         # What overflows becomes not-a-number, which the checks of the commands name.
         with np.errstate(all="ignore"), one_thread():
             return args.run(args) or 0
+    except InputError:
+        raise                   # some errors of devices are both, and are bad input then
     except (SimulationError, DeviceError) as error:
         print(f"ncdc {name}: {error}", file=sys.stderr)
         return 1

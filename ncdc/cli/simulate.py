@@ -34,7 +34,7 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", required=True, metavar="OUT",
                         help="picture as the Verilog corrected it")
     add_hardware(parser)
-    parser.add_argument("--memory", default="sdram", metavar="MEMORY",
+    parser.add_argument("--memory", default="sdram", metavar="NAME",
                         help="simulated memory: ideal, sdram (default), ddr3, hps, hostile, "
                              "sdram@MHZ, ddr3@MHZ, hps@MHZ, fixed:LATENCY:BYTES (clocks, bytes per "
                              "clock), or the controller LiteDRAM: litedram, litedram-ddr3")
@@ -59,14 +59,14 @@ def run(args):
     simulated_memory(args.memory)
     waves = waves_of(args)
     descriptor = Descriptor.load(args.descriptor)
-    if args.camera:
+    if args.sensor:
         return run_moving(args, descriptor)
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     raw, note = raw_frame(args, descriptor.geometry)
     hardware = hardware_of(args)
     hardware, _ = planned(replace(hardware, colour=hardware.colour or choice is not None), fixed,
                           descriptor)
-    line = camera_line(args.camera_line, descriptor.geometry) if args.follow else None
+    line = camera_line(args.line_clocks, descriptor.geometry) if args.follow else None
     colour = choice(correct(descriptor, raw)) if choice else Colour()
     simulation = simulate_correction(
         descriptor, raw, hardware, follow_line=line, colour=colour, progress=Progress("simulating"),

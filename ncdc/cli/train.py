@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ncdc.cli.common import add_camera, add_json, add_page, straightness_text, write_report
+from ncdc.cli.renamed import add_renamed
 from ncdc.terminal import Progress
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
@@ -52,10 +53,11 @@ def add_arguments(parser):
                              "camera file or a map is the source, else at the held-out points; "
                              "without this option 0.1 is the goal, and if none of the networks "
                              "meets it, the smallest of the best ones is taken")
-    parser.add_argument("--sensor", metavar="WxH",
+    parser.add_argument("--sensor-size", metavar="WxH",
                         help="size of the sensor's frames, where the file does not say it: a map, "
                              "a CSV of points, some camera files; a camera file of another size "
                              "of the same aspect is scaled to it")
+    add_renamed(parser, "--sensor", "--sensor-size")
     parser.add_argument("--skip", action="store_true",
                         help="add a linear path from the inputs straight to the outputs: four "
                              "products that save about one hidden neuron")
@@ -124,7 +126,7 @@ def run(args):
                          f"for")
     choices, fill = _choices(args), _colour(args.fill)
     size, sensor = (_size(text, name) if text else None
-                    for text, name in ((args.size, "size"), (args.sensor, "sensor")))
+                    for text, name in ((args.size, "size"), (args.sensor_size, "sensor size")))
     check_request(1 if args.neurons == "auto" else args.neurons, choices)
     if args.zoom is not None:
         parse_zoom(args.zoom)

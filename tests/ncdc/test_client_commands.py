@@ -105,7 +105,7 @@ def test_one_sentence(one, command, status, message, capsys):
     ("net.toml --photo small.png --bits 12", "small.png declares samples of 8 bits"),
     ("net.toml --count 0", "0 devices are asked for, the limits are 1 and 16"),
     ("net.toml --fps 0", "fps is 0, the limits are 0.1 and 120"),
-    ("net.toml --loss 0.6", "loss is 0.6, the limits are 0 and 0.5"),
+    ("net.toml --packet-loss 0.6", "loss is 0.6, the limits are 0 and 0.5"),
     ("net.toml --noise -1", "noise is -1, the limits are 0 and 50"),
     ("net.toml --address here", "the address 'here' is no IPv4 address"),
     ("net.toml --address 255.255.255.255 --count 2", "is no IPv4 address"),
