@@ -7,6 +7,7 @@ import sys
 from importlib.metadata import version
 
 from ncdc.cli.commands import COMMANDS
+from ncdc.terminal import say
 from ncdc_model.errors import InputError
 
 __all__ = ["COMMANDS", "main", "parser"]
@@ -79,12 +80,10 @@ def main(arguments=None):
             name = _overview().parse_args(arguments).command
         return _run(name, parser(name).parse_args(arguments))
     except InputError as error:
-        print(f"ncdc {name}: {error}", file=sys.stderr)
+        say(f"ncdc {name}: {error}")
         return 2
     except KeyboardInterrupt:
-        # Progress may stand on the terminal's line.
-        start = "\n" if sys.stderr.isatty() else ""
-        print(f"{start}ncdc {name or ''}".rstrip() + ": interrupted", file=sys.stderr)
+        say(f"ncdc {name or ''}".rstrip() + ": interrupted")
         return _INTERRUPTED
     except BrokenPipeError:
         # The reader of our output has left; nothing more can be said to it.
@@ -99,6 +98,7 @@ def _run(name, args):
 
     import numpy as np
 
+    from ncdc.cli.roles import check_roles
     from ncdc_host.client.errors import DeviceError
     from ncdc_model.files import check_outputs
     from ncdc_model.threads import one_thread
@@ -106,13 +106,14 @@ def _run(name, args):
     _ignore_unused()
     try:
         check_outputs(*_files(args))
+        check_roles(args)
         # What overflows becomes not-a-number, which the checks of the commands name.
         with np.errstate(all="ignore"), one_thread():
             return args.run(args) or 0
     except InputError:
         raise                   # some errors of devices are both, and are bad input then
     except (SimulationError, DeviceError) as error:
-        print(f"ncdc {name}: {error}", file=sys.stderr)
+        say(f"ncdc {name}: {error}")
         return 1
 
 

@@ -13,10 +13,10 @@ from ncdc.cli.common import (
     add_samples,
     read_photo,
     straightness_text,
-    to_stderr,
     write_report,
 )
-from ncdc.terminal import Progress
+from ncdc.cli.photo_names import photos_of
+from ncdc.terminal import Progress, say
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.measure import measure_smooth
@@ -36,7 +36,8 @@ EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("photos", nargs="+", metavar="PHOTO",
-                        help="photo of the target: colour, grey, or the raw Bayer frame")
+                        help="photo of the target: colour, grey, or the raw Bayer frame; a folder "
+                             "of photos, or a pattern in quotes")
     parser.add_argument("--target", default="auto", metavar="KIND",
                         help="dots (a page of black dots that fills the picture), circles:CxR, "
                              "acircles:CxR (staggered: circles in a line, lines), "
@@ -52,6 +53,7 @@ def add_arguments(parser):
 
 def run(args):
     """Detect, write the points file and the overlays, report."""
+    args.photos = photos_of(args.photos)
     progress, warn = Progress("calibrate"), _once()
     points = replace(detect_points(_photos(args, progress, warn), args.target),
                      page=args.page or "")
@@ -69,7 +71,9 @@ def run(args):
     report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),
               "overlays": overlays}
     for name, reason in points.rejected_photos.items():
-        print(f"{name}: not used: {reason}", file=sys.stderr)
+        # Sentences on files that cannot be read begin with their names.
+        print(f"not used: {reason}" if name in reason else f"{name}: not used: {reason}",
+              file=sys.stderr)
     for warning in warnings:
         print(f"warning: {warning}", file=sys.stderr)
     if not write_report(report, args.json):
@@ -174,7 +178,7 @@ def _once():
 
     def warn(sentence):
         if sentence not in written:
-            to_stderr(sentence)
+            say(sentence)
         written.add(sentence)
     return warn
 

@@ -24,4 +24,5 @@ COMMANDS = {
               "protocols",
     "client": "devices on the network: find, show and set their features, grab pictures",
     "soc": "the whole system in simulation: sensor, corrector, processor and Ethernet",
+    "completion": "print the script with which a shell completes commands, options and values",
 }

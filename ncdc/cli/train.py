@@ -9,7 +9,7 @@ import numpy as np
 
 from ncdc.cli.common import add_camera, add_json, add_page, straightness_text, write_report
 from ncdc.cli.renamed import add_renamed
-from ncdc.terminal import Progress
+from ncdc.terminal import Progress, say
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
@@ -196,7 +196,7 @@ def _tell_map(source):
 
 
 def _warn(sentence):
-    print(f"warning: {sentence}", file=sys.stderr)
+    say(f"warning: {sentence}")
 
 
 def _train(args, source, choices):
@@ -221,7 +221,7 @@ def _choices(args):
 
 
 def _tried(neurons, worst):
-    print(f"{neurons} hidden neurons: at most {worst:.4g} px", file=sys.stderr)
+    say(f"{neurons} hidden neurons: at most {worst:.4g} px")
 
 
 def plot_training(trained, source, output, held_out=HELD_OUT):

@@ -99,7 +99,7 @@ def test_the_neurons_of_a_map_are_chosen_by_its_whole_frame(tmp_path, few_starts
      "would replace the input y.tif"),
     (["train", "x.tif", "y.tif", "--neurons", "4", "--sensor-size", "192x144", "--zoom", "fill"],
      "size and zoom choose the frame of points and camera files, the map of x.tif has its own"),
-    (["train", "photo.png", "--neurons", "4"], "photo.png holds photo.png 20x30x3: a map has two"),
+    (["train", "photo.png", "--neurons", "4"], "photo.png is a picture, points, a camera file or"),
     (["train", "camera.toml", "--neurons", "4", "--sensor-size", "320x240"],
      "camera.toml: the camera is for 320x200 pixels, the sensor has 320x240"),
     (["evaluate", "net.toml", "--against", "x.tif", "--against", "y.tif"],
