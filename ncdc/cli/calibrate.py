@@ -46,8 +46,8 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
                              "drawn over it goes next to it, as points.overlay.png")
-    add_page(parser)
-    add_samples(parser)
+    add_page(parser.add_argument_group("shape of the page"))
+    add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
 
 

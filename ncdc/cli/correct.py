@@ -21,8 +21,8 @@ def add_arguments(parser):
     parser.add_argument("image", metavar="IMAGE",
                         help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="corrected picture")
-    add_colour(parser)
-    add_samples(parser)
+    add_colour(parser.add_argument_group("colour"))
+    add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
 
 

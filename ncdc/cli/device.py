@@ -31,7 +31,7 @@ def add_arguments(parser):
     serve.add_argument("--photo", metavar="IMAGE",
                        help="what the camera looks at: a raw frame, or a colour picture to be "
                        "mosaiced (default: the built-in scene, in motion)")
-    add_samples(serve)
+    add_samples(serve.add_argument_group("samples of the file"))
     serve.add_argument("--address", default="127.0.0.2", metavar="IPV4",
                        help="of this machine; further devices take the following ones "
                        "(default: 127.0.0.2)")

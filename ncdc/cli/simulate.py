@@ -33,20 +33,21 @@ def add_arguments(parser):
                         help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
     parser.add_argument("-o", "--output", required=True, metavar="OUT",
                         help="picture as the Verilog corrected it")
-    add_hardware(parser)
-    parser.add_argument("--memory", default="sdram", metavar="NAME",
-                        help="simulated memory: ideal, sdram (default), ddr3, hps, hostile, "
-                             "sdram@MHZ, ddr3@MHZ, hps@MHZ, fixed:LATENCY:BYTES (clocks, bytes per "
-                             "clock), or the controller LiteDRAM: litedram, litedram-ddr3")
-    parser.add_argument("--simulator", choices=SIMULATORS, default="verilator",
-                        help="verilator (default) or icarus, which takes some 100 times as long")
-    parser.add_argument("--seed", type=int, default=1, metavar="S",
-                        help="of the memory's random behaviour (default: 1)")
-    add_follow(parser)
+    add_hardware(parser.add_argument_group("hardware", "none of it changes a pixel"))
+    run = parser.add_argument_group("simulation")
+    run.add_argument("--memory", default="sdram", metavar="NAME",
+                     help="simulated memory: ideal, sdram (default), ddr3, hps, hostile, "
+                          "sdram@MHZ, ddr3@MHZ, hps@MHZ, fixed:LATENCY:BYTES (clocks, bytes per "
+                          "clock), or the controller LiteDRAM: litedram, litedram-ddr3")
+    run.add_argument("--simulator", choices=SIMULATORS, default="verilator",
+                     help="verilator (default) or icarus, which takes some 100 times as long")
+    run.add_argument("--seed", type=int, default=1, metavar="S",
+                     help="of the memory's random behaviour (default: 1)")
+    add_waves(run)
+    add_follow(parser.add_argument_group("low latency"))
     add_moving(parser)
-    add_colour(parser)
-    add_waves(parser)
-    add_samples(parser)
+    add_colour(parser.add_argument_group("colour"))
+    add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
 
 

@@ -47,7 +47,7 @@ def add_arguments(parser):
         action.add_argument("-o", "--output", metavar="IMAGE",
                             help="write the picture that clients receive, by the golden model: not "
                                  "that of ncdc correct, as the sensor has a black level")
-        add_samples(action)
+        add_samples(action.add_argument_group("samples of the file"))
 
 
 def run(args):

@@ -31,6 +31,7 @@ from ncdc_model.training.train import TRAINERS, check_request
 __all__ = ["EXAMPLE", "TABLES", "add_arguments", "error_table", "nodes_text",
            "plot_training", "run", "training_progress"]
 
+_NEURONS = 8           # auto would train 16 networks of a page of dots: minutes, not seconds
 _POOR = 1 / 640        # of the width: a map that is off by more at most is warned of
 TABLES = "training", "held_out", "beyond_points", "region", "frame"
 
@@ -45,47 +46,51 @@ def add_arguments(parser):
                              "RealSense, NeRF, BoofCV, or our own (TOML); or a map for OpenCV's "
                              "remap: one file with both tables (.npz, YAML, XML, JSON), or one "
                              "each (.npy, TIFF, OpenEXR too)")
-    parser.add_argument("--neurons", type=_neurons, required=True, metavar="N",
-                        help="hidden neurons, 4 to 12 are usual; auto: the fewest, up to 16, that "
-                             "meet --max-error, or 0.1 px without it")
-    parser.add_argument("--max-error", type=float, metavar="PX",
-                        help="with --neurons auto: largest error, on the whole frame where a "
-                             "camera file or a map is the source, else at the held-out points; "
-                             "without this option 0.1 is the goal, and if none of the networks "
-                             "meets it, the smallest of the best ones is taken")
-    parser.add_argument("--sensor-size", metavar="WxH",
+    source = parser.add_argument_group("where the pairs come from")
+    source.add_argument("--sensor-size", metavar="WxH",
                         help="size of the sensor's frames, where the file does not say it: a map, "
                              "a CSV of points, some camera files; a camera file of another size "
                              "of the same aspect is scaled to it")
     add_renamed(parser, "--sensor", "--sensor-size")
-    parser.add_argument("--skip", action="store_true",
-                        help="add a linear path from the inputs straight to the outputs: four "
-                             "products that save about one hidden neuron")
-    parser.add_argument("--trainer", choices=list(TRAINERS), default="lm",
-                        help="lm: Levenberg-Marquardt from many starts (default); ebp: the "
-                             "paper's error back-propagation, for comparison")
-    parser.add_argument("--epochs", type=int, metavar="E",
-                        help="with --trainer ebp: most passes over the points (default: 5000)")
-    parser.add_argument("--size", metavar="WxH",
-                        help="corrected picture (default: as large as the camera's)")
-    parser.add_argument("--zoom", metavar="Z",
-                        help="fit: the camera's full width fills the picture (default, except "
-                             "for a file with a projection matrix, which says its frame); fill: "
-                             "no pixel without a source; or a number: magnification in the middle")
-    parser.add_argument("--seed", type=int, default=0, metavar="S",
-                        help="same seed, same descriptor (default: 0)")
-    parser.add_argument("--held-out", type=int, default=HELD_OUT, metavar="K",
+    add_camera(source)
+    add_page(source)
+    source.add_argument("--held-out", type=int, default=HELD_OUT, metavar="K",
                         help=f"one point in K only measures; 0: none (default: {HELD_OUT})")
-    parser.add_argument("--bayer", choices=BAYERS, default="RGGB",
-                        help="colour filter of the sensor, first two rows (default: RGGB); MONO: "
-                             "a grey sensor, without one")
-    parser.add_argument("--fill", default="0,0,0", metavar="R,G,B",
-                        help="colour of pixels without a source (default: 0,0,0)")
-    _add_hardware(parser)
+    network = parser.add_argument_group("network and training")
+    network.add_argument("--neurons", type=_neurons, default=_NEURONS, metavar="N",
+                         help=f"hidden neurons, 4 to 12 are usual (default: {_NEURONS}); auto: the "
+                              f"fewest, up to 16, that meet --max-error, or 0.1 px without it, "
+                              f"which takes minutes")
+    network.add_argument("--max-error", type=float, metavar="PX",
+                         help="with --neurons auto: largest error, on the whole frame where a "
+                              "camera file or a map is the source, else at the held-out points; "
+                              "without this option 0.1 is the goal, and if none of the networks "
+                              "meets it, the smallest of the best ones is taken")
+    network.add_argument("--skip", action="store_true",
+                         help="add a linear path from the inputs straight to the outputs: four "
+                              "products that save about one hidden neuron")
+    network.add_argument("--trainer", choices=list(TRAINERS), default="lm",
+                         help="lm: Levenberg-Marquardt from many starts (default); ebp: the "
+                              "paper's error back-propagation, for comparison")
+    network.add_argument("--epochs", type=int, metavar="E",
+                         help="with --trainer ebp: most passes over the points (default: 5000)")
+    network.add_argument("--seed", type=int, default=0, metavar="S",
+                         help="same seed, same descriptor (default: 0)")
+    picture = parser.add_argument_group("picture")
+    picture.add_argument("--size", metavar="WxH",
+                         help="corrected picture (default: as large as the camera's)")
+    picture.add_argument("--zoom", metavar="Z",
+                         help="fit: the camera's full width fills the picture (default, except "
+                              "for a file with a projection matrix, which says its frame); fill: "
+                              "no pixel without a source; or a number: magnification in the middle")
+    picture.add_argument("--bayer", choices=BAYERS, default="RGGB",
+                         help="colour filter of the sensor, first two rows (default: RGGB); MONO: "
+                              "a grey sensor, without one")
+    picture.add_argument("--fill", default="0,0,0", metavar="R,G,B",
+                         help="colour of pixels without a source (default: 0,0,0)")
+    _add_hardware(parser.add_argument_group("hardware"))
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
                         help="descriptor (default: net.toml); plots go beside it")
-    add_page(parser)
-    add_camera(parser)
     add_json(parser)
 
 
