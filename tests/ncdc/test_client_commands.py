@@ -100,7 +100,7 @@ def test_one_sentence(one, command, status, message, capsys):
     ("odd.toml", "a side of the picture has 63 pixels, an emulated device needs even sides"),
     ("net.toml other.toml", "lens 2 has other sizes"),
     ("net.toml --photo small.png", "the picture has 47x40 pixels, the descriptor is for 64x48"),
-    ("net.toml --photo net.toml", "holds no image"),
+    ("net.toml --photo net.toml", "net.toml is a descriptor of ncdc train, a picture is"),
     ("net.toml --photo small.png --raw 64x48:RGGB:8", "small.png has "),
     ("net.toml --photo small.png --bits 12", "small.png declares samples of 8 bits"),
     ("net.toml --count 0", "0 devices are asked for, the limits are 1 and 16"),
