@@ -7,11 +7,13 @@ says what is wrong with it.
 from pathlib import Path
 
 from ncdc_model.errors import InputError
+from ncdc_model.photo.kinds import kind_of
 
 __all__ = ["check_roles"]
 
 _BYTES = 1 << 16
 _PICTURES = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"GIF8", b"BM"    # and no tables of a map
+_BOXES = b"ftyp"            # of videos, and of photos as telephones take them
 _PICTURE, _NET, _POINTS = "a picture", "a descriptor of ncdc train", "a points file"
 _TRAIN = "ncdc calibrate {0} -o points.json, then ncdc train points.json --neurons 8 -o net.toml"
 _HINTS = {
@@ -40,11 +42,12 @@ def check_roles(args):
     Raises
     ------
     InputError
-        If one is; the message has the line to type, or says that two files are swapped.
+        If one is; the message has the line to type, or says that two files are swapped. Also if
+        one that is to be no picture is a video or a photo of a format that is not read.
     """
     given = [(path, role) for name, role in {**_ROLES, "source": _SOURCES.get(args.command)}.items()
              if role for path in _listed(getattr(args, name, None))]
-    kinds = [(path, role, _kind(path)) for path, role in given]
+    kinds = [(path, role, _kind(path, role)) for path, role in given]
     wrong = [(path, role, kind) for path, role, kind in kinds if (role, kind) in _HINTS]
     if not wrong:
         return
@@ -61,7 +64,7 @@ def _listed(value):
     return value if isinstance(value, list) else [] if value is None else [value]
 
 
-def _kind(path):
+def _kind(path, role):
     """What a file is by its first bytes; None of one that cannot be read, or is something else."""
     try:
         if not Path(path).is_file():
@@ -71,6 +74,9 @@ def _kind(path):
     except OSError:
         return None
     if head.startswith(_PICTURES):
+        return _PICTURE
+    if role != "picture" and head[4:8] == _BOXES:
+        kind_of(head, path)
         return _PICTURE
     if head.lstrip()[:1] == b"{" and b'"ncdc points"' in head:
         return _POINTS

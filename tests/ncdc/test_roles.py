@@ -14,6 +14,9 @@ def files(tmp_path_factory):
     barrel_descriptor().save(folder / "net.toml")
     for name in ("photo.png", "photo.jpg"):
         write_image(folder / name, noise_picture(48, 40))
+    (folder / "clip.mp4").write_bytes(b"\0\0\0\x20ftypisom" + bytes(40))
+    (folder / "photo.heic").write_bytes(b"\0\0\0\x18ftypheic\0\0\0\0mif1heic")
+    (folder / "photo.avif").write_bytes(b"\0\0\0\x18ftypavif\0\0\0\0mif1avif")
     (folder / "points.json").write_text('{\n "format": "ncdc points",\n "version": 1}')
     return folder
 
@@ -47,6 +50,13 @@ CALIBRATE = (r"ncdc calibrate {} -o points.json, then ncdc train points.json --n
      + CALIBRATE.format("photo.jpg")),
     ("train net.toml --neurons 4 -o out.toml",
      "net.toml is a descriptor of ncdc train, points, a camera file or a map are needed"),
+    ("train clip.mp4 -o out.toml",
+     "clip.mp4 is a video (MP4 or QuickTime), which is not supported; a photo is needed: extract a "
+     "frame as PNG, as by ffmpeg -ss 1 -i VIDEO -frames:v 1 frame.png"),
+    ("train photo.heic -o out.toml",
+     "photo.heic is a HEIF photo (HEIC), which is not supported; save the photo as PNG or TIFF, as "
+     "by heif-convert PHOTO photo.png (libheif-examples)"),
+    ("train photo.avif -o out.toml", "photo.avif is a picture, points, a camera file or a map are"),
     ("evaluate net.toml --against photo.png", "photo.png is a picture, points, a camera file or a"),
     ("export photo.png -o out.csv", "photo.png is a picture, a descriptor or points are needed"),
     ("calibrate photo.png net.toml -o out.json", "net.toml is a descriptor of ncdc train, a pict")])

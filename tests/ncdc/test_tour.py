@@ -51,6 +51,20 @@ def test_the_boards_carry_the_tour_s_picture():
     assert budget.corrected_per_second > 25
 
 
+ROW = re.compile(r"^ +((?:training|held out|beyond points|region|frame) +(?:float|fixed) .*)$",
+                 re.MULTILINE)
+
+
+def test_the_pages_agree_on_the_demo_s_figures():
+    """With the commands test_quoted_output.py compares them, in minutes."""
+    demo = README.partition("[1/6]")[2].partition("[6/6]")[0]
+    page = (Path(__file__).resolve().parents[2] / "docs" / "commands.md").read_text()
+    sections = {text.partition("\n")[0]: text for text in page.split("\n## ")}
+    trained = sections["train"].partition("-o net.toml")[2].partition("The paper")[0]
+    shown = ROW.findall(sections["demo"]) + ROW.findall(trained)
+    assert len(shown) == 2 + 8 and set(shown) == set(ROW.findall(demo))
+
+
 @pytest.mark.many_clocks
 @pytest.mark.regress
 def test_every_line_of_the_tour_runs(tmp_path, monkeypatch, capsys):
