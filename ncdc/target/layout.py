@@ -183,7 +183,7 @@ def _circles(name, columns, rows, step, turned):
         size, x, y = _STAGGERED_DOT * step, (place + line % 2 / 2) * step, line * step / 2
         words = f"{rows} lines, {step / 2:g} mm apart, of {columns} circles"
         if turned:
-            # A quarter turn, no mirror: otherwise it would be another target.
+            # A quarter turn, no mirror: of an even number of lines that is another target.
             x, y = y, (columns - 0.5) * step - x
     shapes = [Circle(a + size / 2, b + size / 2, size) for a, b in zip(x.tolist(), y.tolist())]
     return shapes, len(shapes), f"{words}, {step:g} mm apart, {size:.3g} mm in diameter"

@@ -78,6 +78,16 @@ def test_points_are_as_far_apart_as_the_page_says(pages, kind):
     assert f"{layout.step:g} mm" in layout.description or kind.startswith("acircles")
 
 
+@pytest.mark.parametrize("paper", [(297, 210), (210, 297)])
+def test_staggered_circles_are_turned_and_not_mirrored(paper):
+    """The next circle of a line, then the line after next: clockwise on paper, however it lies."""
+    shapes = layout_of("acircles:4x10", paper).shapes
+    first, following, below = (np.array([shapes[k].x, shapes[k].y]) for k in (0, 1, 8))
+    (a, b), (c, d) = following - first, below - first
+    assert a * d - b * c > 0 and abs(a * c + b * d) < 1e-9
+    assert (abs(a) < 1e-9) == (paper[0] > paper[1])     # lines stand on a sheet that lies
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_our_detector_finds_every_point(pages, kind):
     layout, pdf, _ = pages(kind)
