@@ -30,8 +30,8 @@ _HERE = Path(__file__).resolve().parent
 # A wheel has the sources in the package, a checkout next to it.
 FIRMWARE = next((path for path in (_HERE / "firmware_source", _HERE.parent / "firmware")
                  if path.is_dir()), _HERE / "firmware_source")
+_SPECS = "picolibc.specs"       # of the C library
 _COMPILER = "riscv64-unknown-elf-gcc"
-_SPECS = "picolibc.specs"           # of the C library
 _I2C_QUARTER = 8            # clocks, the least: in simulation nobody waits for a slow bus
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
