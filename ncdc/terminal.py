@@ -2,24 +2,51 @@
 
 import sys
 
-__all__ = ["Progress", "Steps", "percent"]
+__all__ = ["Progress", "Steps", "end_line", "percent", "say"]
+
+
+_QUARTER = 25           # per cent between two words on progress where no terminal is
+_open = None            # the stream whose last line is progress that goes on
+
+
+def say(sentence):
+    """Print a ``sentence`` on stderr, in a line of its own even in the middle of progress."""
+    end_line()
+    print(sentence, file=sys.stderr, flush=True)
+
+
+def end_line():
+    """End the line of progress on stderr, if it is not ended."""
+    global _open
+    if _open is sys.stderr and _open is not None:
+        print(file=sys.stderr, flush=True)
+    _open = None
 
 
 class Progress:
-    """Tells on stderr how far a long step is: one line kept up to date on a terminal, elsewhere a
-    line per quarter."""
+    """Tells on stderr how far a long step is, in one line: kept up to date on a terminal, elsewhere
+    with a word per quarter, which a log shows as it grows."""
 
     def __init__(self, name):
         self.name, self.shown = name, None
-        self.step, self.end = (1, "") if sys.stderr.isatty() else (25, "\n")
+        self.terminal = sys.stderr.isatty()
 
     def __call__(self, fraction, note=""):
-        percent = int(100 * fraction) // self.step * self.step
-        if percent != self.shown:
-            self.shown = percent
-            start = "" if self.end else "\r"
-            print(f"{start}{self.name}: {percent:3d} %{note}   ", file=sys.stderr, flush=True,
-                  end="\n" if fraction >= 1 else self.end)
+        """``fraction`` from 0 to 1; the ``note`` is shown on terminals, and at the end."""
+        global _open
+        step = 1 if self.terminal else _QUARTER
+        percent = int(100 * fraction) // step * step
+        if percent == self.shown:
+            return
+        if self.terminal:
+            text = f"\r{self.name}: {percent:3d} %{note}   "
+        else:
+            # What was said in between has ended the line.
+            start = "" if self.shown is not None and _open is sys.stderr else f"{self.name}:"
+            text = f"{start} {percent} %" + (note if fraction >= 1 else "")
+        self.shown = percent
+        print(text, file=sys.stderr, flush=True, end="\n" if fraction >= 1 else "")
+        _open = None if fraction >= 1 else sys.stderr
 
 
 class Steps:

@@ -1,30 +1,20 @@
-"""The ``ncdc`` command: one module per subcommand."""
+"""The ``ncdc`` command: one module per subcommand, imported when it runs."""
 
 import argparse
 import importlib
 import os
 import sys
-import warnings
 from importlib.metadata import version
 
-import numpy as np
-from amaranth.hdl import UnusedElaboratable
-
-from ncdc_host.client.errors import DeviceError
+from ncdc.cli.commands import COMMANDS
+from ncdc.terminal import say
 from ncdc_model.errors import InputError
-from ncdc_model.files import check_outputs
-from ncdc_model.threads import one_thread
-from ncdc_sim.tools import SimulationError
 
 __all__ = ["COMMANDS", "main", "parser"]
 
-# Each module has HELP, EXAMPLE, add_arguments(parser) and run(args); run returns the exit
-# status, None for 0.
-COMMANDS = ("demo", "calibrate", "train", "evaluate", "correct", "export", "plan", "generate",
-            "build", "simulate", "bench", "sensor", "device", "client", "soc")
-
-
 _TO_FOLDER = ("demo", "generate", "bench", "build")      # commands whose --output is a folder
+_LIGHT = ("doctor",)                # commands that work where the packages of the others do not
+_INTERRUPTED = 130                  # exit status of programs that Ctrl-C has ended
 
 
 class _Parser(argparse.ArgumentParser):
@@ -39,17 +29,30 @@ def parser(command=None):
 
     What the others import takes a second, of which the one that runs has no use.
     """
-    top = _Parser(prog="ncdc", description=__doc__ and (
-        "From one photo of a calibration target to hardware that straightens the picture."))
-    top.add_argument("--version", action="version", version=f"NCDC {version('ncdc')}")
-    commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    top, commands = _top()
     for name in (command,) if command in COMMANDS else COMMANDS:
         module = importlib.import_module(f"ncdc.cli.{name}")
-        sub = commands.add_parser(name, help=module.HELP, description=module.HELP,
+        sub = commands.add_parser(name, help=COMMANDS[name], description=COMMANDS[name],
                                   epilog=f"example: {module.EXAMPLE}")
         module.add_arguments(sub)
         sub.set_defaults(run=module.run)
     return top
+
+
+def _overview():
+    """The parser without any command's arguments: it needs none of their modules."""
+    top, commands = _top()
+    for name, text in COMMANDS.items():
+        commands.add_parser(name, help=text)
+    return top
+
+
+def _top():
+    """Parser of the options that belong to no command, and the place of the commands' parsers."""
+    top = _Parser(prog="ncdc", description=(
+        "From one photo of a calibration target to hardware that straightens the picture."))
+    top.add_argument("--version", action="version", version=f"NCDC {version('ncdc')}")
+    return top, top.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
 
 def _files(args):
@@ -68,26 +71,56 @@ def _files(args):
 
 
 def main(arguments=None):
-    """Run a command; the exit status: 0 success, 1 a check failed, 2 bad usage or input."""
-    # Of a corrector that is planned for, only the clocks are asked.
-    warnings.simplefilter("ignore", UnusedElaboratable)
-    arguments = sys.argv[1:] if arguments is None else arguments
-    args = parser(arguments[0] if arguments else None).parse_args(arguments)
+    """Run a command; the exit status: 0 success, 1 a check failed, 2 bad usage or input, 130
+    interrupted."""
+    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    name = arguments[0] if arguments and arguments[0] in COMMANDS else None
     try:
-        check_outputs(*_files(args))
-        # What overflows becomes not-a-number, which the checks of the commands name.
-        with np.errstate(all="ignore"), one_thread():
-            return args.run(args) or 0
+        if name is None:
+            name = _overview().parse_args(arguments).command
+        return _run(name, parser(name).parse_args(arguments))
     except InputError as error:
-        print(f"ncdc {args.command}: {error}", file=sys.stderr)
+        say(f"ncdc {name}: {error}")
         return 2
-    except (SimulationError, DeviceError) as error:
-        print(f"ncdc {args.command}: {error}", file=sys.stderr)
-        return 1
     except KeyboardInterrupt:
-        print(f"\nncdc {args.command}: interrupted", file=sys.stderr)
-        return 130
+        say(f"ncdc {name or ''}".rstrip() + ": interrupted")
+        return _INTERRUPTED
     except BrokenPipeError:
         # The reader of our output has left; nothing more can be said to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+
+
+def _run(name, args):
+    """Exit status of the command ``name``."""
+    if name in _LIGHT:
+        return args.run(args) or 0
+
+    import numpy as np
+
+    from ncdc.cli.roles import check_roles
+    from ncdc_host.client.errors import DeviceError
+    from ncdc_model.files import check_outputs
+    from ncdc_model.threads import one_thread
+    from ncdc_sim.tools import SimulationError
+    _ignore_unused()
+    try:
+        check_outputs(*_files(args))
+        check_roles(args)
+        # What overflows becomes not-a-number, which the checks of the commands name.
+        with np.errstate(all="ignore"), one_thread():
+            return args.run(args) or 0
+    except InputError:
+        raise                   # some errors of devices are both, and are bad input then
+    except (SimulationError, DeviceError) as error:
+        say(f"ncdc {name}: {error}")
+        return 1
+
+
+def _ignore_unused():
+    """Silence Amaranth's warning of components that are made and not elaborated: of a corrector
+    that is planned for, only the clocks are asked."""
+    import warnings
+
+    from amaranth.hdl import UnusedElaboratable
+    warnings.simplefilter("ignore", UnusedElaboratable)

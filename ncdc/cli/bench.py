@@ -18,9 +18,8 @@ from ncdc.bench.throughput import command as throughput
 from ncdc.bench.truth import command as truth
 from ncdc.bench.window import command as window
 
-__all__ = ["BENCHES", "EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["BENCHES", "EXAMPLE", "add_arguments", "run"]
 
-HELP = "measure the figures of the documentation again"
 EXAMPLE = "ncdc bench tansig --sampled --no-synth"
 BENCHES = {"accuracy": accuracy, "client": client, "grid": grid, "lines": lines,
            "network": network, "nodes": nodes, "photos": photos, "pictures": pictures,

@@ -30,9 +30,8 @@ from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.files import check_outputs, write_bytes, write_text
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "make the bitstream of a board, or its Quartus project"
 EXAMPLE = "ncdc build net.toml --board ulx3s -o board"
 
 _MOST_SEEDS = 20

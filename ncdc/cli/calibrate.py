@@ -13,10 +13,10 @@ from ncdc.cli.common import (
     add_samples,
     read_photo,
     straightness_text,
-    to_stderr,
     write_report,
 )
-from ncdc.terminal import Progress
+from ncdc.cli.photo_names import photos_of
+from ncdc.terminal import Progress, say
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.measure import measure_smooth
@@ -25,19 +25,19 @@ from ncdc_model.calibration.quality import Dropped, warnings_of
 from ncdc_model.errors import InputError
 from ncdc_model.images import write_image
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "judged", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "judged", "run"]
 
 _LENS, _DRAWN = 0.7, 0.9    # parts of the work done before the lens, and before the pictures
 _LISTED = 20                # dropped points that are printed
 
-HELP = "find a target's points in photos of it"
 EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
 
 
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("photos", nargs="+", metavar="PHOTO",
-                        help="photo of the target: colour, grey, or the raw Bayer frame")
+                        help="photo of the target: colour, grey, or the raw Bayer frame; a folder "
+                             "of photos, or a pattern in quotes")
     parser.add_argument("--target", default="auto", metavar="KIND",
                         help="dots (a page of black dots that fills the picture), circles:CxR, "
                              "acircles:CxR (staggered: circles in a line, lines), "
@@ -46,13 +46,14 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
                              "drawn over it goes next to it, as points.overlay.png")
-    add_page(parser)
-    add_samples(parser)
+    add_page(parser.add_argument_group("shape of the page"))
+    add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
 
 
 def run(args):
     """Detect, write the points file and the overlays, report."""
+    args.photos = photos_of(args.photos)
     progress, warn = Progress("calibrate"), _once()
     points = replace(detect_points(_photos(args, progress, warn), args.target),
                      page=args.page or "")
@@ -70,7 +71,9 @@ def run(args):
     report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),
               "overlays": overlays}
     for name, reason in points.rejected_photos.items():
-        print(f"{name}: not used: {reason}", file=sys.stderr)
+        # Sentences on files that cannot be read begin with their names.
+        print(f"not used: {reason}" if name in reason else f"{name}: not used: {reason}",
+              file=sys.stderr)
     for warning in warnings:
         print(f"warning: {warning}", file=sys.stderr)
     if not write_report(report, args.json):
@@ -175,7 +178,7 @@ def _once():
 
     def warn(sentence):
         if sentence not in written:
-            to_stderr(sentence)
+            say(sentence)
         written.add(sentence)
     return warn
 

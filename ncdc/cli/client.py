@@ -11,9 +11,8 @@ from ncdc_host.client.errors import printable
 from ncdc_model.errors import InputError
 from ncdc_model.files import check_outputs
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "devices on the network: find, show and set their features, grab pictures"
 EXAMPLE = "ncdc client grab 10 -o frames --device tcp://127.0.0.2"
 
 

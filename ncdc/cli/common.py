@@ -2,8 +2,8 @@
 
 import json
 import math
-import sys
 
+from ncdc.terminal import say
 from ncdc_model.errors import InputError
 from ncdc_model.files import write_stream
 from ncdc_model.geometry import MONO
@@ -14,7 +14,7 @@ from ncdc_model.raw_dump import RawDump
 from ncdc_model.samples import check_bits
 
 __all__ = ["add_camera", "add_json", "add_page", "add_samples", "raw_frame", "read_photo",
-           "straightness_text", "to_stderr", "write_report"]
+           "straightness_text", "write_report"]
 
 
 _RELIEF = 0.005        # px rms: less would be told as a relief of 0.00 px
@@ -41,12 +41,7 @@ def add_samples(parser):
                              "as MIPI does; stride: bytes a row; frame: which one, from 1")
 
 
-def to_stderr(sentence):
-    """Print ``sentence`` on standard error."""
-    print(sentence, file=sys.stderr)
-
-
-def read_photo(path, args, warn=to_stderr):
+def read_photo(path, args, warn=say):
     """The :class:`ncdc_model.photo.photo.Photo` in ``path`` by the options of :func:`add_samples`.
 
     ``warn`` is called with a sentence where something is a guess, or only a part is taken.
@@ -66,7 +61,7 @@ def read_photo(path, args, warn=to_stderr):
     return read.read_photo(path, args.bits, warn)
 
 
-def raw_frame(args, geometry, warn=to_stderr):
+def raw_frame(args, geometry, warn=say):
     """The raw Bayer frame of the file ``args.image``, and a note on what it was taken for.
 
     A picture of one channel is taken for the raw frame itself; of a colour picture, each pixel

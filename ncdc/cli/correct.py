@@ -10,9 +10,8 @@ from ncdc_model.corrector import correct
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.images import check_suffix, write_image
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "correct an image with the bit-exact golden model"
 EXAMPLE = "ncdc correct net.toml frame.png -o corrected.png"
 
 
@@ -22,8 +21,8 @@ def add_arguments(parser):
     parser.add_argument("image", metavar="IMAGE",
                         help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="corrected picture")
-    add_colour(parser)
-    add_samples(parser)
+    add_colour(parser.add_argument_group("colour"))
+    add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
 
 

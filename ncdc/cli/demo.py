@@ -40,9 +40,8 @@ from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
 from ncdc_sim.system.corrector import simulate_correction
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "photo, calibration, training, Verilog, simulation and report on the built-in example"
 EXAMPLE = "ncdc demo -o demo"
 _STEPS = 6
 

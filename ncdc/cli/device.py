@@ -6,17 +6,18 @@ import time
 from argparse import Namespace
 from ipaddress import IPv4Address
 
+from ncdc.cli.commands import COMMANDS
 from ncdc.cli.common import add_samples, raw_frame
 from ncdc.cli.field import add_field, field_of
+from ncdc.cli.renamed import add_renamed
 from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.interface.gvcp import PORT
 from ncdc_model.interface.table_one import TCP_PORT
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "an emulated device on the network: sensor, correction by the golden model, both protocols"
 EXAMPLE = "ncdc device serve net.toml --photo photo.raw.png --count 3"
 _COUNT_MAX = 16
 
@@ -24,24 +25,28 @@ _COUNT_MAX = 16
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     serve = parser.add_subparsers(dest="action", metavar="ACTION", required=True).add_parser(
-        "serve", help=HELP, description=HELP, epilog=f"example: {EXAMPLE}")
+        "serve", help=COMMANDS["device"], description=COMMANDS["device"],
+        epilog=f"example: {EXAMPLE}")
     serve.add_argument("descriptors", metavar="NET", nargs="+",
                        help="descriptors of ncdc train, one a lens, all of one size")
     serve.add_argument("--photo", metavar="IMAGE",
                        help="what the camera looks at: a raw frame, or a colour picture to be "
                        "mosaiced (default: the built-in scene, in motion)")
-    add_samples(serve)
-    serve.add_argument("--address", default="127.0.0.2", metavar="IP",
+    add_samples(serve.add_argument_group("samples of the file"))
+    serve.add_argument("--address", default="127.0.0.2", metavar="IPV4",
                        help="of this machine; further devices take the following ones "
                        "(default: 127.0.0.2)")
     serve.add_argument("--count", type=int, default=1, metavar="N", help="devices (default: 1)")
     add_field(serve)
     serve.add_argument("--fps", type=float, default=30.0, metavar="F",
                        help="frames per second after reset (default: 30)")
-    serve.add_argument("--loss", type=float, default=0.0, metavar="P",
-                       help="share of the stream's packets lost on purpose (default: 0)")
-    serve.add_argument("--loss-again", type=float, default=0.0, metavar="P",
-                       help="share lost of those that are sent again (default: 0)")
+    serve.add_argument("--packet-loss", type=float, default=0.0, metavar="P",
+                       help="part of the stream's packets that gets lost on purpose, as 0.01 "
+                       "(default: 0)")
+    add_renamed(serve, "--loss", "--packet-loss", type=float)
+    serve.add_argument("--resend-loss", type=float, default=0.0, metavar="P",
+                       help="part of those sent again that gets lost (default: 0)")
+    add_renamed(serve, "--loss-again", "--resend-loss", type=float)
     serve.add_argument("--noise", type=float, default=1.0, metavar="S",
                        help="read noise of the sensor, grey levels; 0: no noise at all "
                        "(default: 1)")
@@ -74,8 +79,8 @@ def run(args):
     devices, announcer = [], None
     try:
         for address in addresses:
-            options = DeviceOptions(address, fps=args.fps, loss=args.loss, noise=args.noise,
-                                    loss_again=args.loss_again, tcp_port=args.tcp_port,
+            options = DeviceOptions(address, fps=args.fps, loss=args.packet_loss, noise=args.noise,
+                                    loss_again=args.resend_loss, tcp_port=args.tcp_port,
                                     field=field_of(args))
             devices.append(EmulatedDevice(corrections, options, image))
             print(f"{options.serial} at {address}: Table I on TCP port {devices[-1].table.port}, "

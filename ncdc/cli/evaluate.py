@@ -8,9 +8,8 @@ from ncdc.terminal import Progress
 from ncdc_model.against import evaluate_against
 from ncdc_model.descriptor import Descriptor
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "measure the error of a descriptor"
 EXAMPLE = "ncdc evaluate net.toml --against points.json"
 
 

@@ -9,9 +9,8 @@ from ncdc_model.errors import InputError
 from ncdc_model.remap import SUFFIXES, remap_tables, save_tables
 from ncdc_model.training.source import is_points_file
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "write a map as tables for OpenCV's remap, or points as CSV"
 EXAMPLE = "ncdc export net.toml -o maps.npz"
 
 

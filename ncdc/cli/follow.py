@@ -1,5 +1,6 @@
 """The options of a frame that begins before the camera's is complete."""
 
+from ncdc.cli.renamed import add_renamed
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.errors import InputError
@@ -13,9 +14,10 @@ def add_follow(parser):
     parser.add_argument("--follow", action="store_true",
                         help="begin with the camera's frame, and wait for its rows; raster order "
                              "unless --strip is given")
-    parser.add_argument("--camera-line", type=int, metavar="CLOCKS",
+    parser.add_argument("--line-clocks", type=int, metavar="CLOCKS",
                         help="clocks of a row of the camera with --follow, of which it sends a "
                              "sample in each of the first ones (default: its samples)")
+    add_renamed(parser, "--camera-line", "--line-clocks", type=int)
 
 
 def follow_strip(args, geometry):
@@ -27,11 +29,11 @@ def follow_strip(args, geometry):
     InputError
         If a row of the camera does not fit, or is given without --follow.
     """
-    if args.camera_line is not None and not args.follow:
-        raise InputError(f"the camera's line is {args.camera_line} clocks, which needs --follow")
+    if args.line_clocks is not None and not args.follow:
+        raise InputError(f"the camera's line is {args.line_clocks} clocks, which needs --follow")
     if not args.follow:
         return None
-    camera_line(args.camera_line, geometry)
+    camera_line(args.line_clocks, geometry)
     return 0
 
 
@@ -40,4 +42,4 @@ def bound_of(args, descriptor, hardware, memory):
     if not args.follow:
         return None
     return follow_bound(descriptor, hardware, memory, Corrector(descriptor, hardware).timing,
-                        line=args.camera_line, progress=Progress("following"))
+                        line=args.line_clocks, progress=Progress("following"))

@@ -34,12 +34,11 @@ from ncdc_model.files import write_text
 from ncdc_model.hardware import VIDEOS
 from ncdc_model.sensors.catalogue import SENSORS, sensor_named
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
 _NAMES = (TOP, AXI_TOP, SYSTEM, AXI_SYSTEM)     # of modules without --name
 _SENSORS = [sensor.name for sensor in SENSORS]
 
-HELP = "write the Verilog of the corrector and its drivers"
 EXAMPLE = "ncdc generate net.toml -o hardware --data-width 32"
 
 
@@ -47,35 +46,37 @@ def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
-    add_hardware(parser)
-    add_bus(parser)
-    parser.add_argument("--name", metavar="NAME",
-                        help="name of the module, of those below it and of the hardware's files "
-                             "(default: ncdc, with _system, _axi); two cores in one design need "
-                             "two")
-    parser.add_argument("--lens", action="append", default=[], metavar="NET",
-                        help="another descriptor that the same hardware may be given at run time, "
-                             "for the drivers; may be repeated")
-    parser.add_argument("--board", metavar="NAME",
-                        help="write a project for Platform Designer too: faka2; the board chooses "
-                             "--data-width, --to and --multiplier-bits unless they are given")
-    parser.add_argument("--system", action="store_true",
-                        help="write ncdc_system.v instead: a camera and stores of frames before "
-                             "the corrector, which corrects each frame by itself")
-    parser.add_argument("--usb", choices=[name.lower() for name in CHIPS], metavar="CHIP",
-                        help="with --system: registers, pictures and Table I over an FTDI chip, "
-                             "ft232h or ft601; needs --sensor")
-    parser.add_argument("--sensor", choices=_SENSORS, metavar="NAME",
-                        help=f"the sensor on the I2C bus: {', '.join(_SENSORS)}")
-    parser.add_argument("--packetiser", action="store_true",
-                        help="write ncdc_packetiser.v too, which sends frames in memory as "
-                             "Ethernet packets, and its component of Platform Designer")
-    parser.add_argument("--niosv", action="store_true",
-                        help="with --system and --packetiser: also a script that joins them with a "
-                             "Nios V and Altera's MAC in Platform Designer")
-    parser.add_argument("--testbench", nargs="?", const="", metavar="FRAME",
-                        help="write a self-checking test bench for any simulator too, with the raw "
-                             "frame and the expected picture; of FRAME, or of a pattern")
+    hardware = parser.add_argument_group("hardware", "none of it changes a pixel")
+    add_hardware(hardware)
+    add_bus(hardware)
+    more = parser.add_argument_group("what is written")
+    more.add_argument("--name", metavar="NAME",
+                      help="name of the module, of those below it and of the hardware's files "
+                           "(default: ncdc, with _system, _axi); two cores in one design need "
+                           "two")
+    more.add_argument("--lens", action="append", default=[], metavar="NET",
+                      help="another descriptor that the same hardware may be given at run time, "
+                           "for the drivers; may be repeated")
+    more.add_argument("--board", metavar="NAME",
+                      help="write a project for Platform Designer too: faka2; the board chooses "
+                           "--data-width, --to and --multiplier-bits unless they are given")
+    more.add_argument("--system", action="store_true",
+                      help="write ncdc_system.v instead: a camera and stores of frames before "
+                           "the corrector, which corrects each frame by itself")
+    more.add_argument("--usb", choices=[name.lower() for name in CHIPS], metavar="CHIP",
+                      help="with --system: registers, pictures and Table I over an FTDI chip, "
+                           "ft232h or ft601; needs --sensor")
+    more.add_argument("--sensor", choices=_SENSORS, metavar="NAME",
+                      help=f"the sensor on the I2C bus: {', '.join(_SENSORS)}")
+    more.add_argument("--packetiser", action="store_true",
+                      help="write ncdc_packetiser.v too, which sends frames in memory as "
+                           "Ethernet packets, and its component of Platform Designer")
+    more.add_argument("--niosv", action="store_true",
+                      help="with --system and --packetiser: also a script that joins them with a "
+                           "Nios V and Altera's MAC in Platform Designer")
+    more.add_argument("--testbench", nargs="?", const="", metavar="FRAME",
+                      help="write a self-checking test bench for any simulator too, with the raw "
+                           "frame and the expected picture; of FRAME, or of a pattern")
     add_json(parser)
 
 

@@ -1,10 +1,11 @@
-"""``ncdc simulate --camera``: frames of a running camera, from a sensor's pins to pictures."""
+"""``ncdc simulate --sensor``: frames of a running camera, from a sensor's pins to pictures."""
 
 import sys
 
 from ncdc.cli.common import raw_frame, read_photo, write_report
 from ncdc.cli.field import add_field, field_of, field_report
 from ncdc.cli.hardware import fixed_of, hardware_of, planned
+from ncdc.cli.renamed import add_renamed
 from ncdc.cli.waves import waves_of
 from ncdc.terminal import Progress
 from ncdc_hdl.system import System
@@ -26,8 +27,9 @@ def add_moving(parser):
     group = parser.add_argument_group(
         "a running camera", "frames go through the pins of a sensor and through memory, and are "
         "corrected as they come; OUT is an animation of the corrected pictures")
-    group.add_argument("--camera", metavar="SENSOR",
+    group.add_argument("--sensor", metavar="NAME",
                        help=", ".join(sensor.name for sensor in SENSORS))
+    add_renamed(parser, "--camera", "--sensor")
     add_field(group)
     group.add_argument("--frames", type=int, default=5, metavar="N", help="default: 5")
     group.add_argument("--velocity", default="12,0", metavar="X,Y",
@@ -43,13 +45,13 @@ def run_moving(args, descriptor):
         raise InputError(f"frames is {args.frames}, 1 to {_MOST_FRAMES} are simulated")
     check_animation(args.output)
     velocity = _velocity(args.velocity)
-    for option, given in (("--camera-line", args.camera_line), ("--tone", args.tone),
+    for option, given in (("--line-clocks", args.line_clocks), ("--tone", args.tone),
                           ("--white-balance", args.white_balance)):
         if given is not None:
-            raise InputError(f"{option} is given with --camera {args.camera}, which does not take "
+            raise InputError(f"{option} is given with --sensor {args.sensor}, which does not take "
                              f"it")
     hardware, _ = planned(hardware_of(args), fixed_of(args, 0 if args.follow else None), descriptor)
-    plan, crop = setup_around(args.camera, descriptor.geometry, field=field_of(args),
+    plan, crop = setup_around(args.sensor, descriptor.geometry, field=field_of(args),
                               exposure_us=args.exposure_us)
     raw, note = raw_frame(args, descriptor.geometry)
     photo = read_photo(args.image, args, warn=lambda sentence: None).image   # it warned before

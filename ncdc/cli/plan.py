@@ -15,6 +15,7 @@ from ncdc.cli.hardware import (
     front_end_line,
 )
 from ncdc.cli.plan_board import plan_board
+from ncdc.cli.renamed import add_renamed
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.descriptor import Descriptor
@@ -26,12 +27,11 @@ from ncdc_model.memory_timing import memory_at
 from ncdc_model.sensors.catalogue import SENSORS
 from ncdc_model.sensors.framing import setup_around
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "choose cache, split and strips for a trained map, and predict its speed on a memory"
 _NAMES = [sensor.name for sensor in SENSORS]
 _EXPOSURE_US = 1000.0           # short: the sensor sends as many frames as it can
-EXAMPLE = "ncdc plan net.toml --memory ddr3 --clock 150 --to stream"
+EXAMPLE = "ncdc plan net.toml --memory ddr3 --core-mhz 150 --to stream"
 
 
 def add_arguments(parser):
@@ -39,15 +39,16 @@ def add_arguments(parser):
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("--board", metavar="NAME",
                         help="whether a board of ncdc build carries the picture on its memory and "
-                             "its screen, beside --camera (default: mt9p031)")
+                             "its screen, beside --sensor (default: mt9p031)")
     add_mode(parser)
     parser.add_argument("--system", action="store_true",
                         help="the board with a processor, which sends each corrected picture")
     parser.add_argument("--memory", default="ddr3", metavar="NAME",
                         help="ideal, sdram, ddr3 (default) or fixed:LATENCY:BYTES, a latency in "
                              "clocks and bytes per clock")
-    parser.add_argument("--clock", type=float, metavar="MHZ",
+    parser.add_argument("--core-mhz", dest="clock", type=float, metavar="MHZ",
                         help=f"clock of the corrector (default: {CLOCK_MHZ:g})")
+    add_renamed(parser, "--clock", "--core-mhz", dest="clock", type=float)
     parser.add_argument("--data-width", type=int, choices=DATA_WIDTHS, metavar="BITS",
                         help="width of the memory port: 32, 64 or 128 (default: 128 on ddr3, "
                              "32 elsewhere)")
@@ -57,11 +58,13 @@ def add_arguments(parser):
     add_fixed(parser)
     add_lanes(parser)
     add_format(parser)
-    parser.add_argument("--rate", type=float, metavar="FPS",
+    parser.add_argument("--min-fps", dest="rate", type=float, metavar="FPS",
                         help="refuse what does not correct so many frames per second")
-    parser.add_argument("--camera", metavar="SENSOR",
+    add_renamed(parser, "--rate", "--min-fps", dest="rate", type=float)
+    parser.add_argument("--sensor", dest="camera", metavar="NAME",
                         help="also the clocks of a running system, in which this sensor's frames "
                              f"come to the same memory meanwhile: {', '.join(_NAMES)}")
+    add_renamed(parser, "--camera", "--sensor", dest="camera")
     add_field(parser)
     add_follow(parser)
     add_json(parser)

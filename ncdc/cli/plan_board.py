@@ -11,14 +11,15 @@ __all__ = ["plan_board"]
 
 # What a board brings itself, and what plan has for it otherwise.
 _OURS = {"memory": "ddr3", "clock": None, "data_width": None, "to": "memory"}
+_OPTIONS = {"clock": "--core-mhz", "data_width": "--data-width"}
 
 
 def plan_board(args, descriptor):
     """Plan and report; InputError, in one sentence, for what does not fit."""
     for name, default in _OURS.items():
         if getattr(args, name) != default:
-            raise InputError(f"--{name.replace('_', '-')} and --board {args.board} are given, the "
-                             f"board has its own")
+            raise InputError(f"{_OPTIONS.get(name, '--' + name)} and --board {args.board} are "
+                             f"given, the board has its own")
     board = board_named(args.board)
     design, (setup, crop), budget, line = designed(
         board, [(args.descriptor, descriptor)], sensor=args.camera, mode=args.mode,
@@ -55,4 +56,4 @@ def _what_fits(budget, args):
     """What would fit instead of a rate."""
     if budget.frames_per_second < args.rate:
         return f"the sensor sends {budget.frames_per_second:.1f}"
-    return f"--rate {int(budget.corrected_per_second)} or a smaller picture fits"
+    return f"--min-fps {int(budget.corrected_per_second)} or a smaller picture fits"

@@ -2,14 +2,14 @@
 
 import dataclasses
 
+from ncdc.cli.commands import COMMANDS
 from ncdc.cli.common import add_json, write_report
 from ncdc_model.files import write_text
 from ncdc_model.sensors.catalogue import SENSORS, sensor_named, setup
 from ncdc_model.sensors.sensor import Settings
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "register writes that set up an image sensor: window, exposure, gain, frame rate"
 EXAMPLE = "ncdc sensor show mt9p031 --width 1280 --height 1024 --exposure-us 10000 --gain-db 6"
 
 _TEXTS = {
@@ -32,7 +32,8 @@ _OPTIONS = {"bins": "--bin"}
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     show = parser.add_subparsers(dest="action", metavar="ACTION", required=True).add_parser(
-        "show", help=HELP, description=HELP, epilog=f"example: {EXAMPLE}")
+        "show", help=COMMANDS["sensor"], description=COMMANDS["sensor"],
+        epilog=f"example: {EXAMPLE}")
     show.add_argument("sensor", metavar="SENSOR",
                       help=", ".join(f"{sensor.name} ({sensor.title})" for sensor in SENSORS))
     for field in dataclasses.fields(Settings):

@@ -21,9 +21,8 @@ from ncdc_sim.memory.timing import simulated_memory
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.tools import SIMULATORS
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "difference", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "difference", "run"]
 
-HELP = "run the generated Verilog on an image and compare every pixel with the golden model"
 EXAMPLE = "ncdc simulate net.toml frame.png -o corrected.png --memory sdram"
 
 
@@ -34,20 +33,21 @@ def add_arguments(parser):
                         help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
     parser.add_argument("-o", "--output", required=True, metavar="OUT",
                         help="picture as the Verilog corrected it")
-    add_hardware(parser)
-    parser.add_argument("--memory", default="sdram", metavar="MEMORY",
-                        help="simulated memory: ideal, sdram (default), ddr3, hps, hostile, "
-                             "sdram@MHZ, ddr3@MHZ, hps@MHZ, fixed:LATENCY:BYTES (clocks, bytes per "
-                             "clock), or the controller LiteDRAM: litedram, litedram-ddr3")
-    parser.add_argument("--simulator", choices=SIMULATORS, default="verilator",
-                        help="verilator (default) or icarus, which takes some 100 times as long")
-    parser.add_argument("--seed", type=int, default=1, metavar="S",
-                        help="of the memory's random behaviour (default: 1)")
-    add_follow(parser)
+    add_hardware(parser.add_argument_group("hardware", "none of it changes a pixel"))
+    run = parser.add_argument_group("simulation")
+    run.add_argument("--memory", default="sdram", metavar="NAME",
+                     help="simulated memory: ideal, sdram (default), ddr3, hps, hostile, "
+                          "sdram@MHZ, ddr3@MHZ, hps@MHZ, fixed:LATENCY:BYTES (clocks, bytes per "
+                          "clock), or the controller LiteDRAM: litedram, litedram-ddr3")
+    run.add_argument("--simulator", choices=SIMULATORS, default="verilator",
+                     help="verilator (default) or icarus, which takes some 100 times as long")
+    run.add_argument("--seed", type=int, default=1, metavar="S",
+                     help="of the memory's random behaviour (default: 1)")
+    add_waves(run)
+    add_follow(parser.add_argument_group("low latency"))
     add_moving(parser)
-    add_colour(parser)
-    add_waves(parser)
-    add_samples(parser)
+    add_colour(parser.add_argument_group("colour"))
+    add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
 
 
@@ -60,7 +60,7 @@ def run(args):
     simulated_memory(args.memory)
     waves = waves_of(args)
     descriptor = Descriptor.load(args.descriptor)
-    if args.camera:
+    if args.sensor:
         return run_moving(args, descriptor)
     if args.field is not None:
         raise InputError(f"--field {args.field} is of a sensor: --camera NAME is needed")
@@ -69,7 +69,7 @@ def run(args):
     hardware = hardware_of(args)
     hardware, _ = planned(replace(hardware, colour=hardware.colour or choice is not None), fixed,
                           descriptor)
-    line = camera_line(args.camera_line, descriptor.geometry) if args.follow else None
+    line = camera_line(args.line_clocks, descriptor.geometry) if args.follow else None
     colour = choice(correct(descriptor, raw)) if choice else Colour()
     simulation = simulate_correction(
         descriptor, raw, hardware, follow_line=line, colour=colour, progress=Progress("simulating"),

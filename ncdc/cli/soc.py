@@ -8,17 +8,18 @@ import numpy as np
 
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.field import add_field, field_of
+from ncdc.cli.renamed import add_renamed
 from ncdc_model.corrector import check_raw
 from ncdc_model.descriptor import Descriptor
 from ncdc_model.errors import InputError
 from ncdc_model.images import check_suffix, write_image
 from ncdc_sim.link.namespaces import CLIENT, TAP, TapNetwork
 
-__all__ = ["EXAMPLE", "HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
-HELP = "the whole system in simulation: sensor, corrector, processor and Ethernet"
 EXAMPLE = "ncdc soc run --sim net.toml --photo photo.png"
 _EXPOSURES_US = (1.0, 1e6)
+_LOSS_STEPS = 1000              # in which the simulation counts lost packets
 
 
 def add_arguments(parser):
@@ -40,12 +41,15 @@ def add_arguments(parser):
         action.add_argument("--photo", required=True, dest="image", metavar="IMAGE",
                             help="what the camera looks at: a raw frame, or a colour picture to be "
                                  "mosaiced")
-        action.add_argument("--loss", type=int, default=0, metavar="P",
-                            help="of a thousand packets of pictures so many are lost (default: 0)")
+        action.add_argument("--packet-loss", type=float, default=0.0, metavar="P",
+                            help="part of the packets of pictures that gets lost, as 0.01, in "
+                                 "steps of 0.001 (default: 0)")
+        add_renamed(action, "--loss", "--packet-loss", type=int,
+                    convert=lambda steps: steps / _LOSS_STEPS)
         action.add_argument("-o", "--output", metavar="IMAGE",
                             help="write the picture that clients receive, by the golden model: not "
                                  "that of ncdc correct, as the sensor has a black level")
-        add_samples(action)
+        add_samples(action.add_argument_group("samples of the file"))
 
 
 def run(args):
@@ -54,8 +58,8 @@ def run(args):
     if not low <= args.exposure_us <= high:
         raise InputError(f"the exposure is {args.exposure_us:g} us, the limits are {low:g} and "
                          f"{high:g}")
-    if args.action == "run" and not 0 <= args.loss <= 1000:
-        raise InputError(f"the loss is {args.loss}, the limits are 0 and 1000")
+    if args.action == "run" and not 0 <= args.packet_loss <= 1:
+        raise InputError(f"the packet loss is {args.packet_loss:g}, the limits are 0 and 1")
     descriptor = Descriptor.load(args.descriptor)
     return _build(args, descriptor) if args.action == "build" else _run(args, descriptor)
 
@@ -99,8 +103,8 @@ def _run(args, descriptor):
         # The end of the network ends the simulation, too.
         for number in (signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: sys.exit(0))
-        process = network.start(model.command(f"+tap={TAP}", f"+loss={args.loss}", "+rate"),
-                                cwd=folder)
+        loss = f"+loss={round(_LOSS_STEPS * args.packet_loss)}"
+        process = network.start(model.command(f"+tap={TAP}", loss, "+rate"), cwd=folder)
         try:
             return process.wait()
         except KeyboardInterrupt:

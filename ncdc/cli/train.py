@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ncdc.cli.common import add_camera, add_json, add_page, straightness_text, write_report
-from ncdc.terminal import Progress
+from ncdc.cli.renamed import add_renamed
+from ncdc.terminal import Progress, say
 from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.fixed import Q
@@ -27,13 +28,13 @@ from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
 from ncdc_model.training.train import TRAINERS, check_request
 
-__all__ = ["EXAMPLE", "HELP", "TABLES", "add_arguments", "error_table", "nodes_text",
+__all__ = ["EXAMPLE", "TABLES", "add_arguments", "error_table", "nodes_text",
            "plot_training", "run", "training_progress"]
 
+_NEURONS = 8           # auto would train 16 networks of a page of dots: minutes, not seconds
 _POOR = 1 / 640        # of the width: a map that is off by more at most is warned of
 TABLES = "training", "held_out", "beyond_points", "region", "frame"
 
-HELP = "train a camera's network and write its descriptor"
 EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
 
 
@@ -45,46 +46,51 @@ def add_arguments(parser):
                              "RealSense, NeRF, BoofCV, or our own (TOML); or a map for OpenCV's "
                              "remap: one file with both tables (.npz, YAML, XML, JSON), or one "
                              "each (.npy, TIFF, OpenEXR too)")
-    parser.add_argument("--neurons", type=_neurons, required=True, metavar="N",
-                        help="hidden neurons, 4 to 12 are usual; auto: the fewest, up to 16, that "
-                             "meet --max-error, or 0.1 px without it")
-    parser.add_argument("--max-error", type=float, metavar="PX",
-                        help="with --neurons auto: largest error, on the whole frame where a "
-                             "camera file or a map is the source, else at the held-out points; "
-                             "without this option 0.1 is the goal, and if none of the networks "
-                             "meets it, the smallest of the best ones is taken")
-    parser.add_argument("--sensor", metavar="WxH",
+    source = parser.add_argument_group("where the pairs come from")
+    source.add_argument("--sensor-size", metavar="WxH",
                         help="size of the sensor's frames, where the file does not say it: a map, "
                              "a CSV of points, some camera files; a camera file of another size "
                              "of the same aspect is scaled to it")
-    parser.add_argument("--skip", action="store_true",
-                        help="add a linear path from the inputs straight to the outputs: four "
-                             "products that save about one hidden neuron")
-    parser.add_argument("--trainer", choices=list(TRAINERS), default="lm",
-                        help="lm: Levenberg-Marquardt from many starts (default); ebp: the "
-                             "paper's error back-propagation, for comparison")
-    parser.add_argument("--epochs", type=int, metavar="E",
-                        help="with --trainer ebp: most passes over the points (default: 5000)")
-    parser.add_argument("--size", metavar="WxH",
-                        help="corrected picture (default: as large as the camera's)")
-    parser.add_argument("--zoom", metavar="Z",
-                        help="fit: the camera's full width fills the picture (default, except "
-                             "for a file with a projection matrix, which says its frame); fill: "
-                             "no pixel without a source; or a number: magnification in the middle")
-    parser.add_argument("--seed", type=int, default=0, metavar="S",
-                        help="same seed, same descriptor (default: 0)")
-    parser.add_argument("--held-out", type=int, default=HELD_OUT, metavar="K",
+    add_renamed(parser, "--sensor", "--sensor-size")
+    add_camera(source)
+    add_page(source)
+    source.add_argument("--held-out", type=int, default=HELD_OUT, metavar="K",
                         help=f"one point in K only measures; 0: none (default: {HELD_OUT})")
-    parser.add_argument("--bayer", choices=BAYERS, default="RGGB",
-                        help="colour filter of the sensor, first two rows (default: RGGB); MONO: "
-                             "a grey sensor, without one")
-    parser.add_argument("--fill", default="0,0,0", metavar="R,G,B",
-                        help="colour of pixels without a source (default: 0,0,0)")
-    _add_hardware(parser)
+    network = parser.add_argument_group("network and training")
+    network.add_argument("--neurons", type=_neurons, default=_NEURONS, metavar="N",
+                         help=f"hidden neurons, 4 to 12 are usual (default: {_NEURONS}); auto: the "
+                              f"fewest, up to 16, that meet --max-error, or 0.1 px without it, "
+                              f"which takes minutes")
+    network.add_argument("--max-error", type=float, metavar="PX",
+                         help="with --neurons auto: largest error, on the whole frame where a "
+                              "camera file or a map is the source, else at the held-out points; "
+                              "without this option 0.1 is the goal, and if none of the networks "
+                              "meets it, the smallest of the best ones is taken")
+    network.add_argument("--skip", action="store_true",
+                         help="add a linear path from the inputs straight to the outputs: four "
+                              "products that save about one hidden neuron")
+    network.add_argument("--trainer", choices=list(TRAINERS), default="lm",
+                         help="lm: Levenberg-Marquardt from many starts (default); ebp: the "
+                              "paper's error back-propagation, for comparison")
+    network.add_argument("--epochs", type=int, metavar="E",
+                         help="with --trainer ebp: most passes over the points (default: 5000)")
+    network.add_argument("--seed", type=int, default=0, metavar="S",
+                         help="same seed, same descriptor (default: 0)")
+    picture = parser.add_argument_group("picture")
+    picture.add_argument("--size", metavar="WxH",
+                         help="corrected picture (default: as large as the camera's)")
+    picture.add_argument("--zoom", metavar="Z",
+                         help="fit: the camera's full width fills the picture (default, except "
+                              "for a file with a projection matrix, which says its frame); fill: "
+                              "no pixel without a source; or a number: magnification in the middle")
+    picture.add_argument("--bayer", choices=BAYERS, default="RGGB",
+                         help="colour filter of the sensor, first two rows (default: RGGB); MONO: "
+                              "a grey sensor, without one")
+    picture.add_argument("--fill", default="0,0,0", metavar="R,G,B",
+                         help="colour of pixels without a source (default: 0,0,0)")
+    _add_hardware(parser.add_argument_group("hardware"))
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
                         help="descriptor (default: net.toml); plots go beside it")
-    add_page(parser)
-    add_camera(parser)
     add_json(parser)
 
 
@@ -125,7 +131,7 @@ def run(args):
                          f"for")
     choices, fill = _choices(args), _colour(args.fill)
     size, sensor = (_size(text, name) if text else None
-                    for text, name in ((args.size, "size"), (args.sensor, "sensor")))
+                    for text, name in ((args.size, "size"), (args.sensor_size, "sensor size")))
     check_request(1 if args.neurons == "auto" else args.neurons, choices)
     if args.zoom is not None:
         parse_zoom(args.zoom)
@@ -195,7 +201,7 @@ def _tell_map(source):
 
 
 def _warn(sentence):
-    print(f"warning: {sentence}", file=sys.stderr)
+    say(f"warning: {sentence}")
 
 
 def _train(args, source, choices):
@@ -220,7 +226,7 @@ def _choices(args):
 
 
 def _tried(neurons, worst):
-    print(f"{neurons} hidden neurons: at most {worst:.4g} px", file=sys.stderr)
+    say(f"{neurons} hidden neurons: at most {worst:.4g} px")
 
 
 def plot_training(trained, source, output, held_out=HELD_OUT):

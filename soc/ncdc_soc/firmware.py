@@ -2,7 +2,6 @@
 
 import io
 import re
-import shutil
 import struct
 import subprocess
 import zipfile
@@ -21,6 +20,7 @@ from ncdc_model.interface.genicam import genicam_xml
 from ncdc_model.interface.link_map import LINK, TEMPLATES
 from ncdc_model.interface.pixel_formats import raw_format
 from ncdc_model.interface.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
+from ncdc_model.needs import check_programs
 from ncdc_model.sensors import mt9p031
 from ncdc_model.sensors.framing import Crop, field_values
 from ncdc_model.sensors.waking import wake_times
@@ -30,7 +30,11 @@ from ncdc_soc.processor import MAP
 
 __all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
 
-FIRMWARE = Path(__file__).resolve().parents[1] / "firmware"
+_HERE = Path(__file__).resolve().parent
+# A wheel has the sources in the package, a checkout next to it.
+FIRMWARE = next((path for path in (_HERE / "firmware_source", _HERE.parent / "firmware")
+                 if path.is_dir()), _HERE / "firmware_source")
+_SPECS = "picolibc.specs"       # of the C library
 _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER_LEAST = 8      # clocks
 _USERS = 8                  # of Table I at a time
@@ -43,7 +47,7 @@ _SLOW = ("main.c", "gvcp_write.c", "words.c", "phy.c", "mdio.c", "uart.c")
 _ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
             "-ffreestanding", "-fbuiltin", "-fno-tree-loop-distribute-patterns",
-            "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles", "--specs=picolibc.specs",
+            "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles", f"--specs={_SPECS}",
             "-Wl,--gc-sections")
 _FAST = ("-O2",)                        # of ours, what answers GVCP
 _SMALL = ("-Os", "-msave-restore")      # the rest, and lwIP
@@ -324,10 +328,12 @@ def firmware_image(text, soc, folder):
         If there is no source or no compiler, or it refuses.
     """
     if not FIRMWARE.is_dir():
-        raise InputError(f"{FIRMWARE} is missing: the firmware is compiled from a checkout of NCDC")
-    if shutil.which(_COMPILER) is None:
-        raise InputError(f"{_COMPILER} is missing: Debian's gcc-riscv64-unknown-elf and "
-                         f"picolibc-riscv64-unknown-elf have it")
+        raise InputError(f"{FIRMWARE} is missing, which NCDC's wheel has: install NCDC again")
+    check_programs("compiles the firmware", _COMPILER)
+    # The compiler answers with the bare name of a file that it does not find.
+    if not Path(_run([_COMPILER, f"-print-file-name={_SPECS}"]).strip()).is_absolute():
+        raise InputError("picolibc is not installed, which the firmware is linked with: apt "
+                         "install picolibc-riscv64-unknown-elf")
     folder = Path(folder)
     (folder / "config.h").write_text(text)
     places = [f"-Wl,--defsym={name.upper()}_{what}={value:#x}" for name in ("rom", "sram")

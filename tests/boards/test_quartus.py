@@ -216,7 +216,7 @@ def the_sentence(capsys):
     ((64, 24), ["--board", "de0-cv", "--mode", "1280x720"], "takes 65 MHz at most: a smaller"),
     ((1024, 760), ["--board", "de2-115", "--mode", "1280x720"], "does not hold it: 1024x768 does"),
     ((64, 24), ["--board", "de1-soc", "--pixels-per-clock", "2"], "120 MB/s: 1 fits"),
-    ((64, 24), ["--board", "de2-115", "--rate", "2000"], "2000 are asked for: the sensor sends"),
+    ((64, 24), ["--board", "de2-115", "--min-fps", "2000"], "2000 are asked for: the sensor sends"),
     ((64, 24), ["--board", "de1-soc", "--to", "stream"], "the board has its own"),
     ((64, 24), ["--mode", "640x480"], "--board NAME is needed"),
     ((64, 24), ["--system"], "--system is of a board: --board NAME is needed"),

@@ -90,7 +90,7 @@ def test_one_camera_of_a_stereo_file_of_opencv(tmp_path, names, camera):
         with pytest.raises(InputError, match="holds the cameras 1, 2, one must be chosen"):
             load_camera_map(path, sensor=SIZE)
         return
-    with pytest.raises(InputError, match="does not say the size of the image; --sensor"):
+    with pytest.raises(InputError, match="does not say the size of the image; --sensor-size"):
         load_camera_map(path, camera=camera)
     matrix = K + [[0, 0, 15 * (camera == "2")], [0, 0, 0], [0, 0, 0]]
     assert_same(load_camera_map(path, camera=camera, sensor=SIZE),

@@ -83,7 +83,7 @@ def test_struct_of_camera_parameters_counts_from_one(tmp_path, form):
     scipy.io.savemat(tmp_path / "stereo.mat", {"s": {
         "CameraParameters1": struct, "CameraParameters2": {**struct, "ImageSize": []}}})
     load_camera_map(tmp_path / "stereo.mat", camera="s.CameraParameters1")
-    with pytest.raises(InputError, match="does not say the size of the image; --sensor"):
+    with pytest.raises(InputError, match="does not say the size of the image; --sensor-size"):
         load_camera_map(tmp_path / "stereo.mat", camera="s.CameraParameters2")
 
 

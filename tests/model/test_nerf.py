@@ -72,7 +72,7 @@ def test_cameras_of_the_frames(tmp_path):
 
 def test_size_that_the_file_does_not_say(tmp_path):
     path = write(tmp_path / "t.json", **{name: OWN[name] for name in ("fl_x", "cx", "cy")})
-    with pytest.raises(InputError, match="does not say the size of the image; --sensor"):
+    with pytest.raises(InputError, match="does not say the size of the image; --sensor-size"):
         load_camera_map(path)
     assert load_camera_map(path, sensor=(640, 480)).distort(1, 0)[0] == 618
 

@@ -29,7 +29,7 @@ def test_the_file_of_the_tutorial_gives_the_pixels_of_opencv(tmp_path):
     theirs = cv2.projectPoints(np.stack([a, b, np.ones_like(a)], axis=1), np.zeros(3), np.zeros(3),
                                K, D)[0].reshape(-1, 2)
     with pytest.raises(InputError, match="B.npz: the file does not say the size of the image; "
-                                         "--sensor WxH gives it"):
+                                         "--sensor-size WxH gives it"):
         load_source(path)
     read = load_camera_map(path, sensor=(640, 480))
     np.testing.assert_allclose(np.stack(read.distort(a, b), axis=1), theirs, atol=1e-9)

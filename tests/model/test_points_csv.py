@@ -83,8 +83,9 @@ def test_a_network_is_trained_and_measured(tmp_path, capsys):
     train = ["train", str(tmp_path / "p.csv"), "--neurons", "2", "--trainer", "ebp",
              "--epochs", "30", "-o", str(tmp_path / "net.toml")]
     assert main(train) == 2
-    assert "the size of the photos is not known; --sensor WxH gives it" in capsys.readouterr().err
-    assert main([*train, "--sensor", "320x240"]) == 0
+    said = capsys.readouterr().err
+    assert "the size of the photos is not known; --sensor-size WxH gives it" in said
+    assert main([*train, "--sensor-size", "320x240"]) == 0
     capsys.readouterr()
     assert main(["evaluate", str(tmp_path / "net.toml"), "--against", str(tmp_path / "p.csv")]) == 0
     assert "measured on points, pose trained" in capsys.readouterr().out

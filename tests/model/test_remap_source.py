@@ -228,7 +228,7 @@ def test_careless_maps_are_refused_by_what_they_are(tmp_path, tables, message):
     (FIXED | {"map2": FIXED["map2"] + np.uint16(2000)}, r"the limits of OpenCV's fractions are 0 "
                                                         r"and 1023"),
     ({"map_x": X, "map_y": Y, "sensor": (160, 128, 3)}, r"sensor is \[160, 128, 3\], width and"),
-    ({"map_x": X, "map_y": Y}, r"the size of the sensor is not known; --sensor WxH gives it"),
+    ({"map_x": X, "map_y": Y}, r"the size of the sensor is not known; --sensor-size WxH gives it"),
     ({"map_x": X, "map_y": Y, "sensor": (5000, 128)}, "distorted_width is 5000, the limits are 8"),
     ({"map_x": X, "map_y": np.array([None, {}])}, "holds no map that can be read: Object arrays"),
 ])

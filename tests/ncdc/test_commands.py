@@ -336,3 +336,23 @@ def test_written_files_replace_whole(folder):
     assert run("correct net.toml raw.png -o out.png") == 0
     assert not list(folder.glob(".ncdc-*"))
     assert cv2.imread("out.png") is not None
+
+
+@pytest.mark.parametrize("command,groups", [
+    ("train", ["where the pairs come from", "network and training", "picture", "hardware"]),
+    ("generate", ["hardware", "what is written"]),
+    ("simulate", ["hardware", "simulation", "low latency", "a running camera", "colour"])])
+def test_long_help_has_groups(command, groups, capsys):
+    """No option of the command is left in the general group but those of its files."""
+    with pytest.raises(SystemExit):
+        cli.main([command, "--help"])
+    out = capsys.readouterr().out
+    places = [out.index(f"\n{group}:\n") for group in groups]
+    assert places == sorted(places)
+    general = re.search(r"\noptions:\n(.*?)\n\n", out, re.DOTALL)[1]
+    named = set(re.findall(r"^  (?:-\w[ \w]*, )?(--[\w-]+)", general, re.MULTILINE))
+    assert named <= {"--help", "--output", "--json"}
+
+
+def test_train_without_neurons_trains_eight(capsys):
+    assert cli.parser("train").parse_args(["train", "points.json"]).neurons == 8

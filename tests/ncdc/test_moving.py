@@ -1,4 +1,4 @@
-"""``ncdc simulate --camera``: what it refuses, and a run whose animation is looked at."""
+"""``ncdc simulate --sensor``: what it refuses, and a run whose animation is looked at."""
 
 import json
 
@@ -26,7 +26,7 @@ def folder(tmp_path_factory):
 
 def simulate(folder, *options, image="photo.png", output="moving.png"):
     return main(["simulate", str(folder / "net.toml"), str(folder / image), "-o",
-                 str(folder / output), "--camera", "mt9p031", *options])
+                 str(folder / output), "--sensor", "mt9p031", *options])
 
 
 @pytest.mark.parametrize("options,sentence", [
@@ -36,9 +36,9 @@ def simulate(folder, *options, image="photo.png", output="moving.png"):
     (("--velocity", "0,nan"), "the velocity is 0,nan, at most 1000 pixels per frame"),
     (("--exposure-us", "-1"), "the exposure is -1 us"),
     (("--exposure-us", "nan"), "the exposure is nan us"),
-    (("--tone", "sRGB"), "--tone is given with --camera mt9p031, which does not take it"),
-    (("--camera-line", "90"), "--camera-line is given with --camera mt9p031"),
-    (("--camera", "mt9"), "the sensor is 'mt9', known are mt9p031, mt9d111, ov5640"),
+    (("--tone", "sRGB"), "--tone is given with --sensor mt9p031, which does not take it"),
+    (("--line-clocks", "90"), "--line-clocks is given with --sensor mt9p031"),
+    (("--sensor", "mt9"), "the sensor is 'mt9', known are mt9p031, mt9d111, ov5640"),
 ])
 def test_what_is_refused(folder, capsys, options, sentence):
     assert simulate(folder, *options) == 2
@@ -59,7 +59,7 @@ def test_a_raw_frame_stands_still_and_a_photo_moves(folder, tmp_path):
                "--json", str(report)]
     net = str(folder / "net.toml")
     for image, output in (("raw.png", still), ("photo.png", moving)):
-        assert main(["simulate", net, str(folder / image), "-o", str(output), "--camera",
+        assert main(["simulate", net, str(folder / image), "-o", str(output), "--sensor",
                      "mt9p031", *options]) == 0
         figures = json.loads(report.read_text())
         assert figures["pixels_compared"] == 2 * SIZE[0] * SIZE[1]

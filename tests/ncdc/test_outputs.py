@@ -33,11 +33,12 @@ INPUTS = {"calibrate": ["frame.png"], "train": ["camera.toml", "--neurons", "2"]
 FILES = "calibrate", "train", "correct", "simulate", "export"
 FOLDERS = "demo", "generate", "build", "bench"
 NETWORK = "client", "device", "soc"     # they need one: tests/host and tests/soc try them
-PRINTS = ("sensor",)                # its one file: test_sensor_command
+OTHERS = ("sensor", "doctor", "target",  # their one file: test_sensor_command, test_doctor, ...
+          "completion")                   # none
 
 
 def test_every_command_is_here():
-    assert {*INPUTS, *NETWORK, *PRINTS} == set(COMMANDS)
+    assert {*INPUTS, *NETWORK, *OTHERS} == set(COMMANDS)
 
 
 @pytest.mark.parametrize("command", FILES)

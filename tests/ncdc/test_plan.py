@@ -143,7 +143,7 @@ def test_the_command_prints_and_reports(barrel, tmp_path, monkeypatch, capsys):
     assert f"cache of {size} bytes, split {split}, raster scan" in out
     assert f"{report['predicted_clocks_per_pixel']:.4f} clocks per pixel" in out
     assert report["data_width"] == 128
-    assert main(["plan", "net.toml", "--rate", "5000"]) == 2
+    assert main(["plan", "net.toml", "--min-fps", "5000"]) == 2
     error = capsys.readouterr().err
     assert error.startswith("ncdc plan: 5000 frames per second are asked for") and error.count(
         "\n") == 1
@@ -163,8 +163,8 @@ def test_pixels_that_wait_for_nodes_are_in_the_plan(waiting, tmp_path, monkeypat
     clocks = report["predicted_clocks_per_pixel"] * 160 * 120
     assert 46 * 120 - 10 < clocks < 46 * 120 + 400
     rate = report["frames_per_second"]
-    assert main([*command, "--rate", f"{.99 * rate:.1f}"]) == 0
-    assert main([*command, "--rate", f"{1.01 * rate:.1f}"]) == 2
+    assert main([*command, "--min-fps", f"{.99 * rate:.1f}"]) == 0
+    assert main([*command, "--min-fps", f"{1.01 * rate:.1f}"]) == 2
     assert "frames per second are predicted for a cache" in capsys.readouterr().err
     far = plan(replace(waiting, nodes=16), Hardware(data_width=128, output="stream", lanes=4),
                "ideal", lambda chosen: Corrector(replace(waiting, nodes=16), chosen).timing)

@@ -19,7 +19,7 @@ from ncdc_sim.tools import SimulationError
 
 
 @pytest.mark.parametrize("options, sentence", [
-    (["--loss", "1001"], "the loss is 1001, the limits are 0 and 1000"),
+    (["--packet-loss", "1.5"], "the packet loss is 1.5, the limits are 0 and 1"),
     (["--exposure-us", "0"], "the exposure is 0 us, the limits are 1 and 1e+06"),
     ([], "cannot read"),
 ])
@@ -47,7 +47,8 @@ class Model:
         return ["sh", "-c", "echo $$ > " + sys.argv[2] + "; exec sleep 100"]
 soc._model = lambda *_: Model()
 descriptor = Descriptor.load(sys.argv[1] + "/net.toml")
-args = Namespace(image=sys.argv[1] + "/raw.png", raw=None, bits=None, loss=0, output=None)
+args = Namespace(image=sys.argv[1] + "/raw.png", raw=None, bits=None, packet_loss=0,
+                 output=None)
 sys.exit(soc._run(args, descriptor))
 """
 

@@ -31,7 +31,7 @@ def test_the_frame_of_the_file_is_the_one_that_evaluate_measures(info, capsys):
 
 
 def test_a_scaled_calibration_is_scaled_by_evaluate_too(info, capsys):
-    assert main(["train", "info.yaml", *SPARE, "--sensor", "80x60", "-o", "net.toml", "--json",
+    assert main(["train", "info.yaml", *SPARE, "--sensor-size", "80x60", "-o", "net.toml", "--json",
                  "train.json"]) == 0
     said = ("the calibration is for 160x120 pixels, the sensor has 80x60: focal lengths and centre "
             "are scaled by 0.5\n")
@@ -40,5 +40,5 @@ def test_a_scaled_calibration_is_scaled_by_evaluate_too(info, capsys):
     assert said in capsys.readouterr().err
     assert json.load(open("got.json"))["map_error_fixed_px"] == pytest.approx(
         json.load(open("train.json"))["map_error_fixed_px"])
-    assert main(["train", "info.yaml", *SPARE, "--sensor", "80x80", "-o", "n.toml"]) == 2
+    assert main(["train", "info.yaml", *SPARE, "--sensor-size", "80x80", "-o", "n.toml"]) == 2
     assert "of another aspect: a frame that is cut" in capsys.readouterr().err

@@ -58,7 +58,7 @@ def test_a_camera_of_a_stereo_pair_as_tiff_files(tmp_path, few_starts, capsys):
     x, y = stereo_maps(*SIZE, alpha=1)[1]
     paths, out = [tmp_path / f"right_{axis}.tif" for axis in "xy"], tmp_path / "net.toml"
     assert all(cv2.imwrite(str(path), table) for path, table in zip(paths, (x, y)))
-    call(train, *paths, "--sensor", "192x144", "--neurons", 5, "-o", out, "--json",
+    call(train, *paths, "--sensor-size", "192x144", "--neurons", 5, "-o", out, "--json",
          tmp_path / "r.json")
     told = capsys.readouterr()
     assert "warning: " in told.err and "beyond a sensor of 192x144" in told.err
@@ -93,13 +93,14 @@ def test_the_neurons_of_a_map_are_chosen_by_its_whole_frame(tmp_path, few_starts
 
 @pytest.mark.parametrize("arguments,message", [
     (["train", "x.tif", "y.tif", "--neurons", "4"], "the size of the sensor is not known"),
-    (["train", "x.tif", "y.tif", "--neurons", "4", "--sensor", "192"], "sensor is '192', WxH is"),
-    (["train", "x.tif", "y.tif", "--neurons", "4", "--sensor", "192x144", "-o", "y.tif"],
+    (["train", "x.tif", "y.tif", "--neurons", "4", "--sensor-size", "192"],
+     "sensor size is '192', WxH is"),
+    (["train", "x.tif", "y.tif", "--neurons", "4", "--sensor-size", "192x144", "-o", "y.tif"],
      "would replace the input y.tif"),
-    (["train", "x.tif", "y.tif", "--neurons", "4", "--sensor", "192x144", "--zoom", "fill"],
+    (["train", "x.tif", "y.tif", "--neurons", "4", "--sensor-size", "192x144", "--zoom", "fill"],
      "size and zoom choose the frame of points and camera files, the map of x.tif has its own"),
-    (["train", "photo.png", "--neurons", "4"], "photo.png holds photo.png 20x30x3: a map has two"),
-    (["train", "camera.toml", "--neurons", "4", "--sensor", "320x240"],
+    (["train", "photo.png", "--neurons", "4"], "photo.png is a picture, points, a camera file or"),
+    (["train", "camera.toml", "--neurons", "4", "--sensor-size", "320x240"],
      "camera.toml: the camera is for 320x200 pixels, the sensor has 320x240"),
     (["evaluate", "net.toml", "--against", "x.tif", "--against", "y.tif"],
      "x.tif and y.tif is the map of a corrected picture with 192x144 pixels, the descriptor is "

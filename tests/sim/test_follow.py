@@ -122,8 +122,8 @@ def test_the_commands_report_the_bound(small, tmp_path, monkeypatch, capsys):
     assert f"out at most {report['follow_bound_clocks']} clocks after its last byte" in \
         capsys.readouterr().out
     for options, message in (
-            (["--camera-line", "90"], "the camera's line is 90 clocks, which needs --follow"),
-            (["--follow", "--camera-line", "47"],
+            (["--line-clocks", "90"], "the camera's line is 90 clocks, which needs --follow"),
+            (["--follow", "--line-clocks", "47"],
              "a row of the camera takes 47 clocks, the limits are 48 and 65535")):
         assert main(["plan", "net.toml", *options]) == 2
         assert message in capsys.readouterr().err

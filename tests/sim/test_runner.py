@@ -1,5 +1,6 @@
 """Building once, finding the simulators, cleaning up."""
 
+import re
 import subprocess
 import sys
 import threading
@@ -91,10 +92,25 @@ def test_interrupted_run_ends_the_simulation(tmp_path):
 def test_missing_simulator(monkeypatch):
     monkeypatch.setenv("PATH", "")
     monkeypatch.setattr(tools, "_wheel", lambda: None)
-    with pytest.raises(InputError, match=r"icarus \(iverilog\) is not installed"):
+    with pytest.raises(InputError, match=r"\(iverilog\) is not installed: apt install iverilog"):
         build_hello()
     with pytest.raises(InputError, match=r"verilator \(verilator\) is not installed"):
         tools.tool("verilator")
+
+
+@pytest.mark.parametrize("there,said", [
+    ((), "perl and make and g++ are not installed, which Verilator compiles with: "
+         "apt install perl make g++"),
+    (("perl", "make"), "g++ is not installed, which Verilator compiles with: apt install g++")])
+def test_missing_compiler(monkeypatch, tmp_path, there, said):
+    """The simulator itself is there, as where a wheel has brought it."""
+    for name in (*there, "verilator"):
+        (tmp_path / name).write_text("#!/bin/sh\n")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(tools, "_wheel", lambda: None)
+    with pytest.raises(InputError, match=re.escape(said)):
+        build("hello", "hello", [("hello.v", HELLO)])
 
 
 def test_cache_that_cannot_be_written(monkeypatch, tmp_path):

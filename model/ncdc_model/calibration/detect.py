@@ -52,8 +52,9 @@ def detect_points(images, target="auto"):
     ``images`` may be an iterator, and in place of an image may be a function that returns it: it
     is called again when needed, so that only one photo is in memory. ``auto`` settles on the kind
     and size of target that most photos show; parts of it do not count against the whole. A photo
-    without the target, of another size in pixels than most, or with the very points of an earlier
-    one, is left out with its reason; of a target that is seen in part, the part is used.
+    without the target, of another size in pixels than most, with the very points of an earlier
+    one, or for which its function raises InputError, is left out with its reason, unless it is the
+    only one; of a target that is seen in part, the part is used.
 
     Raises
     ------
@@ -93,11 +94,16 @@ def detect_points(images, target="auto"):
 def _looks(images, kind):
     """A :class:`Look` at each photo, and why some are of no use. With ``auto`` each is
     recognised."""
-    looks, rejected, seen = [], {}, set()
+    looks, rejected, seen, unread = [], {}, set(), []
     for name, image in images:
         name = f"{name} (again)" if str(name) in seen else str(name)
         seen.add(name)
-        look = Look(name, image)
+        try:
+            look = Look(name, image)
+        except InputError as error:
+            unread.append(error)
+            rejected[name] = str(error)
+            continue
         looks.append(look)
         if min(look.size) < MIN_SIZE:
             rejected[name] = (f"it is {look.size[0]}x{look.size[1]}, {MIN_SIZE} pixels on a side "
@@ -107,6 +113,8 @@ def _looks(images, kind):
                               f"are the limit")
         else:
             look.prepare(kind)
+    if unread and len(seen) == 1:
+        raise unread[0]
     return looks, rejected
 
 

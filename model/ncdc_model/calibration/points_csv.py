@@ -92,7 +92,7 @@ def load_csv(path, size=None):
         :class:`TargetPoints`.
     """
     if size is None:
-        raise InputError(f"{path}: the size of the photos is not known; --sensor WxH gives it")
+        raise InputError(f"{path}: the size of the photos is not known; --sensor-size WxH gives it")
     try:
         photos, values = parse_text(path, "CSV of points", _rows)
         lattice = [_lattice(values[:, axis], name) for axis, name in

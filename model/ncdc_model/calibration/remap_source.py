@@ -90,8 +90,8 @@ def load_remap(paths, sensor=None, camera=None, **options):
     """
     file, subject = read_remap(paths, camera), " and ".join(map(str, paths))
     if sensor is None and file.sensor is None:
-        raise InputError(f"{subject}: the size of the sensor is not known; --sensor WxH gives it, "
-                         f"or in the file the two numbers `sensor`")
+        raise InputError(f"{subject}: the size of the sensor is not known; --sensor-size WxH gives "
+                         f"it, or in the file the two numbers `sensor`")
     if None not in (sensor, file.sensor) and tuple(sensor) != file.sensor:
         raise InputError("the sensor has {}x{} pixels, ".format(*sensor)
                          + "the map of {} is for {}x{}".format(subject, *file.sensor))

@@ -38,7 +38,9 @@ _READ = (
 )
 
 _PICTURE = "save the photo as PNG or TIFF"
-_FRAME = "a photo is needed: extract a frame as PNG"
+_FRAME = ("a photo is needed: extract a frame as PNG, as by ffmpeg -ss 1 -i VIDEO -frames:v 1 "
+          "frame.png")
+_HEIC = "save the photo as PNG or TIFF, as by heif-convert PHOTO photo.png (libheif-examples)"
 _NOT_READ = (
     (b"\x1aE\xdf\xa3", "a video (Matroska or WebM)", _FRAME),
     (b"\0\0\1\xba", "a video (MPEG)", _FRAME), (b"\0\0\1\xb3", "a video (MPEG)", _FRAME),
@@ -100,5 +102,5 @@ def _boxes(head, path):
         # A general brand is followed by the codecs' ones.
         if b"avif" in head[16:int.from_bytes(head[:4])]:
             return Kind.AVIF
-        raise InputError(f"{path} is a HEIF photo (HEIC), which is not supported; {_PICTURE}")
+        raise InputError(f"{path} is a HEIF photo (HEIC), which is not supported; {_HEIC}")
     raise InputError(f"{path} is a video (MP4 or QuickTime), which is not supported; {_FRAME}")

@@ -60,7 +60,7 @@ class Served:
         self._raw = still_photo(descriptor.geometry)
         descriptor.save(self._folder / "net.toml")
         write_image(self._folder / "photo.png", self._raw)
-        self._options = ["--count", str(count), "--loss", str(loss)]
+        self._options = ["--count", str(count), "--packet-loss", str(loss)]
         self.network = Network(mtu)
 
     def __enter__(self):

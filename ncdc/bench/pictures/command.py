@@ -7,8 +7,8 @@ import numpy as np
 
 from ncdc.bench.pictures.measure import Subject, fitted, measure
 from ncdc.bench.pictures.plots import plot_crops
-from ncdc.cli.common import add_json, to_stderr, write_report
-from ncdc.terminal import Progress
+from ncdc.cli.common import add_json, write_report
+from ncdc.terminal import Progress, say
 from ncdc_model.errors import InputError
 from ncdc_model.example import BAYER, example_camera, scene_light
 from ncdc_model.files import check_outputs
@@ -73,7 +73,7 @@ def _photo(path, size):
     InputError
         If it cannot be read, has no colour, or is smaller than ``size``.
     """
-    colour = read_image(path, warn=to_stderr)
+    colour = read_image(path, warn=say)
     if colour.ndim != 3:
         raise InputError(f"{path} has one channel, a colour picture is needed")
     if colour.shape[1] < size[0] or colour.shape[0] < size[1]:

@@ -69,8 +69,8 @@ def check_tools(otherwise=""):
     ends its sentence."""
     for tool, (module, _) in _TOOLS.items():
         if importlib.util.find_spec(module) is None:
-            raise InputError(f"{tool} is not installed: the project's group synth has it "
-                             f"(pip install '.[synth]'){otherwise}")
+            raise InputError(f"{tool} is not installed: pip install 'ncdc[synth]'"
+                             f"{otherwise}")
 
 
 def tool_versions():

@@ -5,10 +5,10 @@ unprivileged user namespaces in which it may make interfaces, where that is allo
 """
 
 import os
-import shutil
 import signal
 import subprocess
 
+from ncdc_model.needs import check_programs
 from ncdc_sim.tools import SimulationError
 
 __all__ = ["CLIENT", "DEVICES", "Network", "TAP", "TapNetwork"]
@@ -30,16 +30,16 @@ class Network:
     Raises
     ------
     SimulationError
-        If the kernel allows no namespaces, or a program is missing.
+        If the kernel allows no namespaces.
+    InputError
+        If a program is not installed.
     """
     def __init__(self, mtu=1500):
         self._mtu = mtu
         self._running = []
 
     def __enter__(self):
-        for program in ("unshare", "nsenter", "ip"):
-            if shutil.which(program) is None:
-                raise SimulationError(f"the program {program} is missing")
+        check_programs("a network of its own needs", "unshare", "nsenter", "ip")
         try:
             self._client = self._holder(["unshare", "-Urn"])
             self._make()

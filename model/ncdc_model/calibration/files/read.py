@@ -100,7 +100,8 @@ def _sized(lens, sensor):
     """``lens`` of an image of the size ``sensor``, or of its own."""
     if lens.size is None:
         if sensor is None:
-            raise InputError("the file does not say the size of the image; --sensor WxH gives it")
+            raise InputError("the file does not say the size of the image; --sensor-size WxH gives "
+                             "it")
         frame = lens.frame and replace(lens.frame, size=tuple(sensor))
         lens = replace(lens, size=tuple(sensor), frame=frame)
     elif sensor is not None and tuple(sensor) != lens.size:
@@ -108,7 +109,8 @@ def _sized(lens, sensor):
     for side, value in zip(("width", "height"), lens.size):
         if not MIN_SIZE <= value <= MAX_SIZE:
             raise InputError(f"the image {side} is {value}, the limits are {MIN_SIZE} and "
-                             f"{MAX_SIZE}; --sensor WxH scales the calibration to smaller frames")
+                             f"{MAX_SIZE}; --sensor-size WxH scales the calibration to smaller "
+                             f"frames")
     return lens
 
 

@@ -1,0 +1,35 @@
+"""Programs that NCDC calls: the Debian packages that have them, the sentence of a missing one."""
+
+import shutil
+
+from ncdc_model.errors import InputError
+
+__all__ = ["PACKAGE_OF", "apt_line", "check_programs"]
+
+PACKAGE_OF = {
+    "g++": "g++", "gcc": "gcc", "make": "make", "perl": "perl", "ccache": "ccache",
+    "iverilog": "iverilog", "vvp": "iverilog", "tclsh": "tcl",
+    "riscv64-unknown-elf-gcc": "gcc-riscv64-unknown-elf",
+    "unshare": "util-linux", "nsenter": "util-linux", "ip": "iproute2", "tshark": "tshark",
+    "dnsmasq": "dnsmasq-base",
+}
+"""Debian package of each program."""
+
+
+def apt_line(programs):
+    """The line to type on Debian for ``programs``, all of them in :data:`PACKAGE_OF`."""
+    return "apt install " + " ".join(dict.fromkeys(PACKAGE_OF[name] for name in programs))
+
+
+def check_programs(purpose, *programs, path=None):
+    """Check that all ``programs`` are on the ``path``, as of :func:`shutil.which`.
+
+    Raises
+    ------
+    InputError
+        If one is not; ``purpose`` says who needs it, as in "Verilator needs".
+    """
+    lost = [name for name in programs if shutil.which(name, path=path) is None]
+    if lost:
+        raise InputError(f"{' and '.join(lost)} {'are' if len(lost) > 1 else 'is'} not installed, "
+                         f"which {purpose}: {apt_line(lost)}")

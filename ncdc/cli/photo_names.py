@@ -1,0 +1,61 @@
+"""Which photos a command line names: files, folders and patterns, in the order people count in."""
+
+import re
+from glob import glob
+from pathlib import Path
+
+from ncdc_model.errors import InputError
+
+__all__ = ["natural", "photos_of"]
+
+# What lies beside photos in a folder and is none: our own files, and those of other software.
+_NO_PHOTOS = {".json", ".toml", ".csv", ".txt", ".md", ".yaml", ".yml", ".xml", ".html", ".pdf",
+              ".svg", ".xmp", ".npz", ".v", ".py", ".log", ".db", ".ini"}
+_OVERLAY = ".overlay"       # in the names of the pictures that ncdc calibrate draws
+
+
+def natural(name):
+    """Key of an order in which ``img2`` comes before ``img10``."""
+    return [(int(part), part) if part.isdecimal() else (-1, part.lower())
+            for part in re.split(r"(\d+)", str(name)) if part], str(name)
+
+
+def photos_of(arguments):
+    """File names of photos.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        Files; folders, whose photos are meant; and patterns with ``*``, ``?`` or ``[``, as a shell
+        leaves them in quotes. Files in alphabetical order, as a shell sorts them, are put into
+        natural order; any other order is kept.
+
+    Raises
+    ------
+    InputError
+        If a folder or a pattern has no photo.
+    """
+    names = list(map(str, arguments))
+    if names == sorted(names) or names == sorted(names, key=str.lower):
+        names.sort(key=natural)
+    return [name for given in names for name in _photos(given)]
+
+
+def _photos(given):
+    if Path(given).is_dir():
+        found = [str(path) for path in Path(given).iterdir() if _may_be_photo(path)]
+        if not found:
+            raise InputError(f"the folder {given} holds no photo")
+    elif re.search(r"[*?[]", given) and not Path(given).exists():
+        found = [name for name in glob(given) if _may_be_photo(Path(name))]
+        if not found:
+            raise InputError(f"no photo has a name like {given}")
+    else:
+        return [given]
+    return sorted(found, key=natural)
+
+
+def _may_be_photo(path):
+    """Whether a file that nobody has named is to be read as a photo."""
+    return (path.is_file() and not path.name.startswith(".") and _OVERLAY not in path.name
+            and path.suffix.lower() not in _NO_PHOTOS)

@@ -1,0 +1,1 @@
+"""Pages of calibration targets to be printed."""

@@ -1,0 +1,78 @@
+"""The README's tour: every line runs as it is printed, in an empty folder."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc.cli import main
+from ncdc.cli.board_design import board_named, designed
+from ncdc_model.example import example_camera, target_photo
+from ncdc_model.images import write_image
+
+README = (Path(__file__).resolve().parents[2] / "README.md").read_text()
+PHOTO = "demo/photo.raw.png"        # of `ncdc demo`, which test_demo.py runs
+FILE = re.compile(r"(?:[\w.]+/)?\w[\w.]*\.(?:png|json|toml|v)")
+
+
+def tour():
+    """(arguments, comment) of each line of the tour."""
+    [block] = re.findall(r"The same steps one by one.*?\n\n((?:    ncdc .*\n)+)", README)
+    return [(shlex.split(line.partition("#")[0])[1:], line.partition("#")[2].strip())
+            for line in block.splitlines()]
+
+
+def outputs(arguments, comment):
+    """Files and folders that a line writes: of its option -o, and those its comment names."""
+    named = [arguments[arguments.index("-o") + 1]] if "-o" in arguments else []
+    return named + FILE.findall(comment) * (arguments[0] != "generate")
+
+
+def test_a_line_reads_what_an_earlier_one_wrote():
+    there = {PHOTO}
+    lines = tour()
+    assert len(lines) == 8
+    for arguments, comment in lines:
+        written = outputs(arguments, comment)
+        assert set(filter(FILE.fullmatch, arguments)) - set(written) <= there, arguments
+        there |= set(written)
+
+
+def test_the_boards_carry_the_tour_s_picture():
+    """What `ncdc build` checks first, without the seconds that the Verilog takes."""
+    train, build = (next(line for line, _ in tour() if line[0] == name)
+                    for name in ("train", "build"))
+    size = tuple(map(int, train[train.index("--size") + 1].split("x")))
+    descriptor = barrel_descriptor(size, (640, 480), hidden_neurons=2)
+    _, _, budget, _ = designed(board_named(build[build.index("--board") + 1]),
+                               [("net.toml", descriptor)])
+    assert budget.corrected_per_second > 25
+
+
+ROW = re.compile(r"^ +((?:training|held out|beyond points|region|frame) +(?:float|fixed) .*)$",
+                 re.MULTILINE)
+
+
+def test_the_pages_agree_on_the_demo_s_figures():
+    """With the commands test_quoted_output.py compares them, in minutes."""
+    demo = README.partition("[1/6]")[2].partition("[6/6]")[0]
+    page = (Path(__file__).resolve().parents[2] / "docs" / "commands.md").read_text()
+    sections = {text.partition("\n")[0]: text for text in page.split("\n## ")}
+    trained = sections["train"].partition("-o net.toml")[2].partition("The paper")[0]
+    shown = ROW.findall(sections["demo"]) + ROW.findall(trained)
+    assert len(shown) == 2 + 8 and set(shown) == set(ROW.findall(demo))
+
+
+@pytest.mark.many_clocks
+@pytest.mark.regress
+def test_every_line_of_the_tour_runs(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_image(PHOTO, target_photo(example_camera()))
+    for arguments, comment in tour():
+        assert main(arguments) == 0, (arguments, capsys.readouterr().err)
+        for name in outputs(arguments, comment):
+            assert Path(name).exists(), (arguments, name)
+    assert "307200 pixels compared, 0 differ" in capsys.readouterr().out
+    assert Path("hardware/ncdc.v").stat().st_size and Path("project/build.sh").is_file()

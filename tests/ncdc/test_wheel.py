@@ -1,0 +1,142 @@
+"""What is installed without a checkout: the wheel has all that the commands need."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import time
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+_TEXT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+PROJECT, PROJECT_NEEDS = _TEXT["tool"]["setuptools"], _TEXT["build-system"]["requires"]
+FIRMWARE = ROOT / "soc" / "firmware"
+
+
+def packages():
+    """Folder of each top package, by its name."""
+    return {path.name: path for where in PROJECT["packages"]["find"]["where"]
+            for path in (ROOT / where).glob("ncdc*") if (path / "__init__.py").is_file()}
+
+
+def forgotten(patterns):
+    """Files in a package that are no Python and that no pattern of package-data names."""
+    lost = []
+    for name, folder in packages().items():
+        kept = {path for pattern in patterns.get(name, ()) for path in folder.glob(pattern)}
+        lost += [path for path in folder.rglob("*") if path.is_file() and path not in kept
+                 and path.suffix not in (".py", ".pyc")]
+    return lost
+
+
+def test_every_file_of_a_package_is_in_the_wheel():
+    assert len(packages()) == 7
+    assert forgotten(PROJECT["package-data"]) == []
+
+
+def test_a_forgotten_file_is_found():
+    patterns = PROJECT["package-data"] | {"ncdc_sim": ["hdl/*.v"]}
+    assert {path.suffix for path in forgotten(patterns)} == {".cpp"}
+
+
+def run(command, folder, **options):
+    done = subprocess.run([str(part) for part in command], cwd=folder, capture_output=True,
+                          text=True, env=environment(), **options)
+    assert not done.returncode, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+def environment():
+    """As of a user's shell, without what leads to the checkout."""
+    return {name: value for name, value in os.environ.items()
+            if name not in ("PYTHONPATH", "NCDC_OPTIMISE", "VIRTUAL_ENV")}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """(archive of the sources, wheel built from it, Python of an empty environment)."""
+    folder = tmp_path_factory.mktemp("wheel")
+    copy = folder / "clone"
+    shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(
+        ".git", ".venv", "build", "demo", "__pycache__", "*.egg-info", ".pytest_cache"))
+    run([sys.executable, "-m", "venv", folder / "venv"], folder)
+    python = folder / "venv" / "bin" / "python"
+    run([python, "-m", "pip", "install", "--quiet", *PROJECT_NEEDS], folder)
+    build = "import sys, setuptools.build_meta as b; print(getattr(b, sys.argv[1])(sys.argv[2]))"
+    run([python, "-c", build, "build_sdist", folder], copy)
+    [archive] = folder.glob("*.tar.gz")
+    with tarfile.open(archive) as content:
+        content.extractall(folder / "sources", filter="data")
+    [sources] = (folder / "sources").iterdir()
+    run([python, "-c", build, "build_wheel", folder], sources)
+    [wheel] = folder.glob("*.whl")
+    return archive, wheel, python
+
+
+@pytest.mark.regress
+def test_the_archive_of_the_sources_has_pages_and_constraints(made):
+    with tarfile.open(made[0]) as content:
+        names = {name.partition("/")[2] for name in content.getnames()}
+    wanted = {"constraints.txt", "Makefile", ".ci/debian", "tests/conftest.py",
+              *(str(path.relative_to(ROOT)) for path in (ROOT / "docs").rglob("*.md")),
+              *(str(path.relative_to(ROOT)) for path in FIRMWARE.rglob("*") if path.is_file())}
+    assert wanted - names == set()
+
+
+@pytest.mark.regress
+def test_the_wheel_has_the_firmware_byte_for_byte(made):
+    with zipfile.ZipFile(made[1]) as content:
+        there = {name.removeprefix("ncdc_soc/firmware_source/"): content.read(name)
+                 for name in content.namelist() if "firmware_source" in name}
+    assert there == {str(path.relative_to(FIRMWARE)): path.read_bytes()
+                     for path in FIRMWARE.rglob("*") if path.is_file()}
+
+
+@pytest.mark.regress
+def test_an_empty_environment_runs_the_commands(made, tmp_path):
+    """Far from the checkout: demo, simulate, generate, build, the system, and a device's client."""
+    _, wheel, python = made
+    run([python, "-m", "pip", "install", "--quiet", "--constraint", ROOT / "constraints.txt",
+         f"{wheel}[soc,client]"], tmp_path)
+    where = run([python, "-c", "import ncdc, ncdc_soc.firmware as f; print(ncdc.__file__, "
+                               "f.FIRMWARE)"], tmp_path)
+    assert str(ROOT) not in where
+    ncdc = python.with_name("ncdc")
+    run([ncdc, "demo", "-o", "demo", "--neurons", "4"], tmp_path)
+    net = "demo/net.toml"
+    said = run([ncdc, "simulate", net, "demo/distorted.png", "-o", "out.png"], tmp_path)
+    assert "307200 pixels compared, 0 differ" in said
+    run([ncdc, "generate", net, "-o", "hardware", "--testbench", "--bus", "axi"], tmp_path)
+    run([ncdc, "build", net, "--board", "de2-115", "--system", "-o", "board"], tmp_path)
+    assert list(tmp_path.glob("board/*.hex")) or list(tmp_path.glob("board/*rom*"))
+    assert "firmware of" in run([ncdc, "soc", "build", "--sim", net], tmp_path)
+    with device(ncdc, net, tmp_path):
+        run([ncdc, "client", "grab", "2", "-o", "frames", "--device", "tcp://127.0.0.7:4471"],
+            tmp_path)
+    assert len(list(tmp_path.glob("frames/*.png"))) == 2
+
+
+class device:
+    """An emulated device, from the line that says where it listens to the end of the block."""
+
+    def __init__(self, ncdc, net, folder):
+        self._command = [ncdc, "device", "serve", net, "--address", "127.0.0.7",
+                         "--tcp-port", "4471"]
+        self._folder = folder
+
+    def __enter__(self):
+        self._process = subprocess.Popen(self._command, cwd=self._folder, env=environment(),
+                                         stdout=subprocess.PIPE, text=True)
+        assert re.search("TCP port 4471", self._process.stdout.readline())
+        time.sleep(.1)
+
+    def __exit__(self, *_):
+        self._process.terminate()
+        self._process.wait()
+        self._process.stdout.close()
