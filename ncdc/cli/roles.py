@@ -61,7 +61,8 @@ def check_roles(args):
 
 
 def _listed(value):
-    return value if isinstance(value, list) else [] if value is None else [value]
+    """The paths that an argument holds; some benches have other values under the same names."""
+    return [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, str)]
 
 
 def _kind(path, role):

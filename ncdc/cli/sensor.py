@@ -26,7 +26,8 @@ _TEXTS = {
     "pixel_clock_hz": "default: the sensor's usual one",
 }
 
-_OPTIONS = {"bins": "--bin"}
+# `ncdc train --skip` is of the network.
+_OPTIONS = {"skip": "--sensor-skip", "bins": "--sensor-bin"}
 
 
 def add_arguments(parser):

@@ -10,7 +10,7 @@ from ncdc_host.client.table import Connection
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface.table_one import READ
 from ncdc_model.sensors import mt9p031
-from ncdc_model.sensors.framing import setup_around
+from ncdc_model.sensors.framing import grid_row, setup_around
 from ncdc_soc.core import SocCore
 from ncdc_soc.firmware import config, host_program
 from ncdc_soc.soc import soc_verilog
@@ -23,9 +23,9 @@ REQUESTS = table_requests()
 def program(tmp_path_factory):
     """The firmware, built for this machine."""
     descriptor = hps_descriptor()
-    core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"))
-    text = config(core.system, core.packetiser.capacity, soc_verilog(core),
-                  *setup_around("mt9p031", descriptor.geometry))
+    setup, crop = setup_around("mt9p031", descriptor.geometry, field="full")
+    core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"), grid=grid_row(setup, crop))
+    text = config(core.system, core.packetiser.capacity, soc_verilog(core), setup, crop)
     return host_program(text, tmp_path_factory.mktemp("wire"), "wire")
 
 
@@ -43,7 +43,7 @@ def asked(connection):
 
 def emulated():
     image = np.zeros((HEIGHT, WIDTH), np.uint8)
-    with device([hps_descriptor()], image) as one:
+    with device([hps_descriptor()], image, field="full") as one:
         return asked(Connection(one.options.address, one.table.port))
 
 

@@ -18,9 +18,9 @@ def net(tmp_path_factory):
 @pytest.mark.parametrize("options,shown,photos", [
     ([], "2560x1920+14+4 of the mt9p031's 2592x1944 pixels, 99 % of each side; reduced by 4: the "
      "sensor skips by 4 and bins 2", "2560x1920 pixels, reduced to 640x480"),
-    (["--camera", "ov5640"], "2560x1920+16+12 of the ov5640's 2592x1944 pixels, 99 % of each side; "
+    (["--sensor", "ov5640"], "2560x1920+16+12 of the ov5640's 2592x1944 pixels, 99 % of each side; "
      "reduced by 4: the sensor skips by 2 and bins 2, the FPGA bins 2", "reduced to 640x480"),
-    (["--camera", "mt9d111"], "1280x960+159+119 of the mt9d111's 1600x1200 pixels, 80 % of each "
+    (["--sensor", "mt9d111"], "1280x960+159+119 of the mt9d111's 1600x1200 pixels, 80 % of each "
      "side; reduced by 2: the sensor skips by 2", "1280x960 pixels, reduced to 640x480"),
     (["--field", "640x480"], "640x480+976+732 of the mt9p031's 2592x1944 pixels, 25 % of each "
      "side; every pixel is read", "these 640x480 pixels")])
@@ -46,8 +46,8 @@ def test_build_says_what_is_seen_and_writes_it(net, board, tmp_path, capsys):
 
 @pytest.mark.parametrize("command", [
     ["build", "--board", "de1-soc"], ["build", "--board", "de10-nano"],
-    ["plan", "--board", "ulx3s"], ["plan", "--camera", "mt9p031"],
-    ["simulate", "PHOTO", "--camera", "mt9p031", "-o", "OUT"]])
+    ["plan", "--board", "ulx3s"], ["plan", "--sensor", "mt9p031"],
+    ["simulate", "PHOTO", "--sensor", "mt9p031", "-o", "OUT"]])
 def test_a_bad_field_is_one_sentence(net, command, tmp_path, capsys):
     photo = tmp_path / "photo.png"
     name, *options = [str(photo) if one == "PHOTO" else one for one in command]

@@ -48,7 +48,8 @@ def test_the_boards_carry_the_tour_s_picture():
     descriptor = barrel_descriptor(size, (640, 480), hidden_neurons=2)
     _, _, budget, _ = designed(board_named(build[build.index("--board") + 1]),
                                [("net.toml", descriptor)])
-    assert budget.corrected_per_second > 25
+    # As often as the sensor sends it.
+    assert budget.corrected_per_second == budget.frames_per_second > 20
 
 
 ROW = re.compile(r"^ +((?:training|held out|beyond points|region|frame) +(?:float|fixed) .*)$",

@@ -124,7 +124,7 @@ class Port:
             rows = [row[:self.window[0]] for row in self.entries[:-1]]
             self.frames.append((rows, {"rows": report.rows, "lines": report.lines,
                                        "missed": report.missed, "overflow": report.overflow}))
-        else:
+        elif kind in (Kind.WORD, Kind.ROW_END):
             self.entries[-1] += list(word.to_bytes(4, "little"))
             if kind == Kind.ROW_END:
                 self.entries.append([])

@@ -7,8 +7,8 @@ import numpy as np
 
 from ncdc.bench.grid.light import camera_of, photo_light, scene_light
 from ncdc.bench.grid.measure import GRIDS, SAMPLINGS, measure
-from ncdc.cli.common import add_json, to_stderr, write_report
-from ncdc.terminal import Progress
+from ncdc.cli.common import add_json, write_report
+from ncdc.terminal import Progress, say
 from ncdc_model.errors import InputError
 from ncdc_model.example import BAYER, example_camera
 from ncdc_model.images import read_image
@@ -39,7 +39,7 @@ def run(args):
     """Train the map, correct, measure and report."""
     if not 0 <= args.blur <= 16:
         raise InputError(f"blur is {args.blur}, it must be 0 to 16")
-    photos = [(Path(path).stem, read_image(path, warn=to_stderr)) for path in args.pictures]
+    photos = [(Path(path).stem, read_image(path, warn=say)) for path in args.pictures]
     camera, rows, descriptors = example_camera(), [], {}
     jobs = [(photo, sampling) for photo in (None, *photos) for sampling in SAMPLINGS]
     progress = Progress("grid")
