@@ -64,9 +64,12 @@ def _cross(args):
     """Compare the planner with the Verilog; 1 if a row is off by more than the limit."""
     if args.plots:
         raise InputError("--cross and --plots are given, there is no plot of these rows")
-    rows = list(cross_rows(CROSS, lambda each: Progress(str(each))))
-    if not write_report({"rows": rows, "limit": LIMIT}, args.json):
-        print("\n".join(map(cross_text, rows)))
+    rows = []
+    for row in cross_rows(CROSS, lambda each: Progress(str(each))):
+        rows.append(row)
+        if args.json != "-":        # who ends it early has the rows so far
+            print(cross_text(row), flush=True)
+    write_report({"rows": rows, "limit": LIMIT}, args.json)
     missed = [row for row in rows if not row["holds"]]
     for row in missed:
         print(f"ncdc bench throughput: missed: {cross_text(row)}", file=sys.stderr)
