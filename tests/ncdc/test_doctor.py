@@ -85,15 +85,14 @@ def test_a_program_that_fails_is_no_help(tmp_path, monkeypatch, capsys):
     assert "the right to make network namespaces" in {what for what, _ in lost}
 
 
-def test_a_port_that_another_device_has(capsys):
-    from ncdc_model.interface.gvcp import PORT
+def test_a_port_that_another_device_has(monkeypatch, capsys):
+    from ncdc_model.interface import gvcp
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        try:
-            one.bind(("127.0.0.2", PORT))
-        except OSError:
-            pass                        # another one has it already
+        one.bind(("127.0.0.2", 0))      # another port than that of the devices of other tests
+        port = one.getsockname()[1]
+        monkeypatch.setattr(gvcp, "PORT", port)
         [(what, line)] = doctor(capsys)[1]["device serve"]
-    assert f"UDP port {PORT}" in what and "--address" in line
+    assert f"UDP port {port}" in what and "--address" in line
 
 
 def test_an_old_python(monkeypatch, capsys):

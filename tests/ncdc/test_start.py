@@ -65,8 +65,10 @@ sys.meta_path.insert(0, Slow())
 from ncdc.cli import main
 sys.exit(main(["correct", "none.toml", "none.png", "-o", "out.png"]))
 """
+    # Whoever began these tests in the background has the signal ignored.
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True)
+                               stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     assert process.stdout.readline() == "importing\n"
     time.sleep(.05)
     process.send_signal(signal.SIGINT)

@@ -337,7 +337,7 @@ def test_the_packer_itself_keeps_a_wrong_frame_from_memory(kind):
             if valid:
                 sent.append((word.void, word.last))
 
-    run_bench(dut, source, background=(sink,), results=())
+    run_bench(dut, source, background=(sink,), results=(sent,))
     if kind == "whole":
         assert sent == [(0, 0)] * (size[0] * size[1] - 1) + [(0, 1)]
     else:
