@@ -20,10 +20,10 @@ from ncdc_soc.phy import RgmiiPhy
 from ncdc_soc.processor import Processor, described
 from ncdc_soc.verilog import litex_verilog
 
-__all__ = ["ProcessorFiles", "board_processor", "processor_files"]
+__all__ = ["ROM_BYTES", "ProcessorFiles", "board_processor", "processor_files"]
 
 _SENSOR = "mt9p031"
-_ROM_BYTES = 0x12000
+ROM_BYTES = 0x12000
 _RESET_MS = 10              # of the chip's pin, at least: Marvell, 88E1111; Broadcom, B50612D
 _DEVICES = {"quartus": (AlteraPlatform, "quartus", False),
             "open": (LatticeECP5Platform, "trellis", True)}
@@ -55,7 +55,7 @@ class _BoardProcessor(Processor):
         clocks, pins = platform.request("clock"), platform.request("eth")
         phy = RgmiiPhy(clocks, pins, clocks.transmit, getattr(clocks, "late", None), paired=ecp5,
                        reset_clocks=clock_hz * _RESET_MS // 1000, buffered=ecp5)
-        super().__init__(platform, clock_hz, phy, rom_bytes=_ROM_BYTES, uart="stub",
+        super().__init__(platform, clock_hz, phy, rom_bytes=ROM_BYTES, uart="stub",
                          clocks=_Clocks(clocks), in_words=ecp5)
         self.mdio, wires = Mdio(), platform.request("mdio")
         self.comb += [wires.mdc.eq(self.mdio.mdc), wires.data.eq(self.mdio.data),

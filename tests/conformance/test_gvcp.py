@@ -8,7 +8,6 @@ from firmware_wire import Wire
 from gvcp_requests import PEERS, requests
 from ncdc_model.hardware import Hardware
 from ncdc_model.interface import gvcp, gvsp
-from ncdc_model.interface.features import feature
 from ncdc_model.sensors.framing import setup_around
 from ncdc_soc.core import SocCore
 from ncdc_soc.firmware import config, host_program
@@ -16,7 +15,7 @@ from ncdc_soc.soc import soc_verilog
 
 REQUESTS = requests()
 # Of a packet: what the largest size that a client may ask for holds.
-CAPACITY = gvsp.packet_size(feature("GevSCPSPacketSize").high) - gvsp.HEADERS_BYTES
+CAPACITY = gvsp.packet_size(gvsp.MAX_PACKET) - gvsp.HEADERS_BYTES
 
 
 @pytest.fixture(scope="module")

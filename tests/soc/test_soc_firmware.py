@@ -8,13 +8,14 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_model.hardware import Hardware
 from ncdc_model.sensors.framing import setup_around
+from ncdc_soc.board import ROM_BYTES
 from ncdc_soc.core import SocCore
 from ncdc_soc.firmware import FIRMWARE, config, firmware_image, host_program
 from ncdc_soc.processor import MAP
 from ncdc_soc.soc import soc_verilog
 from peers import need
 
-_CODE_BYTES, _RAM_BYTES = 64 * 1024, 56 * 1024
+_RAM_BYTES = 56 * 1024
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +49,7 @@ def test_it_fits(soc, tmp_path):
     need("riscv64-unknown-elf-gcc")
     verilog, text = soc
     words, code, ram = firmware_image(text, verilog, tmp_path)
-    assert 0 < 4 * len(words) <= _CODE_BYTES and 0 < code <= _CODE_BYTES
+    assert 0 < 4 * len(words) <= ROM_BYTES and 0 < code <= ROM_BYTES
     assert 0 < ram <= _RAM_BYTES
 
 

@@ -308,8 +308,7 @@ class ControlAgent:
         elif name == "StreamPacketDelay" and value > feature("GevSCPD").high:
             raise Refused("value")
         elif name == "StreamPacketSize":
-            limits = feature("GevSCPSPacketSize")
-            if not limits.low <= value & 0xFFFF <= limits.high:
+            if not gvsp.MIN_PACKET <= value & 0xFFFF <= gvsp.MAX_PACKET:
                 raise Refused("value")
             asked, size = value & 0xFFFF, gvsp.packet_size(value & 0xFFFF)
             if self._acquiring and size != self._words[address] & 0xFFFF:

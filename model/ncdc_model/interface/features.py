@@ -7,6 +7,7 @@ the same time 16-bit words of the paper's Table I, so that both protocols show o
 
 from dataclasses import dataclass
 
+from ncdc_model.interface import gvsp
 from ncdc_model.interface.gvcp import BOOTSTRAP, FEATURE_BASE
 from ncdc_model.interface.pixel_formats import PIXEL_FORMATS
 from ncdc_model.interface.table_one import SYSTEM_WORDS
@@ -225,7 +226,9 @@ FEATURES = (
     Feature("FieldTop", "integer", _own(35), "Active row where whole raw frames begin.",
             "NcdcControl", access="ro", unit="pixel", table=(_SYSTEM["FIELD_TOP"],)),
     Feature("GevSCPSPacketSize", "integer", _BOOTSTRAP["StreamPacketSize"], "Bytes of a packet "
-            "with IP and UDP header.", "TransportLayerControl", low=576, high=16380, step=4,
+            "with IP and UDP header.", "TransportLayerControl",
+            low=gvsp.packet_size(gvsp.MIN_PACKET + gvsp.PAYLOAD_STEP - 1),
+            high=gvsp.packet_size(gvsp.MAX_PACKET), step=gvsp.PAYLOAD_STEP,
             unit="byte", locked=True, field=(0, 16)),
     Feature("GevSCPD", "integer", _BOOTSTRAP["StreamPacketDelay"], "Delay between two packets.",
             "TransportLayerControl", high=1_000_000, unit="ns"),

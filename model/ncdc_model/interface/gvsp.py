@@ -2,7 +2,8 @@
 
 import struct
 
-__all__ = ["HEADERS_BYTES", "HEADER_FIELDS", "IMAGE", "LEADER", "LEADER_FIELDS", "MIN_PACKET",
+__all__ = ["HEADERS_BYTES", "HEADER_FIELDS", "IMAGE", "LEADER", "LEADER_FIELDS", "MAX_PACKET",
+           "MIN_PACKET",
            "PAYLOAD", "PAYLOAD_STEP", "TRAILER", "TRAILER_FIELDS", "header", "leader",
            "packet_size", "payload_packets", "trailer"]
 
@@ -10,6 +11,7 @@ LEADER, TRAILER, PAYLOAD = 1, 2, 3      # the format byte
 IMAGE = 0x0001                          # payload type
 HEADERS_BYTES = 20 + 8 + 8              # IP, UDP and GVSP, all counted in a packet's size
 MIN_PACKET = 576                        # bytes with headers that a client may ask for at least
+MAX_PACKET = 16380                      # and at most; a device sends the next smaller it has
 PAYLOAD_STEP = 16                       # bytes of a picture in a packet are a multiple of it
 
 # The packets of a picture: (bytes, meaning) of each field.

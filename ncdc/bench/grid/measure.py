@@ -17,7 +17,7 @@ __all__ = ["GRIDS", "SAMPLINGS", "measure", "samples"]
 
 GRIDS = ("even", "uneven", "evened")
 SAMPLINGS = {"skip 4": (4, (0,)), "skip 2": (2, (0,)), "bin 4": (4, (0, 2, 4, 6)),
-             "skip 2, bin 2": (4, (0, 4))}
+             "skip 4, bin 2": (4, (0, 2)), "skip 2, bin 2": (4, (0, 4))}
 """Reduction, and the pixels of which a sample is the mean, counted from the first of them on in
 either axis. The last one skips by 2 in the sensor and is binned by 2 in capture."""
 
