@@ -4,14 +4,9 @@ import pytest
 
 from cameras import barrel_descriptor
 from devices import SIZE, device, small_lens
-from firmware_wire import Wire
+from firmware_wire import Wire, wire_program
 from gvcp_requests import PEERS, requests
-from ncdc_model.hardware import Hardware
 from ncdc_model.interface import gvcp, gvsp
-from ncdc_model.sensors.framing import setup_around
-from ncdc_soc.core import SocCore
-from ncdc_soc.firmware import config, host_program
-from ncdc_soc.soc import soc_verilog
 
 REQUESTS = requests()
 # Of a packet: what the largest size that a client may ask for holds.
@@ -21,11 +16,8 @@ CAPACITY = gvsp.packet_size(gvsp.MAX_PACKET) - gvsp.HEADERS_BYTES
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
     """The firmware, built for this machine."""
-    descriptor = barrel_descriptor(SIZE, SIZE)
-    core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"))
-    text = config(core.system, CAPACITY, soc_verilog(core),
-                  *setup_around("mt9p031", descriptor.geometry))
-    return host_program(text, tmp_path_factory.mktemp("wire"), "wire")
+    return wire_program(tmp_path_factory.mktemp("wire"), barrel_descriptor(SIZE, SIZE),
+                        capacity=CAPACITY)
 
 
 def emulated():

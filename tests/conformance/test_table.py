@@ -4,16 +4,11 @@ import numpy as np
 import pytest
 
 from devices import device
-from firmware_wire import TcpUser, Wire
+from firmware_wire import TcpUser, Wire, wire_program
 from hps_server import HEIGHT, WIDTH, hps_descriptor, hps_project, serving
 from ncdc_host.client.table import Connection
-from ncdc_model.hardware import Hardware
 from ncdc_model.interface.table_one import READ
 from ncdc_model.sensors import mt9p031
-from ncdc_model.sensors.framing import grid_row, setup_around
-from ncdc_soc.core import SocCore
-from ncdc_soc.firmware import config, host_program
-from ncdc_soc.soc import soc_verilog
 from table_requests import table_requests
 
 REQUESTS = table_requests()
@@ -22,11 +17,7 @@ REQUESTS = table_requests()
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
     """The firmware, built for this machine."""
-    descriptor = hps_descriptor()
-    setup, crop = setup_around("mt9p031", descriptor.geometry, field="full")
-    core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"), grid=grid_row(setup, crop))
-    text = config(core.system, core.packetiser.capacity, soc_verilog(core), setup, crop)
-    return host_program(text, tmp_path_factory.mktemp("wire"), "wire")
+    return wire_program(tmp_path_factory.mktemp("wire"), hps_descriptor(), field="full")
 
 
 @pytest.fixture(scope="module")

@@ -78,6 +78,16 @@ async def begin(ctx, dut, base, size, strip, form=BGRX8):
         await ctx.tick()
 
 
+async def hand_over(ctx, packer, item):
+    """Send a group of pixels as soon as the packer takes it."""
+    ready = False
+    while not ready:
+        ctx.set(packer.i.payload, item)
+        ctx.set(packer.i.valid, 1)
+        _, _, ready = await ctx.tick().sample(packer.i.ready)
+    ctx.set(packer.i.valid, 0)
+
+
 def counter(dut, done):
     async def watch(ctx):
         while True:
@@ -232,12 +242,7 @@ def test_nothing_is_left_of_a_frame_begun_before(before, form, data_width, lanes
             await begin(ctx, Bench, 512 * k, size, 0, form if k % 2 else before)
             items = groups(pixels, 0, lanes, lanes) if k % 2 else groups(pixels, 0, lanes)[:k + 1]
             for item in items:
-                ready = False
-                while not ready:
-                    ctx.set(dut.i.payload, item)
-                    ctx.set(dut.i.valid, 1)
-                    _, _, ready = await ctx.tick().sample(dut.i.ready)
-                ctx.set(dut.i.valid, 0)
+                await hand_over(ctx, dut, item)
             await ctx.tick().repeat(4)
 
     async def sink(ctx):
@@ -323,12 +328,7 @@ def test_the_packer_itself_keeps_a_wrong_frame_from_memory(kind):
             ctx.set(dut.limit, 64)
         for k, item in enumerate(groups(pixels, 0, 1)):
             ctx.set(dut.limit, 64 if kind == "outside once" and k == 0 else 4096)
-            ready = False
-            while not ready:
-                ctx.set(dut.i.payload, item)
-                ctx.set(dut.i.valid, 1)
-                _, _, ready = await ctx.tick().sample(dut.i.ready)
-            ctx.set(dut.i.valid, 0)
+            await hand_over(ctx, dut, item)
         await ctx.tick().repeat(4)
 
     async def sink(ctx):

@@ -1,25 +1,20 @@
 """The firmware on this machine, one frame at a time: who may what, for how long, and when."""
 
 import struct
-from dataclasses import replace
 from ipaddress import IPv4Address
 
 import pytest
 
 from cameras import barrel_descriptor
 from devices import device, small_lens
-from firmware_wire import CLIENT_IP, TcpUser, Wire
-from ncdc_model.hardware import Hardware
+from firmware_wire import CLIENT_IP, TcpUser, Wire, wire_config
 from ncdc_model.interface import gvcp
 from ncdc_model.interface.features import FEATURES, feature
 from ncdc_model.interface.link_map import STATUS_RESENDING
 from ncdc_model.interface.table_one import IDLE_SECONDS, MRAW, READ, WRITE
 from ncdc_model.interface.table_two import HEADER_BYTES
 from ncdc_model.sensors import mt9p031
-from ncdc_model.sensors.framing import setup_around
-from ncdc_soc.core import SocCore
-from ncdc_soc.firmware import config, host_program
-from ncdc_soc.soc import soc_verilog
+from ncdc_soc.firmware import host_program
 
 SIZE = (64, 48)
 PACKAGE = HEADER_BYTES + 3 * SIZE[0] * SIZE[1]
@@ -31,13 +26,7 @@ CCP, HEARTBEAT = (gvcp.place(name).address for name in ("ControlPrivilege", "Hea
 @pytest.fixture(scope="module")
 def text():
     """``text(clock_hz)``: config.h of a system at that clock; None: its own."""
-    descriptor = barrel_descriptor(SIZE, SIZE)
-    core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"))
-    soc = soc_verilog(core)
-    setup = setup_around("mt9p031", descriptor.geometry)
-    return lambda clock_hz=None: config(
-        core.system, core.packetiser.capacity,
-        replace(soc, clock_hz=clock_hz) if clock_hz else soc, *setup)
+    return wire_config(barrel_descriptor(SIZE, SIZE))
 
 
 @pytest.fixture(scope="module")

@@ -1,19 +1,39 @@
 """The firmware on this machine, its cable in the test's hands; frames made and read by scapy."""
 
 import subprocess
+from dataclasses import replace
 
 from scapy.layers.inet import IP, TCP, UDP
 from scapy.layers.l2 import ARP, Ether
 from scapy.packet import Raw
 
+from ncdc_model.hardware import Hardware
 from ncdc_model.interface import gvcp
 from ncdc_model.interface.table_one import TCP_PORT
-from ncdc_soc.firmware import Identity
+from ncdc_model.sensors.framing import grid_row, setup_around
+from ncdc_soc.core import SocCore
+from ncdc_soc.firmware import Identity, config, host_program
+from ncdc_soc.soc import soc_verilog
 
-__all__ = ["CLIENT_IP", "TcpUser", "Wire"]
+__all__ = ["CLIENT_IP", "TcpUser", "Wire", "wire_config", "wire_program"]
 
 CLIENT_IP, _CLIENT_MAC = "10.77.0.1", "02:00:00:00:00:01"
 _DEVICE = Identity()
+
+
+def wire_config(descriptor, field=None, capacity=None):
+    """``text(clock_hz=None)``: config.h of a system with an MT9P031 for ``descriptor``, at that
+    clock or its own; ``field`` of the sensor, ``capacity`` of a packet if not the packetiser's."""
+    setup, crop = setup_around("mt9p031", descriptor.geometry, field=field)
+    core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"), grid=grid_row(setup, crop))
+    soc, capacity = soc_verilog(core), capacity or core.packetiser.capacity
+    return lambda clock_hz=None: config(
+        core.system, capacity, replace(soc, clock_hz=clock_hz) if clock_hz else soc, setup, crop)
+
+
+def wire_program(folder, *args, **options):
+    """The firmware for this machine, for :class:`Wire`; parameters as of :func:`wire_config`."""
+    return host_program(wire_config(*args, **options)(), folder, "wire")
 
 
 class Wire:
