@@ -9,7 +9,10 @@ from ncdc_hdl.lib.memory import block_memory
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_model.sensors.level import SAMPLE_BITS
 
-__all__ = ["Binning"]
+__all__ = ["READ_CLOCKS", "Binning"]
+
+READ_CLOCKS = 2     # of a row of samples: the memory, and a register behind it
+_SUM = 1
 
 
 class Binning(wiring.Component):
@@ -32,8 +35,8 @@ class Binning(wiring.Component):
     i, o : ``In(ROWS)``, ``Out(ROWS)``
     """
 
-    latency = 5
-    """Sum of two in a row, memory, its output register, sum of four, output."""
+    latency = _SUM + READ_CLOCKS + _SUM + 1
+    """Sum of two in a row, the row above it, sum of four, output."""
 
     def __init__(self, width):
         self.width = width
@@ -59,7 +62,7 @@ class Binning(wiring.Component):
         m.d.comb += [write.addr.eq(place), write.data.eq(pair), read.addr.eq(place)]
         m.d.comb += write.en.eq(register(m, "upper", i.valid & second & ~lower, reset_less=False))
         above = register(m, "above", read.data)
-        four = register(m, "four", above + delay(m, pair, 2, "pair") + 2)
+        four = register(m, "four", above + delay(m, pair, READ_CLOCKS, "pair") + 2)
         m.d.sync += o.sample.eq(Mux(self.on, four >> 2,
                                     delay(m, i.sample, self.latency - 1, "sample")))
         for name, value in (("valid", i.valid & (~self.on | second & lower)),

@@ -4,6 +4,7 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl.camera.binning import READ_CLOCKS
 from ncdc_hdl.camera.layouts import GRID, ROWS
 from ncdc_hdl.camera.moved import TAPS, Moved
 from ncdc_hdl.lib.memory import block_memory
@@ -12,7 +13,6 @@ from ncdc_model.sensors.level import SAMPLE_BITS
 
 __all__ = ["Evening"]
 
-_MEMORY = 2         # clocks of a read: the memory, and a register behind it
 _UNMOVED = 2        # first samples of a line, as in the golden model
 
 
@@ -38,7 +38,7 @@ class Evening(wiring.Component):
     i, o : ``In(ROWS)``, ``Out(ROWS)``
     """
 
-    latency = (1 + Moved.latency) + (_MEMORY + Moved.latency)
+    latency = (1 + Moved.latency) + (READ_CLOCKS + Moved.latency)
     """Taps of a row, and what is made of them; the same of a column."""
 
     def __init__(self, width):
@@ -76,11 +76,11 @@ class Evening(wiring.Component):
         m.submodules.rows = rows = block_memory(4 * SAMPLE_BITS, self.width)
         write, read = rows.write_port(), rows.read_port()
         above = register(m, "above", read.data)
-        sample = delay(m, sample, _MEMORY, "sample")
-        index = delay(m, index, _MEMORY, "row")
-        now = {name: delay(m, value, _MEMORY, name, reset_less=False)
+        sample = delay(m, sample, READ_CLOCKS, "sample")
+        index = delay(m, index, READ_CLOCKS, "row")
+        now = {name: delay(m, value, READ_CLOCKS, name, reset_less=False)
                for name, value in now.items()}
-        m.d.comb += [read.addr.eq(column), write.addr.eq(delay(m, column, _MEMORY, "column")),
+        m.d.comb += [read.addr.eq(column), write.addr.eq(delay(m, column, READ_CLOCKS, "column")),
                      write.data.eq(Cat(sample, above)), write.en.eq(now["valid"])]
         taps = Signal(TAPS)
         m.d.comb += taps.eq(Cat(sample, above))

@@ -9,11 +9,11 @@ from fractions import Fraction
 from math import lcm
 from pathlib import Path
 
+from verilog_crossings import REGISTERS, STUBS
+
 __all__ = ["Edge", "Transfer", "shortest_ps", "transfers"]
 
-_REGISTERS = {kind: ("CLK", ("D", "EN", "SRST", "ARST"), ("Q",))
-              for kind in ("$dff", "$dffe", "$adff", "$adffe", "$sdff", "$sdffe", "$sdffce")}
-_REGISTERS["DFF"] = ("clk", ("d", "clrn", "prn"), ("q",))
+_REGISTERS = dict(REGISTERS)
 _REGISTERS["$memwr_v2"] = ("CLK", ("ADDR", "DATA", "EN"), ())
 # Double-rate cells of Intel's: both bits go out from, and come in with, the rising edge.
 for _name in ("ALTDDIO_OUT", "altddio_out"):
@@ -25,12 +25,7 @@ for _name in ("altera_std_synchronizer", "altera_std_synchronizer_bundle"):
 _THROUGH = {"$not", "$_NOT_", "altiobuf_in", "altiobuf_out"}    # a clock goes through these
 _LOOPS = {"altpll": "clk", "altera_pll": "outclk"}              # and their outputs
 _SETTINGS = re.compile(r"(\b(?:altpll|altera_pll|sld_virtual_jtag)\b) #\(.*?\)(?= \w+ \()", re.S)
-_STUBS = """
-(* blackbox *) module ALTDDIO_OUT #(parameter WIDTH = 1) (input [WIDTH-1:0] datain_h, datain_l,
-    input outclock, output [WIDTH-1:0] dataout); endmodule
-(* blackbox *) module ALTDDIO_IN #(parameter WIDTH = 1) (input [WIDTH-1:0] datain, input inclock,
-    output [WIDTH-1:0] dataout_h, dataout_l); endmodule
-(* blackbox *) module DFF (input d, clk, clrn, prn, output q); endmodule
+_STUBS = STUBS + """\
 (* blackbox *) module altddio_out #(parameter width = 1) (input [width-1:0] datain_h, datain_l,
     input outclock, output [width-1:0] dataout); endmodule
 (* blackbox *) module altera_std_synchronizer #(parameter depth = 3) (input clk, reset_n, din,

@@ -5,13 +5,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-__all__ = ["crossings"]
+__all__ = ["REGISTERS", "STUBS", "crossings"]
 
-# Inputs of a register, its clock, its output.
-_REGISTERS = {kind: ("CLK", ("D", "EN", "SRST", "ARST"), "Q")
+# Clock of a register, its inputs, its outputs.
+REGISTERS = {kind: ("CLK", ("D", "EN", "SRST", "ARST"), ("Q",))
               for kind in ("$dff", "$dffe", "$adff", "$adffe", "$sdff", "$sdffe", "$sdffce")}
-_REGISTERS["DFF"] = ("clk", ("d", "clrn", "prn"), "q")
-_STUBS = """
+REGISTERS["DFF"] = ("clk", ("d", "clrn", "prn"), ("q",))
+STUBS = """
 (* blackbox *) module ALTDDIO_OUT #(parameter WIDTH = 1) (input [WIDTH-1:0] datain_h, datain_l,
     input outclock, output [WIDTH-1:0] dataout); endmodule
 (* blackbox *) module ALTDDIO_IN #(parameter WIDTH = 1) (input [WIDTH-1:0] datain, input inclock,
@@ -33,7 +33,7 @@ def crossings(texts, memories, top, folder):
     folder : Path
         To work in.
     """
-    files = texts | {"stubs.v": _STUBS} | dict.fromkeys(memories, "0\n")
+    files = texts | {"stubs.v": STUBS} | dict.fromkeys(memories, "0\n")
     for name, text in files.items():
         (folder / name).write_text(text)
     script = (f"read_verilog {' '.join([*texts, 'stubs.v'])}; hierarchy -top {top}; proc; flatten; "
@@ -55,8 +55,8 @@ def _found(module):
         for port, bits in wires.items():
             if cell["port_directions"][port] == "output":
                 drivers |= dict.fromkeys(bits, cell)
-        if cell["type"] in _REGISTERS:
-            clock, inputs, output = _REGISTERS[cell["type"]]
+        if cell["type"] in REGISTERS:
+            clock, inputs, (output,) = REGISTERS[cell["type"]]
             sources |= {bit: (names[bit], names[wires[clock][0]]) for bit in wires[output]}
             registers.append((names[wires[output][0]], names[wires[clock][0]],
                               [bit for port in inputs for bit in wires.get(port, ())]))
