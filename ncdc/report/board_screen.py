@@ -42,7 +42,7 @@ def last_screen(name, path, photo, run_us):
     light = moving_photo(descriptor, setup, crop, photo, _FRAMES, (12, 0))
     hardware, _ = planned(hardware_for(on), Fixed(None, None, None), descriptor)
     design = design_of(on, [(path, descriptor)], sensor, mode_for(*g.corrected), hardware=hardware,
-                       hurry=1000, waits=False, i2c_hz=400_000)
+                       time_scale=1000, waits=False, i2c_hz=400_000)
     run = simulate_board(design, "mt9p031", light, run_us=run_us, optimise="-O2")
     raw = levelled(crop.raw(raw_frames(setup, light), g.distorted), setup.sensor.black)
     golden = [correct(descriptor, np.ascontiguousarray(one),

@@ -62,13 +62,13 @@ class Identity:
     ip, mask, mac : str
         With the address 0.0.0.0 it asks DHCP, and takes a link-local one if nobody answers. Each
         device of a network needs a MAC address of its own.
-    hurry : int
+    time_scale : int
         So many times faster pass lwIP's milliseconds, for simulations that wait for its time-outs.
     """
     ip: str = "10.77.0.11"
     mask: str = "255.255.255.0"
     mac: str = "02:4e:0a:4d:00:0b"
-    hurry: int = 1
+    time_scale: int = 1
 
     def __post_init__(self):
         if not re.fullmatch("[0-9a-fA-F]{2}(:[0-9a-fA-F]{2}){5}", self.mac):
@@ -191,7 +191,7 @@ def _field(setup, crop, geometry):
             "CONFIG_FIELD": _braced(str(at[first + k]) for k in range(len(values)))}
 
 
-def _sensor(setup, clock_hz, hurry):
+def _sensor(setup, clock_hz, time_scale):
     sensor = setup.sensor
     # Its reset pin is not the firmware's: whatever ends it, the firmware begins with it or later.
     awake_us = sum(wake_times(sensor.waking, setup.settings.clock_hz))
@@ -201,8 +201,8 @@ def _sensor(setup, clock_hz, hurry):
         "SENSOR_I2C": _hex(sensor.i2c_address), "SENSOR_POINTER_BITS": sensor.pointer_bits,
         "SENSOR_VALUE_BITS": sensor.value_bits, "SENSOR_ID_ADDRESS": _hex(identity),
         "SENSOR_ID": _hex(value)[:-1], "SENSOR_SET_UP": _braced(writes),
-        "SENSOR_WAIT_CLOCKS": f"{max(1, -(-clock_hz // (10**6 * hurry)))}u",
-        "SENSOR_REST_CLOCKS": f"{awake_us * clock_hz // (10**6 * hurry)}u",
+        "SENSOR_WAIT_CLOCKS": f"{max(1, -(-clock_hz // (10**6 * time_scale)))}u",
+        "SENSOR_REST_CLOCKS": f"{awake_us * clock_hz // (10**6 * time_scale)}u",
         "SENSOR_USER": _braced(
             _braced([_hex(one.address), _hex(one.mask), _hex(low), _hex(high)])
             for one in sensor.user_registers for low, high in one.ranges),
@@ -248,7 +248,7 @@ def _protocols(identity, clock_hz):
         "HEARTBEAT_MS": f"{gvcp.HEARTBEAT_MS}u",
         "HEARTBEAT_MIN_MS": f"{gvcp.HEARTBEAT_MIN_MS}u",
         "HEARTBEAT_MAX_MS": f"{gvcp.HEARTBEAT_MAX_MS}u", "TABLE_IDLE_MS": f"{1000 * IDLE_SECONDS}u",
-        "MILLISECOND_CLOCKS": f"{clock_hz // 1000 // identity.hurry}u",
+        "MILLISECOND_CLOCKS": f"{clock_hz // 1000 // identity.time_scale}u",
         "PACKET_DO_NOT_FRAGMENT": _hex(gvcp.SCPS_DO_NOT_FRAGMENT),
         "CONFIG_VERSION": _text(version("ncdc")), "CONFIG_IP": _hex(_address(identity.ip)),
         "CONFIG_MASK": _hex(_address(identity.mask)),

@@ -147,4 +147,4 @@ def test_a_design_has_the_sensors_times(name, mode, sensor):
     found = sensor_for(sensor, lens.geometry)
     design = design_of(board(name), [("a", lens)], found, mode)
     assert design.times == times_for(found[0]) == Times(5000, 40_000, 1_000_000)
-    assert design.hurry == 1
+    assert design.time_scale == 1

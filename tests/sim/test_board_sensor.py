@@ -69,7 +69,7 @@ def test_a_button_sets_the_sensor_up_anew(bench):
 @pytest.fixture(scope="module")
 def true():
     """Reset, rest and bus as on a board."""
-    made = Bench("ulx3s", SMALL, (WIDTH, HEIGHT), hurry=1, i2c_hz=100_000)
+    made = Bench("ulx3s", SMALL, (WIDTH, HEIGHT), time_scale=1, i2c_hz=100_000)
     assert made.design.times == Times(5000, 40_000, 1_000_000)
     return made
 

@@ -105,7 +105,7 @@ def test_a_fault_is_in_its_row_and_the_next_frame_is_right(kind):
         ("mt9p031", "stuck_sda"), ("ov5640", ""), ("mt9d111", "")))])
 def test_our_controller_sets_it_up(name, fault):
     # The chip id takes two STARTs a register.
-    plusargs = [f"+sensor_hurry={AWAKE}"] + (Fault(fault, start=2).plusargs() if fault else [])
+    plusargs = [f"+sensor_time_scale={AWAKE}"] + (Fault(fault, start=2).plusargs() if fault else [])
     run_cocotb(controlled(name), "sensor_control", "verilator", plusargs=plusargs, sensor=name,
                asked=SMALL, fault=fault)
 

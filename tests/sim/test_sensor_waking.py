@@ -99,15 +99,16 @@ def test_it_answers_from_its_time_on_and_not_before(bench, name):
 @pytest.mark.parametrize("name", NAMES)
 def test_a_hundredth_of_the_times(bench, name):
     need = round(rest_us(name) / 100)
-    assert bench(name, 11, need + 1, 1, "+sensor_hurry=100") == ([True, True], 0)
+    assert bench(name, 11, need + 1, 1, "+sensor_time_scale=100") == ([True, True], 0)
     # A reset that is too short does not wake it, however long it rests.
-    assert bench(name, 9, need + 1, need, "+sensor_hurry=100") == ([False, False], 2)
+    assert bench(name, 9, need + 1, need, "+sensor_time_scale=100") == ([False, False], 2)
 
 
 def test_without_its_supply_it_sleeps_until_another_reset(bench):
     unplugged = Fault("unplug", start=1000, clocks=500).plusargs()
-    assert bench("mt9d111", 11, 250, 500, "+sensor_hurry=100", *unplugged) == ([False, False], 2)
-    assert bench("mt9d111", 11, 250, 500, "+sensor_hurry=100") == ([True, True], 0)
+    awake = "mt9d111", 11, 250, 500, "+sensor_time_scale=100"
+    assert bench(*awake, *unplugged) == ([False, False], 2)
+    assert bench(*awake) == ([True, True], 0)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -20,7 +20,7 @@ from peers import need
 pytestmark = [pytest.mark.regress, pytest.mark.many_clocks]
 
 _SIZE = (64, 48)
-_HURRY = 500            # a second of lwIP's takes 200,000 clocks
+_TIME_SCALE = 500            # a second of lwIP's takes 200,000 clocks
 _FIRST, _LAST = "10.77.0.50", "10.77.0.60"
 _LINK_LOCAL = "169.254.1.1"
 
@@ -31,7 +31,7 @@ def model():
     need("riscv64-unknown-elf-gcc", "unshare", "ip")
     return SocModel(barrel_descriptor(corrected=_SIZE, distorted=_SIZE),
                     np.zeros(_SIZE[::-1], np.uint8),
-                    identity=Identity(ip="0.0.0.0", mask="0.0.0.0", hurry=_HURRY))
+                    identity=Identity(ip="0.0.0.0", mask="0.0.0.0", time_scale=_TIME_SCALE))
 
 
 def number(text):

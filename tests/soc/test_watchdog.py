@@ -34,7 +34,7 @@ def test_a_firmware_that_stands_still_begins_anew(edit, said, tmp_path, monkeypa
     (source / "main.c").write_text(main.replace(_LOOP, edit))
     monkeypatch.setattr(firmware, "FIRMWARE", source)
     model = SocModel(barrel_descriptor(corrected=_SIZE, distorted=_SIZE),
-                     np.zeros(_SIZE[::-1], np.uint8), identity=Identity(hurry=500))
+                     np.zeros(_SIZE[::-1], np.uint8), identity=Identity(time_scale=500))
     with SocRun(model) as run:
         run.wait_for(lambda: run.screen.count(_HAS_ADDRESS) >= 3)
         assert run.screen.count("NCDC ") >= 3

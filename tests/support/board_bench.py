@@ -31,7 +31,7 @@ class Bench:
         setup, crop = self.sensor
         named = [("a", lenses[0]), ("b", lenses[1])]
         self.design = design_of(board(name), named if mode else named[:1], self.sensor, mode,
-                                **{"hurry": 1000, "waits": False, "i2c_hz": 400_000} | more)
+                                **{"time_scale": 1000, "waits": False, "i2c_hz": 400_000} | more)
         asked = setup.settings
         read = frames, asked.skip * asked.height, asked.skip * asked.width
         noise = np.random.default_rng(1).integers(0, 4096, read, dtype=np.uint16)

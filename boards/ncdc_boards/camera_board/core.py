@@ -58,7 +58,7 @@ class Design:
         Words that the screen reads at once, at most; 0 without one.
     times : Times
         Of the sensor's reset, its rest, and the watch over its frames.
-    hurry : int
+    time_scale : int
         So many times faster pass the reset, the rest, and the pause before the sensor is asked
         again: 1, more in simulations. The watch is as given.
     processor : bool
@@ -73,7 +73,7 @@ class Design:
     lenses: int
     screen_burst: int
     times: Times
-    hurry: int = 1
+    time_scale: int = 1
     processor: bool = False
 
     @property
@@ -201,8 +201,8 @@ class BoardCore(wiring.Component):
             system.scl.eq(self.scl), system.sda.eq(self.sda),
             self.scl_low.eq(system.scl_low), self.sda_low.eq(system.sda_low),
         ]
-        times, hurry = self.design.times, self.design.hurry
-        times = Times(times.reset_us // hurry, times.rest_us // hurry, times.watch_us)
+        times, time_scale = self.design.times, self.design.time_scale
+        times = Times(times.reset_us // time_scale, times.rest_us // time_scale, times.watch_us)
         m.submodules.waker = waker = Waker(times, self.design.core_hz)
         # The pixel clock, slow enough to be looked at.
         m.domains.pixel_clock = ClockDomain(local=True, reset_less=True)
@@ -229,7 +229,7 @@ class BoardCore(wiring.Component):
         hold = Signal(init=1)
         m.d.sync += hold.eq(~(ready & self.memory.ready))
         m.submodules.programs = programs = ResetInserter(hold)(ProgramRunner(
-            design.programs, SYSTEM_WORDS_BITS, patience=design.core_hz // 10 // design.hurry))
+            design.programs, SYSTEM_WORDS_BITS, patience=design.core_hz // 10 // design.time_scale))
         connect(m, programs.access, access.hosts[0])
         connect(m, bridge.access, access.hosts[1])
         if design.board.jtag:

@@ -80,7 +80,7 @@ class NetworkModel:
         self.design = design_of(
             board, [("lens", descriptor)], sensor, _slow(geometry.corrected),
             hardware=hardware or hardware_for(board), core_mhz=core_mhz, processor=True,
-            hurry=1000, waits=False, i2c_hz=400_000)
+            time_scale=1000, waits=False, i2c_hz=400_000)
         asked = self.setup.settings
         sent = (frames, asked.height, asked.width)
         self.light = Light(np.random.default_rng(1).integers(0, 4096, sent, dtype=np.uint16),
@@ -154,7 +154,7 @@ class NetworkRun:
             "pace": _PACE, "poll": _POLL, "patience": _PATIENCE}
         self._process = subprocess.Popen(
             [*command_of(model.program), *(f"+{key}={value}" for key, value in settings.items()),
-             *model.light.plusargs("sensor.bin", model.design.hurry)], cwd=folder,
+             *model.light.plusargs("sensor.bin", model.design.time_scale)], cwd=folder,
             env=environment(), text=True, errors="replace", stdin=subprocess.PIPE,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         return self

@@ -139,7 +139,7 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
         if ethernet:
             ethernet.fill(folder)
         run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items()),
-             *light.plusargs("sensor.bin", design.hurry)], folder, result.take)
+             *light.plusargs("sensor.bin", design.time_scale)], folder, result.take)
         if design.mode:
             result.screen = screen_of((folder / "screen.bin").read_bytes())
         if ethernet:

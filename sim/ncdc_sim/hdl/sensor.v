@@ -24,7 +24,7 @@
 //   sensor_fault_frame=, sensor_fault_row=       where one of the first five happens, from 0 on
 //   sensor_fault_clocks=     pixel clocks of clock_stop, clocks of SCL of stuck_sda
 //   sensor_fault_start=      number of the START condition, from 0 on, of one of the last two
-//   sensor_khz=, sensor_hurry=, sensor_fault=unplug: see sensor_waking.v
+//   sensor_khz=, sensor_time_scale=, sensor_fault=unplug: see sensor_waking.v
 // A pixel outside of the file is dark. The file begins anew whenever the sensor is told to start,
 // and when it has ended. Each frame prints "SENSOR frame <number>", what cannot be modelled
 // "SENSOR-ERROR <reason>".

@@ -6,7 +6,7 @@
 //
 // Plusargs, decimal:
 //   sensor_khz=          frequency of the external clock; 25000 if absent
-//   sensor_hurry=        so many times shorter are reset and rest; 1 if absent
+//   sensor_time_scale=        so many times shorter are reset and rest; 1 if absent
 //   sensor_fault=unplug, sensor_fault_start=, sensor_fault_clocks=
 //                        from that external clock on, counted from 0, and for so many of them the sensor
 //                        has no supply: its pins are low or let go, its registers lost
@@ -27,16 +27,16 @@ module sensor_waking #(
     output wire awake
 );
     reg [8*16-1:0] fault;
-    reg [63:0] khz, hurry, unplug, away, reset_clocks, rest_clocks, us_clocks;
+    reg [63:0] khz, time_scale, unplug, away, reset_clocks, rest_clocks, us_clocks;
     initial begin
         if (!$value$plusargs("sensor_khz=%d", khz)) khz = 25000;
-        if (!$value$plusargs("sensor_hurry=%d", hurry)) hurry = 1;
+        if (!$value$plusargs("sensor_time_scale=%d", time_scale)) time_scale = 1;
         if (!$value$plusargs("sensor_fault=%s", fault)) fault = 0;
         if (!$value$plusargs("sensor_fault_start=%d", unplug)) unplug = 0;
         if (!$value$plusargs("sensor_fault_clocks=%d", away)) away = 0;
         us_clocks = REST_US * khz / 1000;
-        reset_clocks = RESET_US * khz / 1000 / hurry;
-        rest_clocks = (us_clocks > REST_CLOCKS ? us_clocks : REST_CLOCKS) / hurry;
+        reset_clocks = RESET_US * khz / 1000 / time_scale;
+        rest_clocks = (us_clocks > REST_CLOCKS ? us_clocks : REST_CLOCKS) / time_scale;
         plugged = 1;
         woken = reset_clocks == 0;
     end

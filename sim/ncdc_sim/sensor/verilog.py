@@ -43,14 +43,14 @@ class Light:
         """Bytes of the file that the model reads."""
         return np.ascontiguousarray(self.frames, "<u2").tobytes()
 
-    def plusargs(self, file, hurry=AWAKE):
+    def plusargs(self, file, time_scale=AWAKE):
         """Of the model, which finds the bytes in ``file``; so many times shorter than the true
         ones are its reset and its rest."""
         height, width = self.frames.shape[1:]
         return [f"+sensor_file={file}", f"+sensor_file_width={width}",
                 f"+sensor_file_height={height}", f"+sensor_file_left={self.left}",
                 f"+sensor_file_top={self.top}", f"+sensor_nominal={self.nominal}",
-                f"+sensor_hurry={hurry}"]
+                f"+sensor_time_scale={time_scale}"]
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,8 @@ __all__ = ["ADDRESS", "SocModel", "SocRun"]
 
 ADDRESS = Identity().ip
 _SENSOR = "mt9p031"
-_HURRY = 1000                   # so many times shorter are the sensor's times, and its bus faster
+# The sensor's times are so many times shorter, and its bus faster.
+_TIME_SCALE = 1000
 _QUEUE_BYTES = 18 * 1024        # of the packetiser: two packets of an MTU of 9000
 _STARTED = "address: "          # what the firmware says when it listens
 _PATIENCE_S = 120
@@ -67,7 +68,7 @@ class SocModel:
         with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
             self._rom, self.code_bytes, self.ram_bytes = firmware_image(
                 config(core.system, core.packetiser.capacity, soc, self.setup, self._crop,
-                       self.identity, sets_up=_HURRY), soc, folder)
+                       self.identity, sets_up=_TIME_SCALE), soc, folder)
         self.program = _build(core_verilog(core), soc)
 
     def fill(self, folder):
