@@ -148,7 +148,7 @@ def _tap():
 
 
 def _gvcp():
-    from ncdc_model.interface.gvcp import PORT
+    from ncdc_spec.protocols.gvcp import PORT
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
         try:
             one.bind(("127.0.0.2", PORT))

@@ -30,18 +30,18 @@ from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.checks import Checks
 from ncdc_hdl.registers.weight_store import in_memory
 from ncdc_hdl.video.vip_packets import VipPackets
-from ncdc_model.fetch.corrector_timing import CorrectorTiming
-from ncdc_model.geometry import MAX_SIZE
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import (
+from ncdc_model.planner.corrector_timing import CorrectorTiming
+from ncdc_spec.geometry import MAX_SIZE
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.host_values import host_values
+from ncdc_spec.registers.register_map import (
     ADDRESS_WORDS_BITS,
     COUNTERS,
     capabilities,
     network_registers,
     registers,
 )
-from ncdc_model.tone import NODE_PLACES
+from ncdc_spec.tone import NODE_PLACES
 
 __all__ = ["Corrector"]
 
@@ -51,15 +51,15 @@ _WRITE_BURST = 16  # words
 class Corrector(wiring.Component):
     """Corrects one frame per start: raw Bayer frame in memory to corrected pixels.
 
-    Equal bit for bit to ``ncdc_model.corrector.correct``. After configuration all parameters
+    Equal bit for bit to ``ncdc_model.golden.corrector.correct``. After configuration all parameters
     have the descriptor's values; a host may change any of them for the next frame.
 
     Parameters
     ----------
-    descriptor : ncdc_model.descriptor.Descriptor
+    descriptor : ncdc_spec.descriptor.Descriptor
     runs : bool
         Whether it can be started by a :class:`RunControl` as well as by the host.
-    hardware : ncdc_model.hardware.Hardware
+    hardware : ncdc_spec.hardware.Hardware
         With the output "memory" a burst writer stores pixels in the format that a register
         chooses, row after row without a gap; with "stream" a video stream source is in its place.
 

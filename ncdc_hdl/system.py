@@ -17,11 +17,11 @@ from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.lib.ports import flat, join, ports_as
 from ncdc_hdl.registers.page import Page
 from ncdc_hdl.video.frame_reader import SCREEN
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MAX_SIZE
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
-from ncdc_model.interface.system_map import (
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MAX_SIZE
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS
+from ncdc_spec.registers.system_map import (
     EVENTS,
     GRID_ROW_MIN,
     LOCKED,
@@ -29,8 +29,8 @@ from ncdc_model.interface.system_map import (
     SYSTEM_WORDS_BITS,
     system_registers,
 )
-from ncdc_model.interface.system_values import stores_for, system_values
-from ncdc_model.sensors.level import PIECES
+from ncdc_spec.registers.system_values import stores_for, system_values
+from ncdc_spec.sensors.level import PIECES
 
 __all__ = ["System"]
 
@@ -40,12 +40,12 @@ _BURST = 16         # words of a burst of the camera; those of the corrector's a
 class System(wiring.Component):
     """Captures a sensor's frames, corrects each into a buffer of its own, and hands both on.
 
-    Registers: :mod:`ncdc_model.interface.system_map`, behind those of the corrector.
+    Registers: :mod:`ncdc_spec.registers.system_map`, behind those of the corrector.
 
     Parameters
     ----------
-    descriptor : ncdc_model.descriptor.Descriptor
-    hardware : ncdc_model.hardware.Hardware
+    descriptor : ncdc_spec.descriptor.Descriptor
+    hardware : ncdc_spec.hardware.Hardware
     readers : int
         That claim frames by registers.
     screens : int

@@ -7,10 +7,10 @@ import pytest
 
 import kept
 from ncdc_hdl.lib import memory
-from ncdc_model.geometry import Geometry
 from ncdc_model.training.problem import Problem
 from ncdc_sim.system import frame
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.geometry import Geometry
 from pipelines import run_pipeline
 from tansigs import DESIGNS, gateware
 

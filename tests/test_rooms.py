@@ -77,7 +77,7 @@ def test_no_circles():
 
 
 @pytest.mark.parametrize("module,planted", [
-    ("ncdc_model.fixed", "from ncdc_hdl.lib import memory"),
+    ("ncdc_spec.fixed", "from ncdc_hdl.lib import memory"),
     ("ncdc_hdl.corrector", "def late():\n    import ncdc_sim.runner"),
     ("ncdc_boards.board", "from ncdc.cli import main")])
 def test_a_planted_import_upwards_is_found(module, planted):
@@ -88,8 +88,8 @@ def test_a_planted_import_upwards_is_found(module, planted):
 
 def test_a_planted_circle_is_found():
     texts = modules()
-    texts["ncdc_model.errors"] += "\nimport ncdc_model.descriptor\n"
-    assert "ncdc_model.errors" in circle(texts)
+    texts["ncdc_spec.errors"] += "\nimport ncdc_spec.descriptor\n"
+    assert "ncdc_spec.errors" in circle(texts)
 
 
 WITHOUT_AMARANTH = """

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ncdc_boards.sdram.chips import SdramChip
-from ncdc_model.interpolation import INTERPOLATIONS
+from ncdc_spec.interpolation import INTERPOLATIONS
 
 __all__ = ["Board", "EthernetChip"]
 

@@ -2,7 +2,7 @@
 
 from importlib.metadata import entry_points
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["GROUP", "board", "board_names"]
 

@@ -12,12 +12,12 @@ from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points_csv import is_points_csv
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
+from ncdc_model.golden.valid import valid_mask
 from ncdc_model.lens import Frame
 from ncdc_model.lens.inverse import planar_inverse
 from ncdc_model.training.source import load_points
-from ncdc_model.valid import valid_mask
+from ncdc_spec.errors import InputError
 
 __all__ = ["corrected_points", "evaluate_against", "fitted_view"]
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.network import coordinates, network, round_between
-from ncdc_model.nodes import CURVATURE_LIMIT, curvature, sums_between
+from ncdc_model.golden.network import coordinates, network, round_between
+from ncdc_model.golden.nodes import CURVATURE_LIMIT, curvature, sums_between
+from ncdc_spec.errors import InputError
 
 __all__ = ["check_curvature", "evaluate_frame", "evaluate_points", "fixed_map", "float_map",
            "map_error"]
@@ -67,7 +67,7 @@ def check_curvature(descriptor, choices=None):
     """By how many pixels interpolation between nodes misses the descriptor's own network: {S: px}.
 
     Of the network in real numbers that are exactly the integers, see
-    :func:`ncdc_model.nodes.curvature`. ``choices``: distances S; if absent that of the descriptor.
+    :func:`ncdc_model.golden.nodes.curvature`. ``choices``: distances S; if absent that of the descriptor.
 
     Raises
     ------

@@ -5,10 +5,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.files import replace_file
-from ncdc_model.geometry import BAYER_PHASE, MONO
 from ncdc_model.photo.read import read_photo
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import replace_file
+from ncdc_spec.geometry import BAYER_PHASE, MONO
 
 __all__ = ["ANIMATIONS", "check_animation", "check_suffix", "demosaic", "is_raw", "mosaic",
            "read_image", "write_animation", "write_image"]

@@ -2,7 +2,7 @@
 
 import shutil
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["PACKAGE_OF", "apt_line", "check_programs"]
 

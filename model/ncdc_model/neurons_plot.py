@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from ncdc_model.files import replace_file
+from ncdc_spec.files import replace_file
 
 __all__ = ["plot_neurons"]
 

@@ -4,7 +4,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from ncdc_model.files import replace_file
+from ncdc_spec.files import replace_file
 
 __all__ = ["plot_error_map", "plot_learning_curve", "plot_point_errors"]
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.files import read_bytes
-from ncdc_model.geometry import BAYERS, MAX_SIZE, MIN_SIZE
 from ncdc_model.samples import check_bits, eight_bits
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import read_bytes
+from ncdc_spec.geometry import BAYERS, MAX_SIZE, MIN_SIZE
 
 __all__ = ["RawDump"]
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.float_network import FloatNetwork
-from ncdc_model.geometry import ValidRows
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.float_network import FloatNetwork
+from ncdc_spec.geometry import ValidRows
 
 __all__ = ["raw_lens", "raw_map"]
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from ncdc_model.images import demosaic, mosaic
-from ncdc_model.interpolation import FAST, INTERPOLATIONS
+from ncdc_spec.interpolation import FAST, INTERPOLATIONS
 
 __all__ = ["bayer_psnr", "correct_real", "grey_level_difference", "psnr"]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["check_bits", "eight_bits", "scaled"]
 

@@ -8,7 +8,7 @@ from importlib.metadata import version
 
 from ncdc.cli.commands import COMMANDS
 from ncdc.terminal import say
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["COMMANDS", "main", "parser"]
 
@@ -100,9 +100,9 @@ def _run(name, args):
 
     from ncdc.cli.roles import check_roles
     from ncdc_host.client.errors import DeviceError
-    from ncdc_model.files import check_outputs
     from ncdc_model.threads import one_thread
     from ncdc_sim.tools import SimulationError
+    from ncdc_spec.files import check_outputs
     _ignore_unused()
     try:
         check_outputs(*_files(args))

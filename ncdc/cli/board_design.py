@@ -8,9 +8,9 @@ from ncdc_boards.catalogue import board as board_of
 from ncdc_boards.hps_board.board import HpsBoard
 from ncdc_boards.hps_board.ports import DATA_WIDTH
 from ncdc_hdl.video.modes import mode_for, mode_named
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.plan import Fixed
-from ncdc_model.sensors.field import FULL
+from ncdc_model.planner.plan import Fixed
+from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.field import FULL
 
 __all__ = ["add_mode", "board_named", "designed", "print_rates", "rates"]
 

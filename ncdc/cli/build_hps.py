@@ -12,14 +12,14 @@ from ncdc_boards.quartus.sdc import check_sensor
 from ncdc_hdl.export.registers.drivers import driver_files
 from ncdc_hdl.system import System
 from ncdc_hdl.video.modes import mode_for, mode_named
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.plan import Fixed
-from ncdc_model.files import check_outputs, write_text
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import BGR8, output_format
-from ncdc_model.interface.system_values import memory_bytes
-from ncdc_model.sensors.framing import grid_row
-from ncdc_model.sensors.waking import wake_times
+from ncdc_model.planner.plan import Fixed
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import check_outputs, write_text
+from ncdc_spec.frames import BGR8, output_format
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.system_values import memory_bytes
+from ncdc_spec.sensors.framing import grid_row
+from ncdc_spec.sensors.waking import wake_times
 
 __all__ = ["build_hps"]
 

@@ -22,8 +22,8 @@ from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.measure import measure_smooth
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.calibration.quality import Dropped, warnings_of
-from ncdc_model.errors import InputError
 from ncdc_model.images import write_image
+from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "add_arguments", "judged", "run"]
 

@@ -8,8 +8,8 @@ from ncdc.terminal import Progress, percent
 from ncdc_host.client import discover, open_device, record
 from ncdc_host.client.devices import SCHEMES
 from ncdc_host.client.errors import printable
-from ncdc_model.errors import InputError
-from ncdc_model.files import check_outputs
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

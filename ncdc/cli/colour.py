@@ -1,8 +1,9 @@
 """The options that choose white balance and tone."""
 
-from ncdc_model.colour import COLOURS, GREY_WORLD, Colour, ColourSums, gains_of
-from ncdc_model.interface.white_balance import LARGEST_GAIN, UNITY, grey_world
-from ncdc_model.tone import tone_named
+from ncdc_model.golden.colour import GREY_WORLD, ColourSums, gains_of
+from ncdc_model.golden.tone import tone_named
+from ncdc_spec.colour import COLOURS, Colour
+from ncdc_spec.white_balance import LARGEST_GAIN, UNITY, grey_world
 
 __all__ = ["add_colour", "colour_choice", "colour_line", "colour_report"]
 
@@ -20,7 +21,7 @@ def add_colour(parser):
 def colour_choice(args):
     """How a command's options choose the :class:`Colour` of a frame; None without them.
 
-    A function of the :class:`ncdc_model.corrector.Corrected` frame, which ``grey-world`` looks at.
+    A function of the :class:`ncdc_model.golden.corrector.Corrected` frame, which ``grey-world`` looks at.
 
     Raises
     ------

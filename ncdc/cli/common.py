@@ -4,14 +4,14 @@ import json
 import math
 
 from ncdc.terminal import say
-from ncdc_model.errors import InputError
-from ncdc_model.files import write_stream
-from ncdc_model.geometry import MONO
 from ncdc_model.images import is_raw, mosaic
 from ncdc_model.photo import read
 from ncdc_model.photo.photo import Photo
 from ncdc_model.raw_dump import RawDump
 from ncdc_model.samples import check_bits
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import write_stream
+from ncdc_spec.geometry import MONO
 
 __all__ = ["add_camera", "add_json", "add_page", "add_samples", "raw_frame", "read_photo",
            "straightness_text", "write_report"]

@@ -5,10 +5,10 @@ import sys
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.terminal import Progress, percent
-from ncdc_model.colour import coloured
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
+from ncdc_model.golden.colour import coloured
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import check_suffix, write_image
+from ncdc_spec.descriptor import Descriptor
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

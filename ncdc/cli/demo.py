@@ -18,9 +18,6 @@ from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.calibration.straightness import straightness
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import MAX_NEURONS
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.example import (
     BAYER,
@@ -31,14 +28,17 @@ from ncdc_model.example import (
     target_photo,
     true_map,
 )
-from ncdc_model.files import check_outputs, write_text
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import demosaic, write_image
-from ncdc_model.interpolation import INTERPOLATIONS
 from ncdc_model.plots import plot_error_map
 from ncdc_model.reference import bayer_psnr, correct_real, grey_level_difference
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.descriptor import MAX_NEURONS
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import check_outputs, write_text
+from ncdc_spec.interpolation import INTERPOLATIONS
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

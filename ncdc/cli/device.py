@@ -11,10 +11,10 @@ from ncdc.cli.common import add_samples, raw_frame
 from ncdc.cli.field import add_field, field_of
 from ncdc.cli.renamed import add_renamed
 from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.interface.gvcp import PORT
-from ncdc_model.interface.table_one import TCP_PORT
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.protocols.gvcp import PORT
+from ncdc_spec.protocols.table_one import TCP_PORT
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

@@ -42,7 +42,7 @@ def _write(report, target):
         if target:
             print(json.dumps(report, indent=2))
         return bool(target)
-    from ncdc_model.files import write_stream
+    from ncdc_spec.files import write_stream
     write_stream(target, json.dumps(report, indent=2) + "\n")
     return False
 

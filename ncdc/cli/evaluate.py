@@ -6,7 +6,7 @@ from ncdc.cli.common import add_camera, add_json, write_report
 from ncdc.cli.train import error_table, nodes_text
 from ncdc.terminal import Progress
 from ncdc_model.against import evaluate_against
-from ncdc_model.descriptor import Descriptor
+from ncdc_spec.descriptor import Descriptor
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

@@ -1,7 +1,7 @@
 """The option of the part of a sensor that raw frames show, and what it makes of the sensor."""
 
-from ncdc_model.sensors.field import FULL
-from ncdc_model.sensors.framing import Crop, shown
+from ncdc_spec.sensors.field import FULL
+from ncdc_spec.sensors.framing import Crop, shown
 
 __all__ = ["add_field", "field_lines", "field_of", "field_report"]
 

@@ -3,8 +3,8 @@
 from ncdc.cli.renamed import add_renamed
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.follow import camera_line, follow_bound
+from ncdc_model.planner.follow import camera_line, follow_bound
+from ncdc_spec.errors import InputError
 
 __all__ = ["add_follow", "bound_of", "follow_strip"]
 

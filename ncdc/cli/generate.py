@@ -27,12 +27,12 @@ from ncdc_hdl.link.top import PACKETISER, PacketiserTop
 from ncdc_hdl.system import System
 from ncdc_hdl.usb.layouts import CHIPS
 from ncdc_hdl.usb.system import UsbSystem
-from ncdc_model.corrector import check_raw
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.files import write_text
-from ncdc_model.hardware import VIDEOS
-from ncdc_model.sensors.catalogue import SENSORS, sensor_named
+from ncdc_model.golden.corrector import check_raw
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import write_text
+from ncdc_spec.hardware import VIDEOS
+from ncdc_spec.sensors.catalogue import SENSORS, sensor_named
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

@@ -3,10 +3,11 @@
 from dataclasses import replace
 
 from ncdc.terminal import Progress
-from ncdc_model.fetch.lookups import frame_windows
-from ncdc_model.fetch.plan import Fixed, choose
-from ncdc_model.fetch.traffic import distinct_bytes
-from ncdc_model.hardware import (
+from ncdc_model.planner.lookups import frame_windows
+from ncdc_model.planner.plan import Fixed, choose
+from ncdc_model.planner.traffic import distinct_bytes
+from ncdc_spec.frames import check_format, output_format
+from ncdc_spec.hardware import (
     BUSES,
     DATA_WIDTHS,
     FETCHERS,
@@ -19,8 +20,7 @@ from ncdc_model.hardware import (
     VIDEOS,
     Hardware,
 )
-from ncdc_model.interface.frames import check_format, output_format
-from ncdc_model.nodes import row_nodes
+from ncdc_spec.nodes import row_nodes
 
 __all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes", "choice_line",
            "fixed_of", "front_end_line", "hardware_of", "planned"]

@@ -9,12 +9,12 @@ from ncdc.cli.renamed import add_renamed
 from ncdc.cli.waves import waves_of
 from ncdc.terminal import Progress
 from ncdc_hdl.system import System
-from ncdc_model.errors import InputError
 from ncdc_model.images import check_animation, is_raw, write_animation
-from ncdc_model.sensors.catalogue import SENSORS
-from ncdc_model.sensors.framing import grid_row, setup_around
 from ncdc_sim.sensor.photo import moving_photo, still_raw
 from ncdc_sim.system.camera import simulate_camera
+from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.catalogue import SENSORS
+from ncdc_spec.sensors.framing import grid_row, setup_around
 
 __all__ = ["add_moving", "run_moving"]
 

@@ -4,7 +4,7 @@ import re
 from glob import glob
 from pathlib import Path
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["natural", "photos_of"]
 

@@ -18,14 +18,14 @@ from ncdc.cli.plan_board import plan_board
 from ncdc.cli.renamed import add_renamed
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.beside import clocks_beside_camera
-from ncdc_model.fetch.plan import CLOCK_MHZ, plan
-from ncdc_model.hardware import DATA_WIDTHS, OUTPUTS, Hardware
-from ncdc_model.memory_timing import memory_at
-from ncdc_model.sensors.catalogue import SENSORS
-from ncdc_model.sensors.framing import setup_around
+from ncdc_model.planner.beside import clocks_beside_camera
+from ncdc_model.planner.memory_timing import memory_at
+from ncdc_model.planner.plan import CLOCK_MHZ, plan
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.hardware import DATA_WIDTHS, OUTPUTS, Hardware
+from ncdc_spec.sensors.catalogue import SENSORS
+from ncdc_spec.sensors.framing import setup_around
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

@@ -4,8 +4,8 @@ from ncdc.cli.board_design import board_named, designed, print_rates, rates
 from ncdc.cli.common import write_report
 from ncdc.cli.field import field_lines, field_of, field_report
 from ncdc.cli.hardware import fixed_of
-from ncdc_model.errors import InputError
-from ncdc_model.interface.system_values import memory_bytes
+from ncdc_spec.errors import InputError
+from ncdc_spec.registers.system_values import memory_bytes
 
 __all__ = ["plan_board"]
 

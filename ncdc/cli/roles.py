@@ -6,8 +6,8 @@ says what is wrong with it.
 
 from pathlib import Path
 
-from ncdc_model.errors import InputError
 from ncdc_model.photo.kinds import kind_of
+from ncdc_spec.errors import InputError
 
 __all__ = ["check_roles"]
 

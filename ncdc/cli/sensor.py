@@ -4,9 +4,9 @@ import dataclasses
 
 from ncdc.cli.commands import COMMANDS
 from ncdc.cli.common import add_json, write_report
-from ncdc_model.files import write_text
-from ncdc_model.sensors.catalogue import SENSORS, sensor_named, setup
-from ncdc_model.sensors.sensor import Settings
+from ncdc_spec.files import write_text
+from ncdc_spec.sensors.catalogue import SENSORS, sensor_named, setup
+from ncdc_spec.sensors.sensor import Settings
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

@@ -10,16 +10,16 @@ from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
 from ncdc.cli.moving import add_moving, run_moving
 from ncdc.cli.waves import add_waves, waves_of
 from ncdc.terminal import Progress
-from ncdc_model.colour import Colour
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.follow import camera_line
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import check_suffix, write_image
-from ncdc_model.memory_timing import DramMemory, LatencyMemory
+from ncdc_model.planner.follow import camera_line
+from ncdc_model.planner.memory_timing import DramMemory, LatencyMemory
 from ncdc_sim.memory.timing import simulated_memory
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.tools import SIMULATORS
+from ncdc_spec.colour import Colour
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "add_arguments", "difference", "run"]
 

@@ -9,11 +9,11 @@ import numpy as np
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.field import add_field, field_of
 from ncdc.cli.renamed import add_renamed
-from ncdc_model.corrector import check_raw
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
+from ncdc_model.golden.corrector import check_raw
 from ncdc_model.images import check_suffix, write_image
 from ncdc_sim.link.namespaces import CLIENT, TAP, TapNetwork
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from ncdc.cli.common import add_json, write_report
 from ncdc.target.layout import KINDS, PAPERS, layout_of, paper_of
-from ncdc_model.errors import InputError
-from ncdc_model.files import write_bytes
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import write_bytes
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 

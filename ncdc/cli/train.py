@@ -10,16 +10,10 @@ import numpy as np
 from ncdc.cli.common import add_camera, add_json, add_page, straightness_text, write_report
 from ncdc.cli.renamed import add_renamed
 from ncdc.terminal import Progress, say
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map
-from ncdc_model.fixed import Q
-from ncdc_model.formats import MAX_NEURONS, Formats
-from ncdc_model.geometry import BAYERS, MIN_SIZE, Geometry
-from ncdc_model.interpolation import DEFAULT, INTERPOLATIONS, interpolation_of
 from ncdc_model.lens import parse_zoom
 from ncdc_model.neurons_plot import plot_neurons
 from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
-from ncdc_model.tansig import FRACTION_BITS, VARIANTS, choose_variant
 from ncdc_model.training.backprop import Stop
 from ncdc_model.training.choices import HELD_OUT, TrainingChoices
 from ncdc_model.training.choose import choose_camera
@@ -27,6 +21,12 @@ from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
 from ncdc_model.training.train import TRAINERS, check_request
+from ncdc_spec.errors import InputError
+from ncdc_spec.fixed import Q
+from ncdc_spec.formats import MAX_NEURONS, Formats
+from ncdc_spec.geometry import BAYERS, MIN_SIZE, Geometry
+from ncdc_spec.interpolation import DEFAULT, INTERPOLATIONS, interpolation_of
+from ncdc_spec.tansig import FRACTION_BITS, VARIANTS, choose_variant
 
 __all__ = ["EXAMPLE", "TABLES", "add_arguments", "error_table", "nodes_text",
            "plot_training", "run", "training_progress"]

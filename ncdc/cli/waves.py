@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ncdc_model.errors import InputError
 from ncdc_sim.waves import Waves
+from ncdc_spec.errors import InputError
 
 __all__ = ["add_waves", "waves_of"]
 

@@ -14,14 +14,14 @@ from ncdc.cli.hardware import planned
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_boards.catalogue import board
 from ncdc_hdl.video.modes import mode_for
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.fetch.plan import Fixed
-from ncdc_model.sensors.field import FULL
-from ncdc_model.sensors.level import levelled
+from ncdc_model.golden.corrector import correct
+from ncdc_model.planner.plan import Fixed
 from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.photo import moving_photo
 from ncdc_sim.sensor.twin import raw_frames
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.sensors.field import FULL
+from ncdc_spec.sensors.level import levelled
 
 __all__ = ["last_screen"]
 

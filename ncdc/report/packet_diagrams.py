@@ -6,7 +6,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from ncdc_model.interface.table_two import FIELDS
+from ncdc_spec.protocols.table_two import FIELDS
 
 __all__ = ["FILE", "PACKETS", "draw_packets", "packets_figure"]
 

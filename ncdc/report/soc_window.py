@@ -13,10 +13,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ncdc_model.descriptor import Descriptor
 from ncdc_model.images import mosaic
 from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.descriptor import Descriptor
 
 __all__ = ["window_on"]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.calibration.detect import parse_target
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["KINDS", "PAPERS", "Circle", "Layout", "Rectangle", "layout_of", "paper_of"]
 

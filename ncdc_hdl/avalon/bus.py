@@ -3,7 +3,7 @@
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_model.interface.frames import ADDRESS_BITS
+from ncdc_spec.frames import ADDRESS_BITS
 
 __all__ = ["Agent", "ADDRESS_BITS", "PENDING", "ReadHost", "WriteHost"]
 

@@ -5,7 +5,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.lib.pipeline import register
-from ncdc_model.interpolation import FAST
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["BayerQuads", "QUADS"]
 
@@ -17,7 +17,7 @@ class BayerQuads(wiring.Component):
     """The colour of each quad of 2x2 samples: one red, one blue, the sum of two greens.
 
     All in units of a half (red and blue doubled), so that nothing is rounded here. Equal bit for
-    bit to ``ncdc_model.picture.bayer_quads``; section III.A and Fig. 12 of the paper.
+    bit to ``ncdc_model.golden.picture.bayer_quads``; section III.A and Fig. 12 of the paper.
     Timing: free-running, latency 2: samples are chosen, then greens added.
 
     Members

@@ -9,7 +9,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.bayer import QUADS
 from ncdc_hdl.lib import pipeline
 from ncdc_hdl.lib.pipeline import delay
-from ncdc_model.interpolation import FAST
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["Bilinear"]
 
@@ -24,7 +24,7 @@ class Bilinear(wiring.Component):
 
     for each colour; u are the bits of the places' unit: one of quads, in halves, four of
     gradient-corrected colours, in sixteenths. The latter may leave 0..255: the result is clamped.
-    Equal bit for bit to ``ncdc_model.picture.bilinear``. Timing: free-running, ``latency`` clocks;
+    Equal bit for bit to ``ncdc_model.golden.picture.bilinear``. Timing: free-running, ``latency`` clocks;
     a register stands before each product, beside that of the difference, and two after it. Nine
     multipliers of 18 bits: the second step's differences have a few bits more, whose products with
     fy are added one clock later.

@@ -9,8 +9,8 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.lib import pipeline
 from ncdc_hdl.lib.choice import chosen
 from ncdc_hdl.lib.pipeline import delay
-from ncdc_model.interface.white_balance import GAIN_BITS, GAIN_F_BITS, UNITY
-from ncdc_model.tone import LINEAR, NODE_BITS, NODE_PLACES
+from ncdc_spec.tone import LINEAR, NODE_BITS, NODE_PLACES
+from ncdc_spec.white_balance import GAIN_BITS, GAIN_F_BITS, UNITY
 
 __all__ = ["COLOUR", "COLOURS", "Colour", "ColourSums", "SUMS"]
 
@@ -19,7 +19,7 @@ COLOURS = data.ArrayLayout(8, 3)
 
 COLOUR = data.StructLayout({"gains": data.ArrayLayout(GAIN_BITS, 3),
                             "tone": data.ArrayLayout(NODE_BITS, len(NODE_PLACES))})
-"""Gains of red, green and blue, and nodes of the tone curve, see :mod:`ncdc_model.colour`."""
+"""Gains of red, green and blue, and nodes of the tone curve, see :mod:`ncdc_model.golden.colour`."""
 
 SUMS = data.StructLayout({name: 32 for name in ("red", "green", "blue", "pixels")})
 """Sums of a frame's colours, and the pixels that they are of."""
@@ -36,7 +36,7 @@ class Colour(wiring.Component):
     left and right are the nodes of the piece that holds v, f the place of v in it in 64ths. Two
     pieces make an octave: the piece is told by the highest one of v and the bit below it, f is
     what is below these two, moved to the top. Equal bit for bit to
-    :func:`ncdc_model.colour.coloured`. Timing: free-running, ``latency`` clocks; a register stands
+    :func:`ncdc_model.golden.colour.coloured`. Timing: free-running, ``latency`` clocks; a register stands
     before each product and two after it. Two multipliers a colour.
 
     Members

@@ -5,7 +5,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.lib.pipeline import delay, register
-from ncdc_model.interpolation import GRADIENT
+from ncdc_spec.interpolation import GRADIENT
 
 __all__ = ["GradientPlaces"]
 
@@ -29,9 +29,9 @@ class GradientPlaces(wiring.Component):
     Nothing is rounded or clamped. So that each kernel stands in one place, the places of a row are
     put out green first; ``reversed`` tells where that is not their order from left to right. The
     chroma of the upper row comes first among the colours; it is blue if ``swapped``. Otherwise
-    equal bit for bit to ``ncdc_model.picture.gradient_colours``.
+    equal bit for bit to ``ncdc_model.golden.picture.gradient_colours``.
 
-    Of a grey sensor (``mono``) green is that of ``ncdc_model.picture.grey_places``, and the other
+    Of a grey sensor (``mono``) green is that of ``ncdc_model.golden.picture.grey_places``, and the other
     two colours say nothing: at chroma c itself stands for H and for V, zero for P and for Q, which
     leaves 8 c + 4 (c + c).
 

@@ -12,7 +12,7 @@ from ncdc_hdl.backend.layouts import pixel_layout, window_layout
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.pipeline import delay
-from ncdc_model.interpolation import FAST
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["Interpolator"]
 

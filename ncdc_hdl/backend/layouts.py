@@ -3,8 +3,8 @@
 from amaranth.lib import data
 
 from ncdc_hdl.lib.groups import grouped
-from ncdc_model.geometry import MAX_SIZE
-from ncdc_model.interpolation import FAST
+from ncdc_spec.geometry import MAX_SIZE
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["edge_layout", "edges", "pixel_layout", "request_layout", "window_layout"]
 

@@ -11,7 +11,7 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.frontend.layouts import SIZE
-from ncdc_model.interpolation import FAST
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["Multiport"]
 

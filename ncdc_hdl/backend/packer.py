@@ -11,7 +11,7 @@ from ncdc_hdl.backend.layouts import pixel_layout
 from ncdc_hdl.frontend.strips import ORDER, Strips
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.pipeline import register
-from ncdc_model.interface.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
+from ncdc_spec.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
 
 __all__ = ["FORMAT", "Packer"]
 

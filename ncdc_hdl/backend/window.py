@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.frontend.layouts import SIZE, coordinate_layout
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_model.interpolation import FAST
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["WindowAddress"]
 
@@ -19,13 +19,13 @@ class WindowAddress(wiring.Component):
         blank  = the input's, or x0 outside -1 .. width - core + 1      core 3 (fast), 2 (gradient)
 
     An x0 of -1 or width - core + 1 is moved to the nearest place inside, see
-    ``ncdc_model.picture.window_address``, to which this is equal bit for bit. Of windows with a
+    ``ncdc_model.golden.picture.window_address``, to which this is equal bit for bit. Of windows with a
     margin it also tells how much of them is outside the frame.
     Timing: three stream stages (subtract, compare, choose), latency 3, one group per clock.
 
     Parameters
     ----------
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
         ``coordinate`` is used.
     lanes : int
         Pixels of a group.

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.camera.layouts import ROWS
 from ncdc_hdl.lib.memory import block_memory
 from ncdc_hdl.lib.pipeline import delay, register
-from ncdc_model.sensors.level import SAMPLE_BITS
+from ncdc_spec.sensors.level import SAMPLE_BITS
 
 __all__ = ["READ_CLOCKS", "Binning"]
 
@@ -16,7 +16,7 @@ _SUM = 1
 
 
 class Binning(wiring.Component):
-    """Computes :func:`ncdc_model.sensors.grid.binned` of the frames that pass, if ``on``.
+    """Computes :func:`ncdc_spec.sensors.grid.binned` of the frames that pass, if ``on``.
 
     A result leaves with the last of its four samples, a row with the end of its lower rows. What
     follows of a row that is longer than ``width`` is undefined.

@@ -9,7 +9,7 @@ from ncdc_hdl.camera.layouts import GRID, ROWS
 from ncdc_hdl.camera.moved import TAPS, Moved
 from ncdc_hdl.lib.memory import block_memory
 from ncdc_hdl.lib.pipeline import delay, register
-from ncdc_model.sensors.level import SAMPLE_BITS
+from ncdc_spec.sensors.level import SAMPLE_BITS
 
 __all__ = ["Evening"]
 
@@ -17,7 +17,7 @@ _UNMOVED = 2        # first samples of a line, as in the golden model
 
 
 class Evening(wiring.Component):
-    """Computes :func:`ncdc_model.sensors.grid.evened` of the frames that pass.
+    """Computes :func:`ncdc_spec.sensors.grid.evened` of the frames that pass.
 
     With sample (x, y) sample (x - 2, y - 2) of the result leaves; what leaves with the first two
     columns and rows is undefined, and so is what follows of a row longer than ``width``. With

@@ -12,7 +12,7 @@ __all__ = ["Grid"]
 
 
 class Grid(wiring.Component):
-    """Computes :func:`ncdc_model.sensors.grid.gridded` of the frames that pass.
+    """Computes :func:`ncdc_spec.sensors.grid.gridded` of the frames that pass.
 
     Timing: free-running; ``o`` follows ``i`` after ``latency`` clocks. Samples and ends of rows
     that the result lacks are left out; evened frames have two more columns and rows in front, see

@@ -5,8 +5,8 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.camera.level import LEVEL
-from ncdc_model.geometry import MAX_SIZE
-from ncdc_model.sensors.level import SAMPLE_BITS
+from ncdc_spec.geometry import MAX_SIZE
+from ncdc_spec.sensors.level import SAMPLE_BITS
 
 __all__ = ["ENTRY", "GRID", "Kind", "PINS", "REPORT", "ROWS", "RUN", "RUN_PLACES", "SAMPLES",
            "SETTINGS", "SIZE_BITS"]
@@ -23,7 +23,7 @@ ROWS = wiring.Signature({"frame": Out(1), "valid": Out(1), "row_end": Out(1),
 the clock after the last sample of a row, in which ``frame`` may be low already."""
 
 GRID = data.StructLayout({"weight": 2, "binning": 1})
-"""How samples become an even grid: see ``ncdc_model.sensors.grid``."""
+"""How samples become an even grid: see ``ncdc_spec.sensors.grid``."""
 
 SETTINGS = data.StructLayout({
     "sent_width": SIZE_BITS, "sent_height": SIZE_BITS,      # what the sensor sends, exactly

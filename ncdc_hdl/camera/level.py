@@ -5,19 +5,19 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.lib.pipeline import delay, register
-from ncdc_model.sensors.level import CURVE_BITS, LINEAR, PIECES, SAMPLE_BITS
+from ncdc_spec.sensors.level import CURVE_BITS, LINEAR, PIECES, SAMPLE_BITS
 
 __all__ = ["LEVEL", "Level"]
 
 LEVEL = data.StructLayout({"black": SAMPLE_BITS,
                            "curve": data.ArrayLayout(CURVE_BITS, PIECES + 1)})
-"""Black level and nodes of the curve, see ``ncdc_model.sensors.level``."""
+"""Black level and nodes of the curve, see ``ncdc_spec.sensors.level``."""
 
 _PIECE_BITS = 8
 
 
 class Level(wiring.Component):
-    """Computes :func:`ncdc_model.sensors.level.levelled` of a sample in every clock.
+    """Computes :func:`ncdc_spec.sensors.level.levelled` of a sample in every clock.
 
     Timing: free-running; ``o`` follows ``i`` after ``latency`` clocks.
 

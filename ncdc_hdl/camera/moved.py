@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.camera.layouts import GRID
 from ncdc_hdl.lib.pipeline import delay, register
-from ncdc_model.sensors.level import SAMPLE_BITS
+from ncdc_spec.sensors.level import SAMPLE_BITS
 
 __all__ = ["TAPS", "Moved"]
 
@@ -17,7 +17,7 @@ _SHIFT = 7
 
 
 class Moved(wiring.Component):
-    """Computes a sample of :func:`ncdc_model.sensors.grid.evened` in every clock.
+    """Computes a sample of :func:`ncdc_spec.sensors.grid.evened` in every clock.
 
     Timing: free-running; ``o`` follows the inputs after ``latency`` clocks.
 

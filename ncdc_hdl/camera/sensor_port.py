@@ -31,7 +31,7 @@ class SensorPort(wiring.Component):
     counted. Each row outside of the window leaves an entry without samples, which tells that the
     sensor's clock runs.
 
-    With ``grid`` the window counts in the frame that :func:`ncdc_model.sensors.grid.gridded` makes
+    With ``grid`` the window counts in the frame that :func:`ncdc_spec.sensors.grid.gridded` makes
     of the sensor's; faults are those of the sensor's rows, as without. A row longer than ``grid``
     is one of them where samples are moved or binned.
 

@@ -17,7 +17,7 @@ from ncdc_hdl.lib.pipeline import DelayMemory, delay
 from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
 from ncdc_hdl.neural.raster import RasterLayer
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.hardware import Hardware
+from ncdc_spec.hardware import Hardware
 
 __all__ = ["BackMap", "pace"]
 
@@ -27,7 +27,7 @@ _SLACK = 16     # groups by which the queue exceeds those under way: what the cr
 class BackMap(wiring.Component):
     """Scan, HN hidden neurons with their tan-sigmoids, two output neurons, queue (Figs. 8, 29).
 
-    Equal bit for bit to ``ncdc_model.network.coordinates`` in the order of :class:`Strips`,
+    Equal bit for bit to ``ncdc_model.golden.network.coordinates`` in the order of :class:`Strips`,
     whatever the hardware. Each of ``hardware.lanes`` neighbouring pixels has a network of its own;
     all have the same weights. Timing: the networks run free, one group of pixels every
     ``hardware.share`` clocks; ``latency`` clocks from a scanned group to the queue. Instead of
@@ -38,10 +38,10 @@ class BackMap(wiring.Component):
     ----------
     hidden_neurons : int
         HN.
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
     variant : str
         Of the tan-sigmoid.
-    hardware : ncdc_model.hardware.Hardware
+    hardware : ncdc_spec.hardware.Hardware
         Its hidden, share, multiplier_bits and lanes count.
     queue : int, optional
         Groups under way and queued together, 16 more than ``under_way`` at least; by default

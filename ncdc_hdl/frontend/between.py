@@ -21,16 +21,16 @@ class NodesToCoordinates(wiring.Component):
 
     4 S^2 times the coordinate is a whole number; from pixel to pixel it grows by ``slope``, which
     itself grows by twice the ``bend`` of :func:`segment_layout`. It is exact and rounded once.
-    Equal bit for bit to ``ncdc_model.network.coordinates``.
+    Equal bit for bit to ``ncdc_model.golden.network.coordinates``.
 
     Timing: one group per clock, ``latency`` clocks from ``advance`` to ``o``; free-running. What
     ``begins`` a segment needs one from :class:`Segments`: ``ready`` says whether it will be there.
 
     Parameters
     ----------
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
         At nodes.
-    coarse : ncdc_model.fixed.Q
+    coarse : ncdc_spec.fixed.Q
         Of the coordinates.
     nodes, lanes : int
         Distance of the nodes; pixels of a group.

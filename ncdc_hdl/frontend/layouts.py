@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In
 from ncdc_hdl.lib.groups import grouped
 from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_hdl.neural.layouts import hidden_layout, output_layout
-from ncdc_model.geometry import MAX_SIZE, SCAN
+from ncdc_spec.geometry import MAX_SIZE, SCAN
 
 __all__ = ["SIZE", "SPANS", "coordinate_layout", "join_network", "network_layout",
            "network_ports", "scan_layout"]

@@ -12,7 +12,7 @@ from ncdc_hdl.frontend.segments import Segments
 from ncdc_hdl.frontend.signatures import SpansRequest
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.pipeline import delay
-from ncdc_model.hardware import Hardware
+from ncdc_spec.hardware import Hardware
 
 __all__ = ["NodeBackMap"]
 
@@ -22,7 +22,7 @@ _QUEUE = 64     # groups in the queue and on their way there
 class NodeBackMap(wiring.Component):
     """Network at nodes, coordinates between them, queue: the place of :class:`BackMap`.
 
-    Equal bit for bit to ``ncdc_model.network.coordinates`` of a descriptor with these nodes. The
+    Equal bit for bit to ``ncdc_model.golden.network.coordinates`` of a descriptor with these nodes. The
     nodes run ahead of the pixels, into a queue of their own; the scan of the pixels waits for a
     node only where it is at one. Timing: one group of pixels per clock, as long as the network
     gives the nodes of a row in the clocks of its groups; ``start_latency`` to the first one.
@@ -31,13 +31,13 @@ class NodeBackMap(wiring.Component):
     ----------
     hidden_neurons : int
         HN.
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
         The descriptor's.
     nodes : int
         S, above 1.
     variant : str
         Of the tan-sigmoid.
-    hardware : ncdc_model.hardware.Hardware
+    hardware : ncdc_spec.hardware.Hardware
         Its share, multiplier_bits and lanes count; hidden is multiply.
 
     Members: as of :class:`BackMap`.

@@ -10,7 +10,7 @@ from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.pipeline import DelayMemory, delay, register
 from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.hardware import NODE_CLOCKS
+from ncdc_spec.hardware import NODE_CLOCKS
 
 __all__ = ["NodeNetwork", "node_layout"]
 
@@ -29,20 +29,20 @@ def node_layout(formats):
 class NodeNetwork(wiring.Component):
     """Coordinates of all nodes of a frame, in the order of :class:`NodeScan`.
 
-    Equal bit for bit to ``ncdc_model.network.network`` at the nodes. One network serves all pixels
+    Equal bit for bit to ``ncdc_model.golden.network.network`` at the nodes. One network serves all pixels
     of a group; each of its tan-sigmoids serves ``hardware.share`` neurons in turn. Timing: a node
     every ``interval`` clocks, ``latency`` clocks from its issue to the queue.
 
     Parameters
     ----------
     hidden_neurons : int
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
         At nodes.
     nodes : int
         Their distance S.
     variant : str
         Of the tan-sigmoid.
-    hardware : ncdc_model.hardware.Hardware
+    hardware : ncdc_spec.hardware.Hardware
         Its share and multiplier_bits count.
 
     Members

@@ -7,8 +7,8 @@ from amaranth.utils import exact_log2
 
 from ncdc_hdl.frontend.layouts import scan_layout
 from ncdc_hdl.lib.pipeline import delay, register
-from ncdc_model.geometry import MAX_SIZE, SCAN, STRIP_UNIT
-from ncdc_model.nodes import BEFORE, BEHIND
+from ncdc_spec.geometry import MAX_SIZE, SCAN, STRIP_UNIT
+from ncdc_spec.nodes import BEFORE, BEHIND
 
 __all__ = ["NodeScan"]
 
@@ -24,7 +24,7 @@ class NodeScan(wiring.Component):
         x = (origin_x + (left + k S) step_x + half) >> shift      k = -1 .. n + 1
         y = (origin_y + v step_y + half) >> shift                 shift = 31 - input.f_bits
 
-    Equal bit for bit to ``ncdc_model.network.normalised_scan``. By addition only: a strip's first
+    Equal bit for bit to ``ncdc_model.golden.network.normalised_scan``. By addition only: a strip's first
     node is the third from the end of the strip before.
 
     Timing: each node is shown until ``interval`` clocks after its ``issue``. ``start`` to the first
@@ -32,7 +32,7 @@ class NodeScan(wiring.Component):
 
     Parameters
     ----------
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
         At nodes; ``input`` is used.
     nodes : int
         S, 8 at least.

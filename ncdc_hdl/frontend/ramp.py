@@ -4,7 +4,7 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_model.geometry import SCAN
+from ncdc_spec.geometry import SCAN
 
 __all__ = ["Ramp"]
 

@@ -10,7 +10,7 @@ from ncdc_hdl.frontend.ramp import Ramp
 from ncdc_hdl.frontend.signatures import SpansRequest
 from ncdc_hdl.frontend.strips import Strips
 from ncdc_hdl.neural.layouts import pixel_layout
-from ncdc_model.geometry import SCAN
+from ncdc_spec.geometry import SCAN
 
 __all__ = ["Scan"]
 
@@ -24,7 +24,7 @@ class Scan(wiring.Component):
         y = (origin_y + v step_y + half) >> shift
         blank = u is in neither valid span of row v
 
-    Equal bit for bit to ``ncdc_model.network.normalised_scan`` and ``ValidRows.mask``: the sums
+    Equal bit for bit to ``ncdc_model.golden.network.normalised_scan`` and ``ValidRows.mask``: the sums
     are exact, only the shift rounds.
 
     Timing: the outputs show one group while ``active``; the next one follows ``advance`` at once,
@@ -37,7 +37,7 @@ class Scan(wiring.Component):
 
     Parameters
     ----------
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
         ``input`` is used.
     lanes : int
         Pixels of a group: 1, 2 or 4.

@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
 from ncdc_hdl.frontend.node_network import node_layout
-from ncdc_model.fixed import Q
+from ncdc_spec.fixed import Q
 
 __all__ = ["AXES", "Segments", "segment_layout"]
 
@@ -39,9 +39,9 @@ class Segments(wiring.Component):
 
     Parameters
     ----------
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
         At nodes; ``coordinate`` is used.
-    coarse : ncdc_model.fixed.Q
+    coarse : ncdc_spec.fixed.Q
         Of the coordinates.
     nodes : int
         Their distance S.

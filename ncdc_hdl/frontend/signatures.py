@@ -4,7 +4,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.frontend.layouts import SIZE, SPANS
-from ncdc_model.geometry import MAX_SIZE
+from ncdc_spec.geometry import MAX_SIZE
 
 __all__ = ["SpansRequest", "TableAccess"]
 

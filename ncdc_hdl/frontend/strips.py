@@ -7,7 +7,7 @@ from amaranth.utils import exact_log2
 
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.lib.pipeline import delay
-from ncdc_model.geometry import MAX_SIZE, STRIP_UNIT
+from ncdc_spec.geometry import MAX_SIZE, STRIP_UNIT
 
 __all__ = ["ORDER", "Strips"]
 
@@ -21,7 +21,7 @@ class Strips(wiring.Component):
     """Counts through a picture: strips left to right, rows top down, columns left to right.
 
     A strip has ``order.strip`` columns, the last one what is left. A width of 0 makes the whole
-    picture one strip: a raster. Equal to ``ncdc_model.geometry.scan_order``.
+    picture one strip: a raster. Equal to ``ncdc_spec.geometry.scan_order``.
 
     Groups and rows are counted down to -1, so that the sign tells the last one without a
     comparison.

@@ -8,8 +8,8 @@ from amaranth.utils import ceil_log2
 from ncdc_hdl.frontend.signatures import SpansRequest, TableAccess
 from ncdc_hdl.lib.memory import block_memory
 from ncdc_hdl.lib.pipeline import delay, register
-from ncdc_model.geometry import MAX_SIZE
-from ncdc_model.geometry import SPANS as SPANS_PER_ROW
+from ncdc_spec.geometry import MAX_SIZE
+from ncdc_spec.geometry import SPANS as SPANS_PER_ROW
 
 __all__ = ["ValidTable"]
 
@@ -28,7 +28,7 @@ class ValidTable(wiring.Component):
 
     Parameters
     ----------
-    valid : ncdc_model.geometry.ValidRows
+    valid : ncdc_spec.geometry.ValidRows
         Content of both banks after configuration.
     columns : int
         Pixels of a row, at least those of ``valid``; the largest value is ``max_column``.

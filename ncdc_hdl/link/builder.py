@@ -7,7 +7,7 @@ from amaranth.utils import exact_log2
 
 from ncdc_hdl.lib.memory import block_memory
 from ncdc_hdl.link.layouts import ENTRY, JOB, Template
-from ncdc_model.interface.link_map import TEMPLATE_WORDS
+from ncdc_spec.registers.link_map import TEMPLATE_WORDS
 
 __all__ = ["TEMPLATE_ADDRESS_BITS", "Builder"]
 

@@ -2,7 +2,7 @@
 
 from amaranth.lib import data, enum
 
-from ncdc_model.interface.link_map import NUMBER_BITS, PAYLOAD_BITS
+from ncdc_spec.registers.link_map import NUMBER_BITS, PAYLOAD_BITS
 
 __all__ = ["BEAT", "ENTRY", "JOB", "Template"]
 

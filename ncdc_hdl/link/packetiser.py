@@ -11,7 +11,7 @@ from ncdc_hdl.link.engine import Engine
 from ncdc_hdl.link.layouts import BEAT, Template
 from ncdc_hdl.link.packet_queue import PacketQueue
 from ncdc_hdl.link.words import WordReader
-from ncdc_model.interface.link_map import (
+from ncdc_spec.registers.link_map import (
     CONTROL_ABORT,
     CONTROL_SEND,
     LINK,
@@ -50,7 +50,7 @@ class Packetiser(wiring.Component):
     again while a frame is sent: the host writes the set of the next frame.
 
     Nobody protects the frame in memory: the host releases its buffer when neither it nor a resend
-    needs it. Registers: :mod:`ncdc_model.interface.link_map`.
+    needs it. Registers: :mod:`ncdc_spec.registers.link_map`.
 
     Timing: an access to a register takes some 25 clocks, and up to 150 beside other work; to
     LINK_STATUS and to headers 3. A burst is asked for every 18 clocks. A packet of 64 bytes of

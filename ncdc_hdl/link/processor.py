@@ -8,9 +8,9 @@ from amaranth.utils import exact_log2
 from ncdc_hdl.avalon.bus import Agent, ReadHost
 from ncdc_hdl.avalon.wishbone import Wishbone, WishboneAgent
 from ncdc_hdl.link.packetiser import Packetiser
-from ncdc_model.errors import InputError
-from ncdc_model.interface.link_map import LINK_WORDS_BITS
-from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
+from ncdc_spec.errors import InputError
+from ncdc_spec.registers.link_map import LINK_WORDS_BITS
+from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
 __all__ = ["ADDRESS_BITS", "FRAMES_BITS", "LINK_BASE", "READERS", "ProcessorLink", "ProcessorPort"]
 

@@ -2,7 +2,7 @@
 
 from amaranth.lib import data, enum
 
-from ncdc_model.interface.link_map import LINK
+from ncdc_spec.registers.link_map import LINK
 
 __all__ = ["CONDITIONS", "ORDERS", "STEP", "WORDS", "Index", "Source", "assembled"]
 

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.avalon.bus import Agent
 from ncdc_hdl.lib.ports import flat, join
 from ncdc_hdl.link.packetiser import Packetiser
-from ncdc_model.interface.link_map import LINK_WORDS_BITS
+from ncdc_spec.registers.link_map import LINK_WORDS_BITS
 
 __all__ = ["PACKETISER", "PacketiserTop"]
 

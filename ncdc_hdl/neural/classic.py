@@ -28,7 +28,7 @@ class Classic(wiring.Component):
 
     Parameters
     ----------
-    design : ncdc_model.tansig.ClassicDesign
+    design : ncdc_spec.tansig.ClassicDesign
 
     Members
     -------

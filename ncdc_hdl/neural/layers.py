@@ -55,7 +55,7 @@ class MultiplyLayer(wiring.Component):
     ----------
     hidden_neurons : int
         HN.
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
     share : int
         Neurons that one multiply-accumulate pipeline computes in turn, their weights in memories
         if there are several.
@@ -118,7 +118,7 @@ class OutputLayer(wiring.Component):
     ----------
     hidden_neurons : int
         HN.
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
     share : int
         Turns; 2 ceil(HN / share) products. The weights are in memories if there are several.
     multiplier_bits : int

@@ -15,7 +15,7 @@ __all__ = ["Quotient"]
 class Quotient(wiring.Component):
     """(1 - u) / (1 + u) in digits +-2**-i by the remainder's sign, the first digit positive.
 
-    Equal bit for bit to ``ncdc_model.tansig.lvc.quotient``, whose last bit is a constant one: ``o``
+    Equal bit for bit to ``ncdc_spec.tansig.lvc.quotient``, whose last bit is a constant one: ``o``
     leaves it out. Timing: free-running, one value per clock, ``latency`` clocks.
 
     Parameters

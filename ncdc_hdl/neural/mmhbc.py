@@ -23,7 +23,7 @@ class Mmhbc(wiring.Component):
 
     Parameters
     ----------
-    design : ncdc_model.tansig.TansigDesign
+    design : ncdc_spec.tansig.TansigDesign
 
     Members
     -------

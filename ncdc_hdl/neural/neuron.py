@@ -12,7 +12,7 @@ from ncdc_hdl.lib import pipeline
 from ncdc_hdl.lib.fixed import saturate
 from ncdc_hdl.lib.pipeline import delay
 from ncdc_hdl.neural.product import Product
-from ncdc_model.fixed import Q
+from ncdc_spec.fixed import Q
 
 __all__ = ["HiddenNeuron", "OutputNeuron", "WeightedSum", "hidden_sum", "output_sum"]
 
@@ -27,7 +27,7 @@ class WeightedSum:
     ----------
     terms : int
         Products in the sum.
-    xq, wq, bq, yq : ncdc_model.fixed.Q
+    xq, wq, bq, yq : ncdc_spec.fixed.Q
         Of the inputs, the weights, the bias, the result.
     skip : (Q, Q) or None
         Inputs and weights of the two further products of a skip path.
@@ -197,12 +197,12 @@ class HiddenNeuron(_Accumulator):
         acc = (bias << bias_shift) + weights[0] i[0] + weights[1] i[1]     exact
         o   = sat((acc + 2**(shift-1)) >> shift)
 
-    Equal bit for bit to ``ncdc_model.network.hidden_neuron``. Timing: free-running, one net per
+    Equal bit for bit to ``ncdc_model.golden.network.hidden_neuron``. Timing: free-running, one net per
     clock, ``latency`` clocks. Weights and bias may change between frames only.
 
     Parameters
     ----------
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
         ``input``, ``hidden_weight``, ``hidden_bias`` and ``net`` are used.
     multiplier_bits : int
         Of the multiplier blocks, 27 or 18.
@@ -229,13 +229,13 @@ class OutputNeuron(_Accumulator):
 
     The same arithmetic as :class:`HiddenNeuron` over ``inputs`` activations; the result is a
     distorted coordinate in pixels, saturated, never wrapped. Equal bit for bit to
-    ``ncdc_model.network.output_neuron``. Free-running, ``latency`` clocks.
+    ``ncdc_model.golden.network.output_neuron``. Free-running, ``latency`` clocks.
 
     Parameters
     ----------
     inputs : int
         Activations that arrive together; all HN of them if ``turns`` is 1.
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
         ``tansig``, ``output_weight``, ``output_bias`` and ``coordinate`` are used.
     turns : int
         Clocks over which the activations of one coordinate arrive. The weights of each turn

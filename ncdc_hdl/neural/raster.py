@@ -46,7 +46,7 @@ class RasterNeuron(wiring.Component):
 
     Parameters
     ----------
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
 
     Members
     -------
@@ -113,7 +113,7 @@ class RasterControl(wiring.Component):
 
     Parameters
     ----------
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
     lanes : int
         Pixels of the scan's groups.
 
@@ -238,7 +238,7 @@ class RasterLayer(wiring.Component):
     ----------
     hidden_neurons : int
         HN; one adder each.
-    formats : ncdc_model.descriptor.Formats
+    formats : ncdc_spec.descriptor.Formats
     share : int
         Neurons whose sums are rounded in turn.
     lanes : int

@@ -26,7 +26,7 @@ class Table(wiring.Component):
 
     Parameters
     ----------
-    design : ncdc_model.tansig.TableDesign
+    design : ncdc_spec.tansig.TableDesign
 
     Members
     -------

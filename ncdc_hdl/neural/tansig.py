@@ -17,12 +17,12 @@ _VARIANTS = {"mmhbc": Mmhbc, "classic": Classic, "table": Table}
 class Tansig(wiring.Component):
     """Tan-sigmoid of a hidden neuron, equation (17) with gamma = 1: o = sign(n) f(\\|n\\|).
 
-    Equal bit for bit to ``ncdc_model.tansig.tansig``: odd, o(0) = 0, last bit constant.
+    Equal bit for bit to ``ncdc_spec.tansig.tansig``: odd, o(0) = 0, last bit constant.
     Timing: free-running, one value per clock, no stall; ``latency`` clocks from ``i`` to ``o``.
 
     Parameters
     ----------
-    design : ncdc_model.tansig.Design
+    design : ncdc_spec.tansig.Design
         Variant, formats, widths, tables.
 
     Members

@@ -12,7 +12,7 @@ from ncdc_hdl.frontend.signatures import TableAccess
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_hdl.registers.weight_store import WeightStore
-from ncdc_model.interface.register_map import (
+from ncdc_spec.registers.register_map import (
     ADDRESS_WORDS_BITS,
     COLOUR_COUNTERS,
     COUNTERS,

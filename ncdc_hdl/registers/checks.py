@@ -5,10 +5,10 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
-from ncdc_model.geometry import MAX_SIZE, MIN_SIZE, STRIP_UNIT
-from ncdc_model.interface.frames import MONO8, OUTPUT_FORMATS
-from ncdc_model.interface.register_map import BAYER_MONO
-from ncdc_model.interpolation import GRADIENT
+from ncdc_spec.frames import MONO8, OUTPUT_FORMATS
+from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, STRIP_UNIT
+from ncdc_spec.interpolation import GRADIENT
+from ncdc_spec.registers.register_map import BAYER_MONO
 
 __all__ = ["FAULTS", "Checks"]
 
@@ -25,7 +25,7 @@ class Checks(wiring.Component):
 
     Parameters
     ----------
-    hardware : ncdc_model.hardware.Hardware
+    hardware : ncdc_spec.hardware.Hardware
         Made for a camera.
     max_width, max_height : int
         Of a corrected image, what the table of valid rows holds.

@@ -6,7 +6,7 @@ from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.registers.access import Access
-from ncdc_model.interface.jtag_link import BITS, READ, WRITE
+from ncdc_spec.protocols.jtag_link import BITS, READ, WRITE
 
 __all__ = ["DOMAIN", "JtagBridge", "Scan"]
 
@@ -27,7 +27,7 @@ class Scan(wiring.Signature):
 
 
 class JtagBridge(wiring.Component):
-    """Answers scans of :mod:`ncdc_model.interface.jtag_link`, one request at a time.
+    """Answers scans of :mod:`ncdc_spec.protocols.jtag_link`, one request at a time.
 
     A request lies still in :data:`DOMAIN` until it is answered, an answer in ``sync`` until the
     next request: only the two bits that tell of them cross, through synchronisers. As the chain's

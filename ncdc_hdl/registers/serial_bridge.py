@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.lib.uart import UartReceiver, UartTransmitter
 from ncdc_hdl.registers.access import Access
-from ncdc_model.interface.serial_link import BAD, CRC, READ, READ_DONE, WRITE, WRITE_DONE
+from ncdc_spec.protocols.serial_link import BAD, CRC, READ, READ_DONE, WRITE, WRITE_DONE
 
 __all__ = ["ByteBridge", "SerialBridge"]
 
@@ -16,13 +16,13 @@ _GAP_BYTES = 100                        # times of a byte without one, after whi
 
 
 def _check():
-    """A generator of checks, as :mod:`ncdc_model.interface.serial_link` has them."""
+    """A generator of checks, as :mod:`ncdc_spec.protocols.serial_link` has them."""
     return Algorithm(crc_width=8, polynomial=CRC["polynomial"], initial_crc=CRC["initial"],
                      reflect_input=False, reflect_output=False, xor_output=0)(8).create()
 
 
 class ByteBridge(wiring.Component):
-    """Answers requests of :mod:`ncdc_model.interface.serial_link`.
+    """Answers requests of :mod:`ncdc_spec.protocols.serial_link`.
 
     A request whose check is wrong is answered by ``BAD``. What is no letter of a request is
     dropped between requests; one that stops for ``gap`` clocks is forgotten, so that a host that

@@ -8,7 +8,7 @@ from amaranth.utils import ceil_log2, exact_log2
 from ncdc_hdl.lib.memory import block_memory
 from ncdc_hdl.lib.pipeline import delay
 from ncdc_hdl.neural.banks import BANK_WRITES
-from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
+from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS
 
 __all__ = ["WeightStore", "in_memory"]
 
@@ -40,7 +40,7 @@ class WeightStore(wiring.Component):
 
     Parameters
     ----------
-    rows : sequence of ncdc_model.interface.register_map.Register
+    rows : sequence of ncdc_spec.registers.register_map.Register
         Of the network, those that lie here.
     values : dict
         After configuration, by name; zero where absent.

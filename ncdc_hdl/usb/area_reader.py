@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.usb.joiner import PIECE
 from ncdc_hdl.usb.payload import PayloadReader
-from ncdc_model.interface.link_map import PAYLOAD_BITS
+from ncdc_spec.registers.link_map import PAYLOAD_BITS
 
 __all__ = ["AREA", "AreaReader"]
 

@@ -11,7 +11,7 @@ from ncdc_hdl.registers.serial_bridge import ByteBridge
 from ncdc_hdl.usb.joiner import PIECE, Joiner
 from ncdc_hdl.usb.mraw import MrawSender
 from ncdc_hdl.usb.table_one import TableOne
-from ncdc_model.interface import serial_link, table_one
+from ncdc_spec.protocols import serial_link, table_one
 
 __all__ = ["ByteCommands"]
 
@@ -21,8 +21,8 @@ _GAP_US = 100_000       # between two bytes of a request, after which it is forg
 class ByteCommands(wiring.Component):
     """Table I and II, and registers, over one stream of bytes and without a processor.
 
-    The first byte says what a request is: those of :mod:`ncdc_model.interface.table_one`, or the
-    letters of :mod:`ncdc_model.interface.serial_link`, which are other ones. Any other byte is
+    The first byte says what a request is: those of :mod:`ncdc_spec.protocols.table_one`, or the
+    letters of :mod:`ncdc_spec.protocols.serial_link`, which are other ones. Any other byte is
     answered by 0xFF and itself; there is no connection that could be closed. Requests are answered
     one after the other. One that stops for 100 ms is forgotten, so that a host that has lost step
     is in step again after a pause.

@@ -8,8 +8,8 @@ from ncdc_hdl.avalon.bus import ReadHost
 from ncdc_hdl.registers.access import Access
 from ncdc_hdl.usb.area_reader import AreaReader
 from ncdc_hdl.usb.joiner import PIECE
-from ncdc_model.geometry import BAYER_PHASE
-from ncdc_model.interface.table_two import HEADER_BYTES
+from ncdc_spec.geometry import BAYER_PHASE
+from ncdc_spec.protocols.table_two import HEADER_BYTES
 
 __all__ = ["MrawSender"]
 

@@ -8,7 +8,7 @@ from amaranth.utils import exact_log2
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.lib.memory import Fifo
-from ncdc_model.interface.link_map import PAYLOAD_BITS
+from ncdc_spec.registers.link_map import PAYLOAD_BITS
 
 __all__ = ["PART", "PayloadReader"]
 

@@ -11,7 +11,7 @@ from ncdc_hdl.registers.agent_access import AgentAccess
 from ncdc_hdl.usb.layouts import ChipPins
 from ncdc_hdl.usb.link import UsbLink
 from ncdc_hdl.usb.view import SystemView
-from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
+from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
 __all__ = ["UsbSystem"]
 

@@ -8,8 +8,8 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.registers.access import Access
 from ncdc_hdl.usb.joiner import PIECE
-from ncdc_model.interface.system_map import I2C_COMMAND_FLAGS
-from ncdc_model.interface.table_one import SYSTEM_PAGE, SYSTEM_WORDS, WRITE
+from ncdc_spec.protocols.table_one import SYSTEM_PAGE, SYSTEM_WORDS, WRITE
+from ncdc_spec.registers.system_map import I2C_COMMAND_FLAGS
 
 __all__ = ["NO_SENSOR", "TableOne"]
 

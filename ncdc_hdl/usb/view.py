@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from ncdc_model.interface.frames import output_format
-from ncdc_model.interface.pixel_formats import raw_format
+from ncdc_spec.frames import output_format
+from ncdc_spec.pixel_formats import raw_format
 
 __all__ = ["SystemView"]
 

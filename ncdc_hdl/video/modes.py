@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["MODES", "VideoMode", "mode_for", "mode_named"]
 

@@ -8,7 +8,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["builds_folder", "built", "key_of", "without_header"]
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_model.errors import InputError
 from ncdc_sim.runner import HDL, build, command_of, run
+from ncdc_spec.errors import InputError
 
 __all__ = ["every_value", "pipeline_outputs", "scattered"]
 

@@ -8,8 +8,8 @@ import subprocess
 from pathlib import Path
 
 from ncdc_hdl.export.waivers import DEFAULT_WARNINGS
-from ncdc_model.errors import InputError
 from ncdc_model.needs import apt_line, check_programs
+from ncdc_spec.errors import InputError
 
 __all__ = ["SIMULATORS", "SimulationError", "WAIVERS", "call", "check_compiler", "environment",
            "tool", "version"]

@@ -6,9 +6,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ncdc_model.errors import InputError
-from ncdc_model.files import replace_file
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import replace_file
 
 __all__ = ["FORMATS", "Waves", "build_options", "recorded"]
 

@@ -13,12 +13,12 @@ from migen import ClockDomain, Signal
 from ncdc_boards.camera_board.core import CAPACITY
 from ncdc_boards.camera_board.design import READER_OF_HOST
 from ncdc_boards.camera_board.ethernet import MODULE
-from ncdc_model.errors import InputError
 from ncdc_soc.firmware import Identity, config, firmware_image
 from ncdc_soc.mdio import Mdio
 from ncdc_soc.phy import RgmiiPhy
 from ncdc_soc.processor import Processor, described
 from ncdc_soc.verilog import litex_verilog
+from ncdc_spec.errors import InputError
 
 __all__ = ["ROM_BYTES", "ProcessorFiles", "board_processor", "processor_files"]
 

@@ -10,7 +10,7 @@ from ncdc_hdl.avalon.native import NativePort, NativeReader, NativeWriter
 from ncdc_hdl.lib.ports import ports_as
 from ncdc_hdl.link.processor import READERS, ProcessorLink, ProcessorPort
 from ncdc_hdl.system import System
-from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
+from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
 __all__ = ["SocCore", "core_verilog", "memory_reader", "memory_writer"]
 

@@ -12,21 +12,21 @@ from pathlib import Path
 from ncdc_boards.camera_board.set_up import I2C_HZ
 from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.link.processor import LINK_BASE
-from ncdc_model.errors import InputError
-from ncdc_model.interface import gvcp, gvcp_tables, gvsp
-from ncdc_model.interface.features import FEATURES, feature
-from ncdc_model.interface.frames import output_format
-from ncdc_model.interface.genicam import genicam_xml
-from ncdc_model.interface.link_map import LINK, TEMPLATES
-from ncdc_model.interface.pixel_formats import raw_format
-from ncdc_model.interface.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_model.needs import check_programs
-from ncdc_model.sensors import mt9p031
-from ncdc_model.sensors.framing import Crop, field_values
-from ncdc_model.sensors.waking import wake_times
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
 from ncdc_soc.processor import MAP
+from ncdc_spec.errors import InputError
+from ncdc_spec.frames import output_format
+from ncdc_spec.pixel_formats import raw_format
+from ncdc_spec.protocols import gvcp, gvcp_tables, gvsp
+from ncdc_spec.protocols.features import FEATURES, feature
+from ncdc_spec.protocols.genicam import genicam_xml
+from ncdc_spec.protocols.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
+from ncdc_spec.registers.link_map import LINK, TEMPLATES
+from ncdc_spec.sensors import mt9p031
+from ncdc_spec.sensors.framing import Crop, field_values
+from ncdc_spec.sensors.waking import wake_times
 
 __all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
 
@@ -212,7 +212,7 @@ def _sensor(setup, clock_hz, time_scale):
 
 
 def _enumerated(table):
-    """The names and codes of a table of :mod:`ncdc_model.interface.gvcp_tables`, for a C enum."""
+    """The names and codes of a table of :mod:`ncdc_spec.protocols.gvcp_tables`, for a C enum."""
     return ", ".join(f"{one.name} = 0x{one.code:x}" for one in table)
 
 

@@ -20,11 +20,11 @@ from litex.soc.interconnect.csr_eventmanager import EventManager, EventSourceLev
 from migen import ClockSignal, Instance, ResetSignal, Signal
 
 from ncdc_hdl.export.verilog.names import check_module_name
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
 from ncdc_soc.module_core import ModuleCore
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS
 
 __all__ = ["NCDC"]
 

@@ -7,8 +7,8 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 from ncdc_hdl.avalon.native import NativePort
 from ncdc_hdl.avalon.wishbone import Wishbone, WishboneAgent
 from ncdc_hdl.corrector import Corrector
-from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS
 from ncdc_soc.core import memory_reader, memory_writer
+from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS
 
 __all__ = ["ModuleCore"]
 

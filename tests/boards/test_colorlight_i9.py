@@ -10,8 +10,8 @@ from litex_pins import litex_pins
 from ncdc.cli import main
 from ncdc_boards.colorlight_i9.clocks import clock_plan
 from ncdc_boards.colorlight_i9.platform import CAMERA_WIRES, ColorlightI9Platform
-from ncdc_model.errors import InputError
-from ncdc_model.interpolation import GRADIENT
+from ncdc_spec.errors import InputError
+from ncdc_spec.interpolation import GRADIENT
 
 litex = pytest.importorskip("litex_boards.platforms.colorlight_i5")
 

@@ -12,8 +12,8 @@ import pytest
 from hps_server import HEIGHT, I2C, WIDTH, hps_project, serving
 from ncdc_host.client.devices import open_device
 from ncdc_host.client.errors import DeviceError
-from ncdc_model.interface.features import system_word
-from ncdc_model.sensors import mt9p031
+from ncdc_spec.protocols.features import system_word
+from ncdc_spec.sensors import mt9p031
 
 
 @pytest.fixture(scope="module")

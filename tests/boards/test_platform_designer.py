@@ -14,9 +14,9 @@ from ncdc_boards import catalogue
 from ncdc_boards.catalogue import board, board_names
 from ncdc_boards.platform_designer.faka2 import BOARD as FAKA2
 from ncdc_boards.platform_designer.system import CSR_BASE
-from ncdc_model.errors import InputError
-from ncdc_model.interface.link_map import LINK_WORDS_BITS
-from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
+from ncdc_spec.errors import InputError
+from ncdc_spec.registers.link_map import LINK_WORDS_BITS
+from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
 RECORDER = Path(__file__).parents[1] / "support" / "tcl" / "record.tcl"
 KINDS = {"_hw.tcl": "hw", "_qsys.tcl": "qsys", ".qsf": "qsf", ".sdc": "sdc"}

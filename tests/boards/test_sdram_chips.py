@@ -18,7 +18,7 @@ from ncdc_boards.sdram.chips import (
     slowest,
 )
 from ncdc_boards.sdram.controller import SdramController
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 LEAST = ("rcd", "rp", "ras", "rc", "rfc", "wr", "rrd", "mrd")
 

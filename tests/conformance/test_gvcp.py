@@ -6,7 +6,7 @@ from cameras import barrel_descriptor
 from devices import SIZE, device, small_lens
 from firmware_wire import Wire, wire_program
 from gvcp_requests import PEERS, requests
-from ncdc_model.interface import gvcp, gvsp
+from ncdc_spec.protocols import gvcp, gvsp
 
 REQUESTS = requests()
 # Of a packet: what the largest size that a client may ask for holds.

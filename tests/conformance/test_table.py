@@ -7,8 +7,8 @@ from devices import device
 from firmware_wire import TcpUser, Wire, wire_program
 from hps_server import HEIGHT, WIDTH, hps_descriptor, hps_project, serving
 from ncdc_host.client.table import Connection
-from ncdc_model.interface.table_one import READ
-from ncdc_model.sensors import mt9p031
+from ncdc_spec.protocols.table_one import READ
+from ncdc_spec.sensors import mt9p031
 from table_requests import table_requests
 
 REQUESTS = table_requests()

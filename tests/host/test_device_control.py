@@ -9,9 +9,9 @@ from ipaddress import IPv4Address
 import pytest
 
 from devices import device, small_lens
-from ncdc_model.interface import gvcp
-from ncdc_model.interface.features import FEATURES, feature
-from ncdc_model.interface.genicam import genicam_xml
+from ncdc_spec.protocols import gvcp
+from ncdc_spec.protocols.features import FEATURES, feature
+from ncdc_spec.protocols.genicam import genicam_xml
 
 USER, OTHER = ("127.1.1.1", 5000), ("127.1.1.1", 5001)
 CCP = gvcp.place("ControlPrivilege").address

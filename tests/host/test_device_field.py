@@ -5,9 +5,9 @@ import pytest
 from devices import SIZE, device, small_lens
 from ncdc_host.client.devices import open_device
 from ncdc_host.client.table import Connection
-from ncdc_model.errors import InputError
-from ncdc_model.interface.features import feature, system_word
-from ncdc_model.sensors import mt9p031
+from ncdc_spec.errors import InputError
+from ncdc_spec.protocols.features import feature, system_word
+from ncdc_spec.sensors import mt9p031
 
 FEATURES = ("SensorWidth", "SensorHeight", "DecimationHorizontal", "DecimationVertical",
             "FieldLeft", "FieldTop")

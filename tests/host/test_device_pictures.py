@@ -16,17 +16,17 @@ from ncdc_host.device.emulated import lens_corrections
 from ncdc_host.device.light import POSITIONS, MovingScene, Photo
 from ncdc_host.device.registers import View
 from ncdc_host.device.sensor import Exposure, expose
-from ncdc_model.corrector import correct
-from ncdc_model.errors import InputError
 from ncdc_model.example import noise_picture
-from ncdc_model.formats import Formats
-from ncdc_model.geometry import BAYER_PHASE
-from ncdc_model.interface.features import TEST_PATTERNS
-from ncdc_model.interface.gvcp import CORRECTOR_BASE
-from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.pixel_formats import BGR8, bayer_format, packed
-from ncdc_model.interface.register_map import registers
-from ncdc_model.interpolation import FAST, GRADIENT, INTERPOLATIONS
+from ncdc_model.golden.corrector import correct
+from ncdc_spec.errors import InputError
+from ncdc_spec.formats import Formats
+from ncdc_spec.geometry import BAYER_PHASE
+from ncdc_spec.interpolation import FAST, GRADIENT, INTERPOLATIONS
+from ncdc_spec.pixel_formats import BGR8, bayer_format, packed
+from ncdc_spec.protocols.features import TEST_PATTERNS
+from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
+from ncdc_spec.registers.host_values import host_values, table_words
+from ncdc_spec.registers.register_map import registers
 
 
 def noise(size, seed=3):

@@ -12,14 +12,14 @@ import pytest
 from devices import SIZE, device, small_lens
 from ncdc_host.client.errors import BadValue, DeviceError, DeviceGone, Refused
 from ncdc_host.client.table import Connection, TableDevice
-from ncdc_model.corrector import correct
 from ncdc_model.example import noise_picture
-from ncdc_model.interface import table_one
-from ncdc_model.interface.features import FEATURES
-from ncdc_model.interface.pixel_formats import MONO8, PIXEL_FORMATS
-from ncdc_model.interface.table_one import MAX_USERS
-from ncdc_model.interface.table_two import HEADER_BYTES, MrawHeader
-from ncdc_model.sensors import mt9p031
+from ncdc_model.golden.corrector import correct
+from ncdc_spec.pixel_formats import MONO8, PIXEL_FORMATS
+from ncdc_spec.protocols import table_one
+from ncdc_spec.protocols.features import FEATURES
+from ncdc_spec.protocols.table_one import MAX_USERS
+from ncdc_spec.protocols.table_two import HEADER_BYTES, MrawHeader
+from ncdc_spec.sensors import mt9p031
 
 SCRATCH = (0xA1, 0xA2, 0xA3, 0xA4, 0x2B, 0x2C, 0x2D, 0x2E)     # these take any value
 

@@ -8,7 +8,7 @@ from ncdc.cli.client import run
 from ncdc_host.client.devices import open_device
 from ncdc_host.client.errors import DeviceError, NoFrame
 from ncdc_host.client.found import Found
-from ncdc_model.interface import gvcp
+from ncdc_spec.protocols import gvcp
 from peers import need
 
 EVIL = "\x1b]0;owned\x07\u202eNCDC\n"

@@ -17,11 +17,11 @@ from ncdc_host.gui.calibration_dialog import CalibrationDialog
 from ncdc_host.gui.calibration_job import main as calibrate
 from ncdc_host.gui.shown import Shown
 from ncdc_model.calibration.detect import detect_points
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.example import BAYER, example_camera, noise_picture, target_photo, true_map
-from ncdc_model.interface.pixel_formats import bayer_format
+from ncdc_model.golden.corrector import correct
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.pixel_formats import bayer_format
 
 RAW = noise_picture(*SIZE)
 

@@ -6,8 +6,8 @@ import pytest
 from devices import SIZE, small_lens
 from guis import SECONDS, announced, pixels_of, tab_on, url_of
 from ncdc_host.client import open_device
-from ncdc_model.corrector import correct
 from ncdc_model.example import noise_picture
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import demosaic, is_raw, read_image
 
 RAW = noise_picture(*SIZE)

@@ -18,7 +18,7 @@ from ncdc_host.gui.devices_panel import DevicesPanel
 from ncdc_host.gui.discovery import Discovery
 from ncdc_host.gui.main_window import MainWindow
 from ncdc_host.gui.receiver import Receiver
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 
 @pytest.fixture(autouse=True)

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from ncdc.report.packet_diagrams import FILE, PACKETS, draw_packets
-from ncdc_model.interface import gvcp, gvsp
-from ncdc_model.interface.pixel_formats import BGR8
-from ncdc_model.interface.table_one import REQUEST, WRITE
-from ncdc_model.interface.table_two import MrawHeader
+from ncdc_spec.pixel_formats import BGR8
+from ncdc_spec.protocols import gvcp, gvsp
+from ncdc_spec.protocols.table_one import REQUEST, WRITE
+from ncdc_spec.protocols.table_two import MrawHeader
 from peers import need
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

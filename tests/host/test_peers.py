@@ -8,8 +8,8 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc.bench.client.command import complaints, rows_of, table
 from ncdc.bench.client.measure import Case, case_row, discovery_rows, killed_row, monitor_row
-from ncdc_model.interface.features import FEATURES
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.protocols.features import FEATURES
 from peers import need, served
 
 LENS = barrel_descriptor((320, 240), (320, 240), 4)

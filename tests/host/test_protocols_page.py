@@ -5,8 +5,8 @@ import socket
 from pathlib import Path
 
 from devices import SIZE, device
-from ncdc_model.interface import gvcp, gvsp
-from ncdc_model.interface.gvcp_tables import COMMANDS, STATUSES
+from ncdc_spec.protocols import gvcp, gvsp
+from ncdc_spec.protocols.gvcp_tables import COMMANDS, STATUSES
 
 PAGE = (Path(__file__).parents[2] / "docs" / "protocols.md").read_text()
 

@@ -12,8 +12,8 @@ from ncdc_host.client import xml_check
 from ncdc_host.client.devices import open_device
 from ncdc_host.client.errors import DeviceError
 from ncdc_host.client.xml_check import check_xml
-from ncdc_model.interface import gvcp
-from ncdc_model.interface.genicam import genicam_xml
+from ncdc_spec.protocols import gvcp
+from ncdc_spec.protocols.genicam import genicam_xml
 
 HEAD = genicam_xml().partition(b"<Category")[0]
 REGISTER = ('<IntReg Name="R"><Address>0x10000</Address><Length>4</Length>'
@@ -101,7 +101,7 @@ from devices import device
 from ncdc_host.client.devices import open_device
 from ncdc_host.client.errors import DeviceError
 from ncdc_host.device.emulated import Announcer
-from ncdc_model.interface import gvcp
+from ncdc_spec.protocols import gvcp
 with device() as one:
     announcer = Announcer([one])
     xml, url = sys.stdin.buffer.read(), gvcp.place("FirstUrl")

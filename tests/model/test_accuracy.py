@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from kept import kept_training
-from ncdc_model.corrector import correct
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.example import BAYER, example_camera, noise_picture
-from ncdc_model.interpolation import FAST, GRADIENT
+from ncdc_model.golden.corrector import correct
 from ncdc_model.reference import correct_real, grey_level_difference
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
+from ncdc_spec.interpolation import FAST, GRADIENT
 
 regress = pytest.mark.regress
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from lenses import GEOMETRY, equidistant
-from ncdc_model.errors import InputError
 from ncdc_model.training.backprop import BackPropagation, Stop, train_backprop
 from ncdc_model.training.problem import Problem, errors_of
+from ncdc_spec.errors import InputError
 from reference_lenses import reference_lens
 
 

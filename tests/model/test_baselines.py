@@ -9,10 +9,10 @@ from ncdc_model.baselines import BASELINES
 from ncdc_model.baselines.mesh import fit_bicubic_mesh
 from ncdc_model.baselines.polyharmonic import fit_polyharmonic
 from ncdc_model.evaluate import map_error
-from ncdc_model.geometry import Geometry
 from ncdc_model.lens import AsariPolynomial
 from ncdc_model.reference_lenses import ReferenceLens
 from ncdc_model.training.problem import Problem
+from ncdc_spec.geometry import Geometry
 
 GEOMETRY = Geometry(640, 480, 640, 480)
 CENTRES = {"shared": ((322, 236), (322, 236)), "separate": ((322, 236), (309, 251))}

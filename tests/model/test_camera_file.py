@@ -8,9 +8,9 @@ import pytest
 
 from camera_files import FISHEYE, MATRIX, ideal_points, opencv_file
 from ncdc_model.calibration.camera_file import load_camera_map, training_grid
-from ncdc_model.errors import InputError
+from ncdc_model.golden.valid import valid_mask
 from ncdc_model.lens import Camera, TiltedSensor
-from ncdc_model.valid import valid_mask
+from ncdc_spec.errors import InputError
 from photos import photos
 
 RATIONAL = [.31, .02, .0008, -.0011, .001, .66, .08, .003]

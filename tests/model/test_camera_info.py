@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
 from ncdc_model.lens import rotation
+from ncdc_spec.errors import InputError
 from photos import photos
 
 SIZE = 640, 480

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 from photo_files import SAMPLES, dng, read
 
 RAW = SAMPLES >> 4

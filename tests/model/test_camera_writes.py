@@ -5,11 +5,11 @@ from itertools import islice
 
 import pytest
 
-from ncdc_model.fetch.camera_writes import CameraWrites
-from ncdc_model.fetch.lags import Lags
-from ncdc_model.fetch.ports import memory_port
-from ncdc_model.fetch.writes import FrameWrites
-from ncdc_model.memory_timing import LatencyMemory
+from ncdc_model.planner.camera_writes import CameraWrites
+from ncdc_model.planner.lags import Lags
+from ncdc_model.planner.memory_timing import LatencyMemory
+from ncdc_model.planner.ports import memory_port
+from ncdc_model.planner.writes import FrameWrites
 
 # Two rows of 12 samples, two clocks each, in lines of 40 clocks and frames of 100.
 SMALL = CameraWrites(base=1000, pitch=16, width=12, height=2, sample=Fraction(2),

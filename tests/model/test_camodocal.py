@@ -6,7 +6,7 @@ import pytest
 
 from camera_files import FISHEYE, ideal_points
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 K = np.array([[300.0, 0, 318.5], [0, 303.0, 241.25], [0, 0, 1]])
 K4 = [-.09, .006, .0008, -.0011]

@@ -10,8 +10,6 @@ from commands import call
 from kept import kept_trainer
 from lenses import lens
 from ncdc.cli import train as command
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, evaluate_points
 from ncdc_model.neurons_plot import plot_neurons
 from ncdc_model.training import choose
@@ -19,6 +17,8 @@ from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
 from ncdc_model.training.train import TRAINERS
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
 
 
 @pytest.fixture(autouse=True)

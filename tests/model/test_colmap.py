@@ -6,7 +6,7 @@ import pytest
 
 from camera_files import ideal_points
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 FX, FY, CX, CY = 300.0, 303.0, 318.5, 241.25
 MODELS = {

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from ncdc_model.colour import Colour, ColourSums, coloured, gains_of
-from ncdc_model.corrector import Corrected
-from ncdc_model.errors import InputError
-from ncdc_model.interface.white_balance import LARGEST_GAIN, UNITY, grey_world
-from ncdc_model.tone import GAMMA_LIMITS, LINEAR, exact_tone, tone_named, toned
+from ncdc_model.golden.colour import ColourSums, coloured, gains_of
+from ncdc_model.golden.corrector import Corrected
+from ncdc_model.golden.tone import GAMMA_LIMITS, exact_tone, tone_named, toned
+from ncdc_spec.colour import Colour
+from ncdc_spec.errors import InputError
+from ncdc_spec.tone import LINEAR
+from ncdc_spec.white_balance import LARGEST_GAIN, UNITY, grey_world
 
 VALUES = np.arange(256)
 

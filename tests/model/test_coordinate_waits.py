@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ncdc_model.fetch.coordinate_waits import coordinate_lags
-from ncdc_model.fetch.corrector_timing import CorrectorTiming
-from ncdc_model.fetch.lookups import Windows, lookups
+from ncdc_model.planner.coordinate_waits import coordinate_lags
+from ncdc_model.planner.corrector_timing import CorrectorTiming
+from ncdc_model.planner.lookups import Windows, lookups
 
 TIMING = CorrectorTiming(*[0] * 15, nodes=8, node_clocks=2, lead=0)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc_model.descriptor import Descriptor
+from ncdc_spec.descriptor import Descriptor
 
 NAMES = ['two\nlines\r\n', 'a "quoted" name', "back\\slash\\n", "tab\tand\x00\x1b\x7f\x85",
          "Weitwinkel äöü 相机 \U0001F4F7"]

@@ -5,10 +5,10 @@ import pytest
 
 from ncdc_model.calibration.dots import find_dots
 from ncdc_model.calibration.lattice import number_lattice
-from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, page_dots, page_to_distorted, target_photo
 from ncdc_model.example.target import RADIUS
 from ncdc_model.images import mosaic, read_image
+from ncdc_spec.errors import InputError
 from photos import full_photos, photos
 
 

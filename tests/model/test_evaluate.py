@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from lenses import GEOMETRY, equidistant, known_network
-from ncdc_model.descriptor import Descriptor, FloatNetwork
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, fixed_map, float_map, map_error
-from ncdc_model.geometry import ValidRows
-from ncdc_model.network import coordinates
-from ncdc_model.valid import valid_rows
+from ncdc_model.golden.network import coordinates
+from ncdc_model.golden.valid import valid_rows
+from ncdc_spec.descriptor import Descriptor, FloatNetwork
+from ncdc_spec.geometry import ValidRows
 
 
 def descriptor(network=None, back_map=None):

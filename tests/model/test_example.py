@@ -11,8 +11,8 @@ from ncdc_model.example import (
     target_photo,
 )
 from ncdc_model.example.render import SUBSAMPLES, ideal_samples
-from ncdc_model.geometry import Geometry
 from ncdc_model.images import demosaic
+from ncdc_spec.geometry import Geometry
 
 
 def test_part_of_the_frame_has_no_source_at_top_and_bottom_middle():

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc_model.corrector import correct
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.fetch.lookups import frame_windows, lookups
-from ncdc_model.fetch.tags import accesses, misses
-from ncdc_model.picture import fetches
+from ncdc_model.golden.corrector import correct
+from ncdc_model.golden.picture import fetches
+from ncdc_model.planner.lookups import frame_windows, lookups
+from ncdc_model.planner.tags import accesses, misses
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.errors import InputError
 from windows import random_windows, walking_windows
 
 

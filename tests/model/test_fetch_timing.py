@@ -4,16 +4,16 @@ from collections import deque
 
 import pytest
 
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.fetch.corrector_timing import CorrectorTiming
-from ncdc_model.fetch.lookups import lookups
-from ncdc_model.fetch.tags import accesses, misses
-from ncdc_model.fetch.timing import predict_clocks
-from ncdc_model.fetch.writes import frame_writes
-from ncdc_model.geometry import Geometry
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import FramePlaces
-from ncdc_model.memory_timing import LatencyMemory
+from ncdc_model.planner.corrector_timing import CorrectorTiming
+from ncdc_model.planner.lookups import lookups
+from ncdc_model.planner.memory_timing import LatencyMemory
+from ncdc_model.planner.tags import accesses, misses
+from ncdc_model.planner.timing import predict_clocks
+from ncdc_model.planner.writes import frame_writes
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.frames import FramePlaces
+from ncdc_spec.geometry import Geometry
+from ncdc_spec.hardware import Hardware
 from windows import random_windows, walking_windows
 
 PITCH = 512

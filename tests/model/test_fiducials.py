@@ -7,8 +7,8 @@ import pytest
 from ncdc_model.calibration.boards import grey_picture
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.fiducials import other_board
-from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, target_photo
+from ncdc_spec.errors import InputError
 
 
 def dictionary(family):

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from ncdc_boards.camera_board.design import sensor_for
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import BAYER_PHASE, GRADIENT, MONO, Geometry
-from ncdc_model.sensors.catalogue import SENSORS
-from ncdc_model.sensors.framing import grid_row, setup_around, shown
 from ncdc_sim.sensor.photo import still_raw
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import BAYER_PHASE, GRADIENT, MONO, Geometry
+from ncdc_spec.sensors.catalogue import SENSORS
+from ncdc_spec.sensors.framing import grid_row, setup_around, shown
 
 EACH = pytest.mark.parametrize("name", [sensor.name for sensor in SENSORS])
 

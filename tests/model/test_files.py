@@ -6,8 +6,8 @@ import threading
 
 import pytest
 
-from ncdc_model.errors import InputError
-from ncdc_model.files import check_outputs, read_bytes, replace_file, write_stream, write_text
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import check_outputs, read_bytes, replace_file, write_stream, write_text
 
 
 @pytest.fixture

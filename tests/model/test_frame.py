@@ -8,8 +8,8 @@ import pytest
 from ncdc_model.calibration.camera_file import load_camera_map
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera, rotation
+from ncdc_spec.errors import InputError
 from photos import photos
 
 SIZE = 1280, 960

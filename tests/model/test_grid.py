@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
-from ncdc_model.sensors.grid import binned, evened, grid_size, grid_weight, gridded
+from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.grid import binned, evened, grid_size, grid_weight, gridded
 
 
 def places(count, reduction):

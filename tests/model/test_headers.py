@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from ncdc_model.errors import InputError
 from ncdc_model.photo.headers import pnm_pictures
+from ncdc_spec.errors import InputError
 from photo_files import SAMPLES, png, read
 
 WHITES = (1, 100, 127, 255, 511, 1000, 1023, 4095, 16383)

@@ -8,10 +8,10 @@ from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.straightness import straightness
-from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, page_dots, page_to_distorted, target_photo
 from ncdc_model.images import read_image
 from ncdc_model.lens import Camera, rotation
+from ncdc_spec.errors import InputError
 from photos import full_photos, photos
 
 

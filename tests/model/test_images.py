@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import BAYER_PHASE, MONO
 from ncdc_model.images import demosaic, is_raw, mosaic, read_image, write_image
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import BAYER_PHASE, MONO
 
 
 @pytest.mark.parametrize("shape", [(12, 16, 3), (12, 16)])

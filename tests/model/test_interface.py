@@ -7,13 +7,10 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import BAYER_PHASE
 from ncdc_model.images import mosaic
-from ncdc_model.interface import gvcp, gvsp, table_one
-from ncdc_model.interface.features import FEATURES, feature
-from ncdc_model.interface.genicam import genicam_xml
-from ncdc_model.interface.pixel_formats import (
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import BAYER_PHASE
+from ncdc_spec.pixel_formats import (
     BGR8,
     BGRA8,
     MONO8,
@@ -25,7 +22,10 @@ from ncdc_model.interface.pixel_formats import (
     packed,
     unpacked,
 )
-from ncdc_model.interface.table_two import FIELDS, HEADER_BYTES, MRAW_BYTES_MAX, MrawHeader
+from ncdc_spec.protocols import gvcp, gvsp, table_one
+from ncdc_spec.protocols.features import FEATURES, feature
+from ncdc_spec.protocols.genicam import genicam_xml
+from ncdc_spec.protocols.table_two import FIELDS, HEADER_BYTES, MRAW_BYTES_MAX, MrawHeader
 
 # The paper's Table I and II, typed from its pages.
 TABLE_ONE = """
@@ -143,7 +143,7 @@ def test_xml_is_whole_and_has_every_feature():
 def test_xml_follows_the_table(monkeypatch):
     before = genicam_xml()
     changed = [f if f.name != "Gain" else type(f)(**{**vars(f), "high": 99}) for f in FEATURES]
-    monkeypatch.setattr("ncdc_model.interface.genicam.FEATURES", changed)
+    monkeypatch.setattr("ncdc_spec.protocols.genicam.FEATURES", changed)
     assert genicam_xml() != before and b"12.375" in genicam_xml()
 
 

@@ -6,24 +6,24 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.fixed import Q
-from ncdc_model.geometry import BAYER_PHASE, BAYERS, MONO, Geometry
-from ncdc_model.hardware import Hardware
-from ncdc_model.images import mosaic
-from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import BAYER_MONO, INTERPOLATION_BITS, capabilities
-from ncdc_model.interpolation import FAST, GRADIENT
-from ncdc_model.picture import (
+from ncdc_model.golden.corrector import correct
+from ncdc_model.golden.picture import (
     bilinear,
     gradient_colours,
     place_colours,
     raw_windows,
     window_address,
 )
+from ncdc_model.images import mosaic
 from ncdc_model.reference import correct_real, grey_level_difference
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.fixed import Q
+from ncdc_spec.geometry import BAYER_PHASE, BAYERS, MONO, Geometry
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.registers.host_values import host_values
+from ncdc_spec.registers.register_map import BAYER_MONO, INTERPOLATION_BITS, capabilities
 
 
 def gradient_descriptor(**geometry):

@@ -8,7 +8,7 @@ import pytest
 from camera_files import FISHEYE, MATRIX, ideal_points, opencv_file
 from ncdc.cli import main
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 PINHOLE = [300.0, 300.0, 318.5, 241.25]
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from ncdc_model.errors import InputError
 from ncdc_model.photo.kinds import Kind, kind_of
+from ncdc_spec.errors import InputError
 from photo_files import read
 
 GREY = np.arange(48 * 64).reshape(48, 64).astype(np.uint8)

@@ -6,7 +6,7 @@ import pickle
 import pytest
 
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 METASHAPE = ('<?xml version="1.0" encoding="UTF-8"?>\n<calibration>\n  <projection>frame'
              "</projection>\n  <width>1920</width>\n  <f>1430</f>\n</calibration>\n")

@@ -4,9 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera
-from ncdc_model.geometry import Geometry
 from ncdc_model.lens import (
     AsariPolynomial,
     AsymmetricSurface,
@@ -18,6 +16,8 @@ from ncdc_model.lens import (
     TiltedSensor,
     rotation,
 )
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import Geometry
 
 GRID = np.meshgrid(np.linspace(-1.2, 1.2, 25), np.linspace(-0.9, 0.9, 19))
 

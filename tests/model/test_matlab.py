@@ -6,7 +6,7 @@ import scipy.io
 
 from camera_files import ideal_points
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 FC, CC, KC, ALPHA = [657.39, 657.76], [302.98, 242.62], [-.2558, .1276, -.0002, .00003, .01], .002
 SCRIPT = """% Intrinsic and Extrinsic Camera Parameters

@@ -4,8 +4,8 @@ from fractions import Fraction
 
 import pytest
 
-from ncdc_model.errors import InputError
-from ncdc_model.memory_timing import MEMORIES, LatencyMemory, ddr3, memory_timing, sdram
+from ncdc_model.planner.memory_timing import MEMORIES, LatencyMemory, ddr3, memory_timing, sdram
+from ncdc_spec.errors import InputError
 
 
 def test_sdram_in_clocks_of_10_ns():

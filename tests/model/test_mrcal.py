@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 POINTS = np.array([[.1, .2], [-1.1, .3], [-.9, -1.5]])
 FOCAL = [1512., 1112., 500., 333.]

@@ -11,7 +11,7 @@ from ncdc_model.calibration.ground import on_one_ground
 from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.calibration.neighbours import Doubt, hold, parts
 from ncdc_model.calibration.points import PhotoPoints
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 
 def page(columns=20, rows=15, noise=0.05, seed=1):

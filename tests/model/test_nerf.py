@@ -8,7 +8,7 @@ import pytest
 
 from camera_files import ideal_points
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 OWN = {"w": 640, "h": 480, "fl_x": 300.0, "fl_y": 303.0, "cx": 318.5, "cy": 241.25}
 K4 = [-.09, .006, .0008, -.0011]

@@ -7,20 +7,14 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import fixed_map, float_map
-from ncdc_model.geometry import ValidRows
-from ncdc_model.hardware import Hardware
-from ncdc_model.network import coordinates, frame_coordinates, network, normalised_scan
-from ncdc_model.nodes import (
-    NODES,
-    curvature,
-    interpolated_map,
-    largest_nodes,
-    row_nodes,
-    sums_between,
-)
+from ncdc_model.golden.network import coordinates, frame_coordinates, network, normalised_scan
+from ncdc_model.golden.nodes import curvature, interpolated_map, largest_nodes, sums_between
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import ValidRows
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.nodes import NODES, row_nodes
 
 
 def at_nodes(nodes, size=(144, 20), neurons=5):

@@ -7,8 +7,8 @@ import pytest
 from camera_files import ideal_points
 from ncdc_model.calibration.camera_file import load_camera_map
 from ncdc_model.calibration.remap_file import are_remap_files
-from ncdc_model.errors import InputError
 from ncdc_model.training.source import load_source
+from ncdc_spec.errors import InputError
 
 K = np.array([[420.5, 0, 325.5], [0, 418, 236.25], [0, 0, 1]])
 D = np.array([[-.25, .12, .0008, -.0011, -.03]])

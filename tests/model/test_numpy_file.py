@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 from photo_files import SAMPLES, read
 
 BYTES = (SAMPLES >> 8).astype(np.uint8)

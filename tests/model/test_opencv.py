@@ -9,8 +9,8 @@ import pytest
 import tifffile
 from PIL import Image
 
-from ncdc_model.errors import InputError
 from ncdc_model.photo.quiet import captured_stderr
+from ncdc_spec.errors import InputError
 from photo_files import SAMPLES, png, read
 
 BYTES = (SAMPLES >> 8).astype(np.uint8)

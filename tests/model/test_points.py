@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 
 def photo(columns=4, rows=3, name="a.png", shift=0.0):

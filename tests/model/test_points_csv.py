@@ -7,8 +7,8 @@ from ncdc.cli import main
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.calibration.points_csv import load_csv, save_csv
-from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera
+from ncdc_spec.errors import InputError
 
 HEADER = "photo,object_x,object_y,object_z,image_x,image_y\n"
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
 from ncdc_model.raw_dump import RawDump
+from ncdc_spec.errors import InputError
 
 
 def packed(samples, bits):

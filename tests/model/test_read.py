@@ -8,7 +8,7 @@ import pytest
 
 from camera_files import FISHEYE, MATRIX, ideal_points, opencv_file
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 from photos import photos
 
 BROWN = [-.09, .006, .0008, -.0011, .004]

@@ -7,7 +7,7 @@ import pytest
 
 from camera_files import ideal_points
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 pyrealsense2 = pytest.importorskip("pyrealsense2", reason="it has no wheels for this system")
 K = {"none": [0.0] * 5, "brown_conrady": [.1, -.05, .002, .001, .03],

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera
 from ncdc_model.reference_lenses import (
     COLUMNS,
@@ -18,6 +17,7 @@ from ncdc_model.reference_lenses import (
     ReferenceLens,
     reference_table,
 )
+from ncdc_spec.errors import InputError
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "lenses"
 

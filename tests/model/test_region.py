@@ -7,9 +7,9 @@ import pytest
 
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.geometry import Geometry
 from ncdc_model.lens import Camera, rotation
 from ncdc_model.training.region import region_of
+from ncdc_spec.geometry import Geometry
 
 SIZE = 640, 480
 

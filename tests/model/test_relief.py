@@ -15,10 +15,10 @@ from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.calibration.quality import Dropped, uneven, warnings_of
 from ncdc_model.calibration.relief import line_scatter, polynomial
-from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import write_image
 from ncdc_model.lens import Camera, rotation
+from ncdc_spec.errors import InputError
 
 COLUMNS, ROWS = 30, 22
 

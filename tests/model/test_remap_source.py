@@ -9,8 +9,8 @@ import tifffile
 from ncdc_model.calibration.camera_file import training_grid
 from ncdc_model.calibration.remap_file import read_remap
 from ncdc_model.calibration.remap_source import load_remap
-from ncdc_model.errors import InputError
 from ncdc_model.training.source import load_source
+from ncdc_spec.errors import InputError
 from stereo import stereo_maps
 
 SIZE = WIDTH, HEIGHT = 160, 128

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ncdc_model.calibration.camera_file import load_camera_map
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 # As ost.txt of camera_calibration, and as writeCalibrationIni of camera_calibration_parsers.
 TEXT = """# oST version 5.0 parameters

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc_model.descriptor import Descriptor, Formats
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, float_map
-from ncdc_model.fixed import Q
-from ncdc_model.geometry import ValidRows
-from ncdc_model.hardware import Hardware
-from ncdc_model.network import frame_coordinates
+from ncdc_model.golden.network import frame_coordinates
 from ncdc_model.training.rounding import fitted_formats, round_network
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.descriptor import Descriptor, Formats
+from ncdc_spec.errors import InputError
+from ncdc_spec.fixed import Q
+from ncdc_spec.geometry import ValidRows
+from ncdc_spec.hardware import Hardware
 
 
 def errors(d):

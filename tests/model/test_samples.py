@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
 from ncdc_model.samples import check_bits, eight_bits, scaled
+from ncdc_spec.errors import InputError
 
 
 @pytest.mark.parametrize("bits", range(8, 17))

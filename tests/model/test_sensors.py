@@ -6,9 +6,9 @@ from math import log10
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
-from ncdc_model.sensors.catalogue import SENSORS, sensor_named, setup
-from ncdc_model.sensors.sensor import Settings, bayer_at
+from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.catalogue import SENSORS, sensor_named, setup
+from ncdc_spec.sensors.sensor import Settings, bayer_at
 
 BY_NAME = {sensor.name: sensor for sensor in SENSORS}
 EACH = pytest.mark.parametrize("sensor", SENSORS, ids=BY_NAME)

@@ -8,7 +8,7 @@ import pytest
 
 from ncdc_model.calibration.files.lens import numbers
 from ncdc_model.calibration.files.tables import table_of
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 
 @pytest.mark.parametrize("text,message", [

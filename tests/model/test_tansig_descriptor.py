@@ -12,11 +12,11 @@ from lenses import lens
 from ncdc.cli import train
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.lib.credits import CreditQueue
-from ncdc_model.descriptor import Descriptor, Formats
-from ncdc_model.errors import InputError
-from ncdc_model.network import frame_coordinates
-from ncdc_model.tansig import FRACTION_BITS, VARIANTS, choose_variant, design_for
+from ncdc_model.golden.network import frame_coordinates
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.descriptor import Descriptor, Formats
+from ncdc_spec.errors import InputError
+from ncdc_spec.tansig import FRACTION_BITS, VARIANTS, choose_variant, design_for
 
 D = barrel_descriptor()
 

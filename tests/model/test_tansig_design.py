@@ -9,8 +9,9 @@ from amaranth.back import rtlil
 
 from ncdc_hdl.neural import classic, lvc, mmhbc
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.errors import InputError
-from ncdc_model.tansig import (
+from ncdc_model.golden.tansig_tuning import monotonic_tuning
+from ncdc_spec.errors import InputError
+from ncdc_spec.tansig import (
     FRACTION_BITS,
     ClassicDesign,
     TableDesign,
@@ -18,9 +19,8 @@ from ncdc_model.tansig import (
     design_for,
     tansig,
 )
-from ncdc_model.tansig.lvc import quotient, quotient_error
-from ncdc_model.tansig.mmhbc_bound import error_terms
-from ncdc_model.tansig.tuning import monotonic_tuning
+from ncdc_spec.tansig.lvc import quotient, quotient_error
+from ncdc_spec.tansig.mmhbc_bound import error_terms
 from tansigs import DESIGNS, errors, every_magnitude, gateware, stimuli
 
 

@@ -12,9 +12,9 @@ from ncdc_model.calibration.charuco import find_any_charuco, find_charuco
 from ncdc_model.calibration.detect import detect_points, parse_target
 from ncdc_model.calibration.grids import find_circles, find_grid
 from ncdc_model.calibration.overlay import draw_points
-from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import mosaic, read_image
+from ncdc_spec.errors import InputError
 from photos import full_photos, photos
 
 regress = pytest.mark.regress

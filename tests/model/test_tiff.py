@@ -6,8 +6,8 @@ import pytest
 import tifffile
 from PIL import Image
 
-from ncdc_model.errors import InputError
 from ncdc_model.photo.tiff import read_tiff
+from ncdc_spec.errors import InputError
 from photo_files import SAMPLES, read
 
 BYTES = (SAMPLES >> 8).astype(np.uint8)

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from lenses import GEOMETRY, known_network, lens_problem
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import ValidRows
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import Problem, errors_of, split, spread
 from ncdc_model.training.train import train
 from ncdc_model.training.varpro import BIAS_LIMIT, WEIGHT_LIMIT, Batch
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import ValidRows
 from reference_lenses import reference_lens
 
 

@@ -3,11 +3,18 @@
 import numpy as np
 import pytest
 
-from ncdc_model.geometry import Geometry, ValidRows
+from ncdc_model.golden.valid import (
+    Calibrated,
+    grid_pitch,
+    grown,
+    lost_pixels,
+    valid_mask,
+    valid_rows,
+)
 from ncdc_model.lens import Camera
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import Problem
-from ncdc_model.valid import Calibrated, grid_pitch, grown, lost_pixels, valid_mask, valid_rows
+from ncdc_spec.geometry import Geometry, ValidRows
 from reference_lenses import reference_lens
 
 GEOMETRY = Geometry(320, 240, 320, 240)

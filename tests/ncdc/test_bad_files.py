@@ -14,11 +14,11 @@ from lenses import GEOMETRY, known_network, lens
 from ncdc.cli import main
 from ncdc_model.calibration.camera_file import load_camera_map
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import ValidRows
 from ncdc_model.images import write_image
 from ncdc_model.lens import AsymmetricSurface
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import ValidRows
 
 _VALUES = ("nan", "inf", "-1", "1e400", "1e30", "0.5", "0", '"x"', "[]", "{}", "true", "[[1]]",
            "9" * 400)

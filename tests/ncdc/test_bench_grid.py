@@ -9,10 +9,10 @@ from cameras import barrel_descriptor
 from ncdc.bench.grid.light import MARGIN, Light, camera_of, photo_light, scene_light
 from ncdc.bench.grid.measure import GRIDS, SAMPLINGS, measure, samples
 from ncdc.cli import main
-from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera
 from ncdc_model.example import scene_light as example_light
 from ncdc_model.images import write_image
+from ncdc_spec.errors import InputError
 
 SIZE = 96, 64
 

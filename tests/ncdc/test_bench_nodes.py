@@ -11,8 +11,8 @@ from ncdc.bench.nodes import command
 from ncdc.bench.nodes.measure import curvatures, rows_of
 from ncdc.cli import main
 from ncdc_model.evaluate import evaluate_frame, float_map
-from ncdc_model.network import coordinates, frame_coordinates
-from ncdc_model.nodes import curvature
+from ncdc_model.golden.network import coordinates, frame_coordinates
+from ncdc_model.golden.nodes import curvature
 
 
 @pytest.fixture(scope="module")

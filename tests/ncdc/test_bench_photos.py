@@ -12,7 +12,7 @@ from ncdc.bench.photos.measure import judge, try_case
 from ncdc.bench.photos.targets import Bank, Pose
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sight import Look
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 # Of each kind of defect one, on small photos.

@@ -11,10 +11,10 @@ from ncdc.bench.tansig.measure import sampled_inputs, tansig_row, verilog_output
 from ncdc.bench.tansig.plots import plot_tansig
 from ncdc.cli import main
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.errors import InputError
-from ncdc_model.tansig import FRACTION_BITS, VARIANTS, TansigDesign, design_for, tansig
-from ncdc_model.tansig.accuracy import exact_error, measure
+from ncdc_model.golden.tansig_accuracy import exact_error, measure
 from ncdc_sim.exhaustive import every_value, pipeline_outputs, scattered
+from ncdc_spec.errors import InputError
+from ncdc_spec.tansig import FRACTION_BITS, VARIANTS, TansigDesign, design_for, tansig
 
 DESIGN = design_for("mmhbc", 20)
 

@@ -14,10 +14,10 @@ from ncdc.bench.throughput.lenses import Lens
 from ncdc.bench.throughput.measure import ALL, DEFAULT, QUICK, Run, goal_rows, measure, table_four
 from ncdc.bench.throughput.plots import plot_throughput
 from ncdc.cli import main
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.fetch.plan import best_split
-from ncdc_model.hardware import Hardware
+from ncdc_model.planner.plan import best_split
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.errors import InputError
+from ncdc_spec.hardware import Hardware
 
 ROW = {"fetch": "cache", "memory": "ddr3", "scan": "raster", "width": 1920, "height": 1080,
        "lens": 120, "rotation": 0, "interpolation": "fast", "output": "stream",
@@ -185,10 +185,10 @@ def test_lenses_are_trained_anew_when_the_trainer_changes(tmp_path, monkeypatch)
 
 def test_what_lenses_depend_on():
     files = source_files([lenses.__name__, "ncdc_model.training.pipeline"], "ncdc_model")
-    assert {"ncdc.bench.throughput.lenses", "ncdc_model.descriptor", "ncdc_model.formats",
+    assert {"ncdc.bench.throughput.lenses", "ncdc_spec.descriptor", "ncdc_spec.formats",
             "ncdc_model.calibration.camera_file", "ncdc_model.training.levenberg",
             "ncdc_model.training.varpro", "ncdc_model.lens.camera"} <= set(files)
-    assert not {"ncdc_model.fetch.plan", "ncdc_model.register_map"} & set(files)
+    assert not {"ncdc_model.planner.plan", "ncdc_model.register_map"} & set(files)
 
 
 @pytest.mark.parametrize("change,holds", [

@@ -28,10 +28,10 @@ from ncdc_boards.ulx3s.board import BOARD
 from ncdc_boards.ulx3s.clocks import clock_plan
 from ncdc_boards.ulx3s.platform import Ulx3sPlatform
 from ncdc_hdl.video.modes import MODES, mode_named
-from ncdc_model.errors import InputError
-from ncdc_model.interface.frames import BGRX8
-from ncdc_model.network import frame_coordinates
+from ncdc_model.golden.network import frame_coordinates
 from ncdc_model.raw_lens import raw_lens, raw_map
+from ncdc_spec.errors import InputError
+from ncdc_spec.frames import BGRX8
 
 
 def refused(capsys, *arguments):

@@ -11,9 +11,9 @@ import pytest
 
 from ncdc.cli import calibrate
 from ncdc_model.calibration.points import TargetPoints
-from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import read_image, write_image
+from ncdc_spec.errors import InputError
 
 
 def command(*words):

@@ -7,11 +7,12 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
-from ncdc_model.colour import Colour, ColourSums, coloured, gains_of
-from ncdc_model.corrector import correct
+from ncdc_model.golden.colour import ColourSums, coloured, gains_of
+from ncdc_model.golden.corrector import correct
+from ncdc_model.golden.tone import tone_named
 from ncdc_model.images import read_image, write_image
-from ncdc_model.interface.white_balance import grey_world
-from ncdc_model.tone import tone_named
+from ncdc_spec.colour import Colour
+from ncdc_spec.white_balance import grey_world
 
 D = barrel_descriptor((40, 24), (50, 34), hidden_neurons=2, fill=(250, 20, 3))
 

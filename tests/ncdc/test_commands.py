@@ -12,11 +12,11 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc import cli
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.hardware import Hardware
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import mosaic, read_image, write_image
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.hardware import Hardware
 
 
 @pytest.fixture

@@ -6,9 +6,9 @@ import pytest
 
 from kept import kept_trainer
 from ncdc import cli
-from ncdc_model.descriptor import Descriptor
 from ncdc_model.images import read_image
 from ncdc_model.training.train import TRAINERS
+from ncdc_spec.descriptor import Descriptor
 
 FILES = {"photo.png", "points.png", "distorted.png", "corrected.png", "comparison.png",
          "errors.png", "net.toml", "ncdc.v", "report.html", "report.json"}

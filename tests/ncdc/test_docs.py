@@ -16,14 +16,14 @@ from ncdc.cli import parser
 from ncdc_hdl.export.registers.page import register_doc
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.descriptor import Formats
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.page import protocols_doc
-from ncdc_model.interface.register_map import COLOUR_COUNTERS, COUNTERS, registers
-from ncdc_model.interface.system_map import system_registers
-from ncdc_model.interface.system_values import stores_for
-from ncdc_model.tansig import FRACTION_BITS
 from ncdc_model.training.train import TRAINERS
+from ncdc_spec.descriptor import Formats
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.protocols.page import protocols_doc
+from ncdc_spec.registers.register_map import COLOUR_COUNTERS, COUNTERS, registers
+from ncdc_spec.registers.system_map import system_registers
+from ncdc_spec.registers.system_values import stores_for
+from ncdc_spec.tansig import FRACTION_BITS
 
 _STORES = stores_for(Hardware(), 2)
 ROOT = Path(__file__).resolve().parents[2]
@@ -151,7 +151,7 @@ def test_register_page_is_that_of_the_table():
 
 def test_protocols_page_is_that_of_the_declarations():
     assert (ROOT / "docs" / "protocols.md").read_text() == protocols_doc(), \
-        "write it anew: python -m ncdc_model.interface.page > docs/protocols.md"
+        "write it anew: python -m ncdc_spec.protocols.page > docs/protocols.md"
 
 
 def test_register_page_is_printed():

@@ -86,7 +86,7 @@ def test_a_program_that_fails_is_no_help(tmp_path, monkeypatch, capsys):
 
 
 def test_a_port_that_another_device_has(monkeypatch, capsys):
-    from ncdc_model.interface import gvcp
+    from ncdc_spec.protocols import gvcp
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
         one.bind(("127.0.0.2", 0))      # another port than that of the devices of other tests
         port = one.getsockname()[1]

@@ -10,9 +10,9 @@ from cameras import barrel_descriptor
 from ncdc.cli import main
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.calibration.remap_source import load_remap
-from ncdc_model.corrector import correct
-from ncdc_model.network import frame_coordinates
-from ncdc_model.remap import SUFFIXES
+from ncdc_model.golden.corrector import correct
+from ncdc_model.golden.network import frame_coordinates
+from ncdc_model.golden.remap import SUFFIXES
 
 
 @pytest.fixture

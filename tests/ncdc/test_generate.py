@@ -10,9 +10,9 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
-from ncdc_model.hardware import OUTPUTS, Hardware
-from ncdc_model.interface.host_values import host_values
 from ncdc_sim.tools import WAIVERS, environment, tool
+from ncdc_spec.hardware import OUTPUTS, Hardware
+from ncdc_spec.registers.host_values import host_values
 
 FILES = ("ncdc.v", "ncdc_lenses.c")
 CHECKS = (("icarus", ("-g2012", "-t", "null", "-s", "ncdc")),

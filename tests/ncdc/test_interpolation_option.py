@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ncdc.cli import main
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import read_image, write_image
-from ncdc_model.interpolation import FAST, GRADIENT
 from ncdc_model.lens import Camera
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.interpolation import FAST, GRADIENT
 
 
 @pytest.fixture(scope="module")

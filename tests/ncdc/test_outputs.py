@@ -8,9 +8,9 @@ import pytest
 
 from lenses import GEOMETRY, known_network, lens
 from ncdc.cli import COMMANDS, main
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.geometry import ValidRows
 from ncdc_model.images import write_image
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.geometry import ValidRows
 
 
 @pytest.fixture

@@ -9,12 +9,12 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc.cli import main
 from ncdc_hdl.corrector import Corrector
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.lookups import lookups
-from ncdc_model.fetch.plan import Fixed, plan
-from ncdc_model.fetch.tags import Misses, accesses
-from ncdc_model.fetch.traffic import distinct_bytes, live_tiles, worst_span
-from ncdc_model.hardware import Hardware
+from ncdc_model.planner.lookups import lookups
+from ncdc_model.planner.plan import Fixed, plan
+from ncdc_model.planner.tags import Misses, accesses
+from ncdc_model.planner.traffic import distinct_bytes, live_tiles, worst_span
+from ncdc_spec.errors import InputError
+from ncdc_spec.hardware import Hardware
 from windows import random_windows, walking_windows
 
 

@@ -5,8 +5,8 @@ import json
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.interpolation import GRADIENT
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.interpolation import GRADIENT
 from peaks import command_peak
 
 LIMIT = 600             # MB, of a frame of twelve million pixels

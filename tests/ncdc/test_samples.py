@@ -8,10 +8,10 @@ from PIL import Image
 
 from lenses import GEOMETRY, known_network
 from ncdc.cli import main
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.geometry import ValidRows
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import read_image
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.geometry import ValidRows
 from photo_files import dng
 
 SHAPE = GEOMETRY.distorted[::-1]

@@ -8,8 +8,8 @@ import subprocess
 import pytest
 
 from ncdc.cli import main
-from ncdc_model.sensors.catalogue import SENSORS, sensor_named, setup
-from ncdc_model.sensors.sensor import Settings
+from ncdc_spec.sensors.catalogue import SENSORS, sensor_named, setup
+from ncdc_spec.sensors.sensor import Settings
 
 ASKED = ["--width", "640", "--height", "480", "--exposure-us", "5000", "--gain-db", "6"]
 PLAN = Settings(width=640, height=480, exposure_us=5000.0, gain_db=6.0)

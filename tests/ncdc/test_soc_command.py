@@ -37,7 +37,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 import ncdc.cli.soc as soc
-from ncdc_model.descriptor import Descriptor
+from ncdc_spec.descriptor import Descriptor
 from ncdc_soc.firmware import Identity
 class Model:
     identity = Identity()

@@ -20,15 +20,15 @@ from ncdc.cli import evaluate, train
 from ncdc_model.against import fitted_view
 from ncdc_model.calibration.camera_file import load_camera_map
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame
-from ncdc_model.geometry import ValidRows
+from ncdc_model.golden.valid import valid_rows
 from ncdc_model.lens import Camera
 from ncdc_model.plots import plot_error_map
 from ncdc_model.training.backprop import Stop, train_backprop
 from ncdc_model.training.train import TRAINERS
-from ncdc_model.valid import valid_rows
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import ValidRows
 
 SIZE = 320, 240
 

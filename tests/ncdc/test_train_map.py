@@ -10,10 +10,10 @@ from cameras import barrel_descriptor
 from commands import call
 from kept import kept_trainer
 from ncdc.cli import evaluate, main, train
-from ncdc_model.descriptor import Descriptor
 from ncdc_model.evaluate import fixed_map
-from ncdc_model.interpolation import GRADIENT
 from ncdc_model.training.train import TRAINERS
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.interpolation import GRADIENT
 from stereo import stereo_maps
 
 SIZE = 192, 144

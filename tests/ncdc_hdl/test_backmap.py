@@ -9,8 +9,8 @@ from front_end import FrontEnd, expected, extreme, fields, frames, load, prepare
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.valid import ValidTable
-from ncdc_model.errors import InputError
-from ncdc_model.hardware import Hardware
+from ncdc_spec.errors import InputError
+from ncdc_spec.hardware import Hardware
 from pipelines import get, run_bench
 
 # Products of their own, and a raster of sums; one unit for each neuron in `make regress`.

@@ -6,9 +6,9 @@ import pytest
 from block_ram import undefined_collisions
 from cameras import barrel_descriptor
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.hardware import Hardware
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.hardware import Hardware
 
 # Few sets and few look-ups under way: tiles are evicted, and entries read as they are written.
 HARDWARE = Hardware(data_width=64, output="stream",

@@ -9,8 +9,8 @@ from memory import write_agent
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.frontend.strips import Strips
-from ncdc_model.geometry import scan_order
-from ncdc_model.interface.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
+from ncdc_spec.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
+from ncdc_spec.geometry import scan_order
 from pipelines import put, run_bench
 
 BURST = 8

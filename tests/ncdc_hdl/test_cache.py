@@ -5,8 +5,8 @@ import pytest
 
 from fetchers import BASE, Pauses, check_windows
 from ncdc_hdl.backend.cache.cache import Cache
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.interpolation import FAST, GRADIENT
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.interpolation import FAST, GRADIENT
 
 F = 10
 WIDTH, HEIGHT = 93, 70

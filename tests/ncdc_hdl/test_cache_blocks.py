@@ -6,8 +6,8 @@ import pytest
 from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.boxes import Boxes
 from ncdc_hdl.backend.cache.tiles import Tiles
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.interpolation import FAST, GRADIENT
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.interpolation import FAST, GRADIENT
 from pipelines import get, put, run_bench
 
 OPTIONS = {each: CacheOptions(tiles=64, pending=8, interpolation=each)

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from ncdc_hdl.backend.colour import Colour, ColourSums
-from ncdc_model.colour import Colour as Settings
-from ncdc_model.colour import coloured
-from ncdc_model.corrector import Corrected
-from ncdc_model.interface.white_balance import LARGEST_GAIN, UNITY
-from ncdc_model.tone import LINEAR, NODE_PLACES, tone_named
+from ncdc_model.golden.colour import coloured
+from ncdc_model.golden.corrector import Corrected
+from ncdc_model.golden.tone import tone_named
+from ncdc_spec.colour import Colour as Settings
+from ncdc_spec.tone import LINEAR, NODE_PLACES
+from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
 from pipelines import run_bench, run_pipeline
 
 NODES = len(NODE_PLACES)

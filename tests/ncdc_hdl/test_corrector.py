@@ -5,18 +5,18 @@ import pytest
 
 from cameras import barrel_descriptor, barrel_map
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor, FloatNetwork
-from ncdc_model.geometry import BAYER_PHASE, Geometry, ValidRows
-from ncdc_model.hardware import Hardware
+from ncdc_model.golden.corrector import correct
+from ncdc_model.golden.network import frame_coordinates
 from ncdc_model.images import mosaic
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
-from ncdc_model.interface.host_values import host_values, place_values, table_words
-from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, registers
-from ncdc_model.network import frame_coordinates
 from ncdc_model.reference import bayer_psnr, correct_real, grey_level_difference
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_spec.descriptor import Descriptor, FloatNetwork
+from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_spec.geometry import BAYER_PHASE, Geometry, ValidRows
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.host_values import host_values, place_values, table_words
+from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, registers
 
 SIMULATORS = ["icarus", "verilator"]
 

@@ -14,8 +14,8 @@ from cameras import barrel_descriptor
 from crossings import Clocks, Wire
 from ncdc_hdl.camera import capture
 from ncdc_hdl.system import System
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.system_map import LOCKED
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.system_map import LOCKED
 
 QUEUE = "capture.queue.unbuffered"
 SENSOR = ("sensor_clock", "sensor_frame_valid", "sensor_line_valid", "sensor_data")

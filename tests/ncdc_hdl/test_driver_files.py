@@ -13,16 +13,16 @@ from ncdc.cli import main
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.registers.drivers import driver_files
 from ncdc_hdl.export.registers.lenses import Lens, lens_name
-from ncdc_model.descriptor import Descriptor, FloatNetwork
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.fetch.lookups import frame_windows, lookups
-from ncdc_model.fetch.tags import accesses, misses
-from ncdc_model.geometry import Geometry, ValidRows
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import TABLE, VERSION
-from ncdc_model.interpolation import GRADIENT
+from ncdc_model.planner.lookups import frame_windows, lookups
+from ncdc_model.planner.tags import accesses, misses
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.descriptor import Descriptor, FloatNetwork
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import Geometry, ValidRows
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import GRADIENT
+from ncdc_spec.registers.host_values import host_values, table_words
+from ncdc_spec.registers.register_map import TABLE, VERSION
 
 
 def test_c_files_hold_the_table_and_the_lenses(corrector, folder):

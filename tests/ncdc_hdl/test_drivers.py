@@ -12,10 +12,10 @@ from drivers import COUNTERS, WIDE, compile_c
 from kept import run_cocotb
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.registers.drivers import driver_files
-from ncdc_model.hardware import Hardware
-from ncdc_model.tone import tone_named
+from ncdc_model.golden.tone import tone_named
 from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.hardware import Hardware
 
 TCL = Path(__file__).parents[1] / "support" / "tcl"
 

@@ -20,9 +20,9 @@ from equivalence import prove
 from kept import kept_result, sources_of
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.convert import Netlist
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.hardware import Hardware
-from ncdc_model.interpolation import GRADIENT
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import GRADIENT
 
 # Those that are not proved here, and why; whole frames run through them in simulation.
 NOT_PROVED = {

@@ -33,7 +33,7 @@ from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.camera.frame_store import FrameStore
 from ncdc_hdl.camera.sensor_port import SensorPort
-from ncdc_model.interpolation import GRADIENT
+from ncdc_spec.interpolation import GRADIENT
 
 regress = pytest.mark.regress
 

@@ -6,8 +6,8 @@ import pytest
 from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.gradient import GradientPlaces
 from ncdc_hdl.backend.interpolator import Interpolator
-from ncdc_model.interpolation import GRADIENT
-from ncdc_model.picture import bilinear, gradient_colours, grey_places
+from ncdc_model.golden.picture import bilinear, gradient_colours, grey_places
+from ncdc_spec.interpolation import GRADIENT
 from pipelines import get, put, run_bench, run_pipeline
 
 F = 10

@@ -13,11 +13,11 @@ from ncdc_hdl.camera.layouts import REPORT, Kind
 from ncdc_hdl.camera.moved import Moved
 from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_hdl.system import System
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MAX_SIZE
-from ncdc_model.hardware import Hardware
-from ncdc_model.sensors.grid import evened, grid_size, gridded
-from ncdc_model.sensors.level import levelled
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MAX_SIZE
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.sensors.grid import evened, grid_size, gridded
+from ncdc_spec.sensors.level import levelled
 from pipelines import run_pipeline
 
 MODES = [(0, 0), (3, 0), (2, 1), (0, 1)]        # weight and binning

@@ -6,8 +6,8 @@ import pytest
 from ncdc_hdl.backend.bayer import BayerQuads
 from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.interpolator import Interpolator
-from ncdc_model.geometry import BAYER_PHASE
-from ncdc_model.picture import bayer_quads, bilinear
+from ncdc_model.golden.picture import bayer_quads, bilinear
+from ncdc_spec.geometry import BAYER_PHASE
 from pipelines import get, put, run_bench, run_pipeline
 
 F = 10

@@ -6,7 +6,7 @@ from amaranth import *
 from amaranth.sim import Simulator
 
 from ncdc_hdl.registers.jtag_bridge import DOMAIN, JtagBridge
-from ncdc_model.interface.jtag_link import BITS, NOTHING, READ, WRITE, jtag_message
+from ncdc_spec.protocols.jtag_link import BITS, NOTHING, READ, WRITE, jtag_message
 
 ADDRESS_BITS = 14
 

@@ -5,8 +5,8 @@ import pytest
 
 from banks import bank_words, take_bank, write_bank
 from ncdc_hdl.neural.layers import OutputLayer, served
-from ncdc_model.descriptor import Formats
-from ncdc_model.network import output_neuron
+from ncdc_model.golden.network import output_neuron
+from ncdc_spec.descriptor import Formats
 from pipelines import run_pipeline
 
 F = Formats()

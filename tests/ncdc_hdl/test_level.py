@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ncdc_hdl.camera.level import Level
-from ncdc_model.errors import InputError
-from ncdc_model.sensors.level import LINEAR, check_curve, levelled
+from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.level import LINEAR, check_curve, levelled
 from pipelines import run_pipeline
 
 CURVES = [(0, LINEAR), (168, (0, 40, *range(56, 257, 16), 254, 250)), (4095, LINEAR),

@@ -12,8 +12,8 @@ from ncdc_hdl.export.verilog import TOP, corrector_verilog
 from ncdc_hdl.export.verilog.system_cover import SYSTEM, system_verilog
 from ncdc_hdl.export.waivers import SLANG, SYSTEM_WAIVERS, VERILATOR, verilator_config
 from ncdc_hdl.system import System
-from ncdc_model.hardware import Hardware
 from ncdc_sim.tools import environment, tool
+from ncdc_spec.hardware import Hardware
 
 HARDWARE = {"cache": Hardware(), "stream": Hardware(output="stream", data_width=128),
             "shared": Hardware(share=2, hidden="raster")}

@@ -8,7 +8,7 @@ from amaranth.sim import Simulator
 from fetchers import Pauses, check_windows
 from memory import read_agent
 from ncdc_hdl.backend.multiport import Multiport
-from ncdc_model.picture import fetches
+from ncdc_model.golden.picture import fetches
 from pipelines import get, put, run_bench
 
 F = 10

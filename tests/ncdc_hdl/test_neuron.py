@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron, WeightedSum, hidden_sum, output_sum
-from ncdc_model.descriptor import Formats
-from ncdc_model.errors import InputError
-from ncdc_model.fixed import Q
-from ncdc_model.hardware import MULTIPLIER_BITS
-from ncdc_model.network import hidden_neuron, output_neuron
+from ncdc_model.golden.network import hidden_neuron, output_neuron
+from ncdc_spec.descriptor import Formats
+from ncdc_spec.errors import InputError
+from ncdc_spec.fixed import Q
+from ncdc_spec.hardware import MULTIPLIER_BITS
 from pipelines import run_pipeline
 from saturations import WRONG_SATURATIONS
 

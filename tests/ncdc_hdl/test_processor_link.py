@@ -4,8 +4,8 @@ import pytest
 from amaranth.sim import Simulator
 
 from ncdc_hdl.link.processor import LINK_BASE, ProcessorLink
-from ncdc_model.errors import InputError
-from ncdc_model.interface.link_map import LINK
+from ncdc_spec.errors import InputError
+from ncdc_spec.registers.link_map import LINK
 
 WORDS = {0x40: 0x11223344, 0x44: 0xAABBCCDD}        # of the memory, by byte address
 REGISTERS = {5: 0x55, 9: 0x99}                      # of the system

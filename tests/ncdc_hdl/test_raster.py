@@ -14,10 +14,10 @@ from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.neural.layers import MultiplyLayer
 from ncdc_hdl.neural.neuron import WeightedSum
 from ncdc_hdl.neural.raster import RasterLayer
-from ncdc_model.descriptor import Formats
-from ncdc_model.fixed import requantise
-from ncdc_model.geometry import SCAN, Geometry, scan_order
-from ncdc_model.network import hidden_neuron
+from ncdc_model.golden.network import hidden_neuron
+from ncdc_spec.descriptor import Formats
+from ncdc_spec.fixed import requantise
+from ncdc_spec.geometry import SCAN, Geometry, scan_order
 from pipelines import run_bench
 from saturations import WRONG_SATURATIONS
 

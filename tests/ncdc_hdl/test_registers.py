@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import (
+from ncdc_spec.registers.host_values import host_values, table_words
+from ncdc_spec.registers.register_map import (
     CTRL_ABORT,
     CTRL_COMMIT,
     CTRL_START,

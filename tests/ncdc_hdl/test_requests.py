@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ncdc_hdl.backend.cache.requests import TileRequests
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.interpolation import FAST, GRADIENT
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.interpolation import FAST, GRADIENT
 from pipelines import put, run_bench
 
 BASE, PITCH, HEIGHT = 0x1234_5670, 656, 63      # an odd height: rows of the lowest tiles are below

@@ -6,8 +6,8 @@ import pytest
 from formal import sby
 from formal.rows import Rows
 from ncdc_hdl.backend.row_gate import RowGate
-from ncdc_model.fetch.follow import rows_needed
-from ncdc_model.interpolation import FAST, GRADIENT
+from ncdc_model.planner.follow import rows_needed
+from ncdc_spec.interpolation import FAST, GRADIENT
 from pipelines import get, put, run_bench
 
 F_BITS, HEIGHT = 10, 30

@@ -7,10 +7,10 @@ from amaranth.lib import wiring
 
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.valid import ValidTable
-from ncdc_model.descriptor import Formats
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MAX_SIZE, Geometry, ValidRows, scan_order
-from ncdc_model.network import normalised_scan
+from ncdc_model.golden.network import normalised_scan
+from ncdc_spec.descriptor import Formats
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MAX_SIZE, Geometry, ValidRows, scan_order
 from pipelines import run_bench
 
 

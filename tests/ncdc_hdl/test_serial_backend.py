@@ -5,7 +5,7 @@ from importlib.resources import files
 
 import pytest
 
-from ncdc_model.interface.serial_link import BAD, READ, READ_DONE, WRITE_DONE, crc8
+from ncdc_spec.protocols.serial_link import BAD, READ, READ_DONE, WRITE_DONE, crc8
 
 
 def backends():

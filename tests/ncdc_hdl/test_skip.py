@@ -9,15 +9,15 @@ from cameras import barrel_descriptor
 from front_end import FrontEnd, expected, extreme, frames
 from ncdc_hdl.lib.pipeline import DelayMemory
 from ncdc_hdl.neural.neuron import WeightedSum, output_sum
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor, Formats
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import evaluate_frame, fixed_map
-from ncdc_model.fixed import Q
-from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import registers
-from ncdc_model.network import frame_coordinates, output_neuron
+from ncdc_model.golden.corrector import correct
+from ncdc_model.golden.network import frame_coordinates, output_neuron
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.descriptor import Descriptor, Formats
+from ncdc_spec.errors import InputError
+from ncdc_spec.fixed import Q
+from ncdc_spec.registers.host_values import host_values
+from ncdc_spec.registers.register_map import registers
 from pipelines import run_pipeline
 
 SKIP = np.array([[3.25, -41.5], [1000.0625, -7.75]])

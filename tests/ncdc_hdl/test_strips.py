@@ -6,13 +6,15 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.corrector import correct
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import scan_order
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
-from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import (
+from ncdc_model.golden.corrector import correct
+from ncdc_sim.system.corrector import simulate_correction
+from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_spec.errors import InputError
+from ncdc_spec.frames import frame_bytes, raw_image, stored_picture
+from ncdc_spec.geometry import scan_order
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.host_values import host_values
+from ncdc_spec.registers.register_map import (
     CTRL_ABORT,
     CTRL_COMMIT,
     CTRL_START,
@@ -20,8 +22,6 @@ from ncdc_model.interface.register_map import (
     STATUS_DONE,
     registers,
 )
-from ncdc_sim.system.corrector import simulate_correction
-from ncdc_sim.system.frame import Program, simulate_frame
 
 FILL = (200, 100, 50)
 # Fetcher, data width, hidden neurons: each is compiled once for all tests.

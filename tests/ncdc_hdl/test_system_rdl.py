@@ -9,7 +9,7 @@ from systemrdl import RDLCompileError, RDLCompiler
 from systemrdl.node import FieldNode, MemNode, RegNode
 
 from drivers import ROWS
-from ncdc_model.interface.register_map import TABLE
+from ncdc_spec.registers.register_map import TABLE
 
 
 def compiled(path):

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from ncdc_hdl.neural.lookup import Lookup
-from ncdc_model.fixed import Q
-from ncdc_model.tansig import TableDesign, TansigDesign, tansig
+from ncdc_spec.fixed import Q
+from ncdc_spec.tansig import TableDesign, TansigDesign, tansig
 from pipelines import run_pipeline
 from tansigs import DESIGNS, edges, errors, every_magnitude, gateware, stimuli
 

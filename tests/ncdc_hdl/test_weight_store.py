@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from amaranth import *
 
-from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import (
+from ncdc_spec.registers.host_values import host_values
+from ncdc_spec.registers.register_map import (
     CTRL_COMMIT,
     CTRL_START,
     STATUS_BUSY,

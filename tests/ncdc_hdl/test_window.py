@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ncdc_hdl.backend.window import WindowAddress
-from ncdc_model.descriptor import Formats
-from ncdc_model.geometry import Geometry
-from ncdc_model.interpolation import FAST, GRADIENT
-from ncdc_model.picture import window_address
+from ncdc_model.golden.picture import window_address
+from ncdc_spec.descriptor import Formats
+from ncdc_spec.geometry import Geometry
+from ncdc_spec.interpolation import FAST, GRADIENT
 from pipelines import get, put, run_bench
 
 FORMATS = Formats()

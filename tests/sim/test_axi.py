@@ -15,16 +15,16 @@ from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.axi.write_bridge import WriteBridge
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.axi_cover import axi_verilog
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image
-from ncdc_model.interface.register_map import FAULT_MEMORY, registers
 from ncdc_sim.cocotb_run import Design
 from ncdc_sim.system.axi import adapted
 from ncdc_sim.system.corrector import corrector_program, simulate_correction
 from ncdc_sim.system.frame import simulate_frame
 from ncdc_sim.system.resets import simulate_resets
 from ncdc_sim.tools import SIMULATORS, SimulationError
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import FAULT_MEMORY, registers
 
 SIZE, RAW = (40, 32), (48, 40)
 CACHE = CacheOptions(64, pending=64, outstanding=8)

@@ -20,11 +20,11 @@ from ncdc_boards.camera_board.design import hardware_for
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus import plls
 from ncdc_hdl.video.modes import mode_named
-from ncdc_model.interface import gvcp
-from ncdc_model.interface.features import feature
 from ncdc_sim.board.ethernet import Ethernet, Passed
 from ncdc_soc import board as soc_board
 from ncdc_soc import firmware
+from ncdc_spec.protocols import gvcp
+from ncdc_spec.protocols.features import feature
 from peers import need
 
 pytestmark = pytest.mark.regress        # compiling it takes a minute

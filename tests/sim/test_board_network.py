@@ -11,14 +11,14 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_boards.camera_board.design import hardware_for
 from ncdc_boards.catalogue import board
-from ncdc_model.interface.link_headers import Endpoint, gvsp_headers
-from ncdc_model.interface.pixel_formats import format_of_name
 from ncdc_sim.board import network
 from ncdc_sim.board.network import NetworkModel
 from ncdc_sim.board.pictures import GAP_CLOCKS, line_frames, pictures_of, steady
 from ncdc_sim.board.rates import corrected_rates, replayed_rates
 from ncdc_sim.board.sender import Claimed, PictureSender
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.pixel_formats import format_of_name
+from ncdc_spec.protocols.link_headers import Endpoint, gvsp_headers
 
 SIZE = 160, 120
 RELEASE = 4

@@ -12,9 +12,9 @@ from ncdc_boards.catalogue import board
 from ncdc_boards.quartus import top as quartus_top
 from ncdc_hdl.export.registers.host.ncdc_backends import Serial
 from ncdc_hdl.video.modes import mode_named
-from ncdc_model.interface.jtag_link import READ, WRITE, jtag_message
 from ncdc_sim.board.run import request_at, scans_at
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.protocols.jtag_link import READ, WRITE, jtag_message
 
 ID, ID_OFFSET = int.from_bytes(b"NCDC", "big"), 0
 QUARTUS = ("de1-soc", "de2-115", "de0-cv")

@@ -21,13 +21,13 @@ from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.weight_store import in_memory
-from ncdc_model.descriptor import Formats
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import registers
-from ncdc_model.tansig import TansigDesign
 from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SIMULATORS, SimulationError
+from ncdc_spec.descriptor import Formats
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.host_values import host_values
+from ncdc_spec.registers.register_map import registers
+from ncdc_spec.tansig import TansigDesign
 
 FORMATS = Formats()
 D = barrel_descriptor((20, 16), (24, 18), hidden_neurons=3)

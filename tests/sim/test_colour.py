@@ -6,22 +6,18 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.colour import Colour, ColourSums, coloured
-from ncdc_model.corrector import correct
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
-from ncdc_model.interface.host_values import colour_values, host_values
-from ncdc_model.interface.register_map import (
-    CTRL_COMMIT,
-    CTRL_START,
-    STATUS_DONE,
-    registers,
-)
-from ncdc_model.interface.white_balance import grey_world
-from ncdc_model.interpolation import FAST, GRADIENT
-from ncdc_model.tone import tone_named
+from ncdc_model.golden.colour import ColourSums, coloured
+from ncdc_model.golden.corrector import correct
+from ncdc_model.golden.tone import tone_named
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_spec.colour import Colour
+from ncdc_spec.frames import frame_bytes, raw_image, stored_picture
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.registers.host_values import colour_values, host_values
+from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
+from ncdc_spec.white_balance import grey_world
 
 SET = Colour((461, 200, 358), tone_named("sRGB"))
 FILL = (200, 100, 50)

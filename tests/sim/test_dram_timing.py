@@ -8,7 +8,7 @@ import pytest
 
 from kept import run_cocotb
 from memory_model import memory_model
-from ncdc_model.memory_timing import ddr3, sdram
+from ncdc_model.planner.memory_timing import ddr3, sdram
 from ncdc_sim.memory.timing import memory_settings
 from ncdc_sim.tools import SIMULATORS, SimulationError
 

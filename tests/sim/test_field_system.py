@@ -5,10 +5,10 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc_hdl.system import System
-from ncdc_model.hardware import Hardware
-from ncdc_model.sensors.framing import grid_row, setup_around
 from ncdc_sim.sensor.photo import moving_photo
 from ncdc_sim.system.camera import simulate_camera
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.sensors.framing import grid_row, setup_around
 
 SIZE = (64, 24)
 

@@ -12,16 +12,16 @@ from ncdc.cli import main, simulate
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.corrector import correct
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.fetch.follow import camera_line, follow_bound, rows_needed
-from ncdc_model.hardware import Hardware
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import write_image
-from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, registers
-from ncdc_model.interpolation import GRADIENT
-from ncdc_model.memory_timing import memory_timing
+from ncdc_model.planner.follow import camera_line, follow_bound, rows_needed
+from ncdc_model.planner.memory_timing import memory_timing
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Camera, Program, simulate_frame
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import GRADIENT
+from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, registers
 
 SIZE = 48, 64
 

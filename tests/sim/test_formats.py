@@ -9,25 +9,25 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.fetch.lookups import frame_windows, lookups
-from ncdc_model.fetch.tags import accesses, misses
-from ncdc_model.fetch.timing import predict_clocks
-from ncdc_model.fetch.writes import frame_writes
-from ncdc_model.hardware import FORMATS, Hardware
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, output_format, raw_image
-from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import (
+from ncdc_model.planner.lookups import frame_windows, lookups
+from ncdc_model.planner.memory_timing import memory_timing
+from ncdc_model.planner.tags import accesses, misses
+from ncdc_model.planner.timing import predict_clocks
+from ncdc_model.planner.writes import frame_writes
+from ncdc_sim.system.corrector import simulate_correction
+from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.frames import FramePlaces, frame_bytes, output_format, raw_image
+from ncdc_spec.hardware import FORMATS, Hardware
+from ncdc_spec.interpolation import GRADIENT
+from ncdc_spec.registers.host_values import host_values
+from ncdc_spec.registers.register_map import (
     CTRL_COMMIT,
     CTRL_START,
     FAULT_FORMAT,
     STATUS_ABORTED,
     STATUS_DONE,
 )
-from ncdc_model.interpolation import GRADIENT
-from ncdc_model.memory_timing import memory_timing
-from ncdc_sim.system.corrector import simulate_correction
-from ncdc_sim.system.frame import Program, simulate_frame
 
 CACHE = CacheOptions(64, pending=64, outstanding=8, interpolation=GRADIENT)
 LARGEST = 160, 120

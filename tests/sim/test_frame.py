@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from copier import copier
-from ncdc_model.errors import InputError
-from ncdc_model.memory_timing import LatencyMemory
+from ncdc_model.planner.memory_timing import LatencyMemory
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_sim.tools import SIMULATORS, SimulationError
+from ncdc_spec.errors import InputError
 
 WORDS = 512
 SOURCE, OUTPUT = 0x2000, 0x10000

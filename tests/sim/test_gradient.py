@@ -8,11 +8,11 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.fetch.follow import follow_bound
-from ncdc_model.hardware import Hardware
-from ncdc_model.interpolation import GRADIENT
-from ncdc_model.memory_timing import memory_timing
+from ncdc_model.planner.follow import follow_bound
+from ncdc_model.planner.memory_timing import memory_timing
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import GRADIENT
 
 regress = pytest.mark.regress
 

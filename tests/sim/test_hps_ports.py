@@ -10,8 +10,8 @@ from ncdc.bench.throughput.lenses import Lens
 from ncdc.bench.throughput.measure import Run, measure
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.platform_designer import interfaces
-from ncdc_model.hardware import FETCHERS, OUTPUTS, Hardware
-from ncdc_model.memory_timing import MEMORIES
+from ncdc_model.planner.memory_timing import MEMORIES
+from ncdc_spec.hardware import FETCHERS, OUTPUTS, Hardware
 
 FHD = Lens(120, (1920, 1080))
 PAPER = 8.21            # frames per second of the paper's board, at this size

@@ -7,12 +7,12 @@ import pytest
 
 from cameras import barrel_descriptor
 from copier import copier
-from ncdc_model.errors import InputError
-from ncdc_model.hardware import Hardware
 from ncdc_sim.memory.timing import simulated_memory
 from ncdc_sim.system import frame
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_spec.errors import InputError
+from ncdc_spec.hardware import Hardware
 
 WORDS, SOURCE, OUTPUT = 512, 0x2000, 0x10000
 

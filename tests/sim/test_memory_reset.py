@@ -6,8 +6,8 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, FAULT_MEMORY, registers
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, FAULT_MEMORY, registers
 
 BENCH = """
 module bench;

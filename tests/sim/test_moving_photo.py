@@ -4,10 +4,10 @@ import cv2
 import numpy as np
 
 from cameras import barrel_descriptor
-from ncdc_model.corrector import correct
 from ncdc_model.example import noise_picture
-from ncdc_model.sensors.framing import setup_around
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.sensor.photo import moving_photo
+from ncdc_spec.sensors.framing import setup_around
 
 SIZE = (96, 64)
 WAY = 24                # pixels that the scene has gone to the right, about

@@ -9,15 +9,15 @@ from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.registers.lenses import check_lens
 from ncdc_hdl.export.verilog import verilog_of
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.follow import camera_line, follow_bound
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.register_map import registers
-from ncdc_model.memory_timing import memory_timing
+from ncdc_model.planner.follow import camera_line, follow_bound
+from ncdc_model.planner.memory_timing import memory_timing
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_sim.system.lens_change import simulate_lens_change
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import registers
 
 
 def at_nodes(nodes, size=(104, 30), neurons=4, **options):

@@ -10,16 +10,16 @@ from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.register_map import (
+from ncdc_sim.system.nonsense import simulate_nonsense
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import (
     FAULT_ALIGNMENT,
     FAULT_FORMAT,
     FAULT_SIZE,
     FAULT_SOURCE,
     FAULT_TARGET,
 )
-from ncdc_sim.system.nonsense import simulate_nonsense
 
 CACHE = CacheOptions(64, pending=32, outstanding=8)
 BUILDS = {

@@ -8,10 +8,10 @@ import pytest
 
 from cameras import barrel_descriptor
 from coverage import FOLDER, percentages, reached
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.fetch.follow import camera_line
-from ncdc_model.hardware import Hardware
+from ncdc_model.planner.follow import camera_line
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.hardware import Hardware
 from pairs import covering, pairs_of
 
 OPTIONS = {

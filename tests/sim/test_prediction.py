@@ -10,17 +10,17 @@ from cameras import barrel_descriptor
 from ncdc.bench.throughput.cross import CROSS, worst_split
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.fetch.lookups import frame_windows, lookups
-from ncdc_model.fetch.plan import best_split
-from ncdc_model.fetch.tags import accesses, misses
-from ncdc_model.fetch.timing import predict_clocks
-from ncdc_model.fetch.writes import frame_writes
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import FramePlaces
-from ncdc_model.interpolation import FAST, GRADIENT, interpolation_of
-from ncdc_model.memory_timing import memory_timing
+from ncdc_model.planner.lookups import frame_windows, lookups
+from ncdc_model.planner.memory_timing import memory_timing
+from ncdc_model.planner.plan import best_split
+from ncdc_model.planner.tags import accesses, misses
+from ncdc_model.planner.timing import predict_clocks
+from ncdc_model.planner.writes import frame_writes
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.frames import FramePlaces
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import FAST, GRADIENT, interpolation_of
 
 CACHE = CacheOptions(64, pending=64, outstanding=8)
 

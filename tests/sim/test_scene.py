@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera
-from ncdc_model.sensors.catalogue import sensor_named, setup
-from ncdc_model.sensors.sensor import Settings
 from ncdc_sim.sensor.scene import moving_light, row_times
 from ncdc_sim.sensor.twin import raw_frames
+from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.catalogue import sensor_named, setup
+from ncdc_spec.sensors.sensor import Settings
 
 SIZE = (48, 32)
 CAMERA = Camera.from_dict({"width": SIZE[0], "height": SIZE[1], "radial": "kb",

@@ -5,10 +5,10 @@ import pytest
 
 import sensors
 from kept import run_cocotb
-from ncdc_model.sensors.catalogue import SENSORS, sensor_named
 from ncdc_sim.cocotb_run import Design
 from ncdc_sim.sensor.verilog import AWAKE, Fault
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.sensors.catalogue import SENSORS, sensor_named
 from sensors import controlled, random_light, run_sensor, with_lines
 
 NAMES = [sensor.name for sensor in SENSORS]

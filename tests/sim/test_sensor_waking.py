@@ -4,10 +4,10 @@ import subprocess
 
 import pytest
 
-from ncdc_model.sensors.catalogue import SENSORS, sensor_named
-from ncdc_model.sensors.waking import Waking, wake_times
 from ncdc_sim.sensor.verilog import Fault, sensor_sources
 from ncdc_sim.tools import environment, tool
+from ncdc_spec.sensors.catalogue import SENSORS, sensor_named
+from ncdc_spec.sensors.waking import Waking, wake_times
 
 NAMES = [sensor.name for sensor in SENSORS]
 CLOCK_HZ = 25_000_000

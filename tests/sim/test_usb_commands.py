@@ -6,10 +6,10 @@ from kept import run_cocotb
 from ncdc_hdl.usb import mraw
 from ncdc_hdl.usb.commands import ByteCommands
 from ncdc_hdl.usb.view import SystemView
-from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS, Stores, system_registers
-from ncdc_model.sensors.catalogue import sensor_named
 from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS, Stores, system_registers
+from ncdc_spec.sensors.catalogue import sensor_named
 
 ADDRESSES = {r.name: r.address for r in system_registers(Stores(4, 4, 2))}
 RAW, CORRECTED = (21, 5), (23, 7)

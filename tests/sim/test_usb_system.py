@@ -15,14 +15,14 @@ from ncdc_hdl.usb.layouts import FT232H
 from ncdc_hdl.usb.system import UsbSystem
 from ncdc_host.client.errors import DeviceGone
 from ncdc_host.client.usb import UsbConnection, UsbDevice, UsbPort
-from ncdc_model.corrector import correct
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.features import system_word
-from ncdc_model.sensors.catalogue import sensor_named, setup
-from ncdc_model.sensors.sensor import Settings
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.sensor.verilog import Light
 from ncdc_sim.system.running import running
 from ncdc_sim.usb.backend import SimulatedUsb
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.protocols.features import system_word
+from ncdc_spec.sensors.catalogue import sensor_named, setup
+from ncdc_spec.sensors.sensor import Settings
 
 # The model of a system takes a minute to compile.
 pytestmark = [pytest.mark.regress, pytest.mark.many_clocks]

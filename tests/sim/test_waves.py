@@ -9,13 +9,13 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
-from ncdc_model.errors import InputError
 from ncdc_model.images import write_image
-from ncdc_model.interface.register_map import COUNTERS
 from ncdc_sim import waves as waves_module
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.tools import SimulationError
 from ncdc_sim.waves import Waves
+from ncdc_spec.errors import InputError
+from ncdc_spec.registers.register_map import COUNTERS
 
 regress = pytest.mark.regress
 

@@ -8,13 +8,13 @@ import pytest
 from litex.build.sim import SimPlatform
 
 from cameras import barrel_descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.hardware import Hardware
 from ncdc_sim.system.litex import simulate_module
 from ncdc_soc import module_soc
 from ncdc_soc.module import NCDC
 from ncdc_soc.module_soc import ModuleSoc, module_soc_verilog
 from ncdc_soc.verilog import litex_verilog
+from ncdc_spec.errors import InputError
+from ncdc_spec.hardware import Hardware
 from peers import need
 
 STREAM = Hardware(output="stream")

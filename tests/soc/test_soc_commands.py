@@ -5,10 +5,10 @@ import subprocess
 
 import pytest
 
-from ncdc_model.interface.table_one import TCP_PORT
 from ncdc_sim.link.namespaces import TAP
 from ncdc_sim.system.soc import ADDRESS, SocRun
 from ncdc_soc.firmware import Identity
+from ncdc_spec.protocols.table_one import TCP_PORT
 from peers import need
 from soc_clients import OPEN, SIZE, matches, peer
 
@@ -49,7 +49,7 @@ def test_eight_users_of_table_one(model, tmp_path):
 
 _FLOOD = """
 import json, random, socket, struct, sys, time
-from ncdc_model.interface import gvcp
+from ncdc_spec.protocols import gvcp
 count, mac = map(json.loads, sys.argv[3:])
 random.seed(1)
 wire = socket.socket(socket.AF_PACKET, socket.SOCK_RAW)
@@ -124,8 +124,8 @@ def test_a_flood_of_frames_of_any_kind(model, tmp_path):
 
 _PUT_OFF = """
 import json, socket, struct
-from ncdc_model.interface import gvcp
-from ncdc_model.interface.features import feature
+from ncdc_spec.protocols import gvcp
+from ncdc_spec.protocols.features import feature
 asking = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 asking.settimeout(300)
 other = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -198,7 +198,7 @@ def test_an_answer_that_waits_for_the_sensor_is_put_off(model, tmp_path):
 
 
 _ARAVIS_PUT_OFF = OPEN + """
-from ncdc_model.interface import gvcp
+from ncdc_spec.protocols import gvcp
 device._bridge.call("write_memory", gvcp.place("Configuration").address,
                     [gvcp.CONFIGURATION_PENDING_ACK])
 device.set("ExposureTime", 200)

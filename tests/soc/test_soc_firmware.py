@@ -6,13 +6,13 @@ import subprocess
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc_model.hardware import Hardware
-from ncdc_model.sensors.framing import setup_around
 from ncdc_soc.board import ROM_BYTES
 from ncdc_soc.core import SocCore
 from ncdc_soc.firmware import FIRMWARE, config, firmware_image, host_program
 from ncdc_soc.processor import MAP
 from ncdc_soc.soc import soc_verilog
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.sensors.framing import setup_around
 from peers import need
 
 _RAM_BYTES = 56 * 1024

@@ -9,12 +9,12 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc.report.soc_window import window_on
-from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import output_format
-from ncdc_model.interface.pixel_formats import raw_format
-from ncdc_model.interface.table_one import TCP_PORT
-from ncdc_model.interface.table_two import HEADER_BYTES
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.system.soc import ADDRESS, SocRun
+from ncdc_spec.frames import output_format
+from ncdc_spec.pixel_formats import raw_format
+from ncdc_spec.protocols.table_one import TCP_PORT
+from ncdc_spec.protocols.table_two import HEADER_BYTES
 from soc_clients import OPEN, SIZE, matches, peer
 
 # Compiling the model takes more than a minute.
@@ -46,7 +46,7 @@ def test_the_exposure_changes_between_frames(model, tmp_path):
 
 
 _ANOTHER_LENS = OPEN + """
-from ncdc_model.descriptor import Descriptor
+from ncdc_spec.descriptor import Descriptor
 with device.stream() as stream:
     take(stream)
     device.load_lens(Descriptor.load(arguments[0]))
@@ -136,7 +136,7 @@ import json, sys
 import numpy as np
 from concurrent.futures import ThreadPoolExecutor
 from ncdc_host.client.table import Connection
-from ncdc_model.interface.features import system_word
+from ncdc_spec.protocols.features import system_word
 folder, formats = sys.argv[2], json.loads(sys.argv[3])
 address, port = "{address}", {port}
 users = [Connection(address, port, 300) for _ in range(3)]
@@ -183,7 +183,7 @@ _JUMBO = """
 import json, sys
 import numpy as np
 from ncdc_host.client.devices import open_device
-from ncdc_model.interface.gvcp import place
+from ncdc_spec.protocols.gvcp import place
 _, folder, url = sys.argv[1:]
 with open_device(json.loads(url)) as device:
     with device.stream(9000) as stream:
@@ -209,7 +209,7 @@ def test_jumbo_packets(model, tmp_path, scheme):
 _COUNT = """
 import json, time
 from ncdc_host.client.table import Connection
-from ncdc_model.interface.features import system_word
+from ncdc_spec.protocols.features import system_word
 user = Connection("{address}", {port}, 300)
 counts = []
 while len(set(counts)) < 5:

@@ -8,13 +8,13 @@ import pytest
 from cameras import barrel_descriptor
 from devices import device, small_lens
 from firmware_wire import CLIENT_IP, TcpUser, Wire, wire_config
-from ncdc_model.interface import gvcp
-from ncdc_model.interface.features import FEATURES, feature
-from ncdc_model.interface.link_map import STATUS_RESENDING
-from ncdc_model.interface.table_one import IDLE_SECONDS, MRAW, READ, WRITE
-from ncdc_model.interface.table_two import HEADER_BYTES
-from ncdc_model.sensors import mt9p031
 from ncdc_soc.firmware import host_program
+from ncdc_spec.protocols import gvcp
+from ncdc_spec.protocols.features import FEATURES, feature
+from ncdc_spec.protocols.table_one import IDLE_SECONDS, MRAW, READ, WRITE
+from ncdc_spec.protocols.table_two import HEADER_BYTES
+from ncdc_spec.registers.link_map import STATUS_RESENDING
+from ncdc_spec.sensors import mt9p031
 
 SIZE = (64, 48)
 PACKAGE = HEADER_BYTES + 3 * SIZE[0] * SIZE[1]

@@ -6,12 +6,12 @@ from cameras import barrel_descriptor
 from ncdc_boards.camera_board.design import design_of, sensor_for
 from ncdc_boards.catalogue import board
 from ncdc_hdl.video.modes import VideoMode
-from ncdc_model.corrector import correct
+from ncdc_model.golden.corrector import correct
 from ncdc_model.raw_lens import raw_lens
-from ncdc_model.sensors.level import levelled
 from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light
+from ncdc_spec.sensors.level import levelled
 
 __all__ = ["HEIGHT", "SMALL", "WIDTH", "Bench"]
 

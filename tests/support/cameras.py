@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ncdc_model.descriptor import Descriptor, FloatNetwork
-from ncdc_model.geometry import Geometry, ValidRows
+from ncdc_spec.descriptor import Descriptor, FloatNetwork
+from ncdc_spec.geometry import Geometry, ValidRows
 
 __all__ = ["barrel_descriptor", "barrel_map"]
 

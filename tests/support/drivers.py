@@ -5,7 +5,7 @@ import subprocess
 from pathlib import Path
 
 from cameras import barrel_descriptor
-from ncdc_model.interface.register_map import counters, registers
+from ncdc_spec.registers.register_map import counters, registers
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "drivers.md"
 WIDE = barrel_descriptor((20, 16), (24, 18), hidden_neurons=3)

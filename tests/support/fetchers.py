@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from memory import read_agent
-from ncdc_model.interpolation import FAST
+from ncdc_spec.interpolation import FAST
 from pipelines import get, put, run_bench
 
 __all__ = ["BASE", "Pauses", "check_windows"]

@@ -7,13 +7,13 @@ from scapy.layers.inet import IP, TCP, UDP
 from scapy.layers.l2 import ARP, Ether
 from scapy.packet import Raw
 
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface import gvcp
-from ncdc_model.interface.table_one import TCP_PORT
-from ncdc_model.sensors.framing import grid_row, setup_around
 from ncdc_soc.core import SocCore
 from ncdc_soc.firmware import Identity, config, host_program
 from ncdc_soc.soc import soc_verilog
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.protocols import gvcp
+from ncdc_spec.protocols.table_one import TCP_PORT
+from ncdc_spec.sensors.framing import grid_row, setup_around
 
 __all__ = ["CLIENT_IP", "TcpUser", "Wire", "wire_config", "wire_program"]
 

@@ -11,9 +11,9 @@ from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_model.geometry import scan_order
-from ncdc_model.hardware import Hardware
-from ncdc_model.network import frame_coordinates
+from ncdc_model.golden.network import frame_coordinates
+from ncdc_spec.geometry import scan_order
+from ncdc_spec.hardware import Hardware
 from pipelines import get, run_bench
 
 __all__ = ["FrontEnd", "expected", "extreme", "fields", "frames", "load", "prepare", "words_of"]

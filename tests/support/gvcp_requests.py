@@ -9,8 +9,8 @@ import struct
 from dataclasses import dataclass
 from ipaddress import IPv4Address
 
-from ncdc_model.interface import gvcp
-from ncdc_model.interface.features import FEATURES
+from ncdc_spec.protocols import gvcp
+from ncdc_spec.protocols.features import FEATURES
 
 __all__ = ["PEERS", "Request", "requests"]
 

@@ -11,7 +11,7 @@ from camera_bus import Bus
 from cameras import barrel_descriptor
 from ncdc.cli import main
 from ncdc_host.client.table import Connection
-from ncdc_model.sensors import mt9p031
+from ncdc_spec.sensors import mt9p031
 
 __all__ = ["HEIGHT", "I2C", "PITCH", "SIZES", "WIDTH", "Running", "hps_descriptor", "hps_project",
            "serving"]

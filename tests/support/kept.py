@@ -26,11 +26,11 @@ import ncdc_sim
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export import verilog
 from ncdc_hdl.export.verilog import cover
-from ncdc_model.descriptor import Descriptor
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_sim import cocotb_run
 from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import version as version_of
+from ncdc_spec.descriptor import Descriptor
 
 __all__ = ["TRAINING", "keep_verilog", "kept_folder", "kept_lists", "kept_result",
            "kept_trainer", "kept_training", "run_cocotb", "sources_of"]

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ncdc_model.descriptor import FloatNetwork
-from ncdc_model.geometry import Geometry
 from ncdc_model.lens import Camera
 from ncdc_model.training.problem import Problem
+from ncdc_spec.descriptor import FloatNetwork
+from ncdc_spec.geometry import Geometry
 
 __all__ = ["GEOMETRY", "equidistant", "known_network", "lens", "lens_problem"]
 

@@ -8,9 +8,9 @@ from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.neural.banks import WeightBanks
 from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.weight_store import in_memory
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, TABLE, registers
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.host_values import host_values
+from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, TABLE, registers
 from pipelines import run_bench
 
 __all__ = ["BY_NAME", "Contract", "D", "Dut", "Host", "ROWS", "RandomWrites", "SHADOW_ROWS",

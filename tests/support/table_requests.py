@@ -4,10 +4,10 @@ Left out is what devices have or have not: other sizes, offsets, frame rates and
 the sensor, and what its other registers hold.
 """
 
-from ncdc_model.interface.features import system_word
-from ncdc_model.interface.pixel_formats import PIXEL_FORMATS
-from ncdc_model.interface.table_one import READ, SYSTEM_WORDS, WRITE
-from ncdc_model.sensors import mt9p031
+from ncdc_spec.pixel_formats import PIXEL_FORMATS
+from ncdc_spec.protocols.features import system_word
+from ncdc_spec.protocols.table_one import READ, SYSTEM_WORDS, WRITE
+from ncdc_spec.sensors import mt9p031
 
 __all__ = ["table_requests"]
 

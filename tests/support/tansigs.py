@@ -3,7 +3,7 @@
 import numpy as np
 
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.tansig import FRACTION_BITS, VARIANTS, design_for, tansig
+from ncdc_spec.tansig import FRACTION_BITS, VARIANTS, design_for, tansig
 from pipelines import run_pipeline
 
 __all__ = ["DESIGNS", "edges", "errors", "every_magnitude", "gateware", "stimuli"]

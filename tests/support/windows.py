@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ncdc_model.fetch.lookups import Windows
+from ncdc_model.planner.lookups import Windows
 
 __all__ = ["random_windows", "walking_windows"]
 

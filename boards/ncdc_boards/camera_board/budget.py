@@ -6,10 +6,10 @@ from ncdc_boards.sdram.chips import clocks_of
 from ncdc_boards.sdram.layouts import Place
 from ncdc_boards.sdram.sequencer import Sequencer
 from ncdc_hdl.video.modes import MODES
-from ncdc_model.errors import InputError
-from ncdc_model.hardware import LANES
-from ncdc_model.interface.frames import output_format
-from ncdc_model.interface.system_values import memory_bytes
+from ncdc_spec.errors import InputError
+from ncdc_spec.frames import output_format
+from ncdc_spec.hardware import LANES
+from ncdc_spec.registers.system_values import memory_bytes
 
 __all__ = ["Budget", "budget_of", "check_lanes", "check_memory", "screen_burst"]
 

@@ -23,7 +23,7 @@ from ncdc_hdl.registers.program import ProgramRunner
 from ncdc_hdl.registers.serial_bridge import SerialBridge
 from ncdc_hdl.system import System
 from ncdc_hdl.video.scan_out import PICTURE, ScanOut
-from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
+from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
 __all__ = ["BUTTONS", "CAPACITY", "LIGHTS", "BoardCore", "Design"]
 

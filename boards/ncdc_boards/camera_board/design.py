@@ -9,12 +9,12 @@ from ncdc_boards.camera_board.waking import Times
 from ncdc_hdl.export.registers.lenses import check_lens
 from ncdc_hdl.link.processor import READERS
 from ncdc_hdl.system import System
-from ncdc_model.errors import InputError
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import BGR8, output_format
 from ncdc_model.raw_lens import raw_lens
-from ncdc_model.sensors.framing import grid_row, setup_around
-from ncdc_model.sensors.waking import wake_times
+from ncdc_spec.errors import InputError
+from ncdc_spec.frames import BGR8, output_format
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.sensors.framing import grid_row, setup_around
+from ncdc_spec.sensors.waking import wake_times
 
 __all__ = ["READER_OF_HOST", "design_of", "hardware_for", "sensor_for", "times_for"]
 
@@ -30,7 +30,7 @@ def hardware_for(board, lanes=1):
 
 
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
-    """:func:`~ncdc_model.sensors.framing.setup_around` with the boards' clock to the sensor, which
+    """:func:`~ncdc_spec.sensors.framing.setup_around` with the boards' clock to the sensor, which
     is the pixel clock too unless ``pixel_clock_hz`` asks for another; ``settings``: ``field``, and
     those of the sensor."""
     return setup_around(name, geometry, clock_hz=_SENSOR_CLOCK_HZ,

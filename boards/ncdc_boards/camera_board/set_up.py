@@ -3,14 +3,9 @@
 from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.export.registers.lenses import Lens
 from ncdc_hdl.registers.program import Op
-from ncdc_model.interface.register_map import (
-    CTRL_COMMIT,
-    STATUS_BANK,
-    STATUS_COMMITTED,
-    TABLE,
-)
-from ncdc_model.interface.system_map import I2C_COMMAND_FLAGS
-from ncdc_model.sensors.framing import Crop
+from ncdc_spec.registers.register_map import CTRL_COMMIT, STATUS_BANK, STATUS_COMMITTED, TABLE
+from ncdc_spec.registers.system_map import I2C_COMMAND_FLAGS
+from ncdc_spec.sensors.framing import Crop
 
 __all__ = ["I2C_HZ", "camera_values", "lens_program", "register_addresses", "set_up_program"]
 

@@ -20,7 +20,7 @@ class Times:
     ----------
     reset_us, rest_us : int
         Its reset, and from there until the set-up begins: see
-        :func:`ncdc_model.sensors.waking.wake_times`.
+        :func:`ncdc_spec.sensors.waking.wake_times`.
     watch_us : int
         Without a good frame, until it is woken anew; longer than a frame.
     """

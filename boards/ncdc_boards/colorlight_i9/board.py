@@ -5,7 +5,7 @@ from ncdc_boards.colorlight_i9.clocks import CORE_MHZ, clock_plan
 from ncdc_boards.colorlight_i9.platform import ColorlightI9Platform
 from ncdc_boards.colorlight_i9.top import ColorlightI9Top
 from ncdc_boards.sdram.chips import M12L64322A_7
-from ncdc_model.interpolation import FAST
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["BOARD"]
 

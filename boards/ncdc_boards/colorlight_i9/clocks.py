@@ -6,7 +6,7 @@ from fractions import Fraction
 from amaranth import *
 
 from ncdc_boards.ecp5.pll import Pll, gate, loop
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "Clocks", "clock_plan"]
 

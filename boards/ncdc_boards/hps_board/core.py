@@ -12,7 +12,7 @@ from ncdc_hdl.camera.layouts import PINS
 from ncdc_hdl.lib.ports import ports_as
 from ncdc_hdl.system import System
 from ncdc_hdl.video.scan_out import PICTURE, ScanOut
-from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
+from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
 __all__ = ["HpsCore", "HpsDesign", "LIGHTS", "READ", "SCREEN_READ", "WRITE"]
 

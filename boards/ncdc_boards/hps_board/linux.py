@@ -9,10 +9,9 @@ from ncdc_boards.hps_board.adv7513 import I2C_ADDRESS, WRITES
 from ncdc_boards.hps_board.ports import PORT_RESETS, PORT_RESETS_ALL, port_resets
 from ncdc_boards.quartus.project import project_name
 from ncdc_hdl.export.axi.device_tree import Place, device_tree
-from ncdc_model.interface.frames import output_format
-from ncdc_model.interface.pixel_formats import raw_format
-from ncdc_model.interface.system_map import SYSTEM_WORDS_BITS
-from ncdc_model.interface.table_one import (
+from ncdc_spec.frames import output_format
+from ncdc_spec.pixel_formats import raw_format
+from ncdc_spec.protocols.table_one import (
     IDLE_SECONDS,
     MAX_USERS,
     MRAW,
@@ -24,7 +23,8 @@ from ncdc_model.interface.table_one import (
     UNKNOWN,
     WRITE,
 )
-from ncdc_model.sensors.framing import Crop, field_values
+from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
+from ncdc_spec.sensors.framing import Crop, field_values
 
 __all__ = ["REGISTERS", "host_files"]
 
@@ -59,7 +59,7 @@ def host_files(design, setup, corner):
         f"{name}.dtsi": device_tree(name, Place(
             REGISTERS, 4 << SYSTEM_WORDS_BITS, base, size, _INTERRUPT, fixed=True)),
         "ncdc_board.json": json.dumps(settings, indent=1) + "\n",
-        "ncdc_table_users.py": (files("ncdc_model.interface") / "table_users.py").read_text(),
+        "ncdc_table_users.py": (files("ncdc_spec.protocols") / "table_users.py").read_text(),
         **{file: (files("ncdc_boards.hps_board") / "host" / file).read_text() for file in _HOST}}
 
 

@@ -6,7 +6,7 @@ from amaranth import *
 from amaranth.lib.cdc import ResetSynchronizer
 
 from ncdc_boards.quartus.names import CYCLONE_IV, LOOPS
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "Clocks", "clock_plan"]
 

@@ -1,7 +1,7 @@
 """Timing constraints of a Quartus board, for the Timing Analyzer."""
 
 from ncdc_boards.quartus.names import CYCLONE_IV
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["CHAIN_PORTS", "FREE", "GRAY_COUNTERS", "PROCESSOR_GRAY_COUNTERS", "SDRAM_NS", "TRACE",
            "check_sensor", "constraints", "generated", "ports_like"]

@@ -6,7 +6,7 @@ How to add one: docs/sdram.md.
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["AS4C16M16SA_6", "AS4C16M16SA_7", "CHIPS", "Clocks", "IS42S16160B_7", "IS42S16160G_7",
            "IS42S16320D_6", "IS42S16320D_7", "M12L64322A_7", "MT48LC16M16A2_75",

@@ -13,7 +13,7 @@ from ncdc_boards.sdram.sequencer import Sequencer
 from ncdc_boards.sdram.turns import Turns
 from ncdc_boards.sdram.write_words import WriteWords
 from ncdc_hdl.avalon.bus import ReadHost, WriteHost
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["SdramController"]
 

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_boards.sdram.banks import Banks
 from ncdc_boards.sdram.layouts import command_layout
 from ncdc_boards.sdram.upkeep import Upkeep
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["Sequencer", "job_layout"]
 

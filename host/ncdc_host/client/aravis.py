@@ -15,8 +15,8 @@ from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
 from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
 from ncdc_host.client.lens import LensLoader
-from ncdc_model.errors import InputError
-from ncdc_model.interface.pixel_formats import format_of_pfnc
+from ncdc_spec.errors import InputError
+from ncdc_spec.pixel_formats import format_of_pfnc
 
 __all__ = ["AravisDevice", "discover_aravis"]
 

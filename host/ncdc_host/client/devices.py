@@ -3,7 +3,7 @@
 from urllib.parse import urlsplit
 
 from ncdc_host.client.errors import BadUrl
-from ncdc_model.interface.table_one import TCP_PORT
+from ncdc_spec.protocols.table_one import TCP_PORT
 
 __all__ = ["SCHEMES", "discover", "open_device"]
 

@@ -1,6 +1,6 @@
 """What can go wrong between client and device, each as one sentence for people."""
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "Refused",
            "printable"]

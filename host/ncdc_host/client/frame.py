@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.images import demosaic
-from ncdc_model.interface.pixel_formats import PixelFormat, unpacked
+from ncdc_spec.pixel_formats import PixelFormat, unpacked
 
 __all__ = ["Frame"]
 

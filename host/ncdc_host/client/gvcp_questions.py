@@ -7,7 +7,7 @@ import time
 
 from ncdc_host.client.errors import DeviceError, DeviceGone
 from ncdc_host.client.xml_check import XML_BYTES_MAX
-from ncdc_model.interface import gvcp
+from ncdc_spec.protocols import gvcp
 
 __all__ = ["Questions"]
 

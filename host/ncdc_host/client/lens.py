@@ -5,11 +5,11 @@ import time
 from dataclasses import dataclass
 
 from ncdc_host.client.errors import DeviceError, Refused
-from ncdc_model.formats import MAX_NEURONS, Formats
-from ncdc_model.geometry import BAYER_PHASE, MONO
-from ncdc_model.interface.gvcp import CORRECTOR_BASE
-from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import (
+from ncdc_spec.formats import MAX_NEURONS, Formats
+from ncdc_spec.geometry import BAYER_PHASE, MONO
+from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
+from ncdc_spec.registers.host_values import host_values, table_words
+from ncdc_spec.registers.register_map import (
     BAYER_MONO,
     CAPABILITIES,
     CTRL_COMMIT,

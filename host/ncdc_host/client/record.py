@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ncdc_model.files import check_outputs, write_text
 from ncdc_model.images import write_image
+from ncdc_spec.files import check_outputs, write_text
 
 __all__ = ["record"]
 

@@ -9,10 +9,10 @@ from fractions import Fraction
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
 from ncdc_host.client.frame import Frame
-from ncdc_model.errors import InputError
-from ncdc_model.interface.features import FEATURES, feature, system_word
-from ncdc_model.interface.table_one import MRAW, READ, REQUEST, UNKNOWN, WRITE
-from ncdc_model.interface.table_two import HEADER_BYTES, MrawHeader
+from ncdc_spec.errors import InputError
+from ncdc_spec.protocols.features import FEATURES, feature, system_word
+from ncdc_spec.protocols.table_one import MRAW, READ, REQUEST, UNKNOWN, WRITE
+from ncdc_spec.protocols.table_two import HEADER_BYTES, MrawHeader
 
 __all__ = ["Connection", "Package", "TableDevice"]
 

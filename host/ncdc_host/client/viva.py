@@ -12,9 +12,9 @@ from ncdc_host.client.frame import Frame
 from ncdc_host.client.gvcp_questions import Questions
 from ncdc_host.client.lens import LensLoader
 from ncdc_host.client.xml_check import check_xml
-from ncdc_model.errors import InputError
-from ncdc_model.interface import gvcp
-from ncdc_model.interface.pixel_formats import format_of_pfnc
+from ncdc_spec.errors import InputError
+from ncdc_spec.pixel_formats import format_of_pfnc
+from ncdc_spec.protocols import gvcp
 
 __all__ = ["VivaDevice", "discover_viva"]
 

@@ -6,7 +6,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 from ncdc_host.device.sensor import Exposure, expose
-from ncdc_model.interface.pixel_formats import PixelFormat, packed
+from ncdc_spec.pixel_formats import PixelFormat, packed
 
 __all__ = ["Camera", "Frame"]
 

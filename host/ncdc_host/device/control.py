@@ -8,9 +8,9 @@ from ipaddress import IPv4Address
 
 from ncdc_host.device.registers import Refused
 from ncdc_host.device.stream import Receiver
-from ncdc_model.interface import gvcp, gvsp
-from ncdc_model.interface.features import FEATURES, feature
-from ncdc_model.interface.genicam import genicam_xml
+from ncdc_spec.protocols import gvcp, gvsp
+from ncdc_spec.protocols.features import FEATURES, feature
+from ncdc_spec.protocols.genicam import genicam_xml
 
 __all__ = ["ControlAgent", "Identity"]
 

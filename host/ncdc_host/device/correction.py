@@ -7,8 +7,8 @@ each lens. The sums are exact: the golden model adds the same products in anothe
 
 import numpy as np
 
-from ncdc_model.corrector import check_raw, window_bands
-from ncdc_model.picture import place_colours
+from ncdc_model.golden.corrector import check_raw, window_bands
+from ncdc_model.golden.picture import place_colours
 
 __all__ = ["Correction"]
 
@@ -16,7 +16,7 @@ _PIXELS = 1 << 14       # that are corrected at a time: what lies between takes 
 
 
 class Correction:
-    """Corrects raw frames of one descriptor, bit for bit as :func:`ncdc_model.corrector.correct`.
+    """Corrects raw frames of one descriptor, bit for bit as :func:`ncdc_model.golden.corrector.correct`.
 
     Parameters
     ----------

@@ -6,13 +6,13 @@ import numpy as np
 
 from ncdc_host.device.correction import Correction
 from ncdc_host.device.registers import Refused
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.float_network import FloatNetwork
-from ncdc_model.geometry import ValidRows
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import (
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.float_network import FloatNetwork
+from ncdc_spec.geometry import ValidRows
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.host_values import host_values, table_words
+from ncdc_spec.registers.register_map import (
     CTRL_COMMIT,
     ID,
     OUTSIDE_DIGEST,

@@ -17,10 +17,10 @@ from ncdc_host.device.light import MovingScene, Photo
 from ncdc_host.device.registers import Registers
 from ncdc_host.device.stream import Stream
 from ncdc_host.device.table_server import TableServer
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MONO
-from ncdc_model.interface.gvcp import DISCOVERY, FORCEIP, PORT, parse_command
-from ncdc_model.interface.table_one import TCP_PORT
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MONO
+from ncdc_spec.protocols.gvcp import DISCOVERY, FORCEIP, PORT, parse_command
+from ncdc_spec.protocols.table_one import TCP_PORT
 
 __all__ = ["Announcer", "DeviceOptions", "EmulatedDevice", "lens_corrections"]
 
@@ -48,7 +48,7 @@ class DeviceOptions:
         Of Table I; 0: a free one.
     field : str
         Part of the sensor that raw frames show, as of
-        :func:`ncdc_model.sensors.framing.setup_around`; None: the middle, pixel by pixel.
+        :func:`ncdc_spec.sensors.framing.setup_around`; None: the middle, pixel by pixel.
 
     Raises
     ------

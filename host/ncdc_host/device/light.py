@@ -3,10 +3,10 @@
 import cv2
 import numpy as np
 
-from ncdc_model.corrector import check_raw
 from ncdc_model.example import scene_at
+from ncdc_model.golden.corrector import check_raw
+from ncdc_model.golden.network import coordinates
 from ncdc_model.images import is_raw, mosaic
-from ncdc_model.network import coordinates
 
 __all__ = ["POSITIONS", "MovingScene", "Photo"]
 

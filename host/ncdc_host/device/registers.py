@@ -6,14 +6,14 @@ Both protocols read and write these words, so that there is one state, whoever a
 import threading
 from dataclasses import dataclass, replace
 
-from ncdc_model.errors import InputError
-from ncdc_model.interface.features import FEATURES, feature, system_word
-from ncdc_model.interface.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
-from ncdc_model.interface.table_one import SYSTEM_PAGE, SYSTEM_WORDS
-from ncdc_model.sensors import mt9p031 as sensor
-from ncdc_model.sensors.field import FULL
-from ncdc_model.sensors.framing import field_values, setup_around
-from ncdc_model.sensors.sensor import Settings as Window
+from ncdc_spec.errors import InputError
+from ncdc_spec.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
+from ncdc_spec.protocols.features import FEATURES, feature, system_word
+from ncdc_spec.protocols.table_one import SYSTEM_PAGE, SYSTEM_WORDS
+from ncdc_spec.sensors import mt9p031 as sensor
+from ncdc_spec.sensors.field import FULL
+from ncdc_spec.sensors.framing import field_values, setup_around
+from ncdc_spec.sensors.sensor import Settings as Window
 
 __all__ = ["Refused", "Registers", "Settings", "View"]
 
@@ -103,7 +103,7 @@ class Registers:
         Frames per second after reset, tenths.
     field : str, optional
         Part of the sensor that raw frames show, as of
-        :func:`ncdc_model.sensors.framing.setup_around`.
+        :func:`ncdc_spec.sensors.framing.setup_around`.
 
     Attributes
     ----------

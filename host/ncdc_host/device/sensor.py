@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.images import mosaic
-from ncdc_model.interface.features import TEST_PATTERNS
+from ncdc_spec.protocols.features import TEST_PATTERNS
 
 __all__ = ["Exposure", "expose", "test_pattern"]
 

@@ -7,8 +7,8 @@ import threading
 import time
 from dataclasses import dataclass
 
-from ncdc_model.interface import gvsp
-from ncdc_model.interface.gvcp import PACKET_UNAVAILABLE
+from ncdc_spec.protocols import gvsp
+from ncdc_spec.protocols.gvcp import PACKET_UNAVAILABLE
 
 __all__ = ["Receiver", "Stream"]
 

@@ -4,11 +4,11 @@ import socket
 import threading
 
 from ncdc_host.device.registers import Refused
-from ncdc_model.interface import table_one
-from ncdc_model.interface.features import system_word
-from ncdc_model.interface.table_one import MRAW, READ, REQUEST, RESERVED, UNKNOWN, WRITE
-from ncdc_model.interface.table_two import MrawHeader
-from ncdc_model.interface.table_users import Users
+from ncdc_spec.protocols import table_one
+from ncdc_spec.protocols.features import system_word
+from ncdc_spec.protocols.table_one import MRAW, READ, REQUEST, RESERVED, UNKNOWN, WRITE
+from ncdc_spec.protocols.table_two import MrawHeader
+from ncdc_spec.protocols.table_users import Users
 
 __all__ = ["TableServer"]
 

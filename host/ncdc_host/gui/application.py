@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication
 
 from ncdc_host.gui.discovery import Discovery
 from ncdc_host.gui.main_window import MainWindow
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["Demo", "check_screen", "run", "settle"]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, QProcess, Signal
 
-from ncdc_model.interpolation import DEFAULT
+from ncdc_spec.interpolation import DEFAULT
 
 __all__ = ["Calibration"]
 

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from ncdc_host.gui.calibration import Calibration
-from ncdc_model.formats import MAX_NEURONS
+from ncdc_spec.formats import MAX_NEURONS
 
 __all__ = ["CalibrationDialog"]
 

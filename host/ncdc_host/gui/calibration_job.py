@@ -18,12 +18,12 @@ import numpy as np
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.overlay import draw_points
-from ncdc_model.errors import InputError
 from ncdc_model.images import demosaic, read_image, write_image
-from ncdc_model.interpolation import DEFAULT, interpolation_of
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
+from ncdc_spec.errors import InputError
+from ncdc_spec.interpolation import DEFAULT, interpolation_of
 
 __all__ = ["LENS", "main"]
 

@@ -12,11 +12,11 @@ import tempfile
 from pathlib import Path
 
 from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
-from ncdc_model.errors import InputError
 from ncdc_model.example import BAYER, example_camera, target_photo
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
+from ncdc_spec.errors import InputError
 
 __all__ = ["ADDRESSES", "main"]
 

@@ -18,9 +18,9 @@ from ncdc_host.gui.view_state import (
     show_whole,
     write_view,
 )
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
 from ncdc_model.images import write_image
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
 
 __all__ = ["Session", "SHOWN", "Still"]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ncdc_model.calibration.neighbours import hold, parts
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["believed", "oblique", "place_of", "separated"]
 

@@ -12,7 +12,7 @@ from ncdc_model.calibration.exposure import with_exposure
 from ncdc_model.calibration.focus import with_focus
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.subpixel import refine
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["board_of_size", "find_any_chessboard", "find_boards", "find_chessboard",
            "grey_picture"]

@@ -8,11 +8,11 @@ import numpy as np
 
 from ncdc_model.calibration.files.known import reject_known_text
 from ncdc_model.calibration.files.read import read_lens
-from ncdc_model.errors import InputError
-from ncdc_model.files import read_bytes
-from ncdc_model.geometry import Geometry
+from ncdc_model.golden.valid import valid_mask
 from ncdc_model.lens import Camera, Frame, choose_frame
-from ncdc_model.valid import valid_mask
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import read_bytes
+from ncdc_spec.geometry import Geometry
 
 __all__ = ["CameraMap", "load_camera_map", "training_grid"]
 

@@ -11,7 +11,7 @@ from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sampling import sample
 from ncdc_model.calibration.subpixel import refine
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["find_any_charuco", "find_charuco", "has_markers"]
 

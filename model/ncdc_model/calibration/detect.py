@@ -12,8 +12,8 @@ from ncdc_model.calibration.grids import grid_of_size
 from ncdc_model.calibration.points import TARGETS, TargetPoints
 from ncdc_model.calibration.sight import MIN_DOTS, Look
 from ncdc_model.calibration.smooth import MIN_POINTS, misfit
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MIN_SIZE
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MIN_SIZE
 
 __all__ = ["MIN_DOTS", "detect_points", "parse_target"]
 

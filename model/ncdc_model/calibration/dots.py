@@ -15,7 +15,7 @@ from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.calibration.neighbours import Doubt, fits_in
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.rim import recover_cut_dots
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["Spots", "dots_of", "find_dots", "find_spots"]
 

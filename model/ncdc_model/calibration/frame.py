@@ -9,9 +9,9 @@ from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.relief import find_relief
 from ncdc_model.calibration.same_relief import proven
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
-from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera, choose_frame
 from ncdc_model.threads import one_thread
+from ncdc_spec.errors import InputError
 
 __all__ = ["IdealFrame", "ideal_frame"]
 

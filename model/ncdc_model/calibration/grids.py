@@ -10,7 +10,7 @@ from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.dots import find_spots
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sampling import sample
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["Grid", "corners_touch", "find_circles", "find_grid", "grid_of_size", "read_grid"]
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ncdc_model.errors import InputError, reading
-from ncdc_model.files import parse_text, write_text
-from ncdc_model.geometry import MAX_SIZE
+from ncdc_spec.errors import InputError, reading
+from ncdc_spec.files import parse_text, write_text
+from ncdc_spec.geometry import MAX_SIZE
 
 __all__ = ["PAGES", "PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
 

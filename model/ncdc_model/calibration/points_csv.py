@@ -6,8 +6,8 @@ import io
 import numpy as np
 
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.errors import InputError
-from ncdc_model.files import parse_text, read_bytes, write_text
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import parse_text, read_bytes, write_text
 
 __all__ = ["STYLES", "is_points_csv", "load_csv", "points_csv", "save_csv"]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["check_finite", "check_meaning", "check_smooth", "folded_warning", "sensor_warning"]
 
@@ -97,7 +97,7 @@ def check_smooth(x, y, inside, valid):
     """Refuse what no smooth network can follow; return a warning, or None.
 
     ``inside``: pixels with a source in the sensor; ``valid``: of these, what
-    :func:`ncdc_model.valid.valid_mask` keeps.
+    :func:`ncdc_model.golden.valid.valid_mask` keeps.
 
     Raises
     ------

@@ -14,10 +14,10 @@ from tifffile import TiffFile
 
 from ncdc_model.calibration.files.npz import holds_camera
 from ncdc_model.calibration.files.tables import file_storage
-from ncdc_model.errors import InputError
-from ncdc_model.files import read_bytes
-from ncdc_model.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_model.photo.quiet import captured_stderr
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import read_bytes
+from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 
 __all__ = ["RemapFile", "are_remap_files", "read_remap"]
 

@@ -12,9 +12,9 @@ from ncdc_model.calibration.remap_checks import (
     sensor_warning,
 )
 from ncdc_model.calibration.remap_file import read_remap
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import Geometry
-from ncdc_model.valid import valid_mask
+from ncdc_model.golden.valid import valid_mask
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import Geometry
 
 __all__ = ["RemapMap", "load_remap"]
 
@@ -26,7 +26,7 @@ class RemapMap:
     Parameters
     ----------
     x, y : ndarray of float64, shape (height, width)
-        Not-a-number where the corrected pixel is not valid (:func:`~ncdc_model.valid.valid_mask`).
+        Not-a-number where the corrected pixel is not valid (:func:`~ncdc_model.golden.valid.valid_mask`).
     geometry : Geometry
     model : str
         How the tables are kept, for reports.

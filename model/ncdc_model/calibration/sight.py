@@ -12,7 +12,7 @@ from ncdc_model.calibration.dots import dots_of, find_spots
 from ncdc_model.calibration.fiducials import other_board
 from ncdc_model.calibration.grids import corners_touch, read_grid
 from ncdc_model.calibration.smooth import misfit
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["MIN_DOTS", "Look", "Sight"]
 

@@ -7,8 +7,8 @@ import numpy as np
 from ncdc_model.calibration.settle import settle
 from ncdc_model.calibration.smooth_problem import MIN_POINTS, ROBUST, Problem
 from ncdc_model.calibration.smooth_vector import camera_of, project, unpack
-from ncdc_model.errors import InputError
 from ncdc_model.lens import Camera
+from ncdc_spec.errors import InputError
 
 __all__ = ["MIN_POINTS", "SmoothFit", "fit_smooth", "misfit"]
 

@@ -3,8 +3,8 @@
 import cv2
 import numpy as np
 
-from ncdc_model.errors import InputError
 from ncdc_model.example.target import PITCH, page_dots, page_to_distorted
+from ncdc_spec.errors import InputError
 
 __all__ = ["true_map"]
 

@@ -7,12 +7,12 @@ from numbers import Real
 
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.files import parse_text, write_text
-from ncdc_model.geometry import MAX_SIZE
 from ncdc_model.lens.flaws import AsymmetricSurface, BrownWeng, TiltedSensor
 from ncdc_model.lens.frame import Frame, choose_frame
 from ncdc_model.lens.radial import AsariPolynomial, KannalaBrandt, Rational
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import parse_text, write_text
+from ncdc_spec.geometry import MAX_SIZE
 
 __all__ = ["Camera"]
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MAX_SIZE, Geometry
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MAX_SIZE, Geometry
 
 __all__ = ["Frame", "choose_frame", "parse_zoom"]
 

@@ -4,11 +4,11 @@ from io import BytesIO
 
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import BAYER_PHASE, MONO
 from ncdc_model.photo.photo import Photo
 from ncdc_model.photo.quiet import captured_stderr
 from ncdc_model.samples import scaled
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import BAYER_PHASE, MONO
 
 __all__ = ["UnknownRaw", "read_camera_raw"]
 

@@ -2,7 +2,7 @@
 
 from enum import Enum
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["Kind", "kind_of"]
 

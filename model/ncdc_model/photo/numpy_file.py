@@ -4,10 +4,10 @@ from io import BytesIO
 
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MIN_SIZE
 from ncdc_model.photo.photo import Photo
 from ncdc_model.samples import eight_bits
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MIN_SIZE
 
 __all__ = ["read_npy"]
 

@@ -7,12 +7,12 @@ import cv2
 import numpy as np
 from PIL import Image
 
-from ncdc_model.errors import InputError
 from ncdc_model.photo.headers import declared_white, is_grey_png, pnm_pictures
 from ncdc_model.photo.kinds import Kind
 from ncdc_model.photo.photo import Photo
 from ncdc_model.photo.quiet import captured_stderr
 from ncdc_model.samples import eight_bits
+from ncdc_spec.errors import InputError
 
 __all__ = ["read_opencv"]
 

@@ -1,11 +1,11 @@
 """Reads a photo or raw frame from a file of any supported format."""
 
-from ncdc_model.files import read_bytes
 from ncdc_model.photo.camera_raw import read_camera_raw
 from ncdc_model.photo.kinds import Kind, kind_of
 from ncdc_model.photo.numpy_file import read_npy
 from ncdc_model.photo.opencv import read_opencv
 from ncdc_model.photo.tiff import read_tiff
+from ncdc_spec.files import read_bytes
 
 __all__ = ["read_photo"]
 

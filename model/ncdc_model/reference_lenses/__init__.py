@@ -12,10 +12,10 @@ from importlib.resources import files
 
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import Geometry
 from ncdc_model.lens import Camera
 from ncdc_model.training.problem import Problem
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import Geometry
 
 __all__ = ["COLUMNS", "MARGIN", "NOISE", "REFERENCE_LENSES", "ROWS", "ReferenceLens",
            "reference_table"]

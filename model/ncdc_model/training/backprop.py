@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.descriptor import FloatNetwork
-from ncdc_model.errors import InputError
+from ncdc_spec.descriptor import FloatNetwork
+from ncdc_spec.errors import InputError
 
 __all__ = ["BackPropagation", "Stop", "train_backprop"]
 

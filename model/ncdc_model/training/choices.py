@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, field
 
-from ncdc_model.errors import InputError
-from ncdc_model.float_network import check_gamma
-from ncdc_model.formats import Formats
-from ncdc_model.nodes import NODES
 from ncdc_model.training.rounding import check_weight_bits
+from ncdc_spec.errors import InputError
+from ncdc_spec.float_network import check_gamma
+from ncdc_spec.formats import Formats
+from ncdc_spec.nodes import NODES
 
 __all__ = ["HELD_OUT", "TrainingChoices"]
 
@@ -40,7 +40,7 @@ class TrainingChoices:
         Of equation (17); the hidden weights make good for it.
     nodes : int or "auto"
         Distance of the nodes, see ``Descriptor.nodes``; auto: the largest whose curvature error
-        on this map keeps ``ncdc_model.nodes.CURVATURE_LIMIT``.
+        on this map keeps ``ncdc_model.golden.nodes.CURVATURE_LIMIT``.
 
     Raises
     ------

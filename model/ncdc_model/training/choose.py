@@ -6,13 +6,13 @@ from functools import partial
 
 import numpy as np
 
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import float_map
+from ncdc_model.golden.valid import valid_mask
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import describe
 from ncdc_model.training.problem import MIN_POINTS_PER_NEURON, Problem, split
 from ncdc_model.training.train import train
-from ncdc_model.valid import valid_mask
+from ncdc_spec.errors import InputError
 
 __all__ = ["GOAL", "MOST_NEURONS", "choose_camera"]
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ncdc_model.descriptor import FloatNetwork
 from ncdc_model.training.problem import spread
 from ncdc_model.training.varpro import Batch
+from ncdc_spec.descriptor import FloatNetwork
 
 __all__ = ["train_levenberg"]
 

@@ -3,8 +3,6 @@
 from dataclasses import dataclass, replace
 
 from ncdc_model.calibration.measure import measure_map
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
 from ncdc_model.evaluate import (
     check_curvature,
     evaluate_frame,
@@ -12,13 +10,16 @@ from ncdc_model.evaluate import (
     fixed_map,
     float_map,
 )
-from ncdc_model.geometry import ValidRows
-from ncdc_model.nodes import NODES, check_nodes, interpolated_map, largest_nodes
+from ncdc_model.golden.nodes import interpolated_map, largest_nodes
+from ncdc_model.golden.valid import grown, lost_pixels, valid_mask
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.problem import split
 from ncdc_model.training.rounding import fitted_formats, round_network
 from ncdc_model.training.train import Training, train
-from ncdc_model.valid import grown, lost_pixels, valid_mask
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import ValidRows
+from ncdc_spec.nodes import NODES, check_nodes
 
 __all__ = ["TrainedCamera", "describe", "train_camera"]
 
@@ -101,7 +102,7 @@ def describe(source, training, choices):
     ------
     InputError
         If a weight leaves its format, hardly a pixel has a source, or the nodes asked for miss the
-        map by more than ``ncdc_model.nodes.CURVATURE_LIMIT``.
+        map by more than ``ncdc_model.golden.nodes.CURVATURE_LIMIT``.
     """
     network = training.network.with_gamma(choices.gamma)
     mask, covered = _regions(source, network)

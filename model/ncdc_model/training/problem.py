@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import Geometry
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import Geometry
 
 __all__ = ["MIN_POINTS_PER_NEURON", "Problem", "errors_of", "split", "spread"]
 

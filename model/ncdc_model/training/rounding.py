@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
 from ncdc_model.exact import least_squares, triangular
-from ncdc_model.fixed import Q
-from ncdc_model.network import hidden_neuron, normalised_scan
-from ncdc_model.tansig import tansig
+from ncdc_model.golden.network import hidden_neuron, normalised_scan
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.fixed import Q
+from ncdc_spec.tansig import tansig
 
 __all__ = ["check_weight_bits", "fitted_formats", "round_network"]
 

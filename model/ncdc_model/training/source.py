@@ -14,12 +14,12 @@ from ncdc_model.calibration.points_csv import is_points_csv, load_csv
 from ncdc_model.calibration.quality import uneven
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
-from ncdc_model.errors import InputError
-from ncdc_model.files import parse_text, read_bytes
-from ncdc_model.geometry import Geometry
-from ncdc_model.interpolation import DEFAULT
+from ncdc_model.golden.valid import REACH, Calibrated, grid_pitch
 from ncdc_model.training.region import region_of
-from ncdc_model.valid import REACH, Calibrated, grid_pitch
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import parse_text, read_bytes
+from ncdc_spec.geometry import Geometry
+from ncdc_spec.interpolation import DEFAULT
 
 __all__ = ["Source", "is_points_file", "load_points", "load_source"]
 
@@ -122,7 +122,7 @@ def load_source(path, size=None, zoom=None, camera=None, sensor=None, page=None,
         ``flat`` or ``relief``, as in :class:`TargetPoints`; default what the points file says.
     options
         ``bayer``, ``fill`` and ``interpolation`` as in :class:`Geometry`; the default of the last
-        is :data:`ncdc_model.interpolation.DEFAULT`.
+        is :data:`ncdc_spec.interpolation.DEFAULT`.
 
     Raises
     ------

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.descriptor import MAX_NEURONS, FloatNetwork
-from ncdc_model.errors import InputError
 from ncdc_model.threads import one_thread
 from ncdc_model.training.backprop import train_backprop
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import Problem, errors_of, split
+from ncdc_spec.descriptor import MAX_NEURONS, FloatNetwork
+from ncdc_spec.errors import InputError
 
 __all__ = ["TRAINERS", "Training", "check_request", "train"]
 

@@ -8,10 +8,10 @@ from ncdc.bench.accuracy.measure import MODELS, NETWORKS, fits_of, jobs_of, reli
 from ncdc.bench.accuracy.plots import plot_accuracy
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
-from ncdc_model.descriptor import MAX_NEURONS
-from ncdc_model.errors import InputError
-from ncdc_model.files import check_outputs, write_stream
 from ncdc_model.reference_lenses import REFERENCE_LENSES
+from ncdc_spec.descriptor import MAX_NEURONS
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import check_outputs, write_stream
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "by_lens", "neuron_counts", "run", "table"]
 

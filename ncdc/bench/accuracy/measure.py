@@ -7,13 +7,13 @@ import numpy as np
 
 from ncdc_model.baselines import BASELINES
 from ncdc_model.evaluate import float_map, map_error
-from ncdc_model.formats import Formats
-from ncdc_model.geometry import ValidRows
-from ncdc_model.network import coordinates
+from ncdc_model.golden.network import coordinates
 from ncdc_model.reference_lenses import ReferenceLens
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.rounding import round_network
 from ncdc_model.training.train import train
+from ncdc_spec.formats import Formats
+from ncdc_spec.geometry import ValidRows
 
 __all__ = ["MODELS", "Fit", "NETWORKS", "fits_of", "jobs_of", "reliability"]
 

@@ -6,8 +6,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ncdc.bench.accuracy.measure import MODELS, NETWORKS
-from ncdc_model.files import replace_file
 from ncdc_model.reference_lenses import ReferenceLens
+from ncdc_spec.files import replace_file
 
 __all__ = ["plot_accuracy"]
 

@@ -15,10 +15,10 @@ from ncdc.bench.client.measure import (
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Steps
 from ncdc_model.calibration.camera_file import training_grid
-from ncdc_model.geometry import Geometry
 from ncdc_model.lens import Camera
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import Source
+from ncdc_spec.geometry import Geometry
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "complaints", "late", "run", "rows_of",
            "small_and_large", "table"]

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.corrector import correct
 from ncdc_model.example import example_camera, scene_photo
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import mosaic, write_image
-from ncdc_model.interface.gvcp import HEARTBEAT_MS
-from ncdc_model.interface.table_one import TCP_PORT
 from ncdc_sim.link.namespaces import DEVICES, Network
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.protocols.gvcp import HEARTBEAT_MS
+from ncdc_spec.protocols.table_one import TCP_PORT
 
 __all__ = ["Case", "PEERS", "Served", "case_row", "discovery_rows", "killed_row", "monitor_row",
            "still_photo"]

@@ -9,11 +9,11 @@ from ncdc.bench.grid.light import camera_of, photo_light, scene_light
 from ncdc.bench.grid.measure import GRIDS, SAMPLINGS, measure
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress, say
-from ncdc_model.errors import InputError
 from ncdc_model.example import BAYER, example_camera
 from ncdc_model.images import read_image
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
+from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
 

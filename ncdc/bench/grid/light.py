@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ncdc_model.errors import InputError
 from ncdc_model.example import scene_at
 from ncdc_model.lens import Camera
+from ncdc_spec.errors import InputError
 
 __all__ = ["MARGIN", "Light", "camera_of", "photo_light", "scene_light"]
 

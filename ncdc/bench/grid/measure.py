@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 
 from ncdc.bench.grid.light import MARGIN
-from ncdc_model.corrector import correct
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import mosaic
-from ncdc_model.interpolation import INTERPOLATIONS
 from ncdc_model.reference import psnr
-from ncdc_model.sensors.grid import evened, grid_weight
-from ncdc_model.sensors.level import levelled
+from ncdc_spec.interpolation import INTERPOLATIONS
+from ncdc_spec.sensors.grid import evened, grid_weight
+from ncdc_spec.sensors.level import levelled
 
 __all__ = ["GRIDS", "SAMPLINGS", "measure", "samples"]
 

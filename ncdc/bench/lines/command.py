@@ -15,8 +15,8 @@ from ncdc.bench.lines.measure import (
 from ncdc.bench.lines.plots import plot_lines
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
-from ncdc_model.files import check_outputs
 from ncdc_model.reference_lenses import REFERENCE_LENSES, ReferenceLens
+from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
 

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 
 from ncdc_model.example.render import expose, ideal_samples, sensor
-from ncdc_model.formats import Formats
+from ncdc_model.golden.picture import bilinear, place_colours, raw_windows, window_address
 from ncdc_model.lens.inverse import planar_inverse
-from ncdc_model.picture import bilinear, place_colours, raw_windows, window_address
+from ncdc_spec.formats import Formats
 
 __all__ = ["Line", "board_photo", "board_pitch", "corrected", "crossings", "find_lines",
            "summary"]

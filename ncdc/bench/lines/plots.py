@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ncdc_model.files import replace_file
+from ncdc_spec.files import replace_file
 
 __all__ = ["plot_lines"]
 

@@ -3,11 +3,11 @@
 from ncdc.bench.throughput.lenses import Lens, trained
 from ncdc.cli.hardware import planned
 from ncdc_boards.camera_board.design import hardware_for
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.plan import Fixed
-from ncdc_model.interpolation import DEFAULT
+from ncdc_model.planner.plan import Fixed
 from ncdc_sim.board.network import CORE_MHZ, NetworkModel
 from ncdc_sim.board.rates import SETTLE, corrected_rates, replayed_rates
+from ncdc_spec.errors import InputError
+from ncdc_spec.interpolation import DEFAULT
 
 __all__ = ["CORE_MHZ", "FULL", "board_rows", "shortfalls"]
 

@@ -5,7 +5,7 @@ import sys
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Steps
 from ncdc_boards.catalogue import board
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "failures", "run", "table"]
 

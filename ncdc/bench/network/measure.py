@@ -11,11 +11,11 @@ import numpy as np
 
 from ncdc.bench.client.measure import PEERS, still_photo
 from ncdc.bench.throughput.lenses import Lens, trained
-from ncdc_model.corrector import correct
-from ncdc_model.interface.gvcp import CORRECTOR_BASE
-from ncdc_model.interface.register_map import registers
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
+from ncdc_spec.registers.register_map import registers
 
 __all__ = ["LOSS", "rows_of"]
 

@@ -12,9 +12,9 @@ import time
 import numpy as np
 
 from ncdc_host.client import open_device
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.interface import gvcp
-from ncdc_model.interface.table_one import TCP_PORT
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.protocols import gvcp
+from ncdc_spec.protocols.table_one import TCP_PORT
 
 __all__ = ["main"]
 

@@ -14,10 +14,10 @@ from ncdc_hdl.avalon.wishbone import WishboneAgent
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.packetiser import Packetiser
 from ncdc_hdl.link.processor import ADDRESS_BITS
-from ncdc_model.hardware import Hardware
 from ncdc_soc.core import SocCore
 from ncdc_soc.mac import Mac, ModelPhy
 from ncdc_soc.soc import soc_verilog
+from ncdc_spec.hardware import Hardware
 
 __all__ = ["sizes_of"]
 

@@ -7,8 +7,8 @@ from ncdc.bench.nodes.measure import WIDTHS, curvatures, descriptor_of, rows_of
 from ncdc.bench.nodes.plots import plot_nodes
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
-from ncdc_model.files import check_outputs
 from ncdc_model.reference_lenses import REFERENCE_LENSES
+from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
 

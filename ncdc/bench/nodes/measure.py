@@ -5,23 +5,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ncdc_model.evaluate import float_map
-from ncdc_model.fixed import Q
-from ncdc_model.float_network import FloatNetwork
-from ncdc_model.formats import Formats
-from ncdc_model.geometry import Geometry, ValidRows
-from ncdc_model.network import coordinates, network, normalised_scan
-from ncdc_model.nodes import (
-    BEFORE,
-    NODES,
-    curvature,
-    largest_nodes,
-    nodes_fit,
-    row_nodes,
-)
+from ncdc_model.golden.network import coordinates, network, normalised_scan
+from ncdc_model.golden.nodes import curvature, largest_nodes
 from ncdc_model.reference_lenses import ReferenceLens
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.rounding import round_network
 from ncdc_model.training.train import train
+from ncdc_spec.fixed import Q
+from ncdc_spec.float_network import FloatNetwork
+from ncdc_spec.formats import Formats
+from ncdc_spec.geometry import Geometry, ValidRows
+from ncdc_spec.nodes import BEFORE, NODES, nodes_fit, row_nodes
 
 __all__ = ["WIDTHS", "curvatures", "descriptor_of", "rows_of"]
 

@@ -3,8 +3,9 @@
 import matplotlib
 from matplotlib.figure import Figure
 
-from ncdc_model.files import replace_file
-from ncdc_model.nodes import CURVATURE_LIMIT, NODES
+from ncdc_model.golden.nodes import CURVATURE_LIMIT
+from ncdc_spec.files import replace_file
+from ncdc_spec.nodes import NODES
 
 __all__ = ["plot_nodes"]
 

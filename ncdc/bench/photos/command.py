@@ -9,8 +9,8 @@ from ncdc.bench.photos.sheet import ContactSheet
 from ncdc.bench.photos.targets import Bank
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
-from ncdc_model.errors import InputError
-from ncdc_model.files import check_outputs
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "summary"]
 

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from ncdc.cli.calibrate import judged
 from ncdc_model.calibration.detect import detect_points
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["Outcome", "judge", "try_case"]
 

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 
 from ncdc.bench.photos.lens import Lens, Plane
-from ncdc_model.errors import InputError
 from ncdc_model.example import example_camera, page_dots, page_to_distorted, target_photo
 from ncdc_model.images import read_image
+from ncdc_spec.errors import InputError
 
 __all__ = ["Bank", "Photo", "Pose", "Truth", "side_by_side"]
 

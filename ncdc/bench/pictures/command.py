@@ -9,12 +9,12 @@ from ncdc.bench.pictures.measure import Subject, fitted, measure
 from ncdc.bench.pictures.plots import plot_crops
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress, say
-from ncdc_model.errors import InputError
 from ncdc_model.example import BAYER, example_camera, scene_light
-from ncdc_model.files import check_outputs
 from ncdc_model.images import read_image
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from ncdc_model.corrector import correct
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import demosaic, mosaic
-from ncdc_model.interpolation import INTERPOLATIONS
 from ncdc_model.reference import psnr
+from ncdc_spec.interpolation import INTERPOLATIONS
 
 __all__ = ["FLOWS", "Subject", "fitted", "measure"]
 

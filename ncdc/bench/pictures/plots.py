@@ -5,8 +5,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from ncdc_model.files import replace_file
-from ncdc_model.interpolation import DEFAULT
+from ncdc_spec.files import replace_file
+from ncdc_spec.interpolation import DEFAULT
 
 __all__ = ["busiest", "plot_crops"]
 

@@ -20,13 +20,13 @@ from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.between import NodesToCoordinates
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.descriptor import Descriptor, FloatNetwork
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.formats import Formats
-from ncdc_model.geometry import Geometry, ValidRows
-from ncdc_model.hardware import Hardware
-from ncdc_model.interpolation import FAST, GRADIENT
-from ncdc_model.tansig import design_for
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.descriptor import Descriptor, FloatNetwork
+from ncdc_spec.formats import Formats
+from ncdc_spec.geometry import Geometry, ValidRows
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.tansig import design_for
 
 __all__ = ["BLOCKS", "ONLY", "component", "traits"]
 

@@ -6,7 +6,7 @@ from ncdc.cli.board_design import board_named
 from ncdc_boards.camera_board.core import BoardCore
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_hdl.video.modes import mode_for
-from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_spec.cache_options import CacheOptions
 
 __all__ = ["board_core"]
 

@@ -5,7 +5,7 @@ from ncdc.bench.synth.flows import check_tools, tool_versions
 from ncdc.bench.synth.measure import TARGETS, block_rows
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Steps
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
 

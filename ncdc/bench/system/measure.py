@@ -9,15 +9,15 @@ from ncdc.bench.throughput.lenses import Lens, trained
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_hdl.system import System
-from ncdc_model.fetch.beside import clocks_beside_camera, follow_bound_beside_camera
-from ncdc_model.fetch.plan import Fixed, plan
-from ncdc_model.hardware import Hardware
-from ncdc_model.memory_timing import memory_at
-from ncdc_model.sensors.framing import setup_around
-from ncdc_model.sensors.mt9p031 import SENSOR
+from ncdc_model.planner.beside import clocks_beside_camera, follow_bound_beside_camera
+from ncdc_model.planner.memory_timing import memory_at
+from ncdc_model.planner.plan import Fixed, plan
 from ncdc_sim.sensor.verilog import Fault, Light
 from ncdc_sim.system.camera import simulate_camera
 from ncdc_sim.system.readers import simulate_readers
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.sensors.framing import setup_around
+from ncdc_spec.sensors.mt9p031 import SENSOR
 
 __all__ = ["FAULTS", "FULL", "QUICK", "Run", "measure"]
 

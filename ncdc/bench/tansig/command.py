@@ -9,8 +9,8 @@ from ncdc.bench.tansig.measure import tansig_row
 from ncdc.bench.tansig.plots import plot_tansig
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Steps
-from ncdc_model.files import check_outputs
-from ncdc_model.tansig import FRACTION_BITS, VARIANTS, design_for
+from ncdc_spec.files import check_outputs
+from ncdc_spec.tansig import FRACTION_BITS, VARIANTS, design_for
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "complaint", "run", "table"]
 

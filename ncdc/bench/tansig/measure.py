@@ -5,9 +5,9 @@ import numpy as np
 from ncdc.bench.synth.flows import Registered, synthesise
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.tansig import tansig
-from ncdc_model.tansig.accuracy import measure
+from ncdc_model.golden.tansig_accuracy import measure
 from ncdc_sim.exhaustive import every_value, pipeline_outputs, scattered
+from ncdc_spec.tansig import tansig
 
 __all__ = ["sampled_inputs", "tansig_row", "verilog_outputs"]
 
@@ -47,7 +47,7 @@ def tansig_row(design, *, sampled=False, synthesis=True, progress=lambda step: N
 
     Parameters
     ----------
-    design : ncdc_model.tansig.Design
+    design : ncdc_spec.tansig.Design
     sampled : bool
         Run :func:`sampled_inputs` instead of every input.
     synthesis : bool
@@ -61,7 +61,7 @@ def tansig_row(design, *, sampled=False, synthesis=True, progress=lambda step: N
         ``max_ulp`` and ``bound_ulp`` in units of 2**-``fraction_bits``; ``correctly_rounded`` the
         share of results within half of that; ``mse`` of the real values, ``mse_ideal`` that of
         ideal rounding; ``differences`` the results that are not the golden model's; the booleans
-        of :class:`ncdc_model.tansig.accuracy.Accuracy`; ``latency`` in clocks.
+        of :class:`ncdc_model.golden.tansig_accuracy.Accuracy`; ``latency`` in clocks.
 
     Raises
     ------

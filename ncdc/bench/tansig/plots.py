@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ncdc_model.files import replace_file
-from ncdc_model.tansig import TansigDesign, tansig
+from ncdc_spec.files import replace_file
+from ncdc_spec.tansig import TansigDesign, tansig
 
 __all__ = ["plot_tansig"]
 

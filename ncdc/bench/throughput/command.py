@@ -8,8 +8,8 @@ from ncdc.bench.throughput.measure import ALL, DEFAULT, QUICK, goal_rows, measur
 from ncdc.bench.throughput.plots import plot_throughput
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
-from ncdc_model.errors import InputError
-from ncdc_model.files import check_outputs
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "goal_text", "run", "table"]
 

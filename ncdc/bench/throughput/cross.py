@@ -9,14 +9,14 @@ import numpy as np
 from ncdc.bench.throughput.lenses import Lens, trained
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
-from ncdc_model.errors import InputError
-from ncdc_model.fetch.lookups import frame_windows, lookups
-from ncdc_model.fetch.plan import Fixed, plan
-from ncdc_model.fetch.tags import accesses, misses
-from ncdc_model.hardware import DATA_WIDTHS, LANES, Hardware
-from ncdc_model.interpolation import FAST, GRADIENT
-from ncdc_model.nodes import NODES
+from ncdc_model.planner.lookups import frame_windows, lookups
+from ncdc_model.planner.plan import Fixed, plan
+from ncdc_model.planner.tags import accesses, misses
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.errors import InputError
+from ncdc_spec.hardware import DATA_WIDTHS, LANES, Hardware
+from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.nodes import NODES
 
 __all__ = ["CROSS", "LIMIT", "Combination", "cross_rows", "worst_split"]
 

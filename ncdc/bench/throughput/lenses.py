@@ -7,14 +7,14 @@ import numpy as np
 
 from ncdc.bench.sources import source_digest
 from ncdc_model.calibration.camera_file import training_grid
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.geometry import Geometry
-from ncdc_model.interpolation import FAST, interpolation_of
 from ncdc_model.lens import Camera
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import Source
 from ncdc_sim.builds import built, key_of
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.geometry import Geometry
+from ncdc_spec.interpolation import FAST, interpolation_of
 
 __all__ = ["NEURONS", "Lens", "trained"]
 

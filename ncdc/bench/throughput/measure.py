@@ -7,12 +7,12 @@ import numpy as np
 from ncdc.bench.throughput.lenses import Lens, trained
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.fetch.lookups import frame_windows
-from ncdc_model.fetch.plan import CLOCK_MHZ, Fixed, plan
-from ncdc_model.fetch.traffic import distinct_bytes
-from ncdc_model.hardware import Hardware
+from ncdc_model.planner.lookups import frame_windows
+from ncdc_model.planner.plan import CLOCK_MHZ, Fixed, plan
+from ncdc_model.planner.traffic import distinct_bytes
 from ncdc_sim.memory.litedram import LITEDRAM
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.hardware import Hardware
 
 __all__ = ["ALL", "DEFAULT", "GOALS", "PAPER", "QUICK", "Run", "goal_rows", "measure",
            "table_four"]

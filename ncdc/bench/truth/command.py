@@ -7,8 +7,8 @@ from ncdc.bench.truth.measure import detect, measure
 from ncdc.bench.truth.render import POSES
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
-from ncdc_model.errors import InputError
-from ncdc_model.formats import MAX_NEURONS
+from ncdc_spec.errors import InputError
+from ncdc_spec.formats import MAX_NEURONS
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
 

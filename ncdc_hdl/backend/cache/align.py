@@ -8,7 +8,7 @@ from amaranth.utils import ceil_log2
 from ncdc_hdl.backend.cache.tiles import COLUMNS, samples_layout
 from ncdc_hdl.backend.layouts import edges
 from ncdc_hdl.lib.choice import chosen
-from ncdc_model.fetch.cache_options import TILE_WIDTH
+from ncdc_spec.cache_options import TILE_WIDTH
 
 __all__ = ["align_for"]
 

@@ -7,8 +7,8 @@ from amaranth.utils import ceil_log2, exact_log2
 
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_model.geometry import MAX_SIZE
-from ncdc_model.interpolation import FAST
+from ncdc_spec.geometry import MAX_SIZE
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["Boxes", "box_layout"]
 

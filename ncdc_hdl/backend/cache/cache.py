@@ -14,7 +14,7 @@ from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.frontend.layouts import SIZE
-from ncdc_model.fetch.cache_options import CacheOptions
+from ncdc_spec.cache_options import CacheOptions
 
 __all__ = ["Cache"]
 

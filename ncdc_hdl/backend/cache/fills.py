@@ -13,7 +13,7 @@ from ncdc_hdl.backend.cache.requests import TileRequests
 from ncdc_hdl.backend.cache.tiles import fill_layout
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.lib.memory import Fifo
-from ncdc_model.fetch.cache_options import TILE_WIDTH
+from ncdc_spec.cache_options import TILE_WIDTH
 
 __all__ = ["Fills"]
 

@@ -6,8 +6,8 @@ from amaranth.lib import data
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.layouts import edges
-from ncdc_model.fetch.cache_options import TILE_WIDTH
-from ncdc_model.geometry import MAX_SIZE
+from ncdc_spec.cache_options import TILE_WIDTH
+from ncdc_spec.geometry import MAX_SIZE
 
 __all__ = ["PAIR_X_BITS", "TILE_X_BITS", "bank_tile", "lookup_layout", "pair_y_bits", "row_bits",
            "set_bits", "slot_bits", "stalls_layout", "tile_layout", "tile_y_bits", "tiles_layout",

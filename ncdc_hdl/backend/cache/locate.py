@@ -16,7 +16,7 @@ from ncdc_hdl.backend.cache.layouts import (
 from ncdc_hdl.backend.layouts import edges
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.relay import Relay
-from ncdc_model.fetch.cache_options import TILE_WIDTH
+from ncdc_spec.cache_options import TILE_WIDTH
 
 __all__ = ["Locate"]
 

@@ -8,7 +8,7 @@ from amaranth.utils import exact_log2
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.cache.layouts import tile_layout
 from ncdc_hdl.frontend.layouts import SIZE
-from ncdc_model.fetch.cache_options import TILE_WIDTH
+from ncdc_spec.cache_options import TILE_WIDTH
 
 __all__ = ["TileRequests"]
 

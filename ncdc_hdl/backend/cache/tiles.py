@@ -7,7 +7,7 @@ from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.layouts import row_bits, set_bits, slot_bits
 from ncdc_hdl.lib.memory import block_memory
-from ncdc_model.fetch.cache_options import TILE_WIDTH
+from ncdc_spec.cache_options import TILE_WIDTH
 
 __all__ = ["COLUMNS", "Tiles", "box_layout", "fill_layout", "samples_layout"]
 

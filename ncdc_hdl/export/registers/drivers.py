@@ -8,7 +8,7 @@ from ncdc_hdl.export.registers.lenses import lenses_of
 from ncdc_hdl.export.registers.python_registers import python_lenses, python_registers
 from ncdc_hdl.export.registers.system_rdl import system_rdl
 from ncdc_hdl.export.registers.tcl_data import tcl_data
-from ncdc_model.interface import white_balance
+from ncdc_spec import white_balance
 
 __all__ = ["driver_files"]
 

@@ -4,13 +4,13 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from ncdc_model.errors import InputError, reading
 from ncdc_model.evaluate import check_curvature
-from ncdc_model.fetch.plan import best_split
-from ncdc_model.hardware import check_lanes
-from ncdc_model.interface.frames import check_format, output_format
-from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import COLOUR_SETTINGS
+from ncdc_model.planner.plan import best_split
+from ncdc_spec.errors import InputError, reading
+from ncdc_spec.frames import check_format, output_format
+from ncdc_spec.hardware import check_lanes
+from ncdc_spec.registers.host_values import host_values, table_words
+from ncdc_spec.registers.register_map import COLOUR_SETTINGS
 
 __all__ = ["Lens", "check_lens", "lens_name", "lenses_of"]
 

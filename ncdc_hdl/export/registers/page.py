@@ -2,19 +2,13 @@
 
 from importlib.resources import files
 
-from ncdc_model.descriptor import Formats
-from ncdc_model.geometry import MAX_SIZE
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import SOURCE_BEYOND
-from ncdc_model.interface.register_map import (
-    ADDRESS_WORDS_BITS,
-    NODES,
-    SKIP,
-    TABLE,
-    registers,
-)
-from ncdc_model.interface.system_map import system_registers
-from ncdc_model.interface.system_values import stores_for
+from ncdc_spec.descriptor import Formats
+from ncdc_spec.frames import SOURCE_BEYOND
+from ncdc_spec.geometry import MAX_SIZE
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS, NODES, SKIP, TABLE, registers
+from ncdc_spec.registers.system_map import system_registers
+from ncdc_spec.registers.system_values import stores_for
 
 __all__ = ["register_doc"]
 

@@ -1,8 +1,9 @@
 """The registers and lenses as modules for the Python driver."""
 
-from ncdc_model.interface.frames import SOURCE_BEYOND
-from ncdc_model.interface.register_map import ID, TABLE, VERSION, counters
-from ncdc_model.tone import COMMON_TONES, tone_named
+from ncdc_model.golden.tone import tone_named
+from ncdc_spec.frames import SOURCE_BEYOND
+from ncdc_spec.registers.register_map import ID, TABLE, VERSION, counters
+from ncdc_spec.tone import COMMON_TONES
 
 __all__ = ["python_lenses", "python_registers"]
 

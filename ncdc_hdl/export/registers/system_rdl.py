@@ -1,6 +1,6 @@
 """The registers as SystemRDL 2.0."""
 
-from ncdc_model.interface.register_map import ADDRESS_WORDS_BITS, TABLE
+from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS, TABLE
 
 __all__ = ["system_rdl"]
 

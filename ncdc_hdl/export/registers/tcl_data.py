@@ -1,7 +1,7 @@
 """The registers and lenses for System Console."""
 
-from ncdc_model.interface.frames import output_format
-from ncdc_model.interface.register_map import ID, TABLE, VERSION, counters
+from ncdc_spec.frames import output_format
+from ncdc_spec.registers.register_map import ID, TABLE, VERSION, counters
 
 __all__ = ["tcl_data"]
 

@@ -6,8 +6,8 @@ from importlib.resources import files
 import numpy as np
 
 from ncdc_hdl.export.testbench.ports import ports_of_text
-from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import (
+from ncdc_model.golden.corrector import correct
+from ncdc_spec.frames import (
     FramePlaces,
     frame_bytes,
     output_format,
@@ -15,7 +15,7 @@ from ncdc_model.interface.frames import (
     source_bytes,
     stored_bytes,
 )
-from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START
+from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START
 
 __all__ = ["bench_files", "pattern"]
 

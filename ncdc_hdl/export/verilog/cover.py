@@ -14,7 +14,7 @@ from ncdc_hdl.export.verilog.port_list import (
     WRITE_HOST,
     port_lines,
 )
-from ncdc_model.hardware import Hardware
+from ncdc_spec.hardware import Hardware
 
 __all__ = ["STATUS", "TOP", "corrector_header", "corrector_verilog", "name_option",
            "verilog_of"]

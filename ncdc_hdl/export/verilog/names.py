@@ -3,7 +3,7 @@
 import re
 
 from ncdc_hdl.export.verilog.rtlil import Slice, Switch, Wire
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["check_module_name", "identifier", "rename"]
 

@@ -18,13 +18,13 @@ from cocotbext.axi import (
     AxiWriteBus,
 )
 
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
-from ncdc_model.interface.host_values import host_values, place_values, table_words
-from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.benches.common import PERIOD, settings
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.host_values import host_values, place_values, table_words
+from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
 
 __all__ = ["frames_equal_model"]
 

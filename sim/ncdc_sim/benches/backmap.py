@@ -7,10 +7,10 @@ import numpy as np
 from cocotb.triggers import FallingEdge
 
 from ncdc_hdl.frontend.layouts import SPANS, coordinate_layout, network_layout, scan_layout
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.hardware import Hardware
-from ncdc_model.network import frame_coordinates
+from ncdc_model.golden.network import frame_coordinates
 from ncdc_sim.benches.common import clocks, get, pack, settings, start, unpack
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.hardware import Hardware
 
 __all__ = ["two_frames_equal_model"]
 

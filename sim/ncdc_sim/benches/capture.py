@@ -11,10 +11,10 @@ from cocotb.triggers import FallingEdge, ReadOnly, Timer
 
 from ncdc_hdl.camera.frame_writer import COUNTS, PLACE
 from ncdc_hdl.camera.layouts import GRID, SETTINGS
-from ncdc_model.sensors.grid import gridded
-from ncdc_model.sensors.level import LINEAR, levelled
 from ncdc_sim.benches.avalon import write_memory
 from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
+from ncdc_spec.sensors.grid import gridded
+from ncdc_spec.sensors.level import LINEAR, levelled
 
 __all__ = ["faults", "frames", "half_full", "restarts", "switched_off", "too_small"]
 

@@ -3,16 +3,16 @@
 import cocotb
 import numpy as np
 
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image, stored_picture
-from ncdc_model.interface.host_values import host_values, place_values, table_words
-from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
-from ncdc_model.interpolation import FAST
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.benches.avalon import Host, read_memory, write_memory
 from ncdc_sim.benches.common import clocks, settings, start
 from ncdc_sim.system.corrector import tiles_fetched
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import FAST
+from ncdc_spec.registers.host_values import host_values, place_values, table_words
+from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
 
 __all__ = ["two_frames_equal_model"]
 

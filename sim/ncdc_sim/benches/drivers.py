@@ -11,12 +11,12 @@ import cocotb
 import numpy as np
 from cocotb.task import bridge, resume
 
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.interface.frames import frame_bytes, raw_image, stored_picture
-from ncdc_model.interface.host_values import host_values
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.benches.avalon import Host, read_memory, write_memory
 from ncdc_sim.benches.common import settings, start
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.frames import frame_bytes, raw_image, stored_picture
+from ncdc_spec.registers.host_values import host_values
 
 __all__ = ["c_driver_alternates_lenses", "c_driver_corrects_one_frame", "c_driver_names_errors",
            "console_corrects_frames", "python_driver_alternates_lenses"]

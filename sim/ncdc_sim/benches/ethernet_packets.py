@@ -4,13 +4,13 @@ import cocotb
 from cocotb.triggers import Timer, with_timeout
 from cocotbext.eth import RgmiiPhy
 
-from ncdc_model.interface.link_headers import gvsp_headers
-from ncdc_model.interface.link_map import CONTROL_SEND
-from ncdc_model.interface.pixel_formats import format_of_name
 from ncdc_sim.benches.avalon import read_memory
 from ncdc_sim.benches.common import settings, start
 from ncdc_sim.benches.ethernet import GAP_BITS, filled
 from ncdc_sim.benches.packetiser import SOURCE, TARGET, Link
+from ncdc_spec.pixel_formats import format_of_name
+from ncdc_spec.protocols.link_headers import gvsp_headers
+from ncdc_spec.registers.link_map import CONTROL_SEND
 
 __all__ = ["a_picture_leaves"]
 

@@ -4,7 +4,7 @@ import cocotb
 import numpy as np
 
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
-from ncdc_model.picture import bayer_quads, bilinear
+from ncdc_model.golden.picture import bayer_quads, bilinear
 from ncdc_sim.benches.common import get, pack, put, settings, start, unpack
 
 __all__ = ["equals_model"]

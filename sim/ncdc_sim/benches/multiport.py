@@ -4,7 +4,7 @@ import cocotb
 import numpy as np
 
 from ncdc_hdl.backend.layouts import request_layout, window_layout
-from ncdc_model.picture import fetches
+from ncdc_model.golden.picture import fetches
 from ncdc_sim.benches.avalon import read_memory
 from ncdc_sim.benches.common import get, pack, put, settings, start, unpack
 

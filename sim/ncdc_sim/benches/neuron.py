@@ -3,9 +3,9 @@
 import cocotb
 import numpy as np
 
-from ncdc_model.descriptor import Formats
-from ncdc_model.network import hidden_neuron, output_neuron
+from ncdc_model.golden.network import hidden_neuron, output_neuron
 from ncdc_sim.benches.common import pipeline, settings, signed, start
+from ncdc_spec.descriptor import Formats
 
 __all__ = ["equals_model"]
 

@@ -8,8 +8,12 @@ import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly
 
 from ncdc_hdl.link.layouts import BEAT
-from ncdc_model.interface.link_headers import Endpoint, Headers, gvsp_headers, mraw_headers
-from ncdc_model.interface.link_map import (
+from ncdc_sim.benches.avalon import Host, read_memory
+from ncdc_sim.benches.common import clocks, settings, start, unpack
+from ncdc_spec.pixel_formats import format_of_name
+from ncdc_spec.protocols.link_headers import Endpoint, Headers, gvsp_headers, mraw_headers
+from ncdc_spec.protocols.table_two import MrawHeader
+from ncdc_spec.registers.link_map import (
     CONTROL_ABORT,
     CONTROL_SEND,
     LINK,
@@ -24,10 +28,6 @@ from ncdc_model.interface.link_map import (
     TEMPLATE_WORDS,
     TEMPLATES,
 )
-from ncdc_model.interface.pixel_formats import format_of_name
-from ncdc_model.interface.table_two import MrawHeader
-from ncdc_sim.benches.avalon import Host, read_memory
-from ncdc_sim.benches.common import clocks, settings, start, unpack
 
 __all__ = ["aborted", "again", "any_headers", "far", "gvsp", "mraw", "pauses", "refused",
            "registers", "restarts"]

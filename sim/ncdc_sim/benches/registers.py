@@ -5,9 +5,11 @@ import random
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly
 
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.interface.host_values import host_values
-from ncdc_model.interface.register_map import (
+from ncdc_sim.benches.avalon import Host
+from ncdc_sim.benches.common import clocks, settings, start
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.registers.host_values import host_values
+from ncdc_spec.registers.register_map import (
     CTRL_COMMIT,
     CTRL_START,
     ID,
@@ -18,8 +20,6 @@ from ncdc_model.interface.register_map import (
     TABLE,
     registers,
 )
-from ncdc_sim.benches.avalon import Host
-from ncdc_sim.benches.common import clocks, settings, start
 
 __all__ = ["every_bit_is_kept", "frame_boundary", "reset_values", "table_of_valid_rows"]
 

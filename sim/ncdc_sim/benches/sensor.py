@@ -7,11 +7,11 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer, with_timeout
 from cocotbext.i2c import I2cMaster
 
-from ncdc_model.sensors.catalogue import sensor_named, setup
-from ncdc_model.sensors.sensor import Settings
 from ncdc_sim.benches.common import PERIOD, settings
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light
+from ncdc_spec.sensors.catalogue import sensor_named, setup
+from ncdc_spec.sensors.sensor import Settings
 
 __all__ = ["LIGHT", "frames"]
 

@@ -4,10 +4,10 @@
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, with_timeout
 
-from ncdc_model.sensors.catalogue import sensor_named, setup
-from ncdc_model.sensors.sensor import Settings
 from ncdc_sim.benches.common import clocks, settings, start
 from ncdc_sim.benches.i2c import command, write
+from ncdc_spec.sensors.catalogue import sensor_named, setup
+from ncdc_spec.sensors.sensor import Settings
 
 __all__ = ["set_up"]
 

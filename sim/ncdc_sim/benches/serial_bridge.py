@@ -6,8 +6,8 @@ import cocotb
 from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.uart import UartSink, UartSource
 
-from ncdc_model.interface.serial_link import BAD, crc8, read_request, write_request
 from ncdc_sim.benches.common import PERIOD, settings, start
+from ncdc_spec.protocols.serial_link import BAD, crc8, read_request, write_request
 
 __all__ = ["noise_and_wrong_checks", "words_come_and_go"]
 

@@ -1,10 +1,10 @@
-"""Tan-sigmoid, clock by clock, against ``ncdc_model.tansig.tansig``."""
+"""Tan-sigmoid, clock by clock, against ``ncdc_spec.tansig.tansig``."""
 
 import cocotb
 import numpy as np
 
-from ncdc_model.tansig import TansigDesign, tansig
 from ncdc_sim.benches.common import pipeline, settings, signed, start
+from ncdc_spec.tansig import TansigDesign, tansig
 
 __all__ = ["equals_model"]
 

@@ -7,11 +7,11 @@ import numpy as np
 from cocotb.triggers import FallingEdge, ReadOnly
 
 from ncdc_hdl.link.layouts import BEAT
-from ncdc_model.interface.serial_link import crc8, read_request, write_request
-from ncdc_model.interface.table_one import MRAW, READ, REQUEST, RESERVED, UNKNOWN, WRITE
-from ncdc_model.interface.table_two import HEADER_BYTES, MrawHeader
 from ncdc_sim.benches.avalon import read_memory
 from ncdc_sim.benches.common import clocks, settings, start, unpack
+from ncdc_spec.protocols.serial_link import crc8, read_request, write_request
+from ncdc_spec.protocols.table_one import MRAW, READ, REQUEST, RESERVED, UNKNOWN, WRITE
+from ncdc_spec.protocols.table_two import HEADER_BYTES, MrawHeader
 
 __all__ = ["no_frame", "pictures", "registers", "requests_that_stop", "system_page", "the_sensor"]
 

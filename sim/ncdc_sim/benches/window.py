@@ -1,14 +1,14 @@
-"""Window address, transfer by transfer, against ``ncdc_model.picture.window_address``."""
+"""Window address, transfer by transfer, against ``ncdc_model.golden.picture.window_address``."""
 
 import cocotb
 import numpy as np
 
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.frontend.layouts import coordinate_layout
-from ncdc_model.descriptor import Formats
-from ncdc_model.geometry import Geometry
-from ncdc_model.picture import window_address
+from ncdc_model.golden.picture import window_address
 from ncdc_sim.benches.common import get, pack, put, settings, start, unpack
+from ncdc_spec.descriptor import Formats
+from ncdc_spec.geometry import Geometry
 
 __all__ = ["equals_model"]
 

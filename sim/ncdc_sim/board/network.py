@@ -17,14 +17,14 @@ from ncdc_boards.camera_board.set_up import register_addresses
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.processor import LINK_BASE
 from ncdc_hdl.video.modes import VideoMode
-from ncdc_model.interface.link_map import LINK, TEMPLATES
-from ncdc_model.sensors.level import levelled
 from ncdc_sim.link.mac import mac_verilog
 from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.sdram import chip_parameters
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.sensor.verilog import Light, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
+from ncdc_spec.registers.link_map import LINK, TEMPLATES
+from ncdc_spec.sensors.level import levelled
 
 __all__ = ["CORE_MHZ", "HEADERS", "LINE_HZ", "NetworkModel", "NetworkRun"]
 

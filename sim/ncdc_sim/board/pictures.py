@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.interface import gvsp
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.protocols import gvsp
 
 __all__ = ["GAP_CLOCKS", "Picture", "Steady", "line_frames", "pictures_of", "steady"]
 

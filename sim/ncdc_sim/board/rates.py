@@ -5,13 +5,13 @@ Every picture on the line is compared with the golden model's of its own raw fra
 
 from dataclasses import dataclass
 
-from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import output_format, stored_bytes
-from ncdc_model.interface.pixel_formats import raw_format
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.board.network import LINE_HZ, NetworkRun
 from ncdc_sim.board.pictures import Steady, line_frames, pictures_of, steady
 from ncdc_sim.board.sender import PictureSender
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.frames import output_format, stored_bytes
+from ncdc_spec.pixel_formats import raw_format
 
 __all__ = ["SETTLE", "Rates", "corrected_rates", "replayed_rates"]
 

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 from ncdc_boards.camera_board.design import READER_OF_HOST
-from ncdc_model.interface.link_headers import Endpoint, gvsp_headers
-from ncdc_model.interface.link_map import CONTROL_SEND, STATUS_BUSY, STATUS_DONE, TEMPLATE_WORDS
-from ncdc_model.interface.pixel_formats import format_of_name, raw_format
-from ncdc_model.interface.system_map import EVENTS
 from ncdc_sim.board.network import HEADERS
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.pixel_formats import format_of_name, raw_format
+from ncdc_spec.protocols.link_headers import Endpoint, gvsp_headers
+from ncdc_spec.registers.link_map import CONTROL_SEND, STATUS_BUSY, STATUS_DONE, TEMPLATE_WORDS
+from ncdc_spec.registers.system_map import EVENTS
 
 __all__ = ["Claimed", "PictureSender", "Sent"]
 

@@ -1,5 +1,5 @@
 // Avalon-MM memory model: several pipelined burst-read ports and one burst-write port on one
-// storage, timed by run-time settings. Rules and presets: model/ncdc_model/memory_timing.py.
+// storage, timed by run-time settings. Rules and presets: model/ncdc_model/planner/memory_timing.py.
 //
 // Read data returns in order on each port. Each port refuses a command while it holds
 // `max_pending` unfinished read commands, and at random in `wait_chance` of 256 clocks, idle ones

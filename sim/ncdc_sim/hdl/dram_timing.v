@@ -1,6 +1,6 @@
 // Timing of a dynamic memory behind a controller that keeps rows open: when an access gets its
 // column command, and when its data is there. The rules are those of `DramMemory` in
-// model/ncdc_model/memory_timing.py.
+// model/ncdc_model/planner/memory_timing.py.
 //
 // No ports: `avalon_memory` calls `restart`, `step` and `place`. Times are numbers of memory
 // clocks (MC). `step` goes on to the corrector's next clock edge; `place` plans the commands of

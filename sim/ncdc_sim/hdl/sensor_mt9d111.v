@@ -1,6 +1,6 @@
 // Registers of the MT9D111, and what they mean: the sensor core, page 0, in context B, with the
 // image processor bypassed. Addresses, defaults and equations: see
-// model/ncdc_model/sensors/mt9d111.py, from which this file shares no code.
+// model/ncdc_spec/sensors/mt9d111.py, from which this file shares no code.
 
 `timescale 1ns/1ps
 

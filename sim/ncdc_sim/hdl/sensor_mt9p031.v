@@ -1,5 +1,5 @@
 // Registers of the MT9P031, and what they mean. Addresses, defaults and equations: see
-// model/ncdc_model/sensors/mt9p031.py, from which this file shares no code.
+// model/ncdc_spec/sensors/mt9p031.py, from which this file shares no code.
 
 `timescale 1ns/1ps
 

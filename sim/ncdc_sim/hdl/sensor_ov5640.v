@@ -1,5 +1,5 @@
 // Registers of the OV5640, and what they mean: raw frames of a window, of all pixels or of every
-// other pair of columns and rows. Addresses, defaults and equations: see model/ncdc_model/sensors/ov5640.py, from which this file shares no
+// other pair of columns and rows. Addresses, defaults and equations: see model/ncdc_spec/sensors/ov5640.py, from which this file shares no
 // code.
 
 `timescale 1ns/1ps

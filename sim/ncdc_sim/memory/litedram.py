@@ -11,9 +11,9 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from ncdc_model.errors import InputError
 from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import SimulationError, call
+from ncdc_spec.errors import InputError
 
 __all__ = ["LITEDRAM", "LiteDram", "litedram_sources"]
 
@@ -49,7 +49,7 @@ class LiteDram:
 
 _COMMON = {"cpu": None, "sys_clk_freq": 100e6, "input_clk_freq": 100e6}
 
-# The memories of ncdc_model.memory_timing: IS42S16320 twice, and a DDR3 of 2 Gbit, x16. LiteDRAM
+# The memories of ncdc_model.planner.memory_timing: IS42S16320 twice, and a DDR3 of 2 Gbit, x16. LiteDRAM
 # counts modules of 8 bits. In simulation its model of PHY and memory stands for the PHY named.
 LITEDRAM = {
     "litedram": LiteDram(32, 25, 4, 10, _COMMON | {

@@ -1,6 +1,6 @@
 """The memories that a frame is simulated with."""
 
-from ncdc_model.memory_timing import DramMemory, memory_timing
+from ncdc_model.planner.memory_timing import DramMemory, memory_timing
 from ncdc_sim.memory.litedram import LITEDRAM
 
 __all__ = ["memory_settings", "simulated_memory"]
@@ -12,7 +12,7 @@ _SAME = ("word_clocks", "cas_latency", "rcd", "rp", "ras", "rc", "rrd", "faw", "
 
 def simulated_memory(memory):
     """The memory of a name: a controller of :data:`ncdc_sim.memory.litedram.LITEDRAM`, or whatever
-    :func:`ncdc_model.memory_timing.memory_timing` knows; a memory is returned as it is.
+    :func:`ncdc_model.planner.memory_timing.memory_timing` knows; a memory is returned as it is.
 
     Raises
     ------

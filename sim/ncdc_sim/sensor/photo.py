@@ -5,14 +5,14 @@ from itertools import product
 import cv2
 import numpy as np
 
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MONO
+from ncdc_model.golden.network import frame_coordinates
 from ncdc_model.images import mosaic
-from ncdc_model.network import frame_coordinates
-from ncdc_model.sensors.framing import Crop, grid_offset
-from ncdc_model.sensors.sensor import bayer_at
 from ncdc_sim.sensor.scene import row_times
 from ncdc_sim.sensor.verilog import Light
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MONO
+from ncdc_spec.sensors.framing import Crop, grid_offset
+from ncdc_spec.sensors.sensor import bayer_at
 
 __all__ = ["moving_photo", "still_raw"]
 

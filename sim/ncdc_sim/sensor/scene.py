@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from ncdc_model.errors import InputError
 from ncdc_model.example import scene_at
 from ncdc_model.example.render import SUBSAMPLES, expose, ideal_samples
 from ncdc_model.images import mosaic
-from ncdc_model.sensors.sensor import bayer_at
 from ncdc_sim.sensor.verilog import Light
+from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.sensor import bayer_at
 
 __all__ = ["moving_light", "row_times"]
 

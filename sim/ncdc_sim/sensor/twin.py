@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ncdc_model.sensors.mt9p031 import TEST_COLOURS
+from ncdc_spec.sensors.mt9p031 import TEST_COLOURS
 
 __all__ = ["raw_frames"]
 

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.colour import Colour, ColourSums, coloured
-from ncdc_model.corrector import check_raw, correct
-from ncdc_model.fetch.lookups import frame_windows, lookups
-from ncdc_model.fetch.tags import accesses, misses
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import (
+from ncdc_model.golden.colour import ColourSums, coloured
+from ncdc_model.golden.corrector import check_raw, correct
+from ncdc_model.planner.lookups import frame_windows, lookups
+from ncdc_model.planner.tags import accesses, misses
+from ncdc_sim.system.frame import Camera, Program, Run, simulate_frame
+from ncdc_spec.colour import Colour
+from ncdc_spec.frames import (
     FramePlaces,
     frame_bytes,
     output_format,
@@ -18,15 +19,15 @@ from ncdc_model.interface.frames import (
     stored_bytes,
     stored_picture,
 )
-from ncdc_model.interface.host_values import host_values, table_words
-from ncdc_model.interface.register_map import (
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.host_values import host_values, table_words
+from ncdc_spec.registers.register_map import (
     COLOUR_COUNTERS,
     COUNTERS,
     CTRL_COMMIT,
     CTRL_START,
     registers,
 )
-from ncdc_sim.system.frame import Camera, Program, Run, simulate_frame
 
 __all__ = ["Simulation", "corrector_program", "simulate_correction", "tiles_fetched"]
 

@@ -4,7 +4,6 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ncdc_model.errors import InputError
 from ncdc_sim.memory.litedram import LiteDram, litedram_sources
 from ncdc_sim.memory.timing import memory_settings, simulated_memory
 from ncdc_sim.ports import ports_of
@@ -12,6 +11,7 @@ from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.runner import run as run_program
 from ncdc_sim.tools import SimulationError
 from ncdc_sim.waves import Waves, build_options, recorded
+from ncdc_spec.errors import InputError
 
 __all__ = ["Camera", "FrameResult", "Program", "Run", "simulate_frame"]
 

@@ -9,8 +9,8 @@ from unittest import mock
 import numpy as np
 
 from ncdc_hdl.export.registers.python_registers import python_registers
-from ncdc_model.interface.frames import output_format, stored_picture
-from ncdc_model.interface.register_map import registers
+from ncdc_spec.frames import output_format, stored_picture
+from ncdc_spec.registers.register_map import registers
 
 __all__ = ["Content", "SystemHost"]
 

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_hdl.export.registers.lenses import Lens
-from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, raw_image
-from ncdc_model.interface.host_values import place_values
-from ncdc_model.interface.register_map import (
+from ncdc_model.golden.corrector import correct
+from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_sim.system.series import aligned, differing, output_bytes
+from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image
+from ncdc_spec.registers.host_values import place_values
+from ncdc_spec.registers.register_map import (
     CTRL_COMMIT,
     CTRL_START,
     STATUS_BANK,
@@ -19,8 +21,6 @@ from ncdc_model.interface.register_map import (
     STATUS_REFUSED,
     TABLE,
 )
-from ncdc_sim.system.frame import Program, simulate_frame
-from ncdc_sim.system.series import aligned, differing, output_bytes
 
 __all__ = ["LensChange", "simulate_lens_change"]
 

@@ -10,11 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.corrector import correct
-from ncdc_model.descriptor import Descriptor
-from ncdc_model.errors import InputError
-from ncdc_model.hardware import Hardware
-from ncdc_model.interface.frames import (
+from ncdc_model.golden.corrector import correct
+from ncdc_sim.runner import HDL, build, command_of, run
+from ncdc_sim.tools import SimulationError
+from ncdc_soc.module_soc import MAIN_RAM, REGISTERS, module_soc_verilog
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.frames import (
     FramePlaces,
     output_format,
     raw_image,
@@ -22,10 +24,8 @@ from ncdc_model.interface.frames import (
     stored_bytes,
     target_bytes,
 )
-from ncdc_model.interface.register_map import CTRL_START, STATUS_DONE, registers
-from ncdc_sim.runner import HDL, build, command_of, run
-from ncdc_sim.tools import SimulationError
-from ncdc_soc.module_soc import MAIN_RAM, REGISTERS, module_soc_verilog
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import CTRL_START, STATUS_DONE, registers
 
 __all__ = ["CPUS", "ModuleRun", "simulate_module"]
 

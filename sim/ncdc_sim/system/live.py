@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ncdc_hdl.export.verilog.system_cover import SYSTEM
-from ncdc_model.errors import InputError
 from ncdc_sim.memory.timing import memory_settings, simulated_memory
 from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.sensor.verilog import Fault, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
 from ncdc_sim.waves import Waves, build_options, recorded
+from ncdc_spec.errors import InputError
 
 __all__ = ["Clocks", "LiveRun", "LiveSystem"]
 

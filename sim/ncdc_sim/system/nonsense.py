@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.corrector import correct
-from ncdc_model.interface.frames import FramePlaces, frame_bytes, output_format, raw_image
-from ncdc_model.interface.host_values import host_values, place_values
-from ncdc_model.interface.register_map import CTRL_ABORT, STATUS_DONE, TABLE
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_sim.system.series import aligned, begin, differing, output_bytes
+from ncdc_spec.frames import FramePlaces, frame_bytes, output_format, raw_image
+from ncdc_spec.registers.host_values import host_values, place_values
+from ncdc_spec.registers.register_map import CTRL_ABORT, STATUS_DONE, TABLE
 
 __all__ = ["Nonsense", "simulate_nonsense"]
 

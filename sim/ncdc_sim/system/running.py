@@ -7,12 +7,12 @@ import numpy as np
 
 from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.export.verilog.system_cover import system_verilog
-from ncdc_model.interface.system_values import memory_bytes
-from ncdc_model.sensors.framing import Crop
-from ncdc_model.sensors.level import levelled
 from ncdc_sim.sensor.twin import raw_frames
 from ncdc_sim.system.host import SystemHost
 from ncdc_sim.system.live import Clocks, LiveSystem
+from ncdc_spec.registers.system_values import memory_bytes
+from ncdc_spec.sensors.framing import Crop
+from ncdc_spec.sensors.level import levelled
 
 __all__ = ["Running", "running"]
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ncdc_model.interface.frames import BGRX8, frame_bytes, stored_bytes
-from ncdc_model.interface.register_map import CTRL_COMMIT, CTRL_START
+from ncdc_spec.frames import BGRX8, frame_bytes, stored_bytes
+from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START
 
 __all__ = ["aligned", "begin", "differing", "output_bytes"]
 

@@ -5,10 +5,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from ncdc_model.corrector import correct
-from ncdc_model.hardware import Hardware
-from ncdc_model.sensors.framing import grid_row, setup_around
-from ncdc_model.sensors.level import levelled
+from ncdc_model.golden.corrector import correct
 from ncdc_sim.link.namespaces import TAP, TapNetwork
 from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.sensor.photo import still_raw
@@ -18,6 +15,9 @@ from ncdc_sim.tools import SimulationError
 from ncdc_soc.core import SocCore, core_verilog
 from ncdc_soc.firmware import Identity, config, firmware_image
 from ncdc_soc.soc import soc_verilog
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.sensors.framing import grid_row, setup_around
+from ncdc_spec.sensors.level import levelled
 
 __all__ = ["ADDRESS", "SocModel", "SocRun"]
 
@@ -44,7 +44,7 @@ class SocModel:
     identity : Identity
         Of the device on its network.
     field : str, optional
-        As of :func:`~ncdc_model.sensors.framing.setup_around`.
+        As of :func:`~ncdc_spec.sensors.framing.setup_around`.
 
     Attributes
     ----------

@@ -9,8 +9,8 @@ from formal.wrapper import Wrapper
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.cache.fills import Fills
 from ncdc_hdl.backend.cache.layouts import tile_layout, word_bytes
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.interpolation import FAST
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["FillOrder", "FillRoom"]
 

@@ -11,8 +11,8 @@ from ncdc_hdl.backend.cache.layouts import lookup_layout, row_bits
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.lib.relay import Relay
-from ncdc_model.fetch.cache_options import CacheOptions
-from ncdc_model.interpolation import FAST
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["Places", "Progress", "Tokens"]
 

@@ -10,8 +10,8 @@ from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_model.geometry import MAX_SIZE
-from ncdc_model.interpolation import FAST
+from ncdc_spec.geometry import MAX_SIZE
+from ncdc_spec.interpolation import FAST
 
 __all__ = ["Rows"]
 

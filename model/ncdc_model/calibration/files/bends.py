@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["field_of_view", "fisheye", "modified_brown", "on_angle", "perspective",
            "unified_sphere"]

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from ncdc_model.calibration.files.lens import numbers
-from ncdc_model.errors import InputError
 from ncdc_model.lens.frame import Frame
+from ncdc_spec.errors import InputError
 
 __all__ = ["rectified", "windowed"]
 

@@ -7,7 +7,7 @@ import numpy as np
 from ncdc_model.calibration.files.bends import fisheye, perspective, unified_sphere
 from ncdc_model.calibration.files.lens import file_lens, matrix_of, numbers
 from ncdc_model.calibration.files.opencv import size_of
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["camodocal_lens", "is_camodocal"]
 

@@ -14,7 +14,7 @@ from ncdc_model.calibration.files.bends import (
     unified_sphere,
 )
 from ncdc_model.calibration.files.lens import choose, file_lens, matrix_of, numbers, whole
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["binary_lens", "is_colmap", "text_lens"]
 

@@ -18,7 +18,7 @@ from ncdc_model.calibration.files.lens import (
     numbers,
     whole,
 )
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["is_camchain", "kalibr_lens"]
 

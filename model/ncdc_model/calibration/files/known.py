@@ -2,7 +2,7 @@
 
 import re
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["reject_known_bytes", "reject_known_table", "reject_known_text"]
 

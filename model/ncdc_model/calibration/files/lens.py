@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ncdc_model.errors import InputError
 from ncdc_model.lens.inverse import planar_inverse
+from ncdc_spec.errors import InputError
 
 __all__ = ["FileLens", "choose", "coefficients", "file_lens", "matrix_of", "numbers", "whole"]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ncdc_model.calibration.files.bends import perspective
 from ncdc_model.calibration.files.lens import choose, file_lens, matrix_of, numbers, whole
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["is_script", "mat_lens", "script_lens"]
 

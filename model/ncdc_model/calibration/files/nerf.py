@@ -6,7 +6,7 @@ import numpy as np
 
 from ncdc_model.calibration.files.bends import fisheye, unified_sphere
 from ncdc_model.calibration.files.lens import choose, file_lens, matrix_of, numbers, whole
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["is_nerf", "nerf_lens"]
 

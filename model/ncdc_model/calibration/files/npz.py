@@ -6,8 +6,8 @@ from io import BytesIO
 import numpy as np
 
 from ncdc_model.calibration.files.opencv import is_opencv, opencv_lens
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MIN_SIZE
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MIN_SIZE
 
 __all__ = ["holds_camera", "npz_lens"]
 

@@ -8,7 +8,7 @@ import numpy as np
 from ncdc_model.calibration.files.bends import fisheye, perspective, unified_sphere
 from ncdc_model.calibration.files.camera_info import rectified, windowed
 from ncdc_model.calibration.files.lens import choose, coefficients, file_lens, numbers, whole
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["first", "is_opencv", "opencv_lens", "opencv_model", "size_of"]
 

@@ -16,8 +16,8 @@ from ncdc_model.calibration.files.known import (
 from ncdc_model.calibration.files.npz import npz_lens
 from ncdc_model.calibration.files.opencv import opencv_lens
 from ncdc_model.calibration.files.tables import table_of
-from ncdc_model.errors import InputError
-from ncdc_model.geometry import MAX_SIZE, MIN_SIZE
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 
 __all__ = ["read_lens"]
 

@@ -11,7 +11,7 @@ from ncdc_model.calibration.files.bends import (
 )
 from ncdc_model.calibration.files.lens import choose, file_lens, matrix_of, numbers, whole
 from ncdc_model.calibration.files.opencv import first
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["is_realsense", "printed_cameras", "realsense_lens"]
 

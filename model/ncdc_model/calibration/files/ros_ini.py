@@ -3,7 +3,7 @@
 import re
 
 from ncdc_model.calibration.files.opencv import opencv_lens
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["ini_lens", "is_ini"]
 

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import yaml
 
-from ncdc_model.errors import InputError
+from ncdc_spec.errors import InputError
 
 __all__ = ["file_storage", "table_of"]
 

@@ -1,0 +1,1 @@
+"""The golden model: what the gateware must compute, bit for bit."""

@@ -1,0 +1,79 @@
+"""The whole frame in integers: what the generated Verilog must give, bit for bit."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.golden.network import coordinates
+from ncdc_model.golden.picture import bilinear, fetches, place_colours, raw_windows, window_address
+from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import scan_order
+
+__all__ = ["Corrected", "check_raw", "correct", "window_bands"]
+
+_ROWS = 32  # corrected rows at a time: bounds the memory that the windows take
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """A corrected frame: ``picture`` (height, width, 3) uint8 RGB, ``blank`` (height, width),
+    true where the pixel has no source, and ``fetches``, the windows that ``multiport`` reads."""
+    picture: np.ndarray
+    blank: np.ndarray
+    fetches: int
+
+
+def check_raw(raw, geometry):
+    """Raise :class:`InputError` unless ``raw`` is an 8-bit raw frame of the distorted size."""
+    if raw.ndim != 2 or raw.dtype != np.uint8:
+        raise InputError(f"the raw frame has shape {raw.shape} and type {raw.dtype}, "
+                         "one 8-bit channel is needed")
+    if raw.shape != geometry.distorted[::-1]:
+        raise InputError(f"the picture has {raw.shape[1]}x{raw.shape[0]} pixels, the descriptor is "
+                         "for {}x{}".format(*geometry.distorted))
+
+
+def correct(descriptor, raw, progress=lambda done, total: None, strip=0):
+    """Correct the ``raw`` Bayer frame (distorted height, width) uint8; returns :class:`Corrected`.
+
+    ``progress(done, total)`` is called with the corrected rows done. ``strip``: of
+    :func:`ncdc_spec.geometry.scan_order`; only the number of fetches depends on it.
+
+    Raises
+    ------
+    InputError
+        If the frame is not of the descriptor's distorted size.
+    """
+    geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
+    check_raw(raw, geometry)
+    width, height = geometry.corrected
+    windows = raw_windows(raw, geometry.interpolation)
+    picture = np.empty((height, width, 3), np.uint8)
+    valid = np.empty((height, width), bool)
+    origins = np.empty((2, height, width), np.int64)
+    for rows, x0, y0, fx, fy, not_blank in window_bands(descriptor):
+        places = place_colours(windows[y0, x0], x0, y0, geometry)
+        picture[rows] = bilinear(places, fx, fy, coordinate.f_bits,
+                                 geometry.interpolation.unit_bits)
+        origins[:, rows], valid[rows] = (x0, y0), not_blank
+        progress(rows.stop, height)
+    picture[~valid] = geometry.fill
+    return Corrected(picture, ~valid,
+                     fetches(*(scan_order(a, strip) for a in (*origins, valid))))
+
+
+def window_bands(descriptor):
+    """The windows of a frame, a band of rows at a time: (slice of rows, x0, y0, fx, fy, valid).
+
+    The first five are of :func:`ncdc_model.golden.picture.window_address`; ``valid`` is false where
+    the pixel is blank. Each array has the shape (rows of the band, corrected width).
+    """
+    geometry = descriptor.geometry
+    width, height = geometry.corrected
+    valid = descriptor.valid.mask(width)
+    for top in range(0, height, _ROWS):
+        rows = slice(top, min(top + _ROWS, height))
+        v, u = np.mgrid[rows, 0:width]
+        x, y = coordinates(descriptor, u, v)
+        *window, inside = window_address(x, y, geometry, descriptor.formats.coordinate)
+        yield rows, *window, valid[rows] & inside

@@ -1,0 +1,101 @@
+"""The front end in integers: scan, hidden neurons, tan-sigmoid, output neurons."""
+
+import numpy as np
+
+from ncdc_model.golden.nodes import between
+from ncdc_spec.fixed import requantise
+from ncdc_spec.geometry import SCAN
+from ncdc_spec.tansig import tansig
+
+__all__ = ["coordinates", "frame_coordinates", "hidden_neuron", "network", "normalised_scan",
+           "output_neuron", "round_between"]
+
+
+def normalised_scan(u, v, geometry, formats):
+    """Raw ``formats.input`` coordinates (x, y) of corrected pixels ``u``, ``v`` (integers).
+
+    origin + u * step, exact in :data:`SCAN`, rounded once.
+    """
+    origin_x, step_x, origin_y, step_y = geometry.scan()
+    shift = SCAN.f_bits - formats.input.f_bits
+    return (requantise(origin_x + np.asarray(u, np.int64) * step_x, shift, formats.input),
+            requantise(origin_y + np.asarray(v, np.int64) * step_y, shift, formats.input))
+
+
+def hidden_neuron(x, y, weights, bias, formats):
+    """Raw net of a hidden neuron, equation (15): weights . (x, y) + bias, exact, rounded once."""
+    products = formats.input.f_bits + formats.hidden_weight.f_bits
+    total = (np.asarray(x, np.int64) * int(weights[0]) + np.asarray(y, np.int64) * int(weights[1])
+             + (int(bias) << (products - formats.hidden_bias.f_bits)))
+    return requantise(total, products - formats.net.f_bits, formats.net)
+
+
+def output_neuron(activations, weights, bias, formats, inputs=None, skip=None):
+    """Raw coordinate in pixels: weights . activations + bias, exact, rounded once, saturated.
+
+    Denormalisation is part of it: the weights are in pixels. ``activations``: the raw
+    tan-sigmoid results, one array per hidden neuron. With a skip path also + skip . inputs:
+    ``inputs`` are the raw (x, y) of the hidden neurons, ``skip`` the two weights. The sum has the
+    fraction bits of the finer products.
+    """
+    products = formats.tansig.f_bits + formats.output_weight.f_bits
+    finest = products
+    if skip is not None:
+        skipped = formats.input.f_bits + formats.skip_weight.f_bits
+        finest = max(products, skipped)
+    total = np.full(np.shape(activations[0]),
+                    int(bias) << (finest - formats.output_bias.f_bits), np.int64)
+    for a, weight in zip(activations, weights):
+        total += a * (int(weight) << (finest - products))
+    if skip is not None:
+        for x, weight in zip(inputs, skip):
+            total += np.asarray(x, np.int64) * (int(weight) << (finest - skipped))
+    return requantise(total, finest - formats.coordinate.f_bits, formats.coordinate)
+
+
+def network(descriptor, x, y, formats=None):
+    """Raw coordinates (x', y') of raw normalised (x, y), of one shape: all neurons.
+
+    ``formats``: those of the descriptor's :attr:`network_formats` if absent; of others only input
+    and coordinate may differ.
+    """
+    d, formats = descriptor, formats or descriptor.network_formats
+    activations = [tansig(hidden_neuron(x, y, weights, bias, formats), d.tansig)
+                   for weights, bias in zip(d.hidden_weights, d.hidden_biases)]
+    skips = (None, None) if d.skip_weights is None else d.skip_weights
+    return tuple(output_neuron(activations, weights, bias, formats, (x, y), skip)
+                 for weights, bias, skip in zip(d.output_weights, d.output_biases, skips))
+
+
+def coordinates(descriptor, u, v):
+    """Raw back-map coordinates (x', y') in ``formats.coordinate`` of corrected pixels (u, v).
+
+    Where the network is evaluated at nodes (``descriptor.nodes`` above 1), the sum of
+    :func:`ncdc_model.golden.nodes.sums_between` is exact and rounded once.
+    """
+    d, formats = descriptor, descriptor.network_formats
+    if d.nodes == 1:
+        return network(d, *normalised_scan(u, v, d.geometry, formats))
+    u, v = np.broadcast_arrays(np.asarray(u, np.int64), np.asarray(v, np.int64))
+    if not u.size:
+        return np.zeros((2, *u.shape), np.int64)
+    # Each row of the pixels is evaluated at all nodes from its first to its last pixel's.
+    rows, row = np.unique(v, return_inverse=True)
+    first, last = u.min() // d.nodes - 1, u.max() // d.nodes + 2
+    columns, lines = np.meshgrid(np.arange(first, last + 1) * d.nodes, rows)
+    tables = network(d, *normalised_scan(columns, lines, d.geometry, formats))
+    return tuple(round_between(between(lambda k: table[row.reshape(v.shape), k - first], u,
+                                       d.nodes), d) for table in tables)
+
+
+def round_between(sums, descriptor):
+    """The coordinates of 4 S^2 times their value between nodes: the one rounding behind nodes."""
+    fine, coarse = descriptor.network_formats.coordinate, descriptor.formats.coordinate
+    shift = 2 + 2 * (descriptor.nodes.bit_length() - 1) + fine.f_bits - coarse.f_bits
+    return requantise(sums, shift, coarse)
+
+
+def frame_coordinates(descriptor):
+    """Raw (x', y') of the whole corrected frame, each of shape (height, width)."""
+    v, u = np.indices(descriptor.geometry.corrected[::-1])
+    return coordinates(descriptor, u, v)

@@ -1,0 +1,148 @@
+"""The valid region: which corrected pixels have a source, told from those that only seem to."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ncdc_spec.geometry import ValidRows
+
+__all__ = ["Calibrated", "REACH", "grid_pitch", "grown", "lost_pixels", "valid_mask", "valid_rows"]
+
+REACH = 2.0            # grid pitches beyond the calibrated points that count as covered
+_ROWS = 128            # corrected rows at a time: bounds the memory
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """Where calibrated points cover the map.
+
+    A pixel is covered if its source lies in the convex hull of the points in the distorted
+    image, or if it is at most ``reach`` from a calibrated point in the corrected image. The hull
+    is taken on the distorted side because the image there is a rectangle that a target can
+    fill, while its corrected counterpart is a concave pincushion. The distance is taken on the
+    corrected side because a network that saturates beyond its points packs far pixels into few
+    distorted ones.
+
+    Parameters
+    ----------
+    u, v : ndarray, shape (N,)
+        Corrected pixels.
+    x, y : ndarray, shape (N,)
+        Distorted pixels.
+    reach : float
+        In corrected pixels; :data:`REACH` times :func:`grid_pitch` is what training takes.
+    """
+    u: np.ndarray
+    v: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    reach: float
+
+    def mask(self, map_function, geometry):
+        """Pixels that the points cover: bool (corrected height, width)."""
+        mask, hull = self._near(geometry), self._hull(geometry)
+        for rows, x, y in _bands(map_function, geometry):
+            inside = geometry.window_inside(x, y)
+            column = np.where(inside, x, 0).round().astype(np.int64)
+            row = np.where(inside, y, 0).round().astype(np.int64)
+            mask[rows] = inside & (hull[row, column] | mask[rows])
+        return mask
+
+    def _near(self, geometry):
+        """Pixels within ``reach`` of a point: bool (corrected height, width)."""
+        width, height = geometry.corrected
+        # Points beyond the frame's edge vouch for pixels inside: measure on a larger canvas.
+        margin = int(np.ceil(self.reach)) + 1
+        canvas = np.ones((height + 2 * margin, width + 2 * margin), np.uint8)
+        column = np.round(self.u).astype(np.int64) + margin
+        row = np.round(self.v).astype(np.int64) + margin
+        on = (column >= 0) & (column < canvas.shape[1]) & (row >= 0) & (row < canvas.shape[0])
+        if not on.any():
+            return np.zeros((height, width), bool)
+        canvas[row[on], column[on]] = 0
+        distance = cv2.distanceTransform(canvas, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        return distance[margin:-margin, margin:-margin] <= self.reach
+
+    def _hull(self, geometry):
+        """Distorted pixels in the convex hull of the points: bool (distorted height, width)."""
+        points = np.round(np.stack([self.x, self.y], axis=1)).astype(np.int32)
+        mask = np.zeros(geometry.distorted[::-1], np.uint8)
+        cv2.fillConvexPoly(mask, cv2.convexHull(points), 1)
+        return mask.astype(bool)
+
+
+def grid_pitch(photos):
+    """Median distance of a point to its nearest neighbour on the same photo.
+
+    ``photos``: sequence of (u, v), the corrected pixels of each photo's points. Photos are
+    taken apart because the points of two may fall close together. One point has no pitch: 0.
+    """
+    nearest = [cKDTree(np.stack([u, v], axis=1)).query(np.stack([u, v], axis=1), 2)[0][:, 1]
+               for u, v in photos if len(u) > 1]
+    return float(np.median(np.concatenate(nearest))) if nearest else 0.0
+
+
+def valid_mask(map_function, geometry, within=None):
+    """Corrected pixels that have a source: bool (height, width).
+
+    A pixel is valid if the 3x3 window of its source lies in the distorted image
+    (:meth:`Geometry.window_inside`), the map does not fold back there (its Jacobian determinant
+    is positive), and it is connected (4-neighbourhood) to the middle of the corrected image
+    through such pixels; if the middle has no source, the largest connected region counts.
+
+    Parameters
+    ----------
+    map_function : callable
+        (x, y) distorted pixels of arrays (u, v) of corrected pixels; not-a-number where there
+        is no source. The camera's exact map where it is known, else the float network.
+    geometry : Geometry
+    within : ndarray of bool, shape (height, width), optional
+        Pixels that can have a source at all.
+    """
+    mask = np.empty(geometry.corrected[::-1], bool)
+    for rows, x, y in _bands(map_function, geometry, halo=1):
+        # Where a neighbour has no source there is no derivative, and no sign of folding.
+        folded = (np.gradient(x, axis=1) * np.gradient(y, axis=0)
+                  - np.gradient(x, axis=0) * np.gradient(y, axis=1)) <= 0
+        first = min(rows.start, 1)
+        own = slice(first, first + rows.stop - rows.start)
+        mask[rows] = (geometry.window_inside(x, y) & ~folded)[own]
+    return _connected(mask if within is None else mask & within)
+
+
+def _bands(map_function, geometry, halo=0):
+    """Bands of the frame: (slice of rows, x, y), with ``halo`` rows more on either side."""
+    width, height = geometry.corrected
+    for top in range(0, height, _ROWS):
+        rows = slice(top, min(top + _ROWS, height))
+        v = np.arange(max(top - halo, 0), min(rows.stop + halo, height), dtype=np.float64)
+        v, u = np.meshgrid(v, np.arange(width, dtype=np.float64), indexing="ij")
+        yield rows, *map_function(u, v)
+
+
+def _connected(mask):
+    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
+    middle = labels[mask.shape[0] // 2, mask.shape[1] // 2]
+    if not middle and count > 1:
+        middle = 1 + np.bincount(labels[mask], minlength=count)[1:].argmax()
+    return (labels == middle) & mask
+
+
+def valid_rows(map_function, geometry, within=None):
+    """:func:`valid_mask` as :class:`ValidRows`, at most two spans a row."""
+    return ValidRows.of_mask(valid_mask(map_function, geometry, within))
+
+
+def grown(mask, distance):
+    """``mask`` and the pixels at most ``distance`` pixels from it."""
+    if not mask.any():
+        return mask.copy()
+    return cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2,
+                                 cv2.DIST_MASK_PRECISE) <= distance
+
+
+def lost_pixels(mask, rows):
+    """How many pixels of ``mask`` the spans ``rows`` do not hold."""
+    return int((mask & ~rows.mask(mask.shape[1])).sum())

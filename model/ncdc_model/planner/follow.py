@@ -1,0 +1,150 @@
+"""How long after the camera's last byte the corrected frame is out, if it begins before that."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.planner.lookups import frame_windows, lookups, pieces
+from ncdc_model.planner.tags import accesses, misses
+from ncdc_model.planner.timing import predict_clocks
+from ncdc_model.planner.writes import frame_writes
+from ncdc_spec.errors import InputError
+from ncdc_spec.frames import FramePlaces
+from ncdc_spec.interpolation import FAST
+
+__all__ = ["FollowBound", "camera_line", "follow_bound", "rows_needed"]
+
+_ERROR = .01            # of the predicted clocks, see ``predict_clocks``
+
+
+@dataclass(frozen=True)
+class FollowBound:
+    """Bound for a map, a camera and a memory.
+
+    Parameters
+    ----------
+    clocks : int
+        From the camera's last byte in memory to the frame's end, at most; negative if the
+        corrected frame does not need the last rows.
+    camera_clocks : int
+        From the camera's first byte to its last one.
+    pixel : int
+        Pixel, in the order of the scan, whose rows come last in comparison with what is left to
+        do behind it.
+    rows : int
+        Rows of the raw frame that must be in memory for it.
+    """
+    clocks: int
+    camera_clocks: int
+    pixel: int
+    rows: int
+
+    @property
+    def share(self):
+        """The clocks as a share of the camera's frame."""
+        return self.clocks / self.camera_clocks
+
+    def report(self):
+        """The figures under their names in every report."""
+        return {"follow_bound_clocks": self.clocks, "follow_bound_share": self.share,
+                "camera_clocks": self.camera_clocks}
+
+
+def camera_line(line, geometry):
+    """Clocks of a camera's row: ``line``, by default one per sample.
+
+    Raises
+    ------
+    InputError
+        If a row does not fit.
+    """
+    if line is None:
+        return geometry.distorted_width
+    if not geometry.distorted_width <= line < 1 << 16:
+        raise InputError(f"a row of the camera takes {line} clocks, the limits are "
+                         f"{geometry.distorted_width} and 65535")
+    return line
+
+
+def rows_needed(y0, used, height, interpolation=FAST):
+    """Rows of a raw frame of ``height`` rows that must be in memory for windows whose first place
+    is in row y0: to the end of the tiles of their last rows; none where not ``used``."""
+    last = (np.asarray(y0) + interpolation.after) | (interpolation.tile_height - 1)
+    return np.where(used, np.minimum(last + 1, height), 0)
+
+
+def _rows(line, camera, geometry):
+    """Clocks from row to row of a camera, from a row's first sample to its last, and from there
+    until `camera_rows` counts it: a clock behind its last byte in memory."""
+    if camera is None:
+        return camera_line(line, geometry), geometry.distorted_width, 1
+    return camera.line, camera.width * camera.sample, camera.latency + 2 * camera.burst + 1
+
+
+def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None, camera=None,
+                 progress=lambda fraction: None):
+    """:class:`FollowBound` of a frame that begins with the camera's.
+
+    Look-up i enters when its rows are there; from then on it takes at most as long to the end of
+    the frame as without a camera, where it entered at e(i) or later::
+
+        e(i) = max(i, read(i - pending) + 1)
+        end <= max over i of  rows in memory(i) + latency + 1.01 (end without camera - e(i))
+
+    for what delays a look-up is only what was before it. The hundredth is the error of the
+    predicted clocks. A ``camera`` that shares the memory port delays each of them too; its row is
+    in memory when its last burst is, before which one of the corrector may go.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    hardware : Hardware
+        With a tile cache of a known size.
+    memory : LatencyMemory or DramMemory
+    timing : CorrectorTiming
+    line : int, optional
+        Clocks of a row of a camera with a memory port of its own and a sample per clock; by default
+        without a pause.
+    places : FramePlaces, optional
+        Those after reset if absent.
+    camera : CameraWrites, optional
+        A camera on the same port, in place of ``line``.
+    progress : callable
+        Called with the fraction done.
+    """
+    geometry = descriptor.geometry
+    places = places or FramePlaces.after_reset(geometry, hardware.data_width)
+    strip, lanes = hardware.strip, hardware.lanes
+    line, row, late = _rows(line, camera, geometry)
+    windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
+    boxes = lookups(windows, strip, lanes)
+    block = getattr(memory, "access_bytes", 1)
+    writes = None if hardware.stream else frame_writes(
+        geometry, hardware, block, places.target, timing)
+    writes = camera.beside(writes, hardware.data_width // 8, block) if camera else writes
+    free = predict_clocks(
+        misses(accesses(boxes), hardware.cache, hardware.split_for(geometry)), boxes, hardware,
+        memory, timing, places, writes, lambda done, total: progress(.5 + .5 * done / total))
+    free.read.settle(len(boxes))
+    _, y0, used = windows.scanned(strip)
+    needed = rows_needed(y0, used, geometry.distorted_height, geometry.interpolation)
+    # All pixels of a group wait together.
+    needed = needed.reshape(-1, lanes).max(axis=1)
+    pending = hardware.cache.pending
+    latest, worst, worst_rows = -np.inf, 0, 0
+    for piece in pieces(len(boxes)):
+        rows = needed[boxes.pixel[piece] // lanes].astype(np.int64)
+        number = np.arange(piece.start, piece.stop)
+        before = np.maximum(number - pending, 0)
+        entered = np.where(number < pending, number,
+                           np.maximum(number, free.read.clocks(before) + 1))
+        written = np.where(rows, (rows - 1) * float(line) + float(row) + late, 0)
+        begin = np.maximum(written + timing.row_to_lookup, timing.start)
+        end = begin + (1 + _ERROR) * (free.clocks - timing.start - entered)
+        last = int(end.argmax())
+        if end[last] > latest:
+            latest, worst, worst_rows = end[last], piece.start + last, int(rows[last])
+    progress(1)
+    camera_clocks = round((geometry.distorted_height - 1) * line + row)
+    out = int(np.ceil(latest)) + timing.end_to_interrupt
+    return FollowBound(out - camera_clocks, camera_clocks, int(boxes.pixel[worst]), worst_rows)

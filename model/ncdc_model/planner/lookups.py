@@ -1,0 +1,198 @@
+"""The look-ups that the cache makes for a frame: boxes of samples in the order of the scan."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_model.golden.corrector import window_bands
+from ncdc_spec.geometry import scan_order
+from ncdc_spec.hardware import check_lanes
+from ncdc_spec.interpolation import FAST, Interpolation
+
+__all__ = ["Lookups", "Windows", "frame_windows", "lookups", "pieces"]
+
+_PLACE = np.int16       # of a sample's column or row: those of a raw frame have 12 bits
+_PIECE = 1 << 18        # look-ups at a time: bounds the memory that their temporary arrays take
+
+
+def pieces(count):
+    """Slices that cover ``count`` look-ups or pixels in turn, whole groups of pixels each."""
+    return [slice(first, min(first + _PIECE, count)) for first in range(0, count, _PIECE)]
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Where the windows of a corrected frame are: arrays of shape (height, width).
+
+    Parameters
+    ----------
+    x0, y0 : ndarray of int16
+        Column and row that name the first place; zero where the pixel is blank.
+    used : ndarray of bool
+        False where the pixel is blank and reads nothing.
+    interpolation : Interpolation
+    distorted : (int, int), optional
+        Width and height of the raw frame; needed of an interpolation whose windows may leave it.
+    """
+    x0: np.ndarray
+    y0: np.ndarray
+    used: np.ndarray
+    interpolation: Interpolation = FAST
+    distorted: tuple = (None, None)
+
+    def scanned(self, strip=0):
+        """x0, y0, used, each of shape (pixels,), in the order of the scan.
+
+        ``strip``: columns of a strip, 0 for raster, see :func:`ncdc_spec.geometry.scan_order`.
+        """
+        return tuple(scan_order(array, strip) for array in (self.x0, self.y0, self.used))
+
+
+@dataclass(frozen=True)
+class Lookups:
+    """Boxes of samples in the order in which the cache looks them up, arrays of shape (N,).
+
+    Parameters
+    ----------
+    x0, y0, x1, y1 : ndarray of int16
+        First and last column and row.
+    used : ndarray of bool
+        False for a look-up that reads nothing.
+    pixel : ndarray of int32
+        First pixel, in the order of the scan.
+    pixels : int
+        Corrected pixels of the frame.
+    interpolation : Interpolation
+    width, strip, lanes : int
+        Columns of the corrected picture and of the scan's strips, 0 for raster; pixels of a group.
+    """
+    x0: np.ndarray
+    y0: np.ndarray
+    x1: np.ndarray
+    y1: np.ndarray
+    used: np.ndarray
+    pixel: np.ndarray
+    pixels: int
+    interpolation: Interpolation
+    width: int
+    strip: int
+    lanes: int
+
+    def __len__(self):
+        return len(self.x0)
+
+    @property
+    def rows(self):
+        """(Columns of each strip, an ndarray; rows of a strip)."""
+        lefts = np.arange(0, self.width, self.strip or self.width)
+        return np.diff(np.append(lefts, self.width)), self.pixels // self.width
+
+
+def frame_windows(descriptor, progress=lambda done, total: None):
+    """:class:`Windows` of a trained map; ``progress(done, total)`` counts corrected rows."""
+    width, height = descriptor.geometry.corrected
+    x0, y0 = np.empty((2, height, width), _PLACE)
+    used = np.empty((height, width), bool)
+    for rows, columns, lines, _, _, valid in window_bands(descriptor):
+        x0[rows], y0[rows], used[rows] = columns, lines, valid
+        progress(rows.stop, height)
+    geometry = descriptor.geometry
+    return Windows(x0, y0, used, geometry.interpolation, geometry.distorted)
+
+
+def lookups(windows, strip=0, lanes=1):
+    """:class:`Lookups` of a frame in raster order, or in strips of ``strip`` columns.
+
+    One for each group of ``lanes`` neighbours of a row, if all samples of its pixels, those that
+    are not blank, fit a box that the tile memory gives in one clock: four rows, or eight of an
+    interpolation with larger windows, and two words of ``Interpolation.box_word`` samples across.
+    Else the group is cut in halves, these likewise.
+
+    Raises
+    ------
+    InputError
+        If ``lanes`` does not divide the width.
+    """
+    x0, y0, used = windows.scanned(strip)
+    width, needs = windows.x0.shape[1], windows.interpolation
+    scan = x0.size, needs, width, strip, lanes
+    if lanes == 1:
+        pixel = np.arange(x0.size, dtype=np.int32)
+        return Lookups(*_bounds(windows, x0, y0), used, pixel, *scan)
+    check_lanes(width, lanes)
+    parts = []
+    for piece in pieces(x0.size):
+        edges = _Edges(*_bounds(windows, x0[piece], y0[piece]), used[piece], needs,
+                       needs.box_word(lanes))
+        boxes, begins = _grouped(edges, lanes)
+        parts.append((*(array[begins] for array in boxes.arrays()),
+                      (piece.start + np.flatnonzero(begins)).astype(np.int32)))
+    return Lookups(*(np.concatenate(part) for part in zip(*parts)), *scan)
+
+
+def _bounds(windows, x0, y0):
+    """First columns, first rows, last columns and last rows of the samples of ``windows`` in the
+    places (x0, y0)."""
+    needs, (width, height) = windows.interpolation, windows.distorted
+    (x0, x1), (y0, y1) = needs.bounds(x0, width), needs.bounds(y0, height)
+    return x0, y0, x1, y1
+
+
+def _grouped(edges, lanes):
+    """The boxes of groups of ``lanes`` pixels, for each pixel, and which pixels begin one.
+
+    A group is cut where it has no box of its own.
+    """
+    boxes, begins = edges, np.ones(edges.used.shape, bool)
+    size = begins.size
+    while lanes > 1:
+        joined = edges.joined()
+        span = size // joined.used.size
+        whole = np.repeat(joined.fits, span)
+        boxes = boxes.where(whole, joined, span)
+        begins &= ~whole | (np.arange(size) % span == 0)
+        edges, lanes = joined, lanes // 2
+    return boxes, begins
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """Boxes around runs of pixels of equal length.
+
+    ``word``: samples of a word of the tile memory.
+    """
+    x0: np.ndarray
+    y0: np.ndarray
+    x1: np.ndarray
+    y1: np.ndarray
+    used: np.ndarray
+    interpolation: Interpolation
+    word: int
+
+    def arrays(self):
+        return self.x0, self.y0, self.x1, self.y1, self.used
+
+    @property
+    def fits(self):
+        """Whether one clock is enough."""
+        needs = self.interpolation
+        across = self.x1 // self.word - self.x0 // self.word
+        down = self.y1 // needs.tile_height - self.y0 // needs.tile_height
+        return ~self.used | ((across <= 1) & (self.y1 - self.y0 < needs.box_rows)
+                             & (down < needs.tile_rows))
+
+    def joined(self):
+        """Boxes around each two neighbours, of which a blank one takes no part."""
+        a, b = (_Edges(*(array[k::2] for array in self.arrays()), self.interpolation, self.word)
+                for k in (0, 1))
+        both = a.used & b.used
+        return _Edges(*(np.where(both, least(one, other), np.where(b.used, other, one))
+                        for one, other, least in zip(a.arrays()[:4], b.arrays()[:4],
+                                                     (np.minimum,) * 2 + (np.maximum,) * 2)),
+                      a.used | b.used, self.interpolation, self.word)
+
+    def where(self, chosen, other, span):
+        """These, or where ``chosen`` those of ``other``, each repeated ``span`` times."""
+        return _Edges(*(np.where(chosen, np.repeat(new, span), old)
+                        for old, new in zip(self.arrays(), other.arrays())),
+                      self.interpolation, self.word)

@@ -1,0 +1,325 @@
+"""The planner: cache, scan and speed of a trained map, before any Verilog exists."""
+
+from dataclasses import dataclass, replace
+from itertools import islice
+
+from ncdc_model.planner.lookups import frame_windows, lookups
+from ncdc_model.planner.memory_timing import memory_at
+from ncdc_model.planner.tags import accesses, misses
+from ncdc_model.planner.timing import predict_clocks
+from ncdc_model.planner.traffic import distinct_bytes, live_tiles, worst_span
+from ncdc_model.planner.writes import frame_writes
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.errors import InputError
+from ncdc_spec.frames import FramePlaces, check_format, output_format
+from ncdc_spec.geometry import check_strip_width
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import FAST
+
+__all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "Plan", "STRIPS", "best_split",
+           "choose", "plan"]
+
+CACHE_BYTES = 8192, 16384, 32768, 65536     # sizes that are tried
+STRIPS = 64, 128, 256                       # widths that are tried, besides raster
+CLOCK_MHZ = 100.0
+
+# Bytes read over distinct bytes that a choice may cost: a strip reads its neighbours' edges too.
+_RASTER_GOAL, _STRIP_GOAL = 1.02, 1.15
+_CLOCKS_GOAL = 1.02                         # clocks per pixel
+_COUNT = {1: "one pixel", 2: "two pixels", 4: "four pixels"}
+_GAIN = .99                                 # of the clocks, by a choice further back
+_TIMINGS = 4                                # choices whose clocks are predicted, at most
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """What the user has fixed of what the planner chooses; None leaves it open.
+
+    Parameters
+    ----------
+    cache_bytes : int, optional
+        Samples that the tile cache holds.
+    split : int, optional
+        Register CACHE_SPLIT.
+    strip : int, optional
+        Register STRIP_WIDTH; 0: a raster.
+
+    Raises
+    ------
+    InputError
+        If there is no such tile cache, split or strip.
+    """
+    cache_bytes: int | None = None
+    split: int | None = None
+    strip: int | None = None
+
+    def __post_init__(self):
+        check_strip_width(self.strip or 0)
+        sizes = self.caches()
+        if self.split is not None and not sizes:
+            raise InputError(f"the cache's split is {self.split}, the limits are 0 and "
+                             f"{CacheOptions.of_bytes(CACHE_BYTES[-1]).max_split}")
+
+    @property
+    def everything(self):
+        """Whether nothing is left open."""
+        return None not in (self.cache_bytes, self.split, self.strip)
+
+    def caches(self, interpolation=FAST):
+        """Tile caches to choose from, the smallest first: list of CacheOptions."""
+        sizes = [CacheOptions.of_bytes(size, interpolation) for size in
+                 (CACHE_BYTES if self.cache_bytes is None else [self.cache_bytes])]
+        if self.split is None:
+            return sizes
+        if self.cache_bytes is not None:
+            sizes[0].check_split(self.split)
+        return [cache for cache in sizes if 0 <= self.split <= cache.max_split]
+
+    def strips(self, width, stream):
+        """Widths of strips to choose from for a corrected picture ``width`` pixels wide.
+
+        Raises
+        ------
+        InputError
+            If strips are asked of a stream.
+        """
+        if self.strip is not None:
+            if stream and self.strip:
+                raise InputError(f"the strip width is {self.strip}, a video stream needs 0 "
+                                 f"(raster)")
+            return [self.strip]
+        return [0, *(strip for strip in STRIPS if strip < width and not stream)]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A hardware with a tile cache, a split and a scan, and how many tiles it reads for a frame."""
+    hardware: Hardware
+    misses: int
+
+    @property
+    def bytes_read(self):
+        """For a frame."""
+        return self.misses * self.hardware.cache.tile_bytes
+
+    @property
+    def amplification_goal(self):
+        """What reads may cost at most, over distinct bytes."""
+        return _STRIP_GOAL if self.hardware.strip else _RASTER_GOAL
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a configuration makes of a map on a memory.
+
+    Parameters
+    ----------
+    hardware : Hardware
+        With the tile cache, the split and the scan that were chosen.
+    memory : str
+    clock_mhz : float
+    pixels, misses, clocks, interlock, credit : int
+        Of a frame: corrected pixels, tiles read, clocks, clocks waited, see
+        :class:`ncdc_model.planner.timing.Clocks`.
+    distinct : int
+        Bytes of the raw frame that some window holds.
+    worst : float
+        Bytes read per pixel in the worst 8192 pixels in a row.
+    live : int
+        Bytes of the tiles between first and last use, at most.
+    """
+    hardware: Hardware
+    memory: str
+    clock_mhz: float
+    pixels: int
+    misses: int
+    clocks: int
+    interlock: int
+    credit: int
+    distinct: int
+    worst: float
+    live: int
+
+    @property
+    def clocks_per_pixel(self):
+        """Clocks of a frame over its pixels."""
+        return self.clocks / self.pixels
+
+    @property
+    def amplification(self):
+        """Bytes read over distinct bytes."""
+        return self.misses * self.hardware.cache.tile_bytes / max(1, self.distinct)
+
+    @property
+    def frames_per_second(self):
+        """At the plan's clock."""
+        return self.clock_mhz * 1e6 / self.clocks
+
+    def report(self):
+        """The figures under their names in every report."""
+        hardware = self.hardware
+        return {
+            "cache_bytes": hardware.cache.bytes, "cache_split": hardware.split,
+            "strip": hardware.strip, "scan": "strip" if hardware.strip else "raster",
+            "memory": self.memory, "clock_mhz": self.clock_mhz, "data_width": hardware.data_width,
+            "misses": self.misses,
+            "predicted_clocks_per_pixel": self.clocks_per_pixel,
+            "bytes_read_per_pixel": self.misses * hardware.cache.tile_bytes / self.pixels,
+            "distinct_bytes_per_pixel": self.distinct / self.pixels,
+            "amplification": self.amplification, "worst_bytes_per_pixel": self.worst,
+            "live_bytes": self.live, "interlock_clocks": self.interlock,
+            "credit_clocks": self.credit, "frames_per_second": self.frames_per_second}
+
+
+def choose(windows, distinct, geometry, hardware, fixed=Fixed(), progress=lambda fraction: None):
+    """What can be made of ``hardware`` for a map, the best first: list of :class:`Choice`.
+
+    The smallest tile cache comes first that reads little more than the distinct bytes (2 % more;
+    15 % in strips, whose edges are read twice); of one size, what reads least. Those that read more
+    follow, by what they read.
+
+    Parameters
+    ----------
+    windows : Windows
+    distinct : int
+        See :func:`ncdc_model.planner.traffic.distinct_bytes`.
+    geometry : Geometry
+    hardware : Hardware
+    fixed : Fixed
+        Chosen by the user.
+    progress : callable
+        Called with the fraction done.
+
+    Raises
+    ------
+    InputError
+        If strips are asked of a stream.
+    """
+    found, caches = [], fixed.caches(geometry.interpolation)
+    strips = fixed.strips(geometry.corrected_width, hardware.stream)
+    for k, strip in enumerate(strips):
+        accessed = accesses(lookups(windows, strip))
+        for j, cache in enumerate(caches):
+            splits = range(cache.max_split + 1) if fixed.split is None else [fixed.split]
+            found += [Choice(replace(hardware, cache=cache, split=split, strip=strip),
+                             len(misses(accessed, cache, split))) for split in splits]
+            progress((k * len(caches) + j + 1) / (len(strips) * len(caches)))
+
+    def order(choice):
+        read, tiles = choice.bytes_read, choice.hardware.cache.tiles
+        good = read <= choice.amplification_goal * distinct
+        return (0, tiles, choice.misses) if good else (1, choice.misses, tiles)
+    return sorted(found, key=order)
+
+
+def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK_MHZ, rate=None,
+         progress=lambda fraction: None):
+    """:class:`Plan` of the first of :func:`choose` that needs at most 1.02 clocks per pixel (of
+    each lane), or that corrects ``rate`` frames per second if that is given; else of the fastest.
+
+    The frames lie where they do after reset.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    hardware : Hardware
+        Its tile cache, split and strip are chosen; the corrected pixels' format counts.
+    memory : str
+        Of :func:`ncdc_model.planner.memory_timing.memory_timing`; ``sdram`` and ``ddr3`` at ``clock_mhz``.
+    timing : callable
+        :class:`CorrectorTiming` of a corrector of this descriptor and a hardware: strips may need
+        other units than a raster.
+    fixed : Fixed
+        Chosen by the user.
+    clock_mhz : float
+        The corrector's clock.
+    rate : float, optional
+        Frames per second.
+    progress : callable
+        Called with the fraction done.
+
+    Raises
+    ------
+    InputError
+        If a value is outside its limits, the format would lose the camera's colours, or no
+        configuration holds the map at the rate.
+    """
+    model = memory_at(memory, clock_mhz)
+    if rate is not None and not rate > 0:
+        raise InputError(f"the rate is {rate:g} frames per second, it must be positive")
+    geometry = descriptor.geometry
+    check_format(output_format(hardware.format), geometry)
+    limit = _limit(geometry, hardware.lanes, clock_mhz, rate)
+    windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
+    distinct = distinct_bytes(windows, geometry)
+    choices = choose(windows, distinct, geometry, hardware, fixed,
+                     lambda fraction: progress(.5 + .2 * fraction))
+    made = None
+    for k, choice in enumerate(islice(_worth_timing(choices), _TIMINGS)):
+        found = _timed(windows, geometry, choice.hardware, model, timing(choice.hardware),
+                       lambda done, total: progress(.7 + .3 * (k + done / total) / _TIMINGS))
+        fast = found["clocks"] <= limit
+        if made is None or fast or found["clocks"] < _GAIN * made.clocks:
+            made = Plan(choice.hardware, memory, clock_mhz, distinct=distinct, **found)
+        if fast:
+            break
+    progress(1)
+    if rate is not None and made.frames_per_second < rate:
+        strip = made.hardware.strip
+        scan = f"strips of {strip} columns" if strip else "raster scan"
+        raise InputError(
+            f"{made.frames_per_second:.1f} frames per second are predicted for a cache of "
+            f"{made.hardware.cache.bytes} bytes in {scan} on {memory} at {clock_mhz:g} MHz, "
+            f"{rate:g} are asked for")
+    return made
+
+
+def _limit(geometry, lanes, clock_mhz, rate):
+    """Clocks of a frame that are few enough.
+
+    Raises
+    ------
+    InputError
+        If a pixel per clock and lane would not be.
+    """
+    pixels = geometry.corrected_width * geometry.corrected_height
+    limit = _CLOCKS_GOAL * pixels / lanes if rate is None else clock_mhz * 1e6 / rate
+    if limit < pixels / lanes:
+        raise InputError(f"{rate:g} frames per second are asked for, {_COUNT[lanes]} per clock "
+                         f"{'give' if lanes > 1 else 'gives'} "
+                         f"{clock_mhz * 1e6 * lanes / pixels:.1f} at {clock_mhz:g} MHz")
+    return limit
+
+
+def _timed(windows, geometry, hardware, memory, timing, progress):
+    """Figures of a frame, under their names in :class:`Plan`."""
+    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    boxes = lookups(windows, hardware.strip, hardware.lanes)
+    accessed = accesses(boxes)
+    missed = misses(accessed, hardware.cache, hardware.split)
+    writes = None if hardware.stream else frame_writes(
+        geometry, hardware, getattr(memory, "access_bytes", 1), places.target, timing)
+    clocks = predict_clocks(missed, boxes, hardware, memory, timing, places, writes, progress)
+    return {"pixels": boxes.pixels, "misses": len(missed), "clocks": clocks.clocks,
+            "interlock": clocks.interlock, "credit": clocks.credit,
+            "worst": worst_span(missed, len(boxes), hardware.cache.tile_bytes),
+            "live": live_tiles(accessed) * hardware.cache.tile_bytes}
+
+
+def _worth_timing(choices):
+    """The best of each size and scan, in order: of one size and scan, what reads more is slower."""
+    seen = set()
+    for choice in choices:
+        key = choice.hardware.cache.tiles, choice.hardware.strip
+        if key not in seen:
+            seen.add(key)
+            yield choice
+
+
+def best_split(descriptor, hardware):
+    """The split of the tile cache of ``hardware`` that reads the fewest tiles for ``descriptor``;
+    its own, of several that do."""
+    accessed = accesses(lookups(frame_windows(descriptor), hardware.strip, hardware.lanes))
+    own = hardware.split_for(descriptor.geometry)
+    return min(range(hardware.cache.max_split + 1),
+               key=lambda split: (len(misses(accessed, hardware.cache, split)), split != own))

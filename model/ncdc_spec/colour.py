@@ -1,0 +1,40 @@
+"""Gains and tone curve of corrected pixels."""
+
+from dataclasses import dataclass
+
+from ncdc_spec.errors import InputError
+from ncdc_spec.tone import LINEAR, check_tone
+from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
+
+__all__ = ["COLOURS", "Colour"]
+
+COLOURS = ("red", "green", "blue")
+
+
+@dataclass(frozen=True)
+class Colour:
+    """What is done to each corrected pixel that has a source; by default nothing.
+
+    Parameters
+    ----------
+    gains : tuple of int
+        Of red, green and blue in 256ths, 0..1023: unsigned Q2.8, 0 to 3.996.
+    tone : tuple of int
+        Nodes of the tone curve, of all three colours; see :mod:`ncdc_model.golden.tone`.
+
+    Raises
+    ------
+    InputError
+        If there are not three gains, one is outside the limits, or the curve is none.
+    """
+    gains: tuple = (UNITY,) * 3
+    tone: tuple = LINEAR
+
+    def __post_init__(self):
+        if len(self.gains) != len(COLOURS):
+            raise InputError(f"there are {len(self.gains)} gains, {len(COLOURS)} are needed")
+        for name, gain in zip(COLOURS, self.gains):
+            if not 0 <= gain <= LARGEST_GAIN or gain != int(gain):
+                raise InputError(f"the gain of {name} is {gain} 256ths, it must be an integer of 0 "
+                                 f"to {LARGEST_GAIN}")
+        check_tone(self.tone)

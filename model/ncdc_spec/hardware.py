@@ -1,0 +1,290 @@
+"""Choices of the hardware that change its size and speed, never its results."""
+
+from dataclasses import dataclass, replace
+
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.errors import InputError
+from ncdc_spec.frames import BGRX8, OUTPUT_FORMATS, check_format, output_format
+from ncdc_spec.geometry import check_strip_width
+from ncdc_spec.interpolation import FAST
+from ncdc_spec.nodes import NODES, nodes_fit, row_nodes
+
+__all__ = ["BUSES", "DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
+           "NODE_CLOCKS", "OUTPUTS", "VIDEOS", "Hardware", "check_lanes"]
+
+DATA_WIDTHS = (32, 64, 128)
+OUTPUTS = ("memory", "stream")
+FETCHERS = ("cache", "multiport")
+HIDDEN = ("multiply", "raster")
+MULTIPLIER_BITS = (27, 18)
+LANES = (1, 2, 4)
+FORMATS = tuple(OUTPUT_FORMATS)
+BUSES = ("avalon", "axi")
+VIDEOS = ("plain", "vip")
+NODE_CLOCKS = 2         # that a node takes at least: its scan adds up the next one meanwhile
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """How a corrector is built; every choice gives the same pixels.
+
+    The one object that carries these choices from the command line to planner, gateware, simulation
+    and the header of the Verilog.
+
+    Parameters
+    ----------
+    data_width : int
+        Bits of the memory ports: 32, 64 or 128.
+    output : str
+        "memory": corrected pixels are written to memory; "stream": they leave as video, row by row.
+    fetcher : str
+        "cache": a prefetching cache of tiles; "multiport": the paper's three burst readers.
+    cache : CacheOptions, optional
+        Sizes of the tile cache; those of :meth:`CacheOptions.for_width` if absent.
+    split : int, optional
+        Of the tile cache, after configuration; that of :meth:`CacheOptions.split_for` if absent.
+    strip : int
+        Columns of the strips in whose order pixels are made, after configuration; 0: a raster.
+    hidden : str
+        "multiply": two multipliers per hidden neuron; "raster": one adder per hidden neuron,
+        which follows the scan.
+    share : int, optional
+        Hidden neurons that one tan-sigmoid serves in turn: one coordinate, or one node, every
+        ``share`` clocks. The multipliers are shared likewise. If absent as many as let a coordinate
+        follow per clock and lane, see :meth:`share_for`.
+    multiplier_bits : int
+        Bits of the device's multiplier blocks: 27 makes each product of the neurons one
+        multiplication, 18 cuts it into parts that fit blocks of 18 x 18 bits.
+    lanes : int
+        Pixels per clock, 1, 2 or 4: neighbours of a row, each with a network of its own.
+    colour : bool
+        Whether there are registers for white balance and tone, which after configuration change
+        no pixel, and sums of the colours.
+    format : str
+        Name of the ``OutputFormat`` of pixels in memory, after configuration.
+    bus : str
+        "avalon": ports for Avalon-MM and Avalon-ST; "axi": for AXI4, AXI4-Lite and AXI4-Stream.
+    video : str
+        Of a stream: "plain", one packet of pixels per frame, or "vip", the packets of Intel's Video
+        and Image Processing Suite.
+
+    Raises
+    ------
+    InputError
+        If a value is none of the above, strips or a format are asked of a stream, the multiport
+        fetcher is to give more than one pixel per clock, or packets of Intel's suite are asked of
+        anything but a stream of Avalon's with one pixel per clock.
+    """
+    data_width: int = 32
+    output: str = "memory"
+    fetcher: str = "cache"
+    cache: CacheOptions | None = None
+    split: int | None = None
+    strip: int = 0
+    hidden: str = "multiply"
+    share: int | None = None
+    multiplier_bits: int = 27
+    lanes: int = 1
+    colour: bool = False
+    format: str = BGRX8.name
+    bus: str = BUSES[0]
+    video: str = VIDEOS[0]
+
+    def __post_init__(self):
+        for name, value, choices in (
+                ("the memory's data width", self.data_width, DATA_WIDTHS),
+                ("the output", self.output, OUTPUTS), ("fetch", self.fetcher, FETCHERS),
+                ("hidden", self.hidden, HIDDEN),
+                ("multiplier bits", self.multiplier_bits, MULTIPLIER_BITS),
+                ("pixels per clock", self.lanes, LANES), ("the format", self.format, FORMATS),
+                ("the bus", self.bus, BUSES), ("the video", self.video, VIDEOS)):
+            if value not in choices:
+                raise InputError(f"{name} is {value!r}, one of {', '.join(map(str, choices))} is "
+                                 f"needed")
+        if self.share is not None and self.share < 1:
+            raise InputError(f"share is {self.share}, the least is 1")
+        check_strip_width(self.strip)
+        if self.strip and self.stream:
+            raise InputError(f"the strip width is {self.strip}, a video stream needs 0 (raster)")
+        if self.stream and self.format != BGRX8.name:
+            raise InputError(f"the format is {self.format}, a video stream has none: its pixels "
+                             f"are always of 24 bits")
+        if self.lanes > 1 and not self.cached:
+            raise InputError(f"pixels per clock is {self.lanes}, the multiport fetcher can have 1 "
+                             f"only")
+
+        if self.video != VIDEOS[0]:
+            self._check_video()
+
+    def _check_video(self):
+        """Refuse packets of Intel's suite where there can be none."""
+        for name, value, needed in (("the output", self.output, "stream"),
+                                    ("the bus", self.bus, "avalon"),
+                                    ("pixels per clock", self.lanes, 1)):
+            if value != needed:
+                raise InputError(f"{name} is {value}, the video {self.video} needs {needed}")
+
+    @property
+    def stream(self):
+        """Whether corrected pixels leave as a video stream."""
+        return self.output == "stream"
+
+    @property
+    def axi(self):
+        """Whether its ports are those of AXI."""
+        return self.bus == "axi"
+
+    @property
+    def cached(self):
+        """Whether raw windows come from the tile cache."""
+        return self.fetcher == "cache"
+
+    def cache_for(self, geometry):
+        """Sizes of the tile cache for a camera of ``geometry``."""
+        return self.cache or CacheOptions.for_width(geometry.distorted_width,
+                                                    geometry.interpolation)
+
+    def split_for(self, geometry):
+        """The tile cache's split for a camera of ``geometry``.
+
+        Raises
+        ------
+        InputError
+            If the tile cache has no such split.
+        """
+        cache = self.cache_for(geometry)
+        if self.split is None:
+            return cache.split_for(geometry.distorted_width)
+        return cache.check_split(self.split)
+
+    def units(self, hidden_neurons):
+        """Tan-sigmoids of a network of ``hidden_neurons``.
+
+        Raises
+        ------
+        InputError
+            If there are fewer neurons than one tan-sigmoid could serve.
+        """
+        share = self.share or 1
+        if share > hidden_neurons:
+            raise InputError(f"share is {share}, the limit is the number of hidden neurons, "
+                             f"{hidden_neurons}")
+        return -(-hidden_neurons // share)
+
+    def served(self, hidden_neurons):
+        """Neurons that the tan-sigmoids of a network of ``hidden_neurons`` could serve, turns
+        without a neuron included."""
+        return self.units(hidden_neurons) * (self.share or 1)
+
+    def in_memory(self, layer):
+        """Whether what the neurons of ``layer``, "hidden" or "output", have for each hidden neuron
+        lies in memories, where a unit reads it in turn, and not in registers."""
+        return (self.share or 1) > 1 and (layer == "output" or self.hidden == "multiply")
+
+    def node_clocks(self, descriptor):
+        """Clocks that a node may take, if a row's nodes are to come in the clocks of its groups.
+
+        Of a full strip's row, or a picture's without strips; at least 1.
+        """
+        width = descriptor.geometry.corrected_width
+        columns = min(self.strip or width, width)
+        return max(1, columns // (self.lanes * row_nodes(columns, descriptor.nodes)))
+
+    def share_for(self, descriptor):
+        """Neurons that a tan-sigmoid serves in turn, for the camera of ``descriptor``.
+
+        Of a network at every pixel 1. At nodes the fewest tan-sigmoids are taken that give a node
+        within :meth:`node_clocks`, and the neurons are spread evenly over them.
+        """
+        if self.share is not None or descriptor.nodes == 1:
+            return self.share or 1
+        neurons = descriptor.hidden_neurons
+        return -(-neurons // -(-neurons // self.node_clocks(descriptor)))
+
+    def row_clocks(self, descriptor):
+        """(Groups of pixels of a row, clocks that its nodes take) of a network at nodes.
+
+        Of a full strip's row, or a picture's without strips.
+        """
+        width = descriptor.geometry.corrected_width
+        columns = min(self.strip or width, width)
+        return (columns // self.lanes, max(self.share_for(descriptor), NODE_CLOCKS)
+                * row_nodes(columns, descriptor.nodes))
+
+    def keeps_rate(self, descriptor):
+        """Whether the front end can give a coordinate per clock and lane."""
+        share = self.share_for(descriptor)
+        if descriptor.nodes == 1:
+            return share == 1
+        groups, clocks = self.row_clocks(descriptor)
+        return clocks <= groups
+
+    def nodes_at_rate(self, descriptor):
+        """Distances of nodes above the descriptor's at which no pixel waits for a node: a list.
+
+        With as many units as the hardware would have for each.
+        """
+        width, free = descriptor.geometry.corrected_width, replace(self, share=None)
+        return [nodes for nodes in NODES if nodes > descriptor.nodes and nodes_fit(nodes, width)
+                and free.keeps_rate(replace(descriptor, nodes=nodes))]
+
+    def made_for(self, descriptor):
+        """This hardware, with a tile cache and units of a number, for the camera of ``descriptor``.
+
+        Raises
+        ------
+        InputError
+            If the pixels per clock do not divide the corrected width, a tan-sigmoid is to serve
+            more neurons than there are, hidden neurons at nodes are to follow the scan of pixels,
+            the tile cache has no such split, the windows of the descriptor's interpolation
+            cannot be fetched, or the format would lose the camera's colours.
+        """
+        geometry = descriptor.geometry
+        needed = geometry.interpolation
+        if not self.cached and needed != FAST:
+            raise InputError(f"the descriptor's interpolation is {needed.name}, the multiport "
+                             f"fetcher can have {FAST.name} only, which ncdc train "
+                             f"--interpolation {FAST.name} gives")
+        if self.cached and self.cache_for(geometry).interpolation != needed:
+            raise InputError(f"the tile cache is for the interpolation "
+                             f"{self.cache.interpolation.name}, the descriptor's is {needed.name}")
+        check_lanes(geometry.corrected_width, self.lanes)
+        check_format(output_format(self.format), geometry)
+        if self.hidden == "raster" and descriptor.nodes > 1:
+            raise InputError(f"hidden is raster, a network at every {descriptor.nodes}th pixel "
+                             f"needs multiply")
+        self.units(descriptor.hidden_neurons)
+        self.split_for(geometry)
+        return replace(self, cache=self.cache_for(geometry), share=self.share_for(descriptor))
+
+    def report(self, geometry):
+        """The choices under their names in every report, for a camera of ``geometry``."""
+        cache = self.cache_for(geometry) if self.cached else None
+        return {"fetch": self.fetcher, "cache_bytes": cache.bytes if cache else 0,
+                "cache_split": self.split_for(geometry) if cache else 0, "strip": self.strip,
+                "data_width": self.data_width, "output": self.output, "hidden": self.hidden,
+                "share": self.share, "multiplier_bits": self.multiplier_bits,
+                "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
+                "colour": self.colour, "bus": self.bus,
+                "video": self.video if self.stream else None}
+
+    def options(self, geometry):
+        """The options of ``ncdc generate`` that choose this, for a camera of ``geometry``."""
+        cache = [f"--cache-bytes {self.cache_for(geometry).bytes}",
+                 f"--cache-split {self.split_for(geometry)}"] if self.cached else []
+        return [f"--fetch {self.fetcher}", *cache, f"--strip {self.strip}",
+                f"--data-width {self.data_width}", f"--to {self.output}",
+                f"--hidden {self.hidden}", f"--share {self.share}",
+                f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}",
+                *([] if self.stream else [f"--format {self.format}"]),
+                *(["--colour"] if self.colour else []),
+                *([f"--bus {self.bus}"] if self.axi else []),
+                *([f"--video {self.video}"] if self.video != VIDEOS[0] else [])]
+
+
+def check_lanes(width, lanes):
+    """Raise :class:`InputError` unless a picture ``width`` pixels wide has whole groups of
+    ``lanes``."""
+    if width % lanes:
+        raise InputError(f"the corrected width is {width}, {lanes} pixels per clock need a "
+                         f"multiple of {lanes}")

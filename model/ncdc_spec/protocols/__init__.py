@@ -1,0 +1,1 @@
+"""The protocols between clients and devices, and the features that both show."""

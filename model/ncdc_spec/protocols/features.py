@@ -1,0 +1,241 @@
+"""The features of a device, declared once: GenICam XML, emulated device, clients and documentation
+read this table, and so do registers of either protocol.
+
+A feature is a number in a 32-bit register of the GVCP address space; those with a ``table`` are at
+the same time 16-bit words of the paper's Table I, so that both protocols show one state.
+"""
+
+from dataclasses import dataclass
+
+from ncdc_spec.pixel_formats import PIXEL_FORMATS
+from ncdc_spec.protocols import gvsp
+from ncdc_spec.protocols.gvcp import BOOTSTRAP, FEATURE_BASE
+from ncdc_spec.protocols.table_one import SYSTEM_WORDS
+from ncdc_spec.sensors import mt9p031 as sensor
+from ncdc_spec.sensors.grid import MAX_REDUCTION
+
+__all__ = ["FEATURES", "Choice", "Feature", "TEST_PATTERNS", "feature", "system_word"]
+
+_SYSTEM = {word.name: word.address for word in SYSTEM_WORDS}
+_BOOTSTRAP = {place.name: place.address for place in BOOTSTRAP}
+_LINES_MAX = (1 << 20) - 1      # of the sensor's shutter
+
+
+def system_word(name):
+    """Table I address of a word of the system's page."""
+    return _SYSTEM[name]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """An entry of an enumeration: its value in the GVCP register and in the Table I word."""
+    name: str
+    value: int
+    word: int
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One feature.
+
+    Parameters
+    ----------
+    name : str
+        As the Standard Features Naming Convention has it, where it has one.
+    kind : str
+        "integer", "float", "boolean", "enumeration", "command" or "text".
+    address : int
+        In the GVCP address space.
+    text : str
+    category : str
+    access : str
+        "rw", "ro" or "wo".
+    low, high : int
+        Limits of the register.
+    high_from : tuple of str
+        Names of the features whose difference, or the one whose value, bounds the register
+        besides ``high``.
+    step : int
+    unit : str
+    scale : (int, int)
+        A float is register * scale[0] / scale[1].
+    scale_from : str
+        Name of a feature that multiplies a float besides, empty if none does.
+    choices : tuple of Choice
+    locked : bool
+        Whether it cannot be written while pictures stream.
+    table : tuple of int
+        Table I addresses that hold it, the upper word first; empty if none does.
+    field : (int, int)
+        Lowest bit and width of its field in the word, for a feature that shares it; else empty.
+    length : int
+        Bytes of a text.
+    """
+    name: str
+    kind: str
+    address: int
+    text: str
+    category: str
+    access: str = "rw"
+    low: int = 0
+    high: int = 0xFFFFFFFF
+    high_from: tuple = ()
+    step: int = 1
+    unit: str = ""
+    scale: tuple = (1, 1)
+    scale_from: str = ""
+    choices: tuple = ()
+    locked: bool = False
+    table: tuple = ()
+    field: tuple = ()
+    length: int = 4
+
+    def word_of(self, register):
+        """Value of the Table I words, as one number, for the value of the GVCP register."""
+        for choice in self.choices:
+            if choice.value == register:
+                return choice.word
+        return register
+
+    def register_of(self, word):
+        """Value of the GVCP register for that of the Table I words."""
+        for choice in self.choices:
+            if choice.word == word:
+                return choice.value
+        return word
+
+
+def _own(index):
+    return FEATURE_BASE + 4 * index
+
+
+def _formats():
+    return tuple(Choice(f.name, f.pfnc, f.mraw) for f in PIXEL_FORMATS)
+
+
+def _pattern(name):
+    word = sensor.pattern_word(name)
+    return Choice(name, word, word)
+
+
+TEST_PATTERNS = (Choice("Off", 0, 0), *map(_pattern, sensor.USER_PATTERNS))
+
+_MODES = (Choice("Continuous", 0, 0), Choice("SingleFrame", 1, 1))
+
+
+def _text(name):
+    place = next(place for place in BOOTSTRAP if place.name == name)
+    return Feature(name, "text", place.address, "Of the device.", "DeviceControl", access="ro",
+                   length=place.length)
+
+
+def _upper_lower(name):
+    return _SYSTEM[f"{name}_UPPER"], _SYSTEM[f"{name}_LOWER"]
+
+
+_STEP = 2       # of offsets and sizes: the colour filter's pattern stays as it is
+
+FEATURES = (
+    _text("DeviceVendorName"), _text("DeviceModelName"), _text("DeviceVersion"),
+    _text("DeviceSerialNumber"), _text("DeviceUserID"),
+    Feature("WidthMax", "integer", _own(0), "Width of the whole picture.", "ImageFormatControl",
+            access="ro", unit="pixel", table=(_SYSTEM["WIDTH_MAX"],)),
+    Feature("HeightMax", "integer", _own(1), "Height of the whole picture.", "ImageFormatControl",
+            access="ro", unit="pixel", table=(_SYSTEM["HEIGHT_MAX"],)),
+    Feature("Width", "integer", _own(2), "Width of the picture, a window of the whole one.",
+            "ImageFormatControl", low=8, high_from=("WidthMax", "OffsetX"), step=_STEP,
+            unit="pixel", locked=True, table=(_SYSTEM["WIDTH"],)),
+    Feature("Height", "integer", _own(3), "Height of the picture.", "ImageFormatControl", low=8,
+            high_from=("HeightMax", "OffsetY"), step=_STEP, unit="pixel", locked=True,
+            table=(_SYSTEM["HEIGHT"],)),
+    Feature("OffsetX", "integer", _own(4), "Column of the whole picture that the picture begins "
+            "at.", "ImageFormatControl", high_from=("WidthMax", "Width"), step=_STEP,
+            unit="pixel", locked=True, table=(_SYSTEM["OFFSET_X"],)),
+    Feature("OffsetY", "integer", _own(5), "Row of the whole picture that it begins at.",
+            "ImageFormatControl", high_from=("HeightMax", "Height"), step=_STEP, unit="pixel",
+            locked=True, table=(_SYSTEM["OFFSET_Y"],)),
+    Feature("PixelFormat", "enumeration", _own(6), "Raw frames (Bayer formats: the one of the "
+            "sensor's present colour filter) or corrected pictures.", "ImageFormatControl",
+            choices=_formats(), locked=True, table=(_SYSTEM["FORMAT"],)),
+    Feature("ReverseX", "boolean", _own(7), "The picture mirrored left to right.",
+            "ImageFormatControl", high=1, locked=True, table=(sensor.READ_MODE_2,),
+            field=(sensor.MIRROR_COLUMN, 1)),
+    Feature("ReverseY", "boolean", _own(8), "The picture upside down.", "ImageFormatControl",
+            high=1, locked=True, table=(sensor.READ_MODE_2,), field=(sensor.MIRROR_ROW, 1)),
+    Feature("TestPattern", "enumeration", _own(9), "Picture that the sensor makes itself.",
+            "ImageFormatControl", choices=TEST_PATTERNS, table=(sensor.TEST_PATTERN,)),
+    Feature("AcquisitionMode", "enumeration", _own(10), "Pictures until stopped, or one.",
+            "AcquisitionControl", choices=_MODES, locked=True),
+    Feature("AcquisitionStart", "command", _own(11), "Begin to stream.", "AcquisitionControl",
+            access="wo", high=1),
+    Feature("AcquisitionStop", "command", _own(12), "End the stream.", "AcquisitionControl",
+            access="wo", high=1),
+    Feature("AcquisitionFrameRate", "float", _own(13), "Frames per second.", "AcquisitionControl",
+            low=1, high=1200, unit="Hz", scale=(1, 10), table=(_SYSTEM["FRAME_RATE"],)),
+    Feature("LineTime", "integer", _own(14), "Time in which the sensor reads one line: the step "
+            "of the exposure.", "AcquisitionControl", access="ro", unit="ns",
+            table=_upper_lower("LINE_TIME")),
+    Feature("ExposureTime", "float", _own(15), "Exposure; the register counts lines.",
+            "AcquisitionControl", low=1, high=_LINES_MAX, unit="us", scale=(1, 1000),
+            scale_from="LineTime", table=(sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER)),
+    Feature("Gain", "float", _own(16), "Analog gain, a factor.", "AnalogControl", low=8, high=63,
+            scale=(1, 8), table=(sensor.GLOBAL_GAIN,), field=sensor.ANALOG_GAIN),
+    Feature("CorrectionEnable", "boolean", _own(17), "Corrected pictures (1) or raw frames (0); "
+            "changes PixelFormat to BGR8 or to the sensor's, and back to the whole picture.",
+            "NcdcControl", high=1, locked=True, table=(_SYSTEM["SOURCE"],)),
+    Feature("LensSelector", "integer", _own(18), "Number of the lens that is corrected; takes "
+            "effect with the next frame.", "NcdcControl", high=0xFFFE, high_from=("LensMax",),
+            table=(_SYSTEM["LENS"],)),
+    Feature("LensMax", "integer", _own(19), "Number of the last lens.", "NcdcControl",
+            access="ro", table=(_SYSTEM["LENS_MAX"],)),
+    Feature("SensorRegisterAddress", "integer", _own(20), "Table I address that "
+            "SensorRegisterValue reads and writes.", "NcdcControl", high=0xFFFF),
+    Feature("SensorRegisterValue", "integer", _own(21), "The 16-bit word there.", "NcdcControl",
+            high=0xFFFF),
+    Feature("FramesDropped", "integer", _own(22), "Frames that were due and not made in time.",
+            "NcdcControl", access="ro", table=_upper_lower("DROPPED")),
+    Feature("FramesTorn", "integer", _own(23), "Frames that were overwritten while they were "
+            "read.", "NcdcControl", access="ro", table=_upper_lower("TORN")),
+    Feature("PayloadSize", "integer", _own(24), "Bytes of a picture.", "TransportLayerControl",
+            access="ro", unit="byte"),
+    Feature("TLParamsLocked", "integer", _own(25), "1: what the size of a picture depends on is "
+            "locked.", "TransportLayerControl", high=1),
+    Feature("TriggerSelector", "enumeration", _own(26), "What a trigger begins.",
+            "AcquisitionControl", high=0, choices=(Choice("FrameStart", 0, 0),)),
+    Feature("TriggerMode", "enumeration", _own(27), "On: each trigger sends one picture, whose "
+            "exposure begins after it.", "AcquisitionControl", high=1, locked=True,
+            choices=(Choice("Off", 0, 0), Choice("On", 1, 1))),
+    Feature("TriggerSource", "enumeration", _own(28), "Where triggers come from.",
+            "AcquisitionControl", high=0, choices=(Choice("Software", 0, 0),)),
+    Feature("TriggerSoftware", "command", _own(29), "Send the next picture, while TriggerMode is "
+            "On; a trigger that comes before it is sent does nothing.", "AcquisitionControl",
+            access="wo", high=1),
+    Feature("SensorWidth", "integer", _own(30), "Active columns of the sensor.",
+            "ImageFormatControl", access="ro", unit="pixel", table=(_SYSTEM["SENSOR_WIDTH"],)),
+    Feature("SensorHeight", "integer", _own(31), "Active rows of the sensor.",
+            "ImageFormatControl", access="ro", unit="pixel", table=(_SYSTEM["SENSOR_HEIGHT"],)),
+    Feature("DecimationHorizontal", "integer", _own(32), "Active columns for each of a whole "
+            "raw frame.",
+            "ImageFormatControl", access="ro", low=1, high=MAX_REDUCTION,
+            table=(_SYSTEM["DECIMATION_X"],)),
+    Feature("DecimationVertical", "integer", _own(33), "Active rows for each of a whole raw "
+            "frame.", "ImageFormatControl", access="ro", low=1,
+            high=MAX_REDUCTION, table=(_SYSTEM["DECIMATION_Y"],)),
+    Feature("FieldLeft", "integer", _own(34), "Active column where whole raw frames begin.",
+            "NcdcControl", access="ro", unit="pixel", table=(_SYSTEM["FIELD_LEFT"],)),
+    Feature("FieldTop", "integer", _own(35), "Active row where whole raw frames begin.",
+            "NcdcControl", access="ro", unit="pixel", table=(_SYSTEM["FIELD_TOP"],)),
+    Feature("GevSCPSPacketSize", "integer", _BOOTSTRAP["StreamPacketSize"], "Bytes of a packet "
+            "with IP and UDP header.", "TransportLayerControl",
+            low=gvsp.packet_size(gvsp.MIN_PACKET + gvsp.PAYLOAD_STEP - 1),
+            high=gvsp.packet_size(gvsp.MAX_PACKET), step=gvsp.PAYLOAD_STEP,
+            unit="byte", locked=True, field=(0, 16)),
+    Feature("GevSCPD", "integer", _BOOTSTRAP["StreamPacketDelay"], "Delay between two packets.",
+            "TransportLayerControl", high=1_000_000, unit="ns"),
+)
+_BY_NAME = {feature.name: feature for feature in FEATURES}
+
+
+def feature(name):
+    """The :class:`Feature` of that name; raises :class:`KeyError`."""
+    return _BY_NAME[name]

@@ -1,0 +1,92 @@
+"""What a host writes to the registers to correct frames of a camera."""
+
+from ncdc_spec.colour import COLOURS, Colour
+from ncdc_spec.frames import (
+    BGRX8,
+    FramePlaces,
+    check_format,
+    output_format,
+    source_bytes,
+    target_bytes,
+)
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import BAYER_MONO, TABLE, network_registers
+
+__all__ = ["colour_values", "host_values", "network_values", "place_values", "table_words"]
+
+# Array of the descriptor that holds the parameters of a layer's part.
+_ARRAYS = {("hidden", "weights"): "hidden_weights", ("hidden", "bias"): "hidden_biases",
+           ("output", "weights"): "output_weights", ("output", "bias"): "output_biases",
+           ("output", "skip"): "skip_weights"}
+
+
+def network_values(descriptor):
+    """Register values, by name, of the network of ``descriptor``."""
+    values = {}
+    for register in network_registers(descriptor.hidden_neurons, descriptor.formats):
+        layer, neuron, part, *weight = register.parameter
+        array = getattr(descriptor, _ARRAYS[layer, part])
+        values[register.name] = int(array[(neuron, *weight)])
+    return values
+
+
+def place_values(geometry, data_width, places, form=BGRX8):
+    """Register values, by name, of the ``places`` that the frames of ``geometry`` just fill, the
+    corrected one in the :class:`OutputFormat` ``form``."""
+    return {"SOURCE_BASE": places.source,
+            "SOURCE_LIMIT": places.source + source_bytes(geometry, places.pitch),
+            "TARGET_BASE": places.target,
+            "TARGET_LIMIT": places.target + target_bytes(geometry, data_width, form)}
+
+
+def colour_values(colour):
+    """Register values, by name, of the gains and the tone curve of ``colour``."""
+    return {**{f"GAIN_{name.upper()}": gain for name, gain in zip(COLOURS, colour.gains)},
+            **{f"TONE{k}": node for k, node in enumerate(colour.tone)}}
+
+
+def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colour=Colour()):
+    """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    hardware : Hardware
+        Its data width, split, strips, format and colour count; others are those of the corrector.
+    places : FramePlaces, optional
+        Those after reset if absent.
+    follow : bool
+        Whether the corrector begins before the raw frame is complete.
+    colour : Colour
+        Gains and tone curve, where the hardware has registers for them.
+
+    Raises
+    ------
+    InputError
+        If the format would lose the camera's colours.
+    """
+    g, form = descriptor.geometry, output_format(hardware.format)
+    check_format(form, g)
+    places = places or FramePlaces.after_reset(g, hardware.data_width)
+    origin_x, step_x, origin_y, step_y = g.scan()
+    red, green, blue = g.fill
+    return {
+        **network_values(descriptor),
+        "VALID_BANK": 0,
+        **place_values(g, hardware.data_width, places, form), "SOURCE_PITCH": places.pitch,
+        "OUTPUT_FORMAT": form.code,
+        "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
+        "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
+        "SCAN_ORIGIN_X": origin_x, "SCAN_STEP_X": step_x,
+        "SCAN_ORIGIN_Y": origin_y, "SCAN_STEP_Y": step_y,
+        "BAYER_PHASE": BAYER_MONO if g.mono else g.phase[0] | g.phase[1] << 1,
+        "FILL": red << 16 | green << 8 | blue,
+        "CACHE_SPLIT": hardware.split_for(g), "STRIP_WIDTH": hardware.strip, "FOLLOW": int(follow),
+        **(colour_values(colour) if hardware.colour else {}),
+    }
+
+
+def table_words(valid):
+    """(word address, value) of every entry of the table of valid rows."""
+    return [(TABLE + 2 * row + k, spans[2 * k] | spans[2 * k + 1] << 16)
+            for row, spans in enumerate(valid.spans.tolist()) for k in range(2)]

@@ -1,0 +1,353 @@
+"""The registers, declared once: gateware, host software and documentation read this table."""
+
+from dataclasses import dataclass
+
+from ncdc_spec.frames import ADDRESS_BITS, MONO8, OUTPUT_FORMATS
+from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
+from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.tone import NODE_BITS, NODE_PLACES
+from ncdc_spec.white_balance import GAIN_BITS
+
+__all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabilities",
+           "COLOUR_COUNTERS", "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "counters",
+           "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "FAULT_ALIGNMENT", "FAULT_FORMAT",
+           "FAULT_MEMORY", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID",
+           "INTERPOLATION_BITS", "network_registers", "NODES", "OUTSIDE_DIGEST",
+           "Register", "registers", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
+           "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT",
+           "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "VERSION"]
+
+ADDRESS_WORDS_BITS = 14
+TABLE = 1 << 13           # word address of the window on the table of valid rows
+ID = 0x4E434443           # "NCDC"
+
+VERSION = 3               # of this map; one more whenever a host must know of a change
+
+# Of an instance.
+CONSTANTS = ("ID", "DIGEST", "NEURONS", "NODES", "CAPABILITIES", "LARGEST")
+
+# Shadow registers of colour, where there are any.
+COLOUR_SETTINGS = ("GAIN_RED", "GAIN_GREEN", "GAIN_BLUE",
+                   *(f"TONE{k}" for k in range(len(NODE_PLACES))))
+
+# Registers of the set that say nothing of the lens: DIGEST does not tell of them.
+OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
+                  "TARGET_LIMIT", "OUTPUT_FORMAT", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
+                  *COLOUR_SETTINGS)
+
+CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
+STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
+STATUS_COMMITTED, STATUS_REFUSED, STATUS_BANK, STATUS_ABORTED = 8, 16, 32, 64
+STATUS_FAULT = 128
+CAPABILITIES = 0x25
+BAYER_MONO = 4            # of BAYER_PHASE
+INTERPOLATION_BITS = {FAST.name: 0x400, GRADIENT.name: 0x800}       # of CAPABILITIES
+FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE, FAULT_FORMAT = 1, 2, 4, 8, 16
+FAULT_MEMORY = 32
+
+# Counted while a frame runs; FRAMES beside them counts frames.
+COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS", "SINK_STALLS", "DATA_STALLS",
+            "INTERLOCK_STALLS", "CREDIT_STALLS", "PENDING_STALLS")
+
+# Counted as well where there are registers of colour.
+COLOUR_COUNTERS = ("RED_SUM", "GREEN_SUM", "BLUE_SUM", "VALID_PIXELS")
+
+
+@dataclass(frozen=True)
+class Bits:
+    """A number of ``width`` bits, a two's complement one if ``signed``."""
+    width: int
+    signed: bool = False
+
+
+_SIZE = Bits(MAX_SIZE.bit_length())
+
+
+@dataclass(frozen=True)
+class Flag:
+    """One bit of an "action" register, or some bits of a constant.
+
+    Parameters
+    ----------
+    name : str
+    mask : int
+        Adjacent ones.
+    access : str
+        "w1": writing 1 acts, reads 0; "ro"; "w1c": writing 1 clears.
+    text : str
+    """
+    name: str
+    mask: int
+    access: str
+    text: str
+
+    @property
+    def bit(self):
+        """Number of the highest bit."""
+        return self.mask.bit_length() - 1
+
+    @property
+    def low(self):
+        """Number of the lowest bit."""
+        return (self.mask & -self.mask).bit_length() - 1
+
+    @property
+    def place(self):
+        """The bits, for people."""
+        return f"bit {self.bit}" if self.bit == self.low else f"bits {self.bit}:{self.low}"
+
+
+@dataclass(frozen=True)
+class Register:
+    """One 32-bit register.
+
+    Parameters
+    ----------
+    name : str
+    address : int
+        In words.
+    access : str
+        "rw"; "shadow": rw, of the set that a commit makes active; "ro"; "action": flags, each
+        with its own access.
+    shape : Bits
+        Bits that are kept; a signed value is sign-extended on reading.
+    text : str
+    flags : tuple of Flag
+        Of an "action" register, or of a constant that is made of several.
+    parameter : tuple
+        Of a register of the network, where its value stands in it: layer ("hidden", "output"),
+        number of the neuron, "weights", "bias" or "skip", and number of the weight; else empty.
+    family : (str, str)
+        Name and text with ``j`` for the number of the hidden neuron: those that all hidden
+        neurons' registers of one kind have in common.
+    """
+    name: str
+    address: int
+    access: str
+    shape: Bits
+    text: str
+    flags: tuple = ()
+    parameter: tuple = ()
+    family: tuple = ()
+
+    def __post_init__(self):
+        if not self.family:
+            object.__setattr__(self, "family", (self.name, self.text))
+
+
+def _action(name, address, text, *flags, access="action"):
+    return Register(name, address, access, Bits(max(flag.bit for flag in flags) + 1), text,
+                    flags)
+
+
+_FIXED = (
+    Register("ID", 0x00, "ro", Bits(32), "Constant 0x4E434443, \"NCDC\"."),
+    Register("DIGEST", 0x01, "ro", Bits(32),
+             "First 32 bits of the hash of the descriptor that the reset values are from."),
+    Register("NEURONS", 0x02, "ro", Bits(6), "Hidden neurons of this instance."),
+    _action("CTRL", 0x03, "Several bits may be written at once.",
+            Flag("START", CTRL_START, "w1",
+                 "correct one frame; while a frame runs, one more waits its turn"),
+            Flag("COMMIT", CTRL_COMMIT, "w1",
+                 "make the whole set of shadow registers active at the next frame boundary"),
+            Flag("ABORT", CTRL_ABORT, "w1",
+                 "end the frame that runs with a blank pixel; what is under way drains first")),
+    _action("STATUS", 0x04, "",
+            Flag("BUSY", STATUS_BUSY, "ro", "a frame runs"),
+            Flag("DONE", STATUS_DONE, "w1c",
+                 "a frame is complete: the memory has taken its last word"),
+            Flag("PENDING", STATUS_PENDING, "ro", "another frame waits"),
+            Flag("COMMITTED", STATUS_COMMITTED, "ro", "a commit waits for the frame boundary"),
+            Flag("REFUSED", STATUS_REFUSED, "w1c",
+                 "a write was ignored that would have changed a committed set or valid rows in "
+                 "use, or a start while the corrector runs by itself"),
+            Flag("BANK", STATUS_BANK, "ro", "bank of the valid rows in use"),
+            Flag("ABORTED", STATUS_ABORTED, "ro",
+                 "the last frame lacks pixels: it was aborted, or refused, see `FAULT`"),
+            Flag("FAULT", STATUS_FAULT, "ro", "a bit of `FAULT` is set")),
+    Register("IRQ_ENABLE", 0x05, "rw", Bits(1), "irq follows STATUS.DONE."),
+    Register("VALID_WINDOW", 0x06, "rw", Bits(1),
+             "Bank of the valid rows that the table window reads and writes."),
+    Register("VALID_BANK", 0x07, "shadow", Bits(1), "Bank of the valid rows that frames use."),
+    Register("SOURCE_BASE", 0x08, "shadow", Bits(ADDRESS_BITS),
+             "Byte address of the raw frame, a multiple of the memory word."),
+    Register("SOURCE_PITCH", 0x09, "shadow", _SIZE,
+             "Bytes from row to row of the raw frame, a multiple of the memory word, from "
+             "DISTORTED_WIDTH to 8191."),
+    Register("TARGET_BASE", 0x0A, "shadow", Bits(ADDRESS_BITS),
+             "Byte address of the corrected frame, a multiple of the memory word."),
+    Register("CORRECTED_WIDTH", 0x0B, "shadow", _SIZE,
+             f"Corrected image, pixels per row, {MIN_SIZE}..{MAX_SIZE}."),
+    Register("CORRECTED_HEIGHT", 0x0C, "shadow", _SIZE,
+             f"Corrected image, rows, {MIN_SIZE}..{MAX_SIZE}."),
+    Register("DISTORTED_WIDTH", 0x0D, "shadow", _SIZE,
+             f"Raw frame, samples per row, {MIN_SIZE}..{MAX_SIZE}."),
+    Register("DISTORTED_HEIGHT", 0x0E, "shadow", _SIZE,
+             f"Raw frame, rows, {MIN_SIZE}..{MAX_SIZE}."),
+    Register("FOLLOW", 0x0F, "shadow", Bits(1),
+             "1: a pixel waits until `camera_rows` says that its raw rows are in memory; 0: the "
+             "raw frame is complete when a frame begins."),
+    Register("SCAN_ORIGIN_X", 0x10, "shadow", Bits(SCAN.width, signed=True),
+             f"Normalised x of the first column, {SCAN}."),
+    Register("SCAN_STEP_X", 0x11, "shadow", Bits(SCAN.width, signed=True),
+             f"Normalised distance of two columns, {SCAN}."),
+    Register("SCAN_ORIGIN_Y", 0x12, "shadow", Bits(SCAN.width, signed=True),
+             f"Normalised y of the first row, {SCAN}."),
+    Register("SCAN_STEP_Y", 0x13, "shadow", Bits(SCAN.width, signed=True),
+             f"Normalised distance of two rows, {SCAN}."),
+    Register("BAYER_PHASE", 0x14, "shadow", Bits(3),
+             "Parity of the column (bit 0) and the row (bit 1) of the red samples; bit 2: the "
+             "sensor is grey, without a colour filter (gradient-corrected interpolation only)."),
+    Register("FILL", 0x15, "shadow", Bits(24),
+             "Colour of pixels without a source, 0xRRGGBB."),
+    Register("CACHE_SPLIT", 0x16, "shadow", Bits(4),
+             "Cache fetcher: log2 of the tile pairs along a row that have sets of their own."),
+    Register("STRIP_WIDTH", 0x17, "shadow", _SIZE,
+             f"Columns of a strip, a multiple of {STRIP_UNIT}; 0: raster. "
+             "A stream is always a raster."),
+    Register("CLOCKS", 0x18, "ro", Bits(32), "Clocks of the last frame, start to last pixel."),
+    Register("PIXELS", 0x19, "ro", Bits(32), "Pixels of the last frame."),
+    Register("FETCHES", 0x1A, "ro", Bits(32), "Windows (multiport), or tiles (cache; of 16x2 "
+             "samples, with the fast interpolation 16x4), that the last frame read from memory."),
+    Register("FRONT_END_STALLS", 0x1B, "ro", Bits(32),
+             "Clocks in which the last frame's front end waited for room behind it."),
+    Register("FRAMES", 0x1C, "ro", Bits(32), "Frames completed since reset."),
+    Register("SINK_STALLS", 0x1D, "ro", Bits(32),
+             "Clocks in which a corrected pixel of the last frame waited for writer or stream."),
+    Register("DATA_STALLS", 0x1E, "ro", Bits(32),
+             "Clocks in which the last frame's oldest window waited for the memory."),
+    Register("INTERLOCK_STALLS", 0x1F, "ro", Bits(32),
+             "Cache fetcher: clocks in which a missing tile waited for the place of one in use."),
+    Register("CREDIT_STALLS", 0x20, "ro", Bits(32),
+             "Cache fetcher: clocks in which a window that misses tiles waited as those before it "
+             "were not all asked for, as many as allowed being under way."),
+    Register("PENDING_STALLS", 0x21, "ro", Bits(32),
+             "Cache fetcher: clocks in which a window waited because as many as allowed were "
+             "pending."),
+    Register("SOURCE_LIMIT", 0x22, "shadow", Bits(ADDRESS_BITS),
+             "Byte address behind the raw frame's place: nothing from there on is read."),
+    Register("TARGET_LIMIT", 0x23, "shadow", Bits(ADDRESS_BITS),
+             "Byte address behind the corrected frame's place: nothing from there on is written."),
+    _action("FAULT", 0x24, "",
+            Flag("SOURCE", FAULT_SOURCE, "w1c",
+                 "a sample of the raw frame was not read, because it is not in the place that "
+                 "`SOURCE_BASE` and `SOURCE_LIMIT` enclose: pixels are wrong, or the frame was "
+                 "refused"),
+            Flag("TARGET", FAULT_TARGET, "w1c",
+                 "pixels were not written, because they are not in the place that `TARGET_BASE` "
+                 "and `TARGET_LIMIT` enclose"),
+            Flag("ALIGNMENT", FAULT_ALIGNMENT, "w1c",
+                 "a frame was refused: a base or the pitch is no multiple of the memory word"),
+            Flag("SIZE", FAULT_SIZE, "w1c",
+                 "a frame was refused: a size, the pitch, the strip or the split is beyond its "
+                 "limits, or the width no multiple of the pixels per clock"),
+            Flag("FORMAT", FAULT_FORMAT, "w1c",
+                 "a frame was refused: `OUTPUT_FORMAT` is none of its values, or "
+                 f"{MONO8.name} and `BAYER_PHASE` names no grey sensor"),
+            Flag("MEMORY", FAULT_MEMORY, "w1c",
+                 "the memory answered a read or a write with an error, which only AXI can tell: "
+                 "pixels are wrong; or it was reset in a frame without the corrector: pixels are "
+                 "wrong, or the frame does not end until a reset")),
+    _action("CAPABILITIES", CAPABILITIES, "What this instance is.",
+            Flag("VERSION", 0xFF, "ro", "version of this register map"),
+            Flag("STREAM", 0x100, "ro", "1: pixels leave as a video stream, 0: to memory"),
+            Flag("CACHE", 0x200, "ro", "1: cache fetcher, 0: multiport"),
+            Flag("FAST", INTERPOLATION_BITS[FAST.name], "ro", "1: it has the fast interpolation"),
+            Flag("GRADIENT", INTERPOLATION_BITS[GRADIENT.name], "ro",
+                 "1: it has the gradient-corrected interpolation, and that of grey sensors"),
+            Flag("LANES", 0x7000, "ro", "pixels per clock"),
+            Flag("COLOUR", 0x8000, "ro", "1: it has gains, a tone curve and sums of the colours"),
+            Flag("WORD", 0x1F0000, "ro", "bytes of a memory word"),
+            Flag("MAX_SPLIT", 0xF000000, "ro", "largest `CACHE_SPLIT`"), access="ro"),
+    _action("LARGEST", 0x26, "Largest corrected image that this instance makes.",
+            Flag("WIDTH", 0x1FFF, "ro", "pixels per row"),
+            Flag("HEIGHT", 0x1FFF0000, "ro", "rows"), access="ro"),
+    Register("ALTERED", 0x27, "ro", Bits(1),
+             "1: the lens may be another one than DIGEST says: a register of it was written since "
+             "the reset, or a valid row of the bank in use since configuration."),
+    Register("OUTPUT_FORMAT", 0x28, "shadow", Bits(2),
+             "Bytes of a pixel in memory, pixels and rows without a gap. "
+             + "; ".join(f"{one.code} {one.name}: {one.text}" for one in OUTPUT_FORMATS.values())
+             + ". A stream takes no notice."),
+)
+NODES = 0x30
+_NODES = Register("NODES", NODES, "ro", Bits(6),
+                  "Pixels from node to node; an instance whose network is evaluated at every pixel "
+                  "has no such register and reads 0.")
+_COLOURS, _TONE = ("RED", "GREEN", "BLUE"), 0x50
+_COLOUR = (
+    *(Register(f"GAIN_{name}", 0x40 + k, "shadow", Bits(GAIN_BITS),
+               f"White balance: gain of {name.lower()} in 256ths, 256 is 1.0.")
+      for k, name in enumerate(_COLOURS)),
+    *(Register(f"{name}_SUM", 0x44 + k, "ro", Bits(32),
+               f"Sum of {name.lower()} over the pixels of the last frame that have a source, "
+               "before the gain.") for k, name in enumerate(_COLOURS)),
+    Register("VALID_PIXELS", 0x47, "ro", Bits(25), "Pixels that these sums are of."),
+    *(Register(f"TONE{k}", _TONE + k, "shadow", Bits(NODE_BITS),
+               f"Tone curve: what the value {place} becomes, 0..256.",
+               family=("TONEj", "Tone curve: what the value at node j becomes, 0..256; "
+                       "j = 0..16."))
+      for k, place in enumerate(NODE_PLACES)))
+_HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
+
+
+def network_registers(hidden_neurons, formats):
+    """The registers of the network's weights and biases, by ascending address."""
+    hidden = (("WEIGHT_X", ("weights", 0), formats.hidden_weight),
+              ("WEIGHT_Y", ("weights", 1), formats.hidden_weight),
+              ("BIAS", ("bias",), formats.hidden_bias))
+    rows = [_numbered("HIDDEN{}_" + name, "Hidden neuron {}, " + f"{q}.", j, _HIDDEN + 4 * j + k, q,
+                      ("hidden", j, *place))
+            for j in range(hidden_neurons) for k, (name, place, q) in enumerate(hidden)]
+    q = formats.output_weight
+    rows += [_numbered(f"OUTPUT_{axis}_WEIGHT" + "{}", "Weight of hidden neuron {} in output "
+                       f"{axis.lower()}', pixels, {q}.", j, _OUTPUT + 4 * j + k, q,
+                       ("output", k, "weights", j))
+             for j in range(hidden_neurons) for k, axis in enumerate("XY")]
+    q = formats.output_bias
+    rows += [Register(f"OUTPUT_{axis}_BIAS", _OUTPUT_BIAS + k, "shadow", Bits(q.width, signed=True),
+                      f"Bias of output {axis.lower()}', pixels, {q}.",
+                      parameter=("output", k, "bias"))
+             for k, axis in enumerate("XY")]
+    if (q := formats.skip_weight) is not None:
+        rows += [Register(f"SKIP_{axis}_WEIGHT_{name}", SKIP + 2 * k + j, "shadow",
+                          Bits(q.width, signed=True),
+                          f"Weight of input {name.lower()} in output {axis.lower()}', pixels, "
+                          f"{q}; only with a skip path.", parameter=("output", k, "skip", j))
+                 for k, axis in enumerate("XY") for j, name in enumerate("XY")]
+    return tuple(rows)
+
+
+def _numbered(name, text, j, address, q, parameter):
+    """The register of the hidden neuron ``j`` whose ``name`` and ``text`` leave a place for it."""
+    return Register(name.format(j), address, "shadow", Bits(q.width, signed=True), text.format(j),
+                    parameter=parameter, family=(name.format("j"), text.format("j")))
+
+
+def registers(hidden_neurons, formats, nodes=1, colour=False):
+    """All registers of an instance, by ascending address."""
+    return (*_FIXED, *([_NODES] if nodes > 1 else []), *(_COLOUR if colour else ()),
+            *network_registers(hidden_neurons, formats))
+
+
+def counters(table):
+    """The registers of ``table`` that count, as opposed to read-only constants."""
+    return tuple(r for r in table if r.name in (*COUNTERS, *COLOUR_COUNTERS, "FRAMES"))
+
+
+def capabilities(hardware, width, height):
+    """Values of CAPABILITIES and LARGEST, by name.
+
+    Parameters
+    ----------
+    hardware : ncdc_spec.hardware.Hardware
+        Made for a camera.
+    width, height : int
+        Of the largest corrected image.
+    """
+    split = hardware.cache.max_split if hardware.cached else 0
+    interpolation = hardware.cache.interpolation if hardware.cached else FAST
+    return {"CAPABILITIES": VERSION | hardware.stream << 8 | hardware.cached << 9
+            | INTERPOLATION_BITS[interpolation.name] | hardware.lanes << 12
+            | hardware.colour << 15 | hardware.data_width // 8 << 16 | split << 24,
+            "LARGEST": width | height << 16}

@@ -1,0 +1,430 @@
+"""What image sensors have in common: what they can do, what is asked of one, what it then does."""
+
+from dataclasses import asdict, dataclass, field
+from fractions import Fraction
+from math import log10
+
+from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.waking import Waking
+
+__all__ = ["Limits", "Sensor", "Settings", "Setup", "Timing",
+           "UserRegister", "Write", "bayer_at", "check_window",
+           "exposure_lines", "factor_of", "frame_lines", "pattern_mode", "resolved"]
+
+UNITY_GAIN = 256        # of ``gain_256``
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Ranges of what a user sets, both ends included.
+
+    Parameters
+    ----------
+    step : int
+        Width and height are multiples of it.
+    corner_step : int
+        So are left and top.
+    smallest : (int, int)
+        Width and height.
+    lines : (int, int)
+        Exposure, in lines.
+    vertical : (int, int)
+        Lines of a frame beyond its height.
+    gain_256 : (int, int)
+        Gain, 256 is 1.
+    pixel_clock_hz : int
+        The fastest.
+    frame_lines : int
+        The most lines of a frame, blanking included; where an exposure makes a frame longer by
+        itself, the most that are set.
+    reductions : tuple of (int, int)
+        Pairs (skip, bins) of :class:`Settings` that it can, besides the unreduced (1, 1).
+    """
+    step: int
+    corner_step: int
+    smallest: tuple
+    lines: tuple
+    vertical: tuple
+    gain_256: tuple
+    pixel_clock_hz: int
+    frame_lines: int
+    reductions: tuple = ()
+
+
+@dataclass(frozen=True)
+class UserRegister:
+    """A register that any user of a network may write, and with what.
+
+    Parameters
+    ----------
+    address : int
+    mask : int
+        Bits that the ranges are about; the other bits are free.
+    ranges : tuple of (int, int)
+        Lowest and highest value of the masked bits.
+    """
+    address: int
+    mask: int = 0xFFFF
+    ranges: tuple = ((0, 0xFFFF),)
+
+    def takes(self, value):
+        """Whether a user may write ``value``."""
+        return any(low <= value & self.mask <= high for low, high in self.ranges)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """An image sensor.
+
+    Parameters
+    ----------
+    name : str
+    title : str
+        Maker and where one meets it.
+    i2c_address : int
+        7 bits.
+    pointer_bits, value_bits : int
+        Of a register's address and of a register, 8 or 16, the upper byte first.
+    chip_id : tuple of (int, int)
+        Registers and what they hold.
+    columns, rows : int
+        Active pixels.
+    bits : int
+        Of a sample; fewer than 12 lie at the top of our 12.
+    bayer : str
+        Colours of the active pixels, from the first one on, read without mirrors.
+    mirror_keeps_bayer : bool
+        Mirrored, the window begins one pixel further, so that the first colour stays if there is an
+        even number of columns, or rows.
+    black : int
+        Sample, of 12 bits, that stands for no light.
+    clock_hz, pixel_clock_hz : int
+        Usual external clock, and the pixel clock that is made of it.
+    test_patterns : dict of str to int
+        Name and value for the sensor's register; "Off" is always there besides.
+    limits : Limits
+    user_registers : tuple of UserRegister
+        What any user of a network may write: exposure, gain and test pattern. None of
+        them changes size, position, skipping, clock or Bayer phase of a frame.
+    first : (int, int)
+        Address of the first active column, and row, from which binned groups are counted.
+    waking : Waking
+        Reset and rest before the first access.
+    """
+    name: str
+    title: str
+    i2c_address: int
+    pointer_bits: int
+    value_bits: int
+    chip_id: tuple
+    columns: int
+    rows: int
+    bits: int
+    bayer: str
+    mirror_keeps_bayer: bool
+    black: int
+    clock_hz: int
+    pixel_clock_hz: int
+    limits: Limits
+    test_patterns: dict = field(default_factory=dict)
+    user_registers: tuple = ()
+    first: tuple = (0, 0)
+    waking: Waking = None
+
+    def user_takes(self, address, value):
+        """Whether a user of a network may write ``value`` to ``address``; None: to no value."""
+        one = next((one for one in self.user_registers if one.address == address), None)
+        return None if one is None else one.takes(value)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What is asked of a sensor.
+
+    With ``skip`` above 1, each group of 2 ``skip`` columns sends two samples: those of its first
+    two columns, or with ``bins`` above 1 the means of the first ``bins`` even ones, and of as many
+    odd ones. So both keep their colour, and lie one active pixel apart. Rows are read alike.
+
+    Parameters
+    ----------
+    width, height : int
+        Samples sent; 0: of all active pixels right of ``left``, below ``top``.
+    left, top : int
+        Active pixel of the window's corner.
+    exposure_us : float
+    gain_db : float
+    mirror_columns, mirror_rows : bool
+        The picture left to right, upside down.
+    test_pattern : str
+        "Off" or one of the sensor's.
+    frames_per_second : float
+        0: as many as the exposure allows.
+    clock_hz, pixel_clock_hz : int
+        External clock and pixel clock; 0: the sensor's usual ones.
+    skip : int
+        Active columns per sample, and rows.
+    bins : int
+        Columns whose mean is a sample, and rows; at most ``skip``.
+    """
+    width: int = 0
+    height: int = 0
+    left: int = 0
+    top: int = 0
+    exposure_us: float = 10_000.0
+    gain_db: float = 0.0
+    mirror_columns: bool = False
+    mirror_rows: bool = False
+    test_pattern: str = "Off"
+    frames_per_second: float = 0.0
+    clock_hz: int = 0
+    pixel_clock_hz: int = 0
+    skip: int = 1
+    bins: int = 1
+
+
+@dataclass(frozen=True)
+class Write:
+    """A register write, why it is there, and microseconds to wait behind it."""
+    register: int
+    value: int
+    meaning: str
+    wait_us: int = 0
+
+
+@dataclass(frozen=True)
+class Timing:
+    """When a sensor sends samples: rows of ``width`` of them, ``height`` rows a frame.
+
+    A line takes ``line_clocks`` of the pixel clock, a frame ``frame_lines`` lines.
+    """
+    width: int
+    height: int
+    line_clocks: int
+    frame_lines: int
+    pixel_clock_hz: int
+
+    @property
+    def frame_clocks(self):
+        """Pixel clocks from the beginning of a frame to that of the next one."""
+        return self.line_clocks * self.frame_lines
+
+    @property
+    def line_us(self):
+        """Microseconds of a line."""
+        return 1e6 * self.line_clocks / self.pixel_clock_hz
+
+    @property
+    def frames_per_second(self):
+        return self.pixel_clock_hz / self.frame_clocks
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What makes a sensor do what is asked, and what it then does exactly.
+
+    Parameters
+    ----------
+    sensor : Sensor
+    settings : Settings
+        As asked, with every 0 that stands for something replaced by it.
+    writes : tuple of Write
+        In this order.
+    timing : Timing
+    exposure_clocks : int
+        Pixel clocks.
+    gain_256 : int
+        256 is 1.
+    """
+    sensor: Sensor
+    settings: Settings
+    writes: tuple
+    timing: Timing
+    exposure_clocks: int
+    gain_256: int
+
+    def report(self):
+        """The figures under their names in every report."""
+        sensor, timing = self.sensor, self.timing
+        return {
+            "sensor": sensor.name, "i2c_address": sensor.i2c_address,
+            "pointer_bits": sensor.pointer_bits, "value_bits": sensor.value_bits,
+            "chip_id": [list(pair) for pair in sensor.chip_id],
+            "writes": [asdict(write) for write in self.writes],
+            "exposure_us": self.exposure_us, "gain_db": self.gain_db, "bayer": self.bayer,
+            "black": sensor.black, "line_clocks": timing.line_clocks,
+            "frame_lines": timing.frame_lines, "pixel_clock_hz": timing.pixel_clock_hz,
+            "frames_per_second": timing.frames_per_second}
+
+    @property
+    def pairs(self):
+        """List of (register, value)."""
+        return [(write.register, write.value) for write in self.writes]
+
+    @property
+    def exposure_us(self):
+        """The exposure one gets, of whole lines, the nearest to what was asked."""
+        return 1e6 * self.exposure_clocks / self.timing.pixel_clock_hz
+
+    @property
+    def gain_db(self):
+        """The gain one gets, the nearest to what was asked, as a factor."""
+        return 20 * log10(self.gain_256 / UNITY_GAIN)
+
+    @property
+    def bayer(self):
+        """Colours of the frame's first pixels; follows from window and mirrors."""
+        binned = self.settings.bins - 1         # from the first column of a mean to its centre
+        return bayer_at(self.sensor.bayer, self.columns[0] - binned, self.rows[0] - binned)
+
+    @property
+    def columns(self):
+        """Of the active pixels, for each column of the frame: the one read, or the centre of those
+        whose mean it is. A range where the sensor does not reduce, else a list."""
+        asked = self.settings
+        return self._read(asked.left, asked.width, asked.mirror_columns)
+
+    @property
+    def rows(self):
+        """Of the active pixels, for each row of the frame, as :attr:`columns`."""
+        asked = self.settings
+        return self._read(asked.top, asked.height, asked.mirror_rows)
+
+    def _read(self, begin, size, mirrored):
+        asked = self.settings
+        if asked.skip > 1:
+            begin += asked.bins - 1
+            return [begin + asked.skip * (k - k % 2) + k % 2 for k in range(size)]
+        if not mirrored:
+            return range(begin, begin + size)
+        begin += self.sensor.mirror_keeps_bayer
+        return range(begin + size - 1, begin - 1, -1)
+
+
+def bayer_at(bayer, left, top):
+    """The pattern ``bayer`` as it begins ``left`` columns and ``top`` rows further on."""
+    rows = bayer[:2], bayer[2:]
+    rows = rows[top % 2], rows[1 - top % 2]
+    return "".join(row[left % 2] + row[1 - left % 2] for row in rows)
+
+
+def resolved(sensor, settings):
+    """``settings`` with what their zeros stand for; raises :class:`InputError` if a clock or the
+    window is out of the sensor's limits."""
+    _check_reduction(sensor, settings)
+    given = vars(settings) | {
+        "width": settings.width or _samples(sensor.columns - settings.left, settings.skip),
+        "height": settings.height or _samples(sensor.rows - settings.top, settings.skip),
+        "clock_hz": settings.clock_hz or sensor.clock_hz,
+        "pixel_clock_hz": settings.pixel_clock_hz or sensor.pixel_clock_hz}
+    settings = Settings(**given)
+    if not 0 < settings.pixel_clock_hz <= sensor.limits.pixel_clock_hz:
+        raise InputError(f"the pixel clock is {settings.pixel_clock_hz} Hz, the {sensor.name} has "
+                         f"at most {sensor.limits.pixel_clock_hz} Hz")
+    check_window(sensor, settings)
+    return settings
+
+
+def _samples(active, skip):
+    """Samples sent of ``active`` columns: of whole groups, if the sensor reduces."""
+    return active if skip == 1 else active // (2 * skip) * 2
+
+
+def _check_reduction(sensor, settings):
+    """Raises :class:`InputError` unless ``sensor`` can skip and bin so."""
+    known = ((1, 1), *sensor.limits.reductions)
+    if (settings.skip, settings.bins) not in known:
+        pairs = ", ".join(f"{skip} and {bins}" for skip, bins in known)
+        raise InputError(f"skip is {settings.skip} and bins {settings.bins}, the {sensor.name} has "
+                         f"{pairs}")
+    if settings.skip > 1 and (settings.mirror_columns or settings.mirror_rows):
+        raise InputError(f"skip is {settings.skip}, the {sensor.name} mirrors unreduced frames "
+                         "only: data sheets leave open which pixels a reduced one has")
+
+
+def check_window(sensor, settings):
+    """Raises :class:`InputError` unless the window is one that ``sensor`` can read."""
+    limits, skip = sensor.limits, settings.skip
+    even = 2 if skip > 1 else 1                 # whole groups
+    for name, value, step, low, high in (
+            ("left", settings.left, limits.corner_step, 0, sensor.columns),
+            ("top", settings.top, limits.corner_step, 0, sensor.rows),
+            ("width", settings.width, max(even, limits.step), limits.smallest[0],
+             sensor.columns // skip),
+            ("height", settings.height, max(even, limits.step), limits.smallest[1],
+             sensor.rows // skip)):
+        if value != int(value) or value % step or not low <= value <= high:
+            multiple = f"a multiple of {step} from" if step > 1 else "an integer from"
+            raise InputError(f"{name} is {value}, the {sensor.name} needs {multiple} {low} to "
+                             f"{high}")
+    for name, begin, size, all_ in (("columns", settings.left, settings.width, sensor.columns),
+                                    ("rows", settings.top, settings.height, sensor.rows)):
+        end = begin + skip * size
+        if end > all_:
+            raise InputError(f"the window has the {name} {begin} to {end - 1}, the {sensor.name} "
+                             f"has {all_}")
+    for name, begin, first in (("left", settings.left, sensor.first[0]),
+                               ("top", settings.top, sensor.first[1])):
+        group = 2 * settings.bins
+        if settings.bins > 1 and (first + begin) % group:
+            below = begin - (first + begin) % group
+            fits = " or ".join(str(one) for one in (below, below + group) if one >= 0)
+            raise InputError(f"{name} is {begin}, the {sensor.name} bins from a multiple of "
+                             f"{group} on: {fits} fits")
+
+
+def exposure_lines(sensor, settings, line_clocks, overhead):
+    """Lines, nearest to the exposure asked for; lines * ``line_clocks`` - ``overhead`` clocks are
+    exposed. Raises :class:`InputError` if it is not between the shortest and the longest."""
+    low, high = sensor.limits.lines
+    clock = settings.pixel_clock_hz
+    shortest, longest = ((lines * line_clocks - overhead) * 1e6 / clock for lines in (low, high))
+    if not shortest * (1 - 1e-9) <= settings.exposure_us <= longest * (1 + 1e-9):
+        raise InputError(f"the exposure is {settings.exposure_us:g} us, the {sensor.name} exposes "
+                         f"{shortest:.1f} to {longest:.0f} us with lines of "
+                         f"{1e6 * line_clocks / clock:.2f} us")
+    wanted = Fraction(settings.exposure_us) * clock / 10**6
+    return min(high, max(low, round((wanted + overhead) / line_clocks)))
+
+
+def frame_lines(sensor, settings, line_clocks, least):
+    """Lines of a frame, ``least`` or those nearest to the frame rate asked for.
+
+    Raises :class:`InputError` if that needs fewer or more than the sensor has.
+    """
+    low, high = (settings.height + extra for extra in sensor.limits.vertical)
+    least = max(low, least)
+    rate = settings.frames_per_second
+    if not rate:
+        return least
+    clock, high = settings.pixel_clock_hz, max(min(high, sensor.limits.frame_lines), least)
+    lines = high + 1
+    if 0 < rate < clock:
+        lines = round(Fraction(clock) / (Fraction(rate) * line_clocks))
+    if not least <= lines <= high:
+        fastest, slowest = (clock / (line_clocks * end) for end in (least, high))
+        raise InputError(f"{rate:g} frames per second are asked for, the {sensor.name} sends "
+                         f"{slowest:.3f} to {fastest:.3f} of {settings.width}x{settings.height} "
+                         f"with this exposure")
+    return lines
+
+
+def factor_of(sensor, settings):
+    """The gain asked for as a factor; raises :class:`InputError` outside of the limits."""
+    low, high = (end / UNITY_GAIN for end in sensor.limits.gain_256)
+    lowest, highest = 20 * log10(low), 20 * log10(high)
+    if not lowest - 1e-9 <= settings.gain_db <= highest + 1e-9:
+        raise InputError(f"the gain is {settings.gain_db:g} dB, the {sensor.name} has "
+                         f"{lowest:.1f} to {highest:.1f} dB")
+    return min(high, max(low, 10 ** (settings.gain_db / 20)))
+
+
+def pattern_mode(sensor, settings):
+    """Value of the test pattern for the sensor's register, None for "Off"; raises
+    :class:`InputError` if it has no such pattern."""
+    if settings.test_pattern == "Off":
+        return None
+    if settings.test_pattern not in sensor.test_patterns:
+        known = ", ".join(("Off", *sensor.test_patterns))
+        raise InputError(f"the test pattern is {settings.test_pattern!r}, the {sensor.name} has "
+                         f"{known} in its raw frames")
+    return sensor.test_patterns[settings.test_pattern]
