@@ -2,21 +2,21 @@
 
 import sys
 
-from ncdc.bench.accuracy import command as accuracy
-from ncdc.bench.client import command as client
-from ncdc.bench.grid import command as grid
-from ncdc.bench.lines import command as lines
-from ncdc.bench.network import command as network
-from ncdc.bench.nodes import command as nodes
-from ncdc.bench.photos import command as photos
-from ncdc.bench.pictures import command as pictures
-from ncdc.bench.synth import command as synth
-from ncdc.bench.synth.flows import SynthesisError
-from ncdc.bench.system import command as system
-from ncdc.bench.tansig import command as tansig
-from ncdc.bench.throughput import command as throughput
-from ncdc.bench.truth import command as truth
-from ncdc.bench.window import command as window
+from ncdc.toolchain.flows import SynthesisError
+from ncdc_bench.accuracy import command as accuracy
+from ncdc_bench.client import command as client
+from ncdc_bench.grid import command as grid
+from ncdc_bench.lines import command as lines
+from ncdc_bench.network import command as network
+from ncdc_bench.nodes import command as nodes
+from ncdc_bench.photos import command as photos
+from ncdc_bench.pictures import command as pictures
+from ncdc_bench.synth import command as synth
+from ncdc_bench.system import command as system
+from ncdc_bench.tansig import command as tansig
+from ncdc_bench.throughput import command as throughput
+from ncdc_bench.truth import command as truth
+from ncdc_bench.window import command as window
 
 __all__ = ["BENCHES", "EXAMPLE", "add_arguments", "run"]
 

@@ -5,8 +5,12 @@ import time
 from ipaddress import IPv4Address
 from pathlib import Path
 
-from ncdc.bench.synth.flows import SynthesisError, check_tools
-from ncdc.bitstream.flow import (
+from ncdc.cli.board_design import add_mode, board_named, designed, print_rates, rates
+from ncdc.cli.build_hps import build_hps
+from ncdc.cli.common import add_json, write_report
+from ncdc.cli.field import add_field, field_lines, field_of, field_report
+from ncdc.terminal import Steps
+from ncdc.toolchain.bitstream import (
     clock_nets,
     clock_preferences,
     pack,
@@ -14,11 +18,7 @@ from ncdc.bitstream.flow import (
     resources,
     synthesise_board,
 )
-from ncdc.cli.board_design import add_mode, board_named, designed, print_rates, rates
-from ncdc.cli.build_hps import build_hps
-from ncdc.cli.common import add_json, write_report
-from ncdc.cli.field import add_field, field_lines, field_of, field_report
-from ncdc.terminal import Steps
+from ncdc.toolchain.flows import SynthesisError, check_tools
 from ncdc_boards.catalogue import board as board_of
 from ncdc_boards.ecp5.build import clock_cells, prepared
 from ncdc_boards.ecp5.build import project_name as ecp5_name

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ncdc.report.packet_diagrams import FILE, PACKETS, draw_packets
+from ncdc_bench.figures.packet_diagrams import FILE, PACKETS, draw_packets
 from ncdc_spec.pixel_formats import BGR8
 from ncdc_spec.protocols import gvcp, gvsp
 from ncdc_spec.protocols.table_one import REQUEST, WRITE

@@ -6,8 +6,8 @@ import time
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.bench.client.command import complaints, rows_of, table
-from ncdc.bench.client.measure import Case, case_row, discovery_rows, killed_row, monitor_row
+from ncdc_bench.client.command import complaints, rows_of, table
+from ncdc_bench.client.measure import Case, case_row, discovery_rows, killed_row, monitor_row
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.protocols.features import FEATURES
 from peers import need, served

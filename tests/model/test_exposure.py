@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from ncdc.bench.photos import spoil
-from ncdc.bench.photos.targets import Bank
+from ncdc_bench.photos import spoil
+from ncdc_bench.photos.targets import Bank
 from ncdc_model.calibration.boards import find_boards
 
 DATA = Path(__file__).resolve().parents[1] / "data"

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ncdc.bench.photos.lens import Lens, Plane
-from ncdc.bench.photos.targets import Pose
+from ncdc_bench.photos.lens import Lens, Plane
+from ncdc_bench.photos.targets import Pose
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.calibration.quality import uneven

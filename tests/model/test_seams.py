@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ncdc.bench.photos.lens import Lens, Plane
-from ncdc.bench.photos.targets import Pose
+from ncdc_bench.photos.lens import Lens, Plane
+from ncdc_bench.photos.targets import Pose
 from ncdc_model.calibration.seams import find_seam, steps
 from ncdc_model.calibration.smooth import fit_smooth
 

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ncdc.bench.photos import spoil
-from ncdc.bench.photos.targets import Bank, Photo, Pose, Truth
+from ncdc_bench.photos import spoil
+from ncdc_bench.photos.targets import Bank, Photo, Pose, Truth
 from ncdc_model.calibration.boards import find_boards
 from ncdc_model.calibration.focus import part_out_of_focus
 from ncdc_model.calibration.points import PhotoPoints

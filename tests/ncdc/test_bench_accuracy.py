@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from kept import kept_trainer
-from ncdc.bench.accuracy.command import by_lens, table
-from ncdc.bench.accuracy.measure import MODELS, NETWORKS, fits_of, jobs_of, reliability
-from ncdc.bench.accuracy.plots import plot_accuracy
 from ncdc.cli import main
+from ncdc_bench.accuracy.command import by_lens, table
+from ncdc_bench.accuracy.measure import MODELS, NETWORKS, fits_of, jobs_of, reliability
+from ncdc_bench.accuracy.plots import plot_accuracy
 from ncdc_model.baselines import BASELINES
 from ncdc_model.reference_lenses import REFERENCE_LENSES, ReferenceLens
 from ncdc_model.training.train import TRAINERS
@@ -113,7 +113,7 @@ def test_what_is_done_without_options(options, networks, slow, monkeypatch, caps
     def fits_of(lens, jobs, residual):
         asked[lens] = jobs
         return []
-    monkeypatch.setattr("ncdc.bench.accuracy.command.fits_of", fits_of)
+    monkeypatch.setattr("ncdc_bench.accuracy.command.fits_of", fits_of)
     assert main(["bench", "accuracy", *options]) == 0
     assert {lens: [hn for model, hn, _ in jobs if model == "ncdc"]
             for lens, jobs in asked.items()} == networks

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.bench.grid.light import MARGIN, Light, camera_of, photo_light, scene_light
-from ncdc.bench.grid.measure import GRIDS, SAMPLINGS, measure, samples
 from ncdc.cli import main
+from ncdc_bench.grid.light import MARGIN, Light, camera_of, photo_light, scene_light
+from ncdc_bench.grid.measure import GRIDS, SAMPLINGS, measure, samples
 from ncdc_model.example import example_camera
 from ncdc_model.example import scene_light as example_light
 from ncdc_model.images import write_image

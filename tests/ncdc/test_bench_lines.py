@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ncdc.bench.lines.measure import (
+from ncdc.cli import main
+from ncdc_bench.lines.measure import (
     DARK,
     LIGHT,
     board_photo,
@@ -16,7 +17,6 @@ from ncdc.bench.lines.measure import (
     find_lines,
     summary,
 )
-from ncdc.cli import main
 from ncdc_model.reference_lenses import ReferenceLens
 
 PITCH, SIZE = 40.0, (640, 480)
@@ -114,7 +114,7 @@ def test_crossings_follow_the_map(photo):
 
 
 def test_command(tmp_path, monkeypatch, photo):
-    monkeypatch.setattr("ncdc.bench.lines.command.board_photo", lambda lens: photo[1])
+    monkeypatch.setattr("ncdc_bench.lines.command.board_photo", lambda lens: photo[1])
     assert main(["bench", "lines", "--lens", "PC105", "--model", "pbm6-separate", "-o",
                  str(tmp_path), "--json", str(tmp_path / "report.json")]) == 0
     truth, pbm = json.loads((tmp_path / "report.json").read_text())["rows"]

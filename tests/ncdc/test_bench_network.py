@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from ncdc.bench.network.board import FULL, board_rows, shortfalls
-from ncdc.bench.network.command import failures, table
-from ncdc.bench.network.measure import different
 from ncdc.cli import main
+from ncdc_bench.network.board import FULL, board_rows, shortfalls
+from ncdc_bench.network.command import failures, table
+from ncdc_bench.network.measure import different
 from ncdc_boards.catalogue import board
 
 _BLACK, _GREY, _WHITE = (np.full((4, 5, 3), value, np.uint8) for value in (0, 128, 255))

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.bench.nodes import command
-from ncdc.bench.nodes.measure import curvatures, rows_of
 from ncdc.cli import main
+from ncdc_bench.nodes import command
+from ncdc_bench.nodes.measure import curvatures, rows_of
 from ncdc_model.evaluate import evaluate_frame, float_map
 from ncdc_model.golden.network import coordinates, frame_coordinates
 from ncdc_model.golden.nodes import curvature
@@ -40,7 +40,7 @@ def test_rows_are_those_of_whole_frames(small):
 def test_a_slip_of_the_interpolation_breaks_the_bound(small, monkeypatch):
     def slip(descriptor, u, v):
         return [raw + 3 * (descriptor.nodes > 1) for raw in coordinates(descriptor, u, v)]
-    monkeypatch.setattr("ncdc.bench.nodes.measure.coordinates", slip)
+    monkeypatch.setattr("ncdc_bench.nodes.measure.coordinates", slip)
     rows = rows_of("PC105", small)
     assert [row["added_max_px"] > row["bound_px"] for row in rows[:2]] == [False, True]
 

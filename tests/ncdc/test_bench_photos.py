@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ncdc.bench.photos import spoil
-from ncdc.bench.photos.cases import CASES, Case
-from ncdc.bench.photos.command import summary
-from ncdc.bench.photos.measure import judge, try_case
-from ncdc.bench.photos.targets import Bank, Pose
+from ncdc_bench.photos import spoil
+from ncdc_bench.photos.cases import CASES, Case
+from ncdc_bench.photos.command import summary
+from ncdc_bench.photos.measure import judge, try_case
+from ncdc_bench.photos.targets import Bank, Pose
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sight import Look
 from ncdc_spec.errors import InputError

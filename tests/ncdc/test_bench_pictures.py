@@ -4,9 +4,9 @@
 import numpy as np
 
 from cameras import barrel_descriptor
-from ncdc.bench.pictures.measure import FLOWS, Subject, fitted, measure
-from ncdc.bench.pictures.plots import busiest, plot_crops
 from ncdc.cli import main
+from ncdc_bench.pictures.measure import FLOWS, Subject, fitted, measure
+from ncdc_bench.pictures.plots import busiest, plot_crops
 from ncdc_model.images import read_image
 
 

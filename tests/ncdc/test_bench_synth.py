@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from ncdc.bench.synth import flows as synthesis
-from ncdc.bench.synth import measure as synthesis_rows
-from ncdc.bench.synth.blocks import BLOCKS
-from ncdc.bench.synth.command import table
-from ncdc.bench.synth.ecp5_netlist.adder_inputs import absorb_inversions
-from ncdc.bench.synth.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
-from ncdc.bench.synth.measure import TARGETS, block_rows, regressions
 from ncdc.cli import main
+from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
+from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
+from ncdc_bench.synth import flows as synthesis
+from ncdc_bench.synth import measure as synthesis_rows
+from ncdc_bench.synth.blocks import BLOCKS
+from ncdc_bench.synth.command import table
+from ncdc_bench.synth.measure import TARGETS, block_rows, regressions
 
 BASELINE = Path(__file__).resolve().parents[2] / "docs" / "synthesis.json"
 
@@ -260,7 +260,7 @@ def test_a_figure_that_is_worse_by_more_than_the_limit():
 
 
 def test_command(flows, monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr("ncdc.bench.synth.command.check_tools", lambda: None)
+    monkeypatch.setattr("ncdc_bench.synth.command.check_tools", lambda: None)
     report = tmp_path / "report.json"
     assert main(["bench", "synth", "--block", "tansig", "--variant", "mmhbc", "--seeds", "1",
                  "--json", str(report)]) == 0

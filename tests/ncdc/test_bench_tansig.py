@@ -6,10 +6,10 @@ import mpmath
 import numpy as np
 import pytest
 
-from ncdc.bench.tansig.command import complaint, table
-from ncdc.bench.tansig.measure import sampled_inputs, tansig_row, verilog_outputs
-from ncdc.bench.tansig.plots import plot_tansig
 from ncdc.cli import main
+from ncdc_bench.tansig.command import complaint, table
+from ncdc_bench.tansig.measure import sampled_inputs, tansig_row, verilog_outputs
+from ncdc_bench.tansig.plots import plot_tansig
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.golden.tansig_accuracy import exact_error, measure
 from ncdc_sim.exhaustive import every_value, pipeline_outputs, scattered
@@ -162,7 +162,7 @@ def test_complaints(row):
 
 
 def test_wrong_result_is_exit_status_1(monkeypatch, row, capsys):
-    monkeypatch.setattr("ncdc.bench.tansig.command.tansig_row",
+    monkeypatch.setattr("ncdc_bench.tansig.command.tansig_row",
                         lambda *args, **options: row | {"differences": 1})
     assert main(["bench", "tansig", "--variant", "mmhbc", "--bits", "20", "--no-synth"]) == 1
     out, err = capsys.readouterr()

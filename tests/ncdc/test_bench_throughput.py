@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.bench.sources import source_digest, source_files
-from ncdc.bench.throughput import command, cross, lenses
-from ncdc.bench.throughput.command import table
-from ncdc.bench.throughput.lenses import Lens
-from ncdc.bench.throughput.measure import ALL, DEFAULT, QUICK, Run, goal_rows, measure, table_four
-from ncdc.bench.throughput.plots import plot_throughput
 from ncdc.cli import main
+from ncdc_bench.sources import source_digest, source_files
+from ncdc_bench.throughput import command, cross, lenses
+from ncdc_bench.throughput.command import table
+from ncdc_bench.throughput.lenses import Lens
+from ncdc_bench.throughput.measure import ALL, DEFAULT, QUICK, Run, goal_rows, measure, table_four
+from ncdc_bench.throughput.plots import plot_throughput
 from ncdc_model.planner.plan import best_split
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.errors import InputError
@@ -161,7 +161,7 @@ def test_a_digest_changes_with_every_file_that_is_imported_and_no_other(package,
 
 def test_a_digest_changes_with_the_version_of_a_library(package, monkeypatch):
     before = source_digest([f"{package.name}.train"], package.name, ["numpy"])
-    monkeypatch.setattr("ncdc.bench.sources.version", lambda name: "0")
+    monkeypatch.setattr("ncdc_bench.sources.version", lambda name: "0")
     assert source_digest([f"{package.name}.train"], package.name, ["numpy"]) != before
 
 
@@ -185,7 +185,7 @@ def test_lenses_are_trained_anew_when_the_trainer_changes(tmp_path, monkeypatch)
 
 def test_what_lenses_depend_on():
     files = source_files([lenses.__name__, "ncdc_model.training.pipeline"], "ncdc_model")
-    assert {"ncdc.bench.throughput.lenses", "ncdc_spec.descriptor", "ncdc_spec.formats",
+    assert {"ncdc_bench.throughput.lenses", "ncdc_spec.descriptor", "ncdc_spec.formats",
             "ncdc_model.calibration.camera_file", "ncdc_model.training.levenberg",
             "ncdc_model.training.varpro", "ncdc_model.lens.camera"} <= set(files)
     assert not {"ncdc_model.planner.plan", "ncdc_model.register_map"} & set(files)

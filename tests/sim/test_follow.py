@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.bench.throughput.lenses import Lens, trained
 from ncdc.cli import main, simulate
+from ncdc_bench.throughput.lenses import Lens, trained
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.bench.throughput import measure as bench
-from ncdc.bench.throughput.lenses import Lens
-from ncdc.bench.throughput.measure import Run, measure
+from ncdc_bench.throughput import measure as bench
+from ncdc_bench.throughput.lenses import Lens
+from ncdc_bench.throughput.measure import Run, measure
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.platform_designer import interfaces
 from ncdc_model.planner.memory_timing import MEMORIES

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.bench.throughput.cross import CROSS, worst_split
+from ncdc_bench.throughput.cross import CROSS, worst_split
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
 from ncdc_model.planner.lookups import frame_windows, lookups

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.report.soc_window import window_on
+from ncdc_bench.figures.soc_window import window_on
 from ncdc_model.golden.corrector import correct
 from ncdc_sim.system.soc import ADDRESS, SocRun
 from ncdc_spec.frames import output_format

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from ncdc.bench.client.measure import Served
+from ncdc_bench.client.measure import Served
 from ncdc_sim.link.namespaces import Network
 from ncdc_sim.tools import SimulationError
 

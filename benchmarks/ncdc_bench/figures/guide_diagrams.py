@@ -1,0 +1,145 @@
+"""Drawings of guides and pages: ``python -m ncdc_bench.figures.guide_diagrams docs/figures``."""
+
+import sys
+from pathlib import Path
+
+from ncdc_bench.figures.box_drawing import draw_boxes
+
+__all__ = ["DRAWINGS", "VERTICAL", "draw_all", "size_of"]
+
+DRAWINGS = {    # file: boxes, arrows, note
+    "guide-platform-designer.png": (
+        ((0, 0, 2.9, 4.6, "your system in\nPlatform Designer\n\nprocessor or\nJTAG host\n\n"
+          "memory controller"),
+         (6.4, 0, 2.7, 4.6, "ncdc_system\n\ncamera, frame stores,\ncorrector\n\nUSB"),
+         (12.2, 2.6, 2.5, 2.0, "sensor\n\nMT9P031, ..."),
+         (12.2, 0, 2.5, 2.0, "FT232H\n\nto a PC")),
+        ((2.9, 6.4, 4.1, "csr", "registers; irq back"),
+         (6.4, 2.9, 3.0, "read0, read1", "raw frames; frames for USB"),
+         (6.4, 2.9, 1.9, "write", "raw and corrected frames"),
+         (12.2, 9.1, 3.9, "sensor", "clock, frame, line, data"),
+         (9.1, 12.2, 3.0, "i2c", "two lines, open drain"),
+         (9.1, 12.2, 1.0, "usb", "8 data lines, 60 MHz")),
+        "one clock and one reset for module and interconnect; sensor and FT232H bring their own "
+        "clocks"),
+    "de10-nano.png": (
+        ((0, 0, 2.9, 4.6, "hard processor\n\nLinux, /dev/uio0\n\nEthernet\n\nDDR3"),
+         (6.6, 0, 2.9, 4.6, "HpsCore\n\ncamera, frame stores,\ncorrector\n\nscan-out"),
+         (12.4, 2.6, 2.5, 2.0, "sensor\n\nD5M"),
+         (12.4, 0, 2.5, 2.0, "ADV7513\n\nHDMI monitor")),
+        ((2.9, 6.6, 4.1, "csr", "lightweight bridge; f2h_irq0 back"),
+         (6.6, 2.9, 3.0, "read0", "f2h_sdram0: raw frames, 64 bits"),
+         (6.6, 2.9, 1.9, "write", "f2h_sdram1: both frames, 64 bits"),
+         (6.6, 2.9, 0.8, "screen", "f2h_sdram2: corrected, 32 bits"),
+         (12.4, 9.5, 3.9, "sensor", "clock, frame, line, data"),
+         (9.5, 12.4, 2.3, "i2c", "to both"),
+         (9.5, 12.4, 1.0, "picture", "24 bits, clock, syncs")),
+        "100 MHz for core, ports and bridge; sensor and screen have their own clocks"),
+    "board-system.png": (
+        ((0, 1.3, 2.3, 2.0, "88E1111\n\ncable to a PC"),
+         (5.4, 0, 3.0, 4.6, "processor\n\nVexRiscv, firmware\n\nMAC, RGMII"),
+         (11.7, 0, 3.0, 4.6, "board's core\n\ncamera, corrector\n\nSDRAM, scan-out\n\npacketiser")),
+        ((2.3, 5.4, 2.9, "RGMII", "4 wires each way, 125 MHz"),
+         (5.4, 2.3, 1.9, "MDIO", "set-up, speed"),
+         (11.7, 8.4, 3.9, "packets", "whole Ethernet frames"),
+         (8.4, 11.7, 2.6, "registers", "settings, lens, claims"),
+         (11.7, 8.4, 1.3, "frames", "word by word, Table II")),
+        "without --system there is no packetiser, and the registers are reached by serial port and "
+        "scan chain alone"),
+    "colorlight-i9.png": (
+        ((0, 1.3, 2.3, 2.0, "B50612D\n\ncable to a PC"),
+         (5.2, 0, 3.0, 4.6, "processor\n\nVexRiscv, firmware\n\nMAC, RGMII"),
+         (11.2, 0, 2.8, 4.6, "board's core\n\ncamera, corrector\n\npacketiser\n\n"
+          "SDRAM controller"),
+         (16.6, 2.6, 2.1, 2.0, "sensor\n\nMT9P031\n(D5M)"),
+         (16.6, 0, 2.1, 2.0, "SDRAM chip\n\n8 MB, 32 bits")),
+        ((2.3, 5.2, 2.9, "RGMII", "4 wires each way"),
+         (5.2, 2.3, 1.9, "MDIO", "delays, speed"),
+         (11.2, 8.2, 3.9, "packets", "whole Ethernet frames"),
+         (8.2, 11.2, 2.6, "registers", "settings, lens, claims"),
+         (11.2, 8.2, 1.3, "frames", "word by word, Table II"),
+         (16.6, 14.0, 4.0, "sensor", "clock, lines, data"), (14.0, 16.6, 3.0, "I2C", "set-up"),
+         (14.0, 16.6, 1.1, "bursts", "50 MHz")),
+        "no screen: pictures leave by the cable alone; registers through a serial port too"),
+    "guide-zynq.png": (
+        ((0, 0, 2.9, 4.6, "processing system\nof a Zynq or Kria\n\nLinux, /dev/uio0\n\n"
+          "DDR memory"),
+         (6.4, 0, 2.7, 4.6, "ncdc_system_axi\n\ncamera, frame stores,\ncorrector"),
+         (12.2, 1.3, 2.5, 2.0, "sensor\n\nMT9P031, ...")),
+        ((2.9, 6.4, 4.1, "s_axi", "M_AXI_GP0 / HPM0: registers"),
+         (6.4, 2.9, 3.1, "irq", "IRQ_F2P"),
+         (6.4, 2.9, 2.1, "m_axi_read0", "S_AXI_HP0: raw frames"),
+         (6.4, 2.9, 1.1, "m_axi_write", "S_AXI_HP1: raw and corrected frames"),
+         (12.2, 9.1, 2.9, "sensor", "clock, frame, line, data"),
+         (9.1, 12.2, 2.0, "i2c", "two lines, open drain")),
+        "aclk, aresetn: from the same clock and reset block as the interconnect"),
+    "guide-litex.png": (
+        ((0, 0, 2.9, 4.6, "your LiteX SoC\n\nprocessor, or a\nbridge to a PC\n\n"
+          "LiteDRAM:\ncrossbar, controller"),
+         (6.4, 0, 2.7, 4.6, "NCDC\n\nregisters\n\ncorrector\n\nbridges to\nnative ports"),
+         (12.2, 1.3, 2.5, 2.0, "your encoder,\nfilter or DMA")),
+        ((2.9, 6.4, 4.1, "bus", "Wishbone slave: registers"),
+         (6.4, 2.9, 3.1, "ev.irq", "EventManager: a frame is done"),
+         (6.4, 2.9, 2.1, "get_port()", "native port: raw frames"),
+         (6.4, 2.9, 1.1, "get_port()", "native port: corrected frames"),
+         (9.1, 12.2, 2.3, "source", 'instead, with output="stream"')),
+        "one clock domain, sys; as many native ports as the corrector has hosts"),
+    "guide-verilog.png": (
+        ((0, 0, 2.9, 4.6, "your design\n\nregisters: one master,\none access at a time\n\n"
+          "your memory\ncontroller"),
+         (6.4, 0, 2.7, 4.6, "ncdc\n\nregisters\n\ncache of tiles,\nnetwork,\ninterpolation"),
+         (12.2, 1.3, 2.5, 2.0, "your screen\nor encoder")),
+        ((2.9, 6.4, 4.1, "csr", "address, read, write, waitrequest"),
+         (6.4, 2.9, 3.1, "irq", "a frame is done"),
+         (6.4, 2.9, 2.1, "read0", "bursts of 16 bytes, answers in order"),
+         (6.4, 2.9, 1.1, "write", "bursts of 1 to 16 words"),
+         (9.1, 12.2, 2.3, "stream", "instead, with --to stream")),
+        "one clock clk, synchronous reset rst"),
+    "usb.png": (
+        ((0, .9, 2.2, 2.8, "PC\n\npyftdi\n\nTable I and II,\nregisters"),
+         (4.6, .9, 2.2, 2.8, "FT232H\n\n245 synchronous\nFIFO"),
+         (9.2, 0, 2.5, 4.6, "UsbFifo\n\ntwo queues\nbetween\nthe clocks\n\nSplitter"),
+         (13.6, 0, 2.8, 4.6, "ByteCommands\n\nByteBridge\n\nTableOne\n\nMrawSender")),
+        ((2.2, 4.6, 2.9, "USB 2.0", "requests"), (4.6, 2.2, 1.7, "USB 2.0", "answers, pictures"),
+         (6.8, 9.2, 3.2, "RXF# RD# OE#", "60 MHz, 8 bits"),
+         (9.2, 6.8, 1.9, "TXE# WR#", "60 MHz, 8 bits"),
+         (11.7, 13.6, 3.2, "bytes", ""), (13.6, 11.7, 1.9, "beats", "")),
+        "ByteCommands reads and writes registers of the system, and reads frames from memory by "
+        "a port of its own"),
+    "soc.png": (
+        ((0, 3.1, 2.2, 4.7, "image sensor\n\nMT9P031\n\na model\nat its pins"),
+         (4.9, 3.1, 3.4, 4.7, "ncdc_core\n\ncamera: capture,\nframe stores, I2C\n\n"
+          "corrector\n\npacketiser\n\nbridges"),
+         (11.2, 5.7, 3.6, 2.1, "VexRiscv\n\nROM, SRAM,\nUART, timer"),
+         (11.2, 3.1, 3.6, 1.7, "LiteEth MAC\n\nframes in turn"),
+         (17.4, 2.4, 2.5, 5.4, "network\n\nTAP in a\nnamespace\n\nAravis,\nviva-genicam,\n"
+          "ncdc client"),
+         (4.9, 0, 9.9, 1.6, "LiteDRAM: crossbar and controller, SDR SDRAM of 64 MB")),
+        ((2.2, 4.9, 6.6, "pixels", "12 bits, clock, lines"),
+         (4.9, 2.2, 4.4, "I2C", "exposure, gain"),
+         (11.2, 8.3, 6.9, "Wishbone", "registers of all"),
+         (8.3, 11.2, 4.1, "frames", "pictures, 32 bits"),
+         (14.8, 17.4, 4.5, "pictures", "GVSP"), (17.4, 14.8, 3.4, "commands", "GVCP, TCP")),
+        "no processor touches a pixel: it writes headers and registers"),
+}
+VERTICAL = {    # file: arrows (x, from y, to y, text at the right)
+    "soc.png": ((5.2, 3.1, 1.6, "port 0\nwrites"), (6.3, 1.6, 3.1, "port 1\npackets"),
+                (7.5, 1.6, 3.1, "port 2\ncorrector"),
+                (11.7, 5.7, 4.8, "answers"), (13.4, 4.8, 5.7, "commands")),
+}
+
+
+def size_of(name):
+    """Inches of the drawing ``name``, (width, height)."""
+    return (12.5, 5.6) if name in VERTICAL else (12.5, 4.1)
+
+
+def draw_all(folder):
+    """Write all drawings into a folder."""
+    for name, (boxes, arrows, note) in DRAWINGS.items():
+        draw_boxes(str(Path(folder) / name), boxes, arrows, note, size_of(name),
+                   VERTICAL.get(name, ()))
+
+
+if __name__ == "__main__":
+    draw_all(sys.argv[1])

@@ -1,0 +1,153 @@
+"""What ``ncdc bench synth`` puts through synthesis: the corrector's blocks, and the whole."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from ncdc_bench.synth.board import board_core
+from ncdc_bench.synth.camera import CameraBlocks
+from ncdc_boards.sdram.chips import IS42S16320D_7, ULX3S_32MB, beside
+from ncdc_boards.sdram.controller import SdramController
+from ncdc_hdl.backend.cache.cache import Cache
+from ncdc_hdl.backend.colour import Colour
+from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.camera.frame_store import FrameStore
+from ncdc_hdl.camera.i2c import I2cController
+from ncdc_hdl.camera.sensor_port import SensorPort
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.frontend.backmap import BackMap
+from ncdc_hdl.frontend.between import NodesToCoordinates
+from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
+from ncdc_hdl.neural.tansig import Tansig
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.descriptor import Descriptor, FloatNetwork
+from ncdc_spec.formats import Formats
+from ncdc_spec.geometry import Geometry, ValidRows
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.tansig import design_for
+
+__all__ = ["BLOCKS", "ONLY", "component", "traits"]
+
+_GEOMETRY = Geometry(1280, 1024, 1280, 1024)
+_SCREEN = Geometry(640, 480, 640, 480)     # what boards show
+_CACHE = CacheOptions.of_bytes(32 << 10)
+_GRADIENT_CACHE = CacheOptions.of_bytes(32 << 10, GRADIENT)
+_DATA_WIDTH = 32
+_NODES = 16             # pixels from node to node, as on most of the reference lenses
+
+
+def component(block, variant, multiplier_bits):
+    """The Amaranth component of a block of :data:`BLOCKS`, for multipliers of so many bits."""
+    return BLOCKS[block][variant](multiplier_bits)
+
+
+def traits(part):
+    """``hidden_neurons``, ``nodes`` and ``lanes`` of a block, None where it has no such thing."""
+    d = getattr(part, "descriptor", None)
+    hardware = getattr(part, "hardware", part)
+    return {"hidden_neurons": getattr(d or part, "hidden_neurons", None),
+            "nodes": getattr(d or part, "nodes", None), "lanes": getattr(hardware, "lanes", None)}
+
+
+@cache
+def _descriptor(hidden_neurons, variant, nodes=1, interpolation=FAST, geometry=_GEOMETRY):
+    """A descriptor of arbitrary weights: they are reset values of registers, the size is theirs
+    whatever they are. Every pixel has a source."""
+    rng = np.random.default_rng(hidden_neurons)
+    network = FloatNetwork(rng.uniform(-2, 2, (hidden_neurons, 2)),
+                           rng.uniform(-1, 1, hidden_neurons),
+                           rng.uniform(-500, 500, (2, hidden_neurons)), np.array([640.0, 512.0]))
+    valid = ValidRows.of_mask(np.ones(geometry.corrected[::-1], bool))
+    geometry = replace(geometry, interpolation=interpolation)
+    return Descriptor.quantise(network, geometry, valid, variant=variant, nodes=nodes)
+
+
+def _tansig(variant):
+    return lambda bits: Tansig(design_for(variant, Formats().tansig.f_bits - 1))
+
+
+def _front_end(hidden_neurons, variant="mmhbc", **options):
+    return lambda bits: BackMap(hidden_neurons, Formats(), variant=variant,
+                                hardware=Hardware(multiplier_bits=bits, **options))
+
+
+def _between(lanes=1):
+    return lambda bits: NodesToCoordinates(Formats().at_nodes(), Formats().coordinate, _NODES,
+                                           lanes)
+
+
+def _core(hidden_neurons, variant="mmhbc", nodes=1, cache_bytes=_CACHE.bytes, interpolation=FAST,
+          **options):
+    """1280 x 1024 pixels, cache of 32 KB, memory of 32 bits, video stream out."""
+    options = {"data_width": _DATA_WIDTH, "output": "stream",
+               "cache": CacheOptions.of_bytes(cache_bytes, interpolation)} | options
+    return lambda bits: Corrector(_descriptor(hidden_neurons, variant, nodes, interpolation),
+                                  Hardware(multiplier_bits=bits, **options))
+
+
+def _smallest(variant):
+    """The smallest useful core: HN 8 at nodes, strips to memory from a cache of 8 KB."""
+    return _core(8, variant, _NODES, 8 << 10, output="memory", strip=128)
+
+
+def _four_lanes(variant, interpolation=FAST):
+    """Four pixels per clock, for which the memory's port must be wide."""
+    return _core(16, variant, _NODES, interpolation=interpolation, lanes=4, data_width=128)
+
+
+def _board(name):
+    return lambda bits: board_core(name, _descriptor(8, "table", _NODES, GRADIENT, _SCREEN))
+
+
+def _sdram(chip, data_width):
+    """At 133 MHz, with two readers and the video's, and bursts of 16."""
+    return lambda bits: SdramController(chip, 133e6, data_width, 3, 16)
+
+
+# Of each block its variants, the first one first in the tables. Multipliers shared by four
+# neurons and the tabulated tan-sigmoid make the smallest core.
+BLOCKS = {
+    "tansig": {"mmhbc": _tansig("mmhbc"), "table": _tansig("table"),
+               "classic": _tansig("classic")},
+    "neuron": {"hidden": lambda bits: HiddenNeuron(Formats(), bits),
+               "output HN 8": lambda bits: OutputNeuron(8, Formats(), multiplier_bits=bits)},
+    "front-end": {"HN 4": _front_end(4), "HN 4 raster": _front_end(4, hidden="raster"),
+                  "HN 4 table": _front_end(4, "table"), "HN 8": _front_end(8),
+                  "HN 4, 2 lanes": _front_end(4, lanes=2)},
+    "nodes to coordinates": {"1 lane": _between(), "4 lanes": _between(4)},
+    "fetcher": {"cache 32 KB":
+                lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _CACHE),
+                "cache 32 KB gradient":
+                lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _GRADIENT_CACHE)},
+    "interpolator": {"bayer bilinear":
+                     lambda bits: Interpolator(Formats().coordinate.f_bits),
+                     "gradient bilinear":
+                     lambda bits: Interpolator(Formats().coordinate.f_bits,
+                                               interpolation=GRADIENT)},
+    "camera": {"capture, store, I2C": lambda bits: CameraBlocks(_DATA_WIDTH, 16, 3, 512),
+               "with a queue of 32": lambda bits: CameraBlocks(_DATA_WIDTH, 16, 3, 32),
+               "frame store": lambda bits: FrameStore(3), "I2C": lambda bits: I2cController(),
+               "sensor port": lambda bits: SensorPort(),
+               "sensor port, grid of 648": lambda bits: SensorPort(648),
+               "sensor port, grid of 1296": lambda bits: SensorPort(1296)},
+    "colour": {"gains and tone": lambda bits: Colour()},
+    "SDRAM controller": {"16 bits": _sdram(ULX3S_32MB, 32),
+                         "32 bits": _sdram(beside(IS42S16320D_7, 2), 32),
+                         "16 bits, words of 64": _sdram(IS42S16320D_7, 64)},
+    "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),
+             "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),
+             "HN 8, nodes, 8 KB": _smallest("mmhbc"),
+             "HN 8, nodes, 8 KB, table": _smallest("table"),
+             "HN 16, nodes": _core(16, nodes=_NODES),
+             "HN 16, nodes, table": _core(16, "table", _NODES),
+             "HN 16, nodes, gradient": _core(16, nodes=_NODES, interpolation=GRADIENT),
+             "HN 16, nodes, table, gradient": _core(16, "table", _NODES, interpolation=GRADIENT),
+             "HN 16, nodes, 4 lanes": _four_lanes("mmhbc"),
+             "HN 16, nodes, 4 lanes, table": _four_lanes("table"),
+             "HN 16, nodes, 4 lanes, table, gradient": _four_lanes("table", GRADIENT)},
+    "board": {"DE0-CV, HN 8": _board("de0-cv"), "DE2-115, HN 8": _board("de2-115")},
+}
+ONLY = {"DE0-CV, HN 8": "cyclonev", "DE2-115, HN 8": "cycloneiv"}
+"""The one target of variants that are made for it."""

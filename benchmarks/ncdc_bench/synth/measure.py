@@ -1,0 +1,148 @@
+"""Rows of ``ncdc bench synth``: each block through each open flow, kept by what it depends on."""
+
+import inspect
+import json
+from statistics import median
+
+from ncdc.toolchain.ecp5_netlist import (
+    adder_inputs,
+    cells,
+    multiplier_registers,
+    output_registers,
+)
+from ncdc.toolchain.flows import (
+    SCRIPTS,
+    Registered,
+    absorbed,
+    cyclone_iv,
+    cyclone_v,
+    ecp5,
+    plain_netlist,
+    tool_versions,
+)
+from ncdc_bench.synth.blocks import ONLY, component, traits
+from ncdc_hdl.export.verilog import module_verilog
+from ncdc_sim.builds import built, key_of
+
+__all__ = ["TARGETS", "WORSE", "block_rows", "regressions"]
+
+TARGETS = ("ecp5", "cyclonev", "cycloneiv")
+WORSE = 0.05            # by which a figure may be worse than the table of the documentation
+
+_MULTIPLIER_BITS = {"ecp5": 18, "cyclonev": 27, "cycloneiv": 18}
+_FLOWS = {"ecp5": ecp5, "cyclonev": cyclone_v, "cycloneiv": cyclone_iv}
+_ABSORB_PARTS = (absorbed, cells, output_registers, multiplier_registers, adder_inputs)
+# Names in rows of what the flows call otherwise.
+_NAMES = {"ecp5": {"dsp": "multipliers_18x18", "ram_blocks": "block_rams"},
+          "cyclonev": {"lut": "alut", "ff": "alm_ff", "ram_blocks": "m10k"},
+          "cycloneiv": {"dsp": "multipliers_18x18", "ram_blocks": "m9k"}}
+_CLOCKS = ("fmax_mhz", "fmax_seeds_mhz", "fmax_plain_mhz")
+_LARGER_IS_WORSE = ("alm", "le", "lut", "ff", "dsp", "ram_blocks")
+
+
+def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: None, plain=False):
+    """Figures of one block, a row for each target.
+
+    Only what depends on changed Verilog, another flow or other tools is run; all else comes from
+    the folder of compiled simulations. The clock is that of the block between registers of its
+    own; the sizes of the Cyclones are those of the block alone, of ECP5 with these registers.
+
+    Parameters
+    ----------
+    block, variant : str
+        Of ``ncdc_bench.synth.blocks.BLOCKS``.
+    targets : sequence of str
+        Of :data:`TARGETS`; what a variant is not made for is left out.
+    seeds : int
+        Placements on ECP5; the median clock counts.
+    progress : callable
+        Called with the name of each step.
+    plain : bool
+        Also place the netlist as Yosys leaves it, without the steps of ``ecp5_netlist/``.
+
+    Returns
+    -------
+    list of dict
+        ``block``, ``variant``, ``target``, ``multiplier_bits``; ``hidden_neurons``, ``nodes``,
+        ``lanes``; ``alm``, ``le`` (logic elements of Cyclone IV), ``lut``, ``ff``, ``dsp``,
+        ``ram_blocks``, ``fmax_mhz``, ``fmax_seeds_mhz``, ``fmax_plain_mhz`` (the median of the
+        same seeds, if ``plain``), ``seeds``; None for what a flow does not tell.
+
+    Raises
+    ------
+    InputError
+        If a tool is not installed.
+    SynthesisError
+        If one fails.
+    """
+    rows = []
+    for target in targets:
+        if ONLY.get(variant, target) != target:
+            continue
+        progress(f"{target}: Verilog")
+        bits = _MULTIPLIER_BITS[target]
+        part = component(block, variant, bits)
+        if target == "ecp5":
+            verilog = module_verilog(Registered(part, outputs=True), "block")
+            runs = [_placed(verilog, progress, seed) for seed in range(1, seeds + 1)]
+            clocks = [run["fmax_mhz"] for run in runs]
+            plain_clocks = [_placed(verilog, progress, seed, plain=True)["fmax_mhz"]
+                            for seed in range(1, seeds + 1) if plain]
+            figures = runs[0] | {
+                "fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks,
+                "fmax_plain_mhz": round(median(plain_clocks), 1) if plain else None}
+        else:
+            figures = _kept(target, module_verilog(part, "block"), progress)
+        names = _NAMES[target]
+        rows.append({"block": block, "variant": variant, "target": target, "multiplier_bits": bits}
+                    | traits(part)
+                    | {name: figures.get(names.get(name, name))
+                       for name in (*_LARGER_IS_WORSE, *_CLOCKS)}
+                    | {"seeds": seeds if target == "ecp5" else None})
+    return rows
+
+
+def _kept(target, verilog, progress):
+    """What the flow of a Cyclone finds for module ``block`` of ``verilog``, run only once."""
+    flow = _FLOWS[target]
+    return _once(f"synth-{target}", [verilog, inspect.getsource(flow), *SCRIPTS[target]],
+                 lambda: flow(verilog, "block", progress=progress))
+
+
+def _placed(verilog, progress, seed, plain=False):
+    """What the flow of ECP5 finds for one placement of module ``block``, run only once."""
+    flow = _FLOWS["ecp5"]
+    parts = [verilog, inspect.getsource(flow), str(seed),
+             *([] if plain else map(inspect.getsource, _ABSORB_PARTS))]
+
+    def make_netlist(verilog, top, *, progress):
+        netlist = _once("synth-netlist", [verilog, top, inspect.getsource(plain_netlist)],
+                        lambda: plain_netlist(verilog, top, progress=progress))
+        return netlist if plain else absorbed(netlist, top)
+    return _once("synth-ecp5", parts, lambda: flow(
+        verilog, "block", progress=progress, seeds=(seed,), make_netlist=make_netlist))
+
+
+def _once(name, parts, make):
+    """What ``make()`` gives, made once for the strings ``parts`` and the tools' versions."""
+    def build(folder):
+        (folder / "result.json").write_text(json.dumps(make()))
+    key = key_of(name, repr(tool_versions()), *parts)
+    return json.loads((built(key, build) / "result.json").read_text())
+
+
+def regressions(rows, baseline):
+    """A sentence for each figure of ``rows`` that is more than :data:`WORSE` worse than in the
+    rows ``baseline``; rows that it lacks are no regression."""
+    before = {(row["block"], row["variant"], row["target"]): row for row in baseline}
+    worse = []
+    for row in rows:
+        name = row["block"], row["variant"], row["target"]
+        old = before.get(name, {})
+        for key in (*_LARGER_IS_WORSE, "fmax_mhz"):
+            if row.get(key) is None or old.get(key) is None:
+                continue
+            limit = old[key] * (1 - WORSE if key == "fmax_mhz" else 1 + WORSE)
+            if row[key] < limit if key == "fmax_mhz" else row[key] > limit:
+                worse.append(f"{', '.join(name)}: {key} is {row[key]}, the limit is {limit:.1f}")
+    return worse

@@ -1,0 +1,86 @@
+"""``ncdc bench system``: a running camera, its faults and its readers."""
+
+import sys
+
+from ncdc.cli.common import add_json, write_report
+from ncdc.terminal import Progress
+from ncdc_bench.system.measure import FULL, QUICK, measure
+
+__all__ = ["EXAMPLE", "HELP", "add_arguments", "failures", "run", "table"]
+
+HELP = ("let a camera run from a sensor's pins through memory and corrector, with faults and with "
+        "readers at random, and compare every frame with the golden model")
+EXAMPLE = "ncdc bench system --quick"
+_PREDICTION = .02       # of the clocks, by which the planner may be wrong
+
+
+def add_arguments(parser):
+    """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("--quick", action="store_true", help="no frames above 640x480: minutes")
+    add_json(parser)
+
+
+def run(args):
+    """Measure and report; 1 if a pixel differs, a frame is torn or lost, or a fault is not told."""
+    rows = list(measure(QUICK if args.quick else FULL, lambda run: Progress(str(run))))
+    if not write_report({"rows": rows}, args.json):
+        print(table(rows))
+    wrong = failures(rows)
+    for text in wrong:
+        print(f"ncdc bench system: {text}", file=sys.stderr)
+    return 1 if wrong else 0
+
+
+def failures(rows):
+    """Sentences on what went wrong in ``rows``."""
+    found = []
+    for row in rows:
+        name = row["fault"] or f"{row['width']}x{row['height']} on {row['memory']}"
+        if row["pixels_different"]:
+            found.append(f"{name}: {row['pixels_different']} pixels differ")
+        if row["frames_torn"]:
+            found.append(f"{name}: {row['frames_torn']} frames were torn")
+        if row["camera_bytes_dropped"] and row["fault"] is None:
+            found.append(f"{name}: {row['camera_bytes_dropped']} bytes of the camera were dropped")
+        predicted, bound = row["predicted_clocks_per_pixel"], row["follow_bound_clocks"]
+        if predicted and abs(row["clocks_per_pixel"] / predicted - 1) > _PREDICTION:
+            found.append(f"{name}: {predicted:.4f} clocks per pixel were predicted, "
+                         f"{row['clocks_per_pixel']:.4f} are measured")
+        if bound and row["follow_latency_clocks"] > bound:
+            found.append(f"{name}: a frame that follows its camera came "
+                         f"{row['follow_latency_clocks']} clocks behind it, {bound} are promised")
+        if row["recovered"] is False:
+            found.append(f"{name}: the fault was not told")
+    return found
+
+
+def table(rows):
+    """Rows of :func:`ncdc_bench.system.measure.measure` as text."""
+    cells = [[title for title, _ in _COLUMNS],
+             *([str(render(row)) for _, render in _COLUMNS] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells)]
+    return "\n".join("  ".join(f"{cell:>{width}}" for cell, width in zip(line, widths))
+                     for line in cells)
+
+
+def _clocks(name):
+    return lambda row: "-" if row[name] is None else f"{row[name]:.4f}"
+
+
+_COLUMNS = (
+    ("size", lambda row: f"{row['width']}x{row['height']}"),
+    ("memory", lambda row: row["memory"]),
+    ("to", lambda row: row["output"]),
+    ("behind its camera", lambda row: (
+        f"{row['follow_latency_clocks']} of {row['follow_bound_clocks']} clocks"
+        if row["follow"] else "-")),
+    ("fault", lambda row: row["fault"] or "-"),
+    ("frames", lambda row: row["frames"]),
+    ("pixels", lambda row: row["pixels_compared"]),
+    ("wrong", lambda row: row["pixels_different"]),
+    ("torn", lambda row: row["frames_torn"]),
+    ("dropped", lambda row: row["camera_bytes_dropped"]),
+    ("clocks/px", _clocks("clocks_per_pixel")),
+    ("predicted", _clocks("predicted_clocks_per_pixel")),
+    ("recovered", lambda row: {None: "-", True: "yes", False: "no"}[row["recovered"]]),
+)

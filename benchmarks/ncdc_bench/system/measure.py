@@ -1,0 +1,171 @@
+"""Runs of a camera on the generated Verilog: frames, faults, readers."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from ncdc_bench.throughput.lenses import Lens, trained
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.verilog.system_cover import system_verilog
+from ncdc_hdl.system import System
+from ncdc_model.planner.beside import clocks_beside_camera, follow_bound_beside_camera
+from ncdc_model.planner.memory_timing import memory_at
+from ncdc_model.planner.plan import Fixed, plan
+from ncdc_sim.sensor.verilog import Fault, Light
+from ncdc_sim.system.camera import simulate_camera
+from ncdc_sim.system.readers import simulate_readers
+from ncdc_spec.hardware import Hardware
+from ncdc_spec.sensors.framing import setup_around
+from ncdc_spec.sensors.mt9p031 import SENSOR
+
+__all__ = ["FAULTS", "FULL", "QUICK", "Run", "measure"]
+
+VGA, SXGA, FHD, SMALL = (640, 480), (1280, 1024), (1920, 1080), (64, 24)
+_EXPOSURE_US = 100.0
+_CLOCK_MHZ = 100
+_STALL = 200_000        # clocks: 2 ms at 100 MHz
+
+# Fault, and what the counters must tell of it.
+FAULTS = {
+    "short_line": (Fault("short_line", 1, 7), "line_faults"),
+    "long_line": (Fault("long_line", 1, 7), "line_faults"),
+    "glitch": (Fault("glitch", 1, 7), "line_faults"),
+    "cut_frame": (Fault("cut_frame", 1, 15), "frames_cut"),
+    "clock_stop": (Fault("clock_stop", 1, 9, clocks=60_000), "clock_stops"),
+    "memory_stall": (None, "overflows"),
+    "nack": (Fault("nack", start=9), "NACK"),
+    "stuck_sda": (Fault("stuck_sda", start=9), "LOST"),
+}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A camera to be run.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Of raw and corrected frames.
+    memory, data_width, output, format : str, int, str, str
+    frames : int
+    follow : bool
+    degrees : float
+        Horizontal view of the lens.
+    fault : str
+        Of :data:`FAULTS`; empty: none.
+    readers : int
+        Raw frames beside readers that come and go at random; 0: none.
+    """
+    size: tuple
+    memory: str = "sdram"
+    data_width: int = 32
+    output: str = "memory"
+    format: str = "BGRX8"
+    frames: int = 5
+    follow: bool = False
+    degrees: float = 105.0
+    fault: str = ""
+    readers: int = 0
+
+    def __str__(self):
+        what = f"{self.readers} frames beside readers" if self.readers else f"{self.frames} frames"
+        return (f"{what} of {self.size[0]}x{self.size[1]} on {self.memory}"
+                + (", followed" if self.follow else "") + (f", {self.fault}" if self.fault else ""))
+
+
+QUICK = [Run(VGA), *(Run(SMALL, frames=3, fault=fault) for fault in FAULTS),
+         Run(SMALL, readers=100)]
+FULL = [*QUICK[:-1], Run(SMALL, readers=1000), Run(FHD, "ddr3", 128, frames=2, degrees=120.0),
+        Run(SXGA, frames=2, format="BGR8"), Run(SXGA, frames=2, follow=True, format="BGR8")]
+
+
+def measure(runs, progress=lambda run: None):
+    """A row for each of ``runs``; rows come one by one.
+
+    Yields
+    ------
+    dict
+        ``width``, ``height``, ``frames``, ``memory``, ``output``, ``format``, ``follow``,
+        ``pixels_compared``, ``pixels_different``, ``camera_bytes_dropped`` (of the rows in
+        frames that lost samples or were missed), ``frames_torn``, ``clocks_per_pixel`` (of
+        the slowest frame), ``predicted_clocks_per_pixel`` (beside the camera's own
+        writes; None of a frame that follows its camera, of faults and readers),
+        ``follow_latency_clocks`` (of one that does, from the camera's last sample to the
+        interrupt), ``follow_bound_clocks`` (what the planner promises), ``camera_clocks`` (from
+        the first sample to the last), ``fault``, ``recovered`` (whether the fault was told and
+        the frames behind it are right; None without one).
+    """
+    verilogs = {}
+    for run in runs:
+        yield _row(run, verilogs, progress(run))
+
+
+def _row(run, verilogs, show):
+    descriptor = trained(Lens(run.degrees, run.size, nodes="auto", interpolation="gradient"))
+    hardware = Hardware(data_width=run.data_width, output=run.output, format=run.format)
+    planned = plan(descriptor, hardware, run.memory,
+                   lambda chosen: Corrector(descriptor, chosen).timing,
+                   fixed=Fixed(strip=0) if run.follow else Fixed())
+    system = System(descriptor, planned.hardware)
+    key = descriptor.digest, system.hardware
+    if key not in verilogs:
+        verilogs[key] = system_verilog(system)
+    setup, corner = setup_around(SENSOR.name, descriptor.geometry,
+                                 exposure_us=_EXPOSURE_US)
+    width, height = run.size
+    noise = np.random.default_rng(1).integers(0, 4096 - SENSOR.black,
+                                              (min(run.frames, 5), height, width), np.uint16)
+    asked = setup.settings
+    light = Light(noise, asked.left + corner.left, asked.top + corner.top)
+    common = {"corner": corner, "verilog": verilogs[key], "memory": run.memory, "progress": show}
+    row = {"width": width, "height": height, "memory": run.memory, "output": run.output,
+           "format": run.format, "follow": run.follow, "fault": run.fault or None,
+           "predicted_clocks_per_pixel": None, "follow_latency_clocks": None,
+           "follow_bound_clocks": None, "camera_clocks": None, "recovered": None}
+    if run.readers:
+        return row | _readers(simulate_readers(system, setup, light, count=run.readers, seed=1,
+                                               **common), width * height)
+    fault, tells = FAULTS.get(run.fault, (None, None))
+    disturb = (lambda host: host.live.stall(_STALL)) if run.fault == "memory_stall" else None
+    result = simulate_camera(system, setup, light, count=run.frames, follow=run.follow, fault=fault,
+                             disturb=disturb, **common)
+    row |= _frames(result, setup)
+    if tells:
+        told = tells in result.i2c_errors or result.report().get(tells, 0) > 0
+        return row | {"recovered": told and row["pixels_different"] == 0}
+    return row | _predicted(run, system, setup, result)
+
+
+def _predicted(run, system, setup, result):
+    """What the planner says of a run without faults, beside what is measured of it."""
+    descriptor, hardware, timing = system.descriptor, system.hardware, setup.timing
+    memory, own = memory_at(run.memory, _CLOCK_MHZ), system.corrector.timing
+    ratio = Fraction(_CLOCK_MHZ * 10**6, timing.pixel_clock_hz)
+    if not run.follow:
+        clocks = clocks_beside_camera(descriptor, hardware, memory, own, timing, ratio)
+        return {"predicted_clocks_per_pixel": clocks / (run.size[0] * run.size[1])}
+    bound = follow_bound_beside_camera(descriptor, hardware, memory, own, timing, ratio)
+    sent = bound.camera_clocks
+    return {"follow_latency_clocks": max(frame.age for frame in result.frames) - sent,
+            "follow_bound_clocks": bound.clocks, "camera_clocks": sent}
+
+
+def _readers(result, pixels):
+    """Figures of frames beside readers: each that was read whole was compared."""
+    whole = result.raw + result.corrected
+    return {"frames": result.begun, "pixels_compared": whole * pixels,
+            "pixels_different": result.torn * pixels, "frames_torn": result.torn,
+            "camera_bytes_dropped": 0, "clocks_per_pixel": None}
+
+
+def _frames(result, setup):
+    """Figures of corrected frames."""
+    report, timing = result.report(), setup.timing
+    lost = report["overflows"] + report["frames_missed"]
+    return {
+        "frames": report["frames"], "pixels_compared": report["pixels_compared"],
+        "pixels_different": report["pixels_different"],
+        # A frame that lost samples is dropped whole.
+        "camera_bytes_dropped": lost * timing.width * timing.height, "frames_torn": 0,
+        "clocks_per_pixel": report["clocks_per_pixel"]}

@@ -1,0 +1,122 @@
+"""Photos of a flat page of dots through a :class:`TrueLens`, four times supersampled."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ncdc_bench.photos.targets import Photo, Truth
+from ncdc_bench.truth.lenses import SIZE
+
+__all__ = ["POSES", "Page", "photograph"]
+
+_SUB = 4               # samples of a pixel on each axis
+_BAND = 32             # rows at a time: bounds the memory
+_RADIUS = 0.25         # of a dot, in steps of the page
+_PAPER, _INK = 225.0, 26.0
+_FALL = 0.35           # of the light is lost in the corners of the picture
+_NOISE = 1.2           # grey levels, standard deviation
+_FINE = 3.0            # pixels: a dot that is narrower is not counted as seen
+_OUTLINE = 64          # corners of a dot's outline
+_SAME = np.cos(0.05)   # of two directions, 3 degrees apart
+
+
+@dataclass(frozen=True)
+class Page:
+    """A flat page in front of the camera.
+
+    Parameters
+    ----------
+    columns, rows : int
+        Dots, one step apart.
+    distance : float
+        From the lens to the middle of the page, in steps.
+    turns : (float, float, float)
+        Rotation vector of the page in degrees.
+    """
+    columns: int
+    rows: int
+    distance: float
+    turns: tuple
+
+    @property
+    def plane(self):
+        """Matrix (3, 3) from (column, row, 1) to a direction."""
+        turn = Rotation.from_rotvec(self.turns, degrees=True).as_matrix()
+        middle = np.array([(self.columns - 1) / 2, (self.rows - 1) / 2])
+        return np.column_stack([turn[:, 0], turn[:, 1],
+                                (0, 0, self.distance) - turn[:, :2] @ middle])
+
+
+# One photo; two more from other sides.
+POSES = (3.0, -4.0, 5.0), (-14.0, 10.0, -3.0), (10.0, 16.0, 92.0)
+
+
+def photograph(lens, page, seed=0):
+    """:class:`Photo` of ``page`` through ``lens``, 1280x960 grey with vignetting and noise.
+
+    Its truth counts the dots whose whole outline lies in the picture, at least 3 pixels wide.
+    """
+    inverse = np.linalg.inv(page.plane)
+    offsets = (np.arange(_SUB) + .5) / _SUB - .5
+    columns = (np.arange(SIZE[0])[:, None] + offsets).ravel()
+    image = np.empty(SIZE[::-1])
+    for top in range(0, SIZE[1], _BAND):
+        rows = (np.arange(top, min(top + _BAND, SIZE[1]))[:, None] + offsets).ravel()
+        ink = _ink(inverse, page, lens.angles(columns, rows))
+        image[top:top + len(rows) // _SUB] = ink.reshape(len(rows) // _SUB, _SUB, SIZE[0],
+                                                         _SUB).mean(axis=(1, 3))
+    x, y = np.meshgrid(*(np.linspace(-1, 1, side) for side in SIZE))
+    light = 1 - _FALL * (x * x + y * y) / 2
+    grey = (_PAPER + (_INK - _PAPER) * image) * light
+    grey += np.random.default_rng(seed).normal(0, _NOISE, grey.shape)
+    return Photo(np.clip(np.rint(grey), 0, 255).astype(np.uint8), (_truth(lens, page),))
+
+
+def _ink(inverse, page, angles):
+    """Whether samples in the directions ``angles`` (2, ...) hit a dot: float of that shape."""
+    theta = np.hypot(*angles)
+    sine = np.sinc(theta / np.pi)
+    ray = angles[0] * sine, angles[1] * sine, np.cos(theta)
+    i, j, w = (row[0] * ray[0] + row[1] * ray[1] + row[2] * ray[2] for row in inverse)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        i, j = i / w, j / w
+        hit = (w > 0) & ((i - np.rint(i))**2 + (j - np.rint(j))**2 < _RADIUS**2)
+        hit &= (i > -.5) & (i < page.columns - .5) & (j > -.5) & (j < page.rows - .5)
+    return hit.astype(np.float32)
+
+
+def _truth(lens, page):
+    """Where the centre of gravity of each dot's picture is, and which dots are whole."""
+    i, j = np.meshgrid(np.arange(page.columns), np.arange(page.rows))
+    index = np.stack([i.ravel(), j.ravel()], axis=1)
+    turn = 2 * np.pi * np.arange(_OUTLINE) / _OUTLINE
+    ring = _RADIUS * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    places = (index[:, None] + ring).reshape(-1, 2)
+    rays = np.column_stack([places, np.ones(len(places))]) @ page.plane.T
+    outline = lens.project(rays).reshape(len(index), -1, 2)
+    whole = (((outline > 0) & (outline < np.array(SIZE) - 1)).all(axis=(1, 2))
+             & (rays[:, 2].reshape(len(index), -1) > 0).all(axis=1))
+    xy = _centroid(outline)
+    # OpenCV's model shows far points of the page once more inside the picture, beyond its fold.
+    rays = np.column_stack([index, np.ones(len(index))]) @ page.plane.T
+    inside = ((xy > 0) & (xy < np.array(SIZE) - 1)).all(axis=1)
+    seen = lens.angles_at(xy[inside])
+    theta = np.linalg.norm(seen, axis=1)
+    seen = np.column_stack([seen * np.sinc(theta / np.pi)[:, None], np.cos(theta)])
+    ray = rays[inside] / np.linalg.norm(rays[inside], axis=1, keepdims=True)
+    whole[inside] &= (seen * ray).sum(axis=1) > _SAME
+    # The smallest singular value of an ellipse's outline is its narrow half, times sqrt(n / 2).
+    narrow = np.linalg.svd(outline - xy[:, None], compute_uv=False)[:, 1] * 2 / np.sqrt(
+        _OUTLINE / 2)
+    return Truth("dots", index, xy, whole & (narrow >= _FINE))
+
+
+def _centroid(outline):
+    """Centre of gravity (n, 2) of polygons (n, corners, 2)."""
+    middle = outline.mean(axis=1, keepdims=True)
+    here = outline - middle
+    after = np.roll(here, -1, axis=1)
+    twice = here[..., 0] * after[..., 1] - after[..., 0] * here[..., 1]
+    return middle[:, 0] + ((here + after) * twice[..., None]).sum(axis=1) / (
+        3 * twice.sum(axis=1)[:, None])

@@ -1,0 +1,1 @@
+"""Open tools that make netlists, placements and bitstreams of Verilog."""

