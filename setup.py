@@ -12,7 +12,14 @@ TARGET = Path("ncdc_soc/firmware_source")       # ncdc_soc.firmware looks for it
 
 
 class BuildPy(build_py):
-    """The packages, and the firmware; an editable installation finds it in the checkout."""
+    """The packages and the firmware, not the benches; an editable installation finds both in the
+    checkout."""
+
+    def finalize_options(self):
+        super().finalize_options()
+        if not self.editable_mode:
+            self.packages = [name for name in self.packages
+                             if name.partition(".")[0] != "ncdc_bench"]
 
     def run(self):
         super().run()

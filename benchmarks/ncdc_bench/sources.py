@@ -9,16 +9,16 @@ from pathlib import Path
 __all__ = ["source_digest", "source_files"]
 
 
-def source_files(modules, package):
-    """The files of ``modules`` and of all that they import, directly or not, from ``package``.
+def source_files(modules, packages):
+    """The files of ``modules`` and of all that they import, directly or not, from ``packages``.
 
     Imports are read from the text, those within functions too.
 
     Parameters
     ----------
     modules : sequence of str
-    package : str
-        Name of a top-level package; what is imported from elsewhere is not followed.
+    packages : sequence of str
+        Names of top-level packages; what is imported from elsewhere is not followed.
 
     Returns
     -------
@@ -35,14 +35,14 @@ def source_files(modules, package):
             continue
         files[name] = path
         names = {name.rpartition(".")[0]} | _imported(ast.parse(path.read_bytes()))
-        open_names += [other for other in names if other.split(".")[0] == package]
+        open_names += [other for other in names if other.split(".")[0] in packages]
     return dict(sorted(files.items()))
 
 
-def source_digest(modules, package, libraries=()):
+def source_digest(modules, packages, libraries=()):
     """Hexadecimal digest of :func:`source_files` and of the versions of ``libraries``."""
     state = hashlib.sha256()
-    for name, path in source_files(modules, package).items():
+    for name, path in source_files(modules, packages).items():
         state.update(f"{name} {hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())
     for name in libraries:
         state.update(f"{name} {version(name)}\n".encode())

@@ -100,5 +100,5 @@ def trained(lens):
 @cache
 def _trainer():
     """Digest of all that makes a descriptor of a lens: this file, the trainer and what they use."""
-    return source_digest([__name__, "ncdc_model.training.pipeline"], "ncdc_model",
-                         ["numpy", "scipy"])
+    return source_digest([__name__, "ncdc_model.training.pipeline"],
+                         ["ncdc_model", "ncdc_spec"], ["numpy", "scipy"])
