@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from ncdc.cli import main
+from ncdc.toolchain import flows as synthesis
 from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
 from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
-from ncdc_bench.synth import flows as synthesis
 from ncdc_bench.synth import measure as synthesis_rows
 from ncdc_bench.synth.blocks import BLOCKS
 from ncdc_bench.synth.command import table

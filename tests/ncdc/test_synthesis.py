@@ -10,6 +10,7 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from ncdc.cli import main
+from ncdc.toolchain import flows as synthesis
 from ncdc.toolchain.ecp5_netlist.output_registers import absorb_output_registers
 from ncdc.toolchain.flows import (
     Registered,
@@ -19,7 +20,6 @@ from ncdc.toolchain.flows import (
     ecp5,
     synthesise,
 )
-from ncdc_bench.synth import flows as synthesis
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.lib.pipeline import DelayMemory
 
