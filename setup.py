@@ -7,7 +7,7 @@ from pathlib import Path
 from setuptools import setup
 from setuptools.command.build_py import build_py
 
-SOURCE = Path("soc/firmware")
+SOURCE = Path("soc/ncdc_soc/firmware_source")
 TARGET = Path("ncdc_soc/firmware_source")       # ncdc_soc.firmware looks for it there
 
 

@@ -25,7 +25,7 @@ from ncdc_boards.ecp5.build import project_name as ecp5_name
 from ncdc_boards.hps_board.board import HpsBoard
 from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
 from ncdc_boards.quartus.sdc import check_sensor
-from ncdc_hdl.export.registers.drivers import driver_files
+from ncdc_hdl.export.drivers.drivers import driver_files
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import check_outputs, write_bytes, write_text

@@ -9,7 +9,7 @@ from ncdc_boards.hps_board.ports import DATA_WIDTH
 from ncdc_boards.hps_board.project import project_files
 from ncdc_boards.quartus.project import USER_FILE, project_name
 from ncdc_boards.quartus.sdc import check_sensor
-from ncdc_hdl.export.registers.drivers import driver_files
+from ncdc_hdl.export.drivers.drivers import driver_files
 from ncdc_hdl.system import System
 from ncdc_hdl.video.modes import mode_for, mode_named
 from ncdc_model.planner.plan import Fixed

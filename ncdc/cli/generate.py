@@ -11,11 +11,11 @@ from ncdc_boards.platform_designer.niosv import NIOSV, niosv_tcl
 from ncdc_boards.platform_designer.project import project_files
 from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.corrector import Corrector
-from ncdc_hdl.export.axi import axi_files
-from ncdc_hdl.export.axi.component import IP_XACT, component_name
-from ncdc_hdl.export.fusesoc import fusesoc_core
-from ncdc_hdl.export.platform_designer import hw_tcl, packetiser_hw_tcl, system_hw_tcl
-from ncdc_hdl.export.registers.drivers import driver_files
+from ncdc_hdl.export.drivers.drivers import driver_files
+from ncdc_hdl.export.ip.axi import axi_files
+from ncdc_hdl.export.ip.axi.component import IP_XACT, component_name
+from ncdc_hdl.export.ip.fusesoc import fusesoc_core
+from ncdc_hdl.export.ip.platform_designer import hw_tcl, packetiser_hw_tcl, system_hw_tcl
 from ncdc_hdl.export.testbench import bench_files, instantiation
 from ncdc_hdl.export.testbench.bench import pattern
 from ncdc_hdl.export.verilog import TOP, module_verilog, verilog_of

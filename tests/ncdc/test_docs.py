@@ -13,7 +13,7 @@ import pytest
 
 from kept import kept_trainer
 from ncdc.cli import parser
-from ncdc_hdl.export.registers.page import register_doc
+from ncdc_hdl.export.drivers.page import register_doc
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.training.train import TRAINERS
@@ -146,7 +146,7 @@ def test_python_blocks_run(page, tmp_path, monkeypatch):
 def test_register_page_is_that_of_the_table():
     written = (ROOT / "docs" / "registers.md").read_text()
     assert written == register_doc(8, Formats()), \
-        "write it anew: python -m ncdc_hdl.export.registers.page > docs/registers.md"
+        "write it anew: python -m ncdc_hdl.export.drivers.page > docs/registers.md"
 
 
 def test_protocols_page_is_that_of_the_declarations():
@@ -155,7 +155,7 @@ def test_protocols_page_is_that_of_the_declarations():
 
 
 def test_register_page_is_printed():
-    done = subprocess.run([sys.executable, "-m", "ncdc_hdl.export.registers.page"], check=True,
+    done = subprocess.run([sys.executable, "-m", "ncdc_hdl.export.drivers.page"], check=True,
                           stdout=subprocess.PIPE, text=True)
     assert done.stdout == register_doc(8, Formats())
 

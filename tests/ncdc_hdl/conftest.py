@@ -9,7 +9,7 @@ import pytest
 from drivers import TELE, WIDE, C, compile_c, samples
 from kept import kept_folder
 from ncdc_hdl.corrector import Corrector
-from ncdc_hdl.export.registers.drivers import driver_files
+from ncdc_hdl.export.drivers.drivers import driver_files
 
 
 @pytest.fixture(scope="module")

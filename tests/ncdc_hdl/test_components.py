@@ -11,7 +11,7 @@ from amaranth.sim import Simulator
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
-from ncdc_hdl.export.platform_designer import packetiser_hw_tcl
+from ncdc_hdl.export.ip.platform_designer import packetiser_hw_tcl
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.packetiser import Packetiser
 from ncdc_hdl.link.top import PACKETISER, PacketiserTop

@@ -11,8 +11,8 @@ from cameras import barrel_descriptor
 from drivers import COUNTERS, ROWS, TELE, WIDE, compile_c
 from ncdc.cli import main
 from ncdc_hdl.corrector import Corrector
-from ncdc_hdl.export.registers.drivers import driver_files
-from ncdc_hdl.export.registers.lenses import Lens, lens_name
+from ncdc_hdl.export.drivers.drivers import driver_files
+from ncdc_hdl.export.drivers.lenses import Lens, lens_name
 from ncdc_model.planner.lookups import frame_windows, lookups
 from ncdc_model.planner.tags import accesses, misses
 from ncdc_spec.cache_options import CacheOptions

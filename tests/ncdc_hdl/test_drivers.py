@@ -11,7 +11,7 @@ from systemrdl.node import RegNode
 from drivers import COUNTERS, WIDE, compile_c
 from kept import run_cocotb
 from ncdc_hdl.corrector import Corrector
-from ncdc_hdl.export.registers.drivers import driver_files
+from ncdc_hdl.export.drivers.drivers import driver_files
 from ncdc_model.golden.tone import tone_named
 from ncdc_sim.cocotb_run import design_of
 from ncdc_sim.tools import SimulationError

@@ -9,7 +9,7 @@ import yaml
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
-from ncdc_hdl.export.fusesoc import CORE_NAME
+from ncdc_hdl.export.ip.fusesoc import CORE_NAME
 from ncdc_sim.tools import environment
 
 USER = """CAPI=2:

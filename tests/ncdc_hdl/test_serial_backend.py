@@ -9,7 +9,7 @@ from ncdc_spec.protocols.serial_link import BAD, READ, READ_DONE, WRITE_DONE, cr
 
 
 def backends():
-    place = files("ncdc_hdl.export.registers") / "host" / "ncdc_backends.py"
+    place = files("ncdc_hdl.export.drivers") / "host" / "ncdc_backends.py"
     spec = importlib.util.spec_from_file_location("ncdc_backends", place)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

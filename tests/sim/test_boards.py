@@ -10,7 +10,7 @@ from board_bench import HEIGHT, SMALL, WIDTH, Bench
 from ncdc_boards.camera_board.design import hardware_for
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus import top as quartus_top
-from ncdc_hdl.export.registers.host.ncdc_backends import Serial
+from ncdc_hdl.export.drivers.host.ncdc_backends import Serial
 from ncdc_hdl.video.modes import mode_named
 from ncdc_sim.board.run import request_at, scans_at
 from ncdc_sim.tools import SimulationError

@@ -9,7 +9,7 @@ from ncdc_bench.throughput import measure as bench
 from ncdc_bench.throughput.lenses import Lens
 from ncdc_bench.throughput.measure import Run, measure
 from ncdc_hdl.corrector import Corrector
-from ncdc_hdl.export.platform_designer import interfaces
+from ncdc_hdl.export.ip.platform_designer import interfaces
 from ncdc_model.planner.memory_timing import MEMORIES
 from ncdc_spec.hardware import FETCHERS, OUTPUTS, Hardware
 

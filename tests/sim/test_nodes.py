@@ -7,7 +7,7 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
-from ncdc_hdl.export.registers.lenses import check_lens
+from ncdc_hdl.export.drivers.lenses import check_lens
 from ncdc_hdl.export.verilog import verilog_of
 from ncdc_model.planner.follow import camera_line, follow_bound
 from ncdc_model.planner.memory_timing import memory_timing

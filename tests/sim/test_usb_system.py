@@ -8,7 +8,7 @@ import pytest
 import usb.core
 
 from cameras import barrel_descriptor
-from ncdc_hdl.export.registers.host.ncdc_backends import Serial
+from ncdc_hdl.export.drivers.host.ncdc_backends import Serial
 from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_hdl.system import System
 from ncdc_hdl.usb.layouts import FT232H

@@ -8,7 +8,7 @@ from amaranth.sim import Simulator
 
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
-from ncdc_hdl.export.platform_designer import hw_tcl
+from ncdc_hdl.export.ip.platform_designer import hw_tcl
 from ncdc_hdl.export.verilog.cover import verilog_of
 from ncdc_hdl.video import vip_packets
 from ncdc_hdl.video.vip_packets import VipPackets

@@ -6,7 +6,7 @@ from ncdc_boards.camera_board.budget import screen_burst
 from ncdc_boards.camera_board.core import Design
 from ncdc_boards.camera_board.set_up import I2C_HZ, lens_program, set_up_program
 from ncdc_boards.camera_board.waking import Times
-from ncdc_hdl.export.registers.lenses import check_lens
+from ncdc_hdl.export.drivers.lenses import check_lens
 from ncdc_hdl.link.processor import READERS
 from ncdc_hdl.system import System
 from ncdc_model.raw_lens import raw_lens

@@ -1,7 +1,7 @@
 """The programs that set a board up without a host: sensor, registers, lenses."""
 
 from ncdc_hdl.camera.i2c import quarter_clocks
-from ncdc_hdl.export.registers.lenses import Lens
+from ncdc_hdl.export.drivers.lenses import Lens
 from ncdc_hdl.registers.program import Op
 from ncdc_spec.registers.register_map import CTRL_COMMIT, STATUS_BANK, STATUS_COMMITTED, TABLE
 from ncdc_spec.registers.system_map import I2C_COMMAND_FLAGS

@@ -8,7 +8,7 @@ from ncdc_boards.camera_board.set_up import camera_values
 from ncdc_boards.hps_board.adv7513 import I2C_ADDRESS, WRITES
 from ncdc_boards.hps_board.ports import PORT_RESETS, PORT_RESETS_ALL, port_resets
 from ncdc_boards.quartus.project import project_name
-from ncdc_hdl.export.axi.device_tree import Place, device_tree
+from ncdc_hdl.export.ip.axi.device_tree import Place, device_tree
 from ncdc_spec.frames import output_format
 from ncdc_spec.pixel_formats import raw_format
 from ncdc_spec.protocols.table_one import (

@@ -1,7 +1,7 @@
 """The paper's whole system with a Nios V, as a script for ``qsys-script``."""
 
 from ncdc_boards.platform_designer.script import connect, exported, header, instance
-from ncdc_hdl.export.platform_designer import interfaces
+from ncdc_hdl.export.ip.platform_designer import interfaces
 from ncdc_hdl.export.verilog.system_cover import SYSTEM as CAMERA
 from ncdc_hdl.link.top import PACKETISER
 

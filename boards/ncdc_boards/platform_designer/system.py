@@ -1,7 +1,7 @@
 """The Platform Designer system around the corrector, as a script for ``qsys-script``."""
 
 from ncdc_boards.platform_designer.script import connect, exported, header, instance
-from ncdc_hdl.export.platform_designer import COMPONENT, interfaces
+from ncdc_hdl.export.ip.platform_designer import COMPONENT, interfaces
 
 __all__ = ["CSR_BASE", "SYSTEM", "exports", "system_tcl"]
 

@@ -8,7 +8,7 @@ from unittest import mock
 
 import numpy as np
 
-from ncdc_hdl.export.registers.python_registers import python_registers
+from ncdc_hdl.export.drivers.python_registers import python_registers
 from ncdc_spec.frames import output_format, stored_picture
 from ncdc_spec.registers.register_map import registers
 
@@ -82,7 +82,7 @@ class SystemHost:
 
 def _driver(registers_text):
     """The module ``ncdc_camera``, beside a module ``ncdc_registers`` of this text."""
-    text = (files("ncdc_hdl.export.registers") / "host" / "ncdc_camera.py").read_text()
+    text = (files("ncdc_hdl.export.drivers") / "host" / "ncdc_camera.py").read_text()
     modules = {name: ModuleType(name) for name in ("ncdc_registers", "ncdc_camera")}
     exec(registers_text, vars(modules["ncdc_registers"]))
     with mock.patch.dict(sys.modules, modules):

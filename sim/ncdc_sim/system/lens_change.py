@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_hdl.export.registers.lenses import Lens
+from ncdc_hdl.export.drivers.lenses import Lens
 from ncdc_model.golden.corrector import correct
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_sim.system.series import aligned, differing, output_bytes

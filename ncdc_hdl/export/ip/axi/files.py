@@ -1,7 +1,7 @@
 """Every file that ``ncdc generate --bus axi`` writes beside the drivers."""
 
-from ncdc_hdl.export.axi.component import IP_XACT, component_xml
-from ncdc_hdl.export.axi.device_tree import Place, device_tree
+from ncdc_hdl.export.ip.axi.component import IP_XACT, component_xml
+from ncdc_hdl.export.ip.axi.device_tree import Place, device_tree
 from ncdc_hdl.export.verilog.axi_cover import AXI_SYSTEM, axi_name, axi_verilog
 from ncdc_hdl.export.waivers import SYSTEM_WAIVERS, verilator_config
 

@@ -1,4 +1,4 @@
-"""The registers as a page of the documentation: ``python -m ncdc_hdl.export.registers.page``."""
+"""The registers as a page of the documentation: ``python -m ncdc_hdl.export.drivers.page``."""
 
 from importlib.resources import files
 
@@ -24,7 +24,7 @@ def register_doc(hidden_neurons, formats):
     lines.append(f"| 0x{4 * TABLE:04X} + 8 r | `VALID_ROWS` | rw | 2 x 32 | "
                  "Spans of pixels with a source in row r, see below. |\n")
     bits = MAX_SIZE.bit_length() - 1
-    page = (files("ncdc_hdl.export.registers") / "page.md").read_text()
+    page = (files("ncdc_hdl.export.drivers") / "page.md").read_text()
     return page.format(words=1 << ADDRESS_WORDS_BITS, neurons=hidden_neurons, beyond=SOURCE_BEYOND,
                        last=hidden_neurons - 1, skip=4 * SKIP, nodes=4 * NODES,
                        rows="".join(lines), bits=bits, high=16 + bits,

@@ -13,7 +13,7 @@ def tcl_data(table, lenses, form):
     ----------
     table : sequence of Register
     lenses : dict
-        :class:`~ncdc_hdl.export.registers.lenses.Lens` by name.
+        :class:`~ncdc_hdl.export.drivers.lenses.Lens` by name.
     form : str
         Output format of the corrector.
     """

@@ -3,11 +3,11 @@
 import inspect
 from importlib.resources import files
 
-from ncdc_hdl.export.registers.c_header import c_header, c_lenses, c_lenses_header
-from ncdc_hdl.export.registers.lenses import lenses_of
-from ncdc_hdl.export.registers.python_registers import python_lenses, python_registers
-from ncdc_hdl.export.registers.system_rdl import system_rdl
-from ncdc_hdl.export.registers.tcl_data import tcl_data
+from ncdc_hdl.export.drivers.c_header import c_header, c_lenses, c_lenses_header
+from ncdc_hdl.export.drivers.lenses import lenses_of
+from ncdc_hdl.export.drivers.python_registers import python_lenses, python_registers
+from ncdc_hdl.export.drivers.system_rdl import system_rdl
+from ncdc_hdl.export.drivers.tcl_data import tcl_data
 from ncdc_spec import white_balance
 
 __all__ = ["driver_files"]
@@ -32,10 +32,10 @@ def driver_files(corrector, named, behind=()):
     Raises
     ------
     InputError
-        As :func:`ncdc_hdl.export.registers.lenses.lenses_of`.
+        As :func:`ncdc_hdl.export.drivers.lenses.lenses_of`.
     """
     lenses, table = lenses_of(corrector, named), (*corrector.registers.table, *behind)
-    host = files("ncdc_hdl.export.registers") / "host"
+    host = files("ncdc_hdl.export.drivers") / "host"
     return {
         "ncdc_registers.h": c_header(table),
         "ncdc_lenses.h": c_lenses_header(lenses), "ncdc_lenses.c": c_lenses(lenses),

@@ -1,0 +1,1 @@
+"""The corrector as a core of other tools: AXI, Platform Designer, FuseSoC."""
