@@ -30,10 +30,7 @@ from ncdc_spec.sensors.waking import wake_times
 
 __all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
 
-_HERE = Path(__file__).resolve().parent
-# A wheel has the sources in the package, a checkout next to it.
-FIRMWARE = next((path for path in (_HERE / "firmware_source", _HERE.parent / "firmware")
-                 if path.is_dir()), _HERE / "firmware_source")
+FIRMWARE = Path(__file__).resolve().parent / "firmware_source"
 _SPECS = "picolibc.specs"       # of the C library
 _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER_LEAST = 8      # clocks

@@ -16,7 +16,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 _TEXT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PROJECT, PROJECT_NEEDS = _TEXT["tool"]["setuptools"], _TEXT["build-system"]["requires"]
-FIRMWARE = ROOT / "soc" / "firmware"
+FIRMWARE = ROOT / "soc" / "ncdc_soc" / "firmware_source"
 
 
 def packages():
