@@ -2,6 +2,7 @@
 # make test      ruff, then the short tests; lists what it skipped, and why
 # make longer    the tests that take longer, one by one in tests/longer.txt
 # make regress   all of them, and exhaustive sweeps, full-size frames: hours
+# make docs      these pages as a site, build/site; opens from disk, needs no network
 # make gui       the window of the client, with two emulated devices
 # make setup     install only: .venv, pinned packages, missing Debian packages
 
@@ -9,19 +10,24 @@ PYTHON ?= python3
 BIN    := .venv/bin
 STAMP  := .venv/installed
 
-.PHONY: setup demo gui test longer regress clean
+.PHONY: setup demo docs gui test longer regress clean
 
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt .ci/debian
 	sh .ci/debian
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,soc,gui]'
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,soc,gui,docs]'
 	$(BIN)/python -m ncdc_soc.lwip
 	@touch $@
 
 demo: setup
 	$(BIN)/ncdc demo -o demo
+
+# Not --quiet: that hides warnings from the strict build too.
+docs: setup
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+	@echo open build/site/index.html
 
 gui: setup
 	$(BIN)/ncdc client gui --demo

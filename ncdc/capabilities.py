@@ -191,6 +191,7 @@ CAPABILITIES = (
     Capability("client with usb://", "usb"),
     Capability("client gui", "gui", checks=(_qt,)),
     Capability("the console of the generated Tcl driver", programs=("tclsh",)),
+    Capability("the documentation as a site (make docs)", "docs"),
     Capability("the tests", "test", ("tclsh", "tshark", "dnsmasq", "iverilog")),
 )
 assert all(name in PACKAGE_OF for one in CAPABILITIES for name in one.programs)

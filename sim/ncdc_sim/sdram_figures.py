@@ -1,4 +1,4 @@
-"""Prints the table of docs/sdram.md: python -m ncdc_sim.sdram_figures"""
+"""Prints the table of docs/reference/sdram.md: python -m ncdc_sim.sdram_figures"""
 
 from dataclasses import replace
 

@@ -297,7 +297,7 @@ def test_the_project_makes_what_u_boot_loads(project):
 
 
 def test_the_page_has_the_command_and_the_files(project):
-    page = (Path(__file__).parents[2] / "docs" / "de10_nano.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "reference" / "de10_nano.md").read_text()
     assert "    ncdc build net.toml --board de10-nano -o board\n" in page
     rows = "".join(re.findall(r"^\|.*\n", page, re.M))
     files = set(re.findall(r"`(\w+\.(?:v|tcl|sh|md|qsf|sdc|dtsi|py|json|c))`", rows))

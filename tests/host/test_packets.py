@@ -14,7 +14,7 @@ from ncdc_spec.protocols.table_two import MrawHeader
 from peers import need
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGE = (DOCS / "packets.md").read_text()
+PAGE = (DOCS / "reference" / "packets.md").read_text()
 COMMAND = gvcp.command_packet(gvcp.READREG, 0x1234, b"\0\0\x0a\0")
 STREAM = {
     "leader": gvsp.leader(7, 0x0102030405, BGR8, (640, 480), (16, 8)),

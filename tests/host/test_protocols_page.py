@@ -1,4 +1,4 @@
-"""A client that knows nothing but docs/protocols.md takes a picture from an emulated device."""
+"""A client that knows docs/reference/protocols.md alone takes an emulated device's picture."""
 
 import re
 import socket
@@ -8,7 +8,7 @@ from devices import SIZE, device
 from ncdc_spec.protocols import gvcp, gvsp
 from ncdc_spec.protocols.gvcp_tables import COMMANDS, STATUSES
 
-PAGE = (Path(__file__).parents[2] / "docs" / "protocols.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "protocols.md").read_text()
 
 
 def rows(part, columns):

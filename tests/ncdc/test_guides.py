@@ -13,11 +13,12 @@ from cameras import barrel_descriptor
 from ncdc.cli import build, main
 from ncdc.toolchain.bitstream import Clock, Placement
 from ncdc_bench.figures.guide_diagrams import DRAWINGS, draw_all
-from ncdc_model.example import BAYER, example_camera, target_photo
+from ncdc_model.example import BAYER, example_camera, scene_photo, target_photo
 from ncdc_model.images import demosaic, write_image
 from ncdc_sim.tools import environment, tool
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
+HOWTO = DOCS / "howto"
 GUIDES = {"guide_platform_designer": (48, 40), "guide_zynq": (48, 40), "guide_verilog": (48, 40),
           "guide_litex": (48, 40)}
 
@@ -40,7 +41,7 @@ def named(page):
 @pytest.mark.regress
 @pytest.mark.parametrize("guide", GUIDES)
 def test_the_commands_of_a_guide_write_what_it_names(guide, tmp_path, monkeypatch):
-    page = (DOCS / f"{guide}.md").read_text()
+    page = (HOWTO / f"{guide}.md").read_text()
     barrel_descriptor(GUIDES[guide], GUIDES[guide], hidden_neurons=2).save(tmp_path / "net.toml")
     monkeypatch.chdir(tmp_path)
     lines = commands(page, "ncdc")
@@ -58,31 +59,37 @@ camera_matrix: {rows: 3, cols: 3, data: [760.0, 0, 646.0, 0, 760.0, 355.0, 0, 0,
 distortion_model: plumb_bob
 distortion_coefficients: {rows: 1, cols: 5, data: [-0.31, 0.10, 0.001, -0.0005, -0.015]}
 """
-BOARD_FILES = {"ulx3s": {"ncdc_ulx3s.bit", "ncdc_ulx3s.v", "ncdc_registers.py"},
-               "boards": {"ncdc_user.v", "build.sh", "check_timing.tcl", "PORTS.md",
+BOARD_FILES = {"start/board": {"ncdc_ulx3s.bit", "ncdc_ulx3s.v", "ncdc_registers.py"},
+               "reference/ulx3s": {"ncdc_ulx3s.bit", "ncdc_ulx3s.v", "ncdc_registers.py"},
+               "reference/boards": {"ncdc_user.v", "build.sh", "check_timing.tcl", "PORTS.md",
                           "ncdc_registers.py"},
-               "colorlight_i9": {"ncdc_colorlight_i9.bit", "ncdc_colorlight_i9.lpf",
-                                 "ncdc_processor_rom.init", "ncdc_registers.py"}}
+               "reference/colorlight_i9": {"ncdc_colorlight_i9.bit", "ncdc_colorlight_i9.lpf",
+                                           "ncdc_processor_rom.init", "ncdc_registers.py"}}
 
 
-@pytest.mark.many_clocks
-@pytest.mark.regress
-@pytest.mark.parametrize("page", BOARD_FILES)
-def test_the_commands_of_a_board_s_page(page, tmp_path, monkeypatch, capsys):
-    """From a photo of dots on; without synthesis, placement and benches, of which tests of their
-    own run small ones, and which take an hour here. What ``ncdc plan`` prints is what the page
-    says."""
-    text = (DOCS / f"{page}.md").read_text()
-    write_image(tmp_path / "photo.png", demosaic(target_photo(example_camera()), BAYER))
-    (tmp_path / "camera.yaml").write_text(ROS_CAMERA)
-    barrel_descriptor((640, 480), (640, 480), hidden_neurons=8).save(tmp_path / "net.toml")
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture
+def without_synthesis(monkeypatch):
+    """Without synthesis and placement, of which tests of their own run small ones."""
     monkeypatch.setattr(build, "synthesise_board", lambda *design: {})
     monkeypatch.setattr(build, "clock_nets", lambda netlist, cells: {})
     monkeypatch.setattr(build, "clock_preferences", lambda nets, targets: "")
     monkeypatch.setattr(build, "place", lambda folder, device, preferences, nets, seed: Placement(
         seed, (Clock("sync", 62.5, 70.0),), Counter()))
     monkeypatch.setattr(build, "pack", lambda folder, seed: b"bits")
+
+
+@pytest.mark.many_clocks
+@pytest.mark.regress
+@pytest.mark.usefixtures("without_synthesis")
+@pytest.mark.parametrize("page", BOARD_FILES)
+def test_the_commands_of_a_board_s_page(page, tmp_path, monkeypatch, capsys):
+    """From a photo of dots on, without benches, which take an hour here. What ``ncdc plan`` prints
+    is what the page says."""
+    text = (DOCS / f"{page}.md").read_text()
+    write_image(tmp_path / "photo.png", demosaic(target_photo(example_camera()), BAYER))
+    (tmp_path / "camera.yaml").write_text(ROS_CAMERA)
+    barrel_descriptor((640, 480), (640, 480), hidden_neurons=8).save(tmp_path / "net.toml")
+    monkeypatch.chdir(tmp_path)
     lines = [line for line in commands(text, "ncdc") if not line.startswith("bench ")]
     assert len(lines) > 2
     for line in lines:
@@ -90,13 +97,39 @@ def test_the_commands_of_a_board_s_page(page, tmp_path, monkeypatch, capsys):
         printed = capsys.readouterr().out.splitlines()
         if line.startswith("plan"):
             [quoted] = re.findall(rf"^    \$ ncdc {line}\n((?:    .*\n)+)", text, re.MULTILINE)
-            assert [said for said in dedent(quoted).splitlines() if said != "..."] == printed[:3]
+            said = [one for one in dedent(quoted).splitlines() if one != "..."]
+            assert said and said == printed[:len(said)]
     assert BOARD_FILES[page] <= {path.name for path in tmp_path.glob("*/*")}
+
+
+STEP = re.compile(r"^```py(?:thon)?\n(.*?)^```$|^ +ncdc ([^\n]*)$", re.MULTILINE | re.DOTALL)
+NETS = ("net", "near", "far", "wide", "tele", "left", "right")      # descriptors of the pages
+HOWTOS = ("new_board", "new_sensor", "several_lenses", "remap_tables", "slow_frames")
+
+
+@pytest.mark.many_clocks
+@pytest.mark.regress
+@pytest.mark.usefixtures("without_synthesis")
+@pytest.mark.parametrize("page", HOWTOS)
+def test_the_steps_of_a_howto_run(page, tmp_path, monkeypatch):
+    """Commands and lines of Python in their order, without servers: these run until ended."""
+    monkeypatch.chdir(tmp_path)
+    for k, name in enumerate(NETS):
+        barrel_descriptor((640, 480), (640, 480), hidden_neurons=2, seed=k).save(f"{name}.toml")
+    write_image("distorted.png", demosaic(scene_photo(example_camera()), BAYER))
+    names, count = {}, 0
+    for code, line in STEP.findall((HOWTO / f"{page}.md").read_text()):
+        if code:
+            exec(compile(code, page, "exec"), names)
+        elif not line.startswith("device serve"):
+            assert main(shlex.split(line)) == 0, line
+        count += 1
+    assert count > 1
 
 
 @pytest.mark.regress
 def test_the_verilog_guide_s_bench_passes(tmp_path, monkeypatch):
-    page = (DOCS / "guide_verilog.md").read_text()
+    page = (HOWTO / "guide_verilog.md").read_text()
     barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
     monkeypatch.chdir(tmp_path)
     assert main(shlex.split(commands(page, "ncdc")[0])) == 0
@@ -115,7 +148,7 @@ def test_the_litex_guide_s_systems_compare_every_pixel(tmp_path, monkeypatch, ca
     from ncdc_sim.system import litex
     barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
     monkeypatch.chdir(tmp_path)
-    lines = commands((DOCS / "guide_litex.md").read_text(), "python -m ncdc_sim.system.litex")
+    lines = commands((HOWTO / "guide_litex.md").read_text(), "python -m ncdc_sim.system.litex")
     assert len(lines) == 2
     for line in lines:
         assert litex.main(shlex.split(line)) == 0
@@ -125,7 +158,7 @@ def test_the_litex_guide_s_systems_compare_every_pixel(tmp_path, monkeypatch, ca
 @pytest.mark.regress
 def test_the_litex_guide_s_lines_make_a_system(tmp_path, monkeypatch):
     from litex_systems import system_with
-    [block] = re.findall(r"^    from ncdc_soc.*?(?=^\S)", (DOCS / "guide_litex.md").read_text(),
+    [block] = re.findall(r"^    from ncdc_soc.*?(?=^\S)", (HOWTO / "guide_litex.md").read_text(),
                          re.MULTILINE | re.DOTALL)
     barrel_descriptor((48, 40), (48, 40), hidden_neurons=2).save(tmp_path / "net.toml")
     monkeypatch.chdir(tmp_path)
@@ -137,5 +170,6 @@ def test_every_guide_has_its_drawing(tmp_path):
     draw_all(tmp_path)
     for name in DRAWINGS:
         assert (tmp_path / name).stat().st_size > 10_000
-        pages = [path.name for path in DOCS.glob("*.md") if f"figures/{name}" in path.read_text()]
+        pages = [path.name for path in DOCS.glob("**/*.md")
+                 if f"figures/{name}" in path.read_text()]
         assert len(pages) == 1 and (DOCS / "figures" / name).is_file()

@@ -64,7 +64,7 @@ def test_quoted_outputs_are_those_of_the_commands(tmp_path, monkeypatch, capsys)
     write_image("photo.raw.png", target_photo(camera))
     write_image("distorted.raw.png", scene_photo(camera))
     checked, wrong = set(), {}
-    for page in ("docs/commands.md", "docs/planner.md"):
+    for page in ("docs/reference/commands.md", "docs/explanation/planner.md"):
         for command, lines in quoted(page):
             main(command)
             printed = in_either_order(*capsys.readouterr())
@@ -76,11 +76,11 @@ def test_quoted_outputs_are_those_of_the_commands(tmp_path, monkeypatch, capsys)
 
 @pytest.mark.many_clocks
 @pytest.mark.regress
-def test_the_demos_output_in_the_readme_is_the_commands(tmp_path, monkeypatch, capsys):
+def test_the_demos_output_in_the_tutorial_is_the_commands(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    readme = [line[4:] for line in (ROOT / "README.md").read_text().splitlines()]
-    start = readme.index("[1/6] photo of a page of dots, through the example camera")
-    lines = readme[start:readme.index("look at demo/report.html") + 1]
+    page = [line[4:] for line in (ROOT / "docs/start/tutorial.md").read_text().splitlines()]
+    start = page.index("[1/6] photo of a page of dots, through the example camera")
+    lines = page[start:page.index("look at demo/report.html") + 1]
     assert main(["demo", "-o", "demo"]) == 0
     printed = in_either_order(*capsys.readouterr())
     assert [] in [missing(lines, one) for one in printed], printed
@@ -88,4 +88,4 @@ def test_the_demos_output_in_the_readme_is_the_commands(tmp_path, monkeypatch, c
     verilog = Path("demo/ncdc.v").read_text()
     modules = len(re.findall("^module ", verilog, re.MULTILINE))
     size = f"{len(verilog.splitlines()):,} lines in {modules} modules"
-    assert size in (ROOT / "docs/verilog.md").read_text()
+    assert size in (ROOT / "docs/reference/verilog.md").read_text()

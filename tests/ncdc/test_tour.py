@@ -1,25 +1,28 @@
-"""The README's tour: every line runs as it is printed, in an empty folder."""
+"""The tutorial's tour: every line runs as it is printed, in an empty folder."""
 
 import re
 import shlex
 from pathlib import Path
 
+import cv2
 import pytest
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
 from ncdc.cli.board_design import board_named, designed
+from ncdc_bench.figures.tutorial_figures import PICTURES, draw
 from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import write_image
 
-README = (Path(__file__).resolve().parents[2] / "README.md").read_text()
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+TUTORIAL = (DOCS / "start" / "tutorial.md").read_text()
 PHOTO = "demo/photo.raw.png"        # of `ncdc demo`, which test_demo.py runs
 FILE = re.compile(r"(?:[\w.]+/)?\w[\w.]*\.(?:png|json|toml|v)")
 
 
 def tour():
     """(arguments, comment) of each line of the tour."""
-    [block] = re.findall(r"The same steps one by one.*?\n\n((?:    ncdc .*\n)+)", README)
+    [block] = re.findall(r"## Run the steps\n\n((?:    ncdc .*\n)+)", TUTORIAL)
     return [(shlex.split(line.partition("#")[0])[1:], line.partition("#")[2].strip())
             for line in block.splitlines()]
 
@@ -58,8 +61,8 @@ ROW = re.compile(r"^ +((?:training|held out|beyond points|region|frame) +(?:floa
 
 def test_the_pages_agree_on_the_demo_s_figures():
     """With the commands test_quoted_output.py compares them, in minutes."""
-    demo = README.partition("[1/6]")[2].partition("[6/6]")[0]
-    page = (Path(__file__).resolve().parents[2] / "docs" / "commands.md").read_text()
+    demo = TUTORIAL.partition("[1/6]")[2].partition("[6/6]")[0]
+    page = (DOCS / "reference" / "commands.md").read_text()
     sections = {text.partition("\n")[0]: text for text in page.split("\n## ")}
     trained = sections["train"].partition("-o net.toml")[2].partition("The paper")[0]
     shown = ROW.findall(sections["demo"]) + ROW.findall(trained)
@@ -77,3 +80,12 @@ def test_every_line_of_the_tour_runs(tmp_path, monkeypatch, capsys):
             assert Path(name).exists(), (arguments, name)
     assert "307200 pixels compared, 0 differ" in capsys.readouterr().out
     assert Path("hardware/ncdc.v").stat().st_size and Path("project/build.sh").is_file()
+
+
+@pytest.mark.regress
+def test_the_tutorial_s_pictures_are_what_its_commands_make(tmp_path):
+    draw(tmp_path)
+    for name in PICTURES.values():
+        made, shown = (cv2.imread(str(folder / name)) for folder in (tmp_path, DOCS / "figures"))
+        assert made.shape == shown.shape
+        assert cv2.absdiff(made, shown).mean() < 1          # grey levels: JPEG libraries differ

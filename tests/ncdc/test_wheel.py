@@ -99,6 +99,16 @@ def test_the_wheel_has_the_firmware_byte_for_byte(made):
 
 
 @pytest.mark.regress
+def test_the_description_has_no_link_into_the_repository(made):
+    """An index shows the README alone: a relative link would lead nowhere."""
+    with zipfile.ZipFile(made[1]) as content:
+        [name] = [name for name in content.namelist() if name.endswith(".dist-info/METADATA")]
+        text = content.read(name).decode()
+    assert "Description-Content-Type: text/markdown" in text and "\n# NCDC" in text
+    assert re.findall(r"\]\((?!https:)[^)]*\)", text) == []
+
+
+@pytest.mark.regress
 def test_an_empty_environment_runs_the_commands(made, tmp_path):
     """Far from the checkout: demo, simulate, generate, build, the system, and a device's client."""
     _, wheel, python = made

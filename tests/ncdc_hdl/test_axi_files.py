@@ -147,7 +147,7 @@ def test_the_example_for_linux_runs(net, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(folder))
     for name in ("ncdc_registers", "ncdc_driver", "ncdc_backends", "ncdc_lenses"):
         monkeypatch.delitem(sys.modules, name, raising=False)
-    page = (Path(__file__).parents[2] / "docs" / "axi.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "reference" / "axi.md").read_text()
     example = page[page.index("    import mmap"):page.index("The memory of `ncdc_frames`")]
     names = {}
     exec(textwrap.dedent(example), names)

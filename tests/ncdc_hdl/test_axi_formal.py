@@ -1,4 +1,4 @@
-"""Formal proofs of the bridges to AXI, see docs/proofs.md: each with covers and planted errors."""
+"""Formal proofs of the bridges to AXI (docs/evidence/proofs.md): covers and planted errors."""
 
 import pytest
 from amaranth import Const

@@ -1,4 +1,4 @@
-"""Formal proofs of the cache, the Avalon-MM hosts and the queues, see docs/proofs.md.
+"""Formal proofs of the cache, the Avalon-MM hosts and the queues, see docs/evidence/proofs.md.
 
 Every proof has covers, which show that what it speaks of happens at all, and planted errors, each
 of which it must find.

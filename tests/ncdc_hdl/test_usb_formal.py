@@ -1,4 +1,4 @@
-"""Formal proof of the bus to an FTDI chip, see docs/proofs.md: with covers and planted errors."""
+"""Formal proof of the bus to an FTDI chip (docs/evidence/proofs.md): covers and planted errors."""
 
 import pytest
 from amaranth import Signal

@@ -104,7 +104,7 @@ def test_nobody_waits_longer_than_the_bound(host, hosts):
     assert min(result["words"]) > 30
 
 
-# (hosts, least share of clocks with data at 16 bits and 133 MHz), see docs/sdram.md.
+# (hosts, least share of clocks with data at 16 bits and 133 MHz), see docs/reference/sdram.md.
 SHARES = {
     "bursts of 2 to 4 words of a picture": ([*[Host(CORRECTOR, 0, 2, 4)] * 2, OFF, OFF], .85),
     "a camera's bursts of 16": ([OFF, OFF, OFF, Host(ONWARDS, 0, 16, 16)], .97),

@@ -100,7 +100,7 @@ def test_the_client_s_device_and_the_page_s_example():
         for frame in frames:
             np.testing.assert_array_equal(frame.pixels, camera.sent(frame.number))
         # Of the documentation.
-        page = (Path(__file__).resolve().parents[2] / "docs" / "usb.md").read_text()
+        page = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "usb.md").read_text()
         block = page.partition("## On the PC")[2].split("\n\n`pip")[0]
         names = {}
         exec(textwrap.dedent(block), names)

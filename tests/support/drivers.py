@@ -7,7 +7,7 @@ from pathlib import Path
 from cameras import barrel_descriptor
 from ncdc_spec.registers.register_map import counters, registers
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "drivers.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "drivers.md"
 WIDE = barrel_descriptor((20, 16), (24, 18), hidden_neurons=3)
 TELE = barrel_descriptor((18, 14), (22, 20), hidden_neurons=3, seed=5, bayer="GBRG",
                          strength=0.1, fill=(250, 20, 3))

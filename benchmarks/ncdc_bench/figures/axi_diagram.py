@@ -1,4 +1,7 @@
-"""The drawing of ``docs/axi.md``: ``python -m ncdc_bench.figures.axi_diagram docs/figures/axi.png``."""
+"""The drawing of ``docs/reference/axi.md``.
+
+    python -m ncdc_bench.figures.axi_diagram docs/figures/axi.png
+"""
 
 import sys
 

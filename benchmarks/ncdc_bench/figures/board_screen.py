@@ -1,4 +1,4 @@
-"""What a board shows on its monitor, in simulation: pictures of ``docs/ulx3s.md``, ``boards.md``.
+"""What a board shows on its monitor, in simulation: for the pages ``boards`` and ``ulx3s``.
 
     python -m ncdc_bench.figures.board_screen ulx3s net.toml photo.png docs/figures/ulx3s-screen.jpg
 

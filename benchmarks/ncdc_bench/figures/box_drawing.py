@@ -1,5 +1,8 @@
 """Drawings of boxes and arrows between them."""
 
+from pathlib import Path
+
+from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
@@ -11,9 +14,15 @@ _LINE = "#30507a"
 
 
 def draw_boxes(path, *drawing, **options):
-    """Write the drawing of :func:`boxes_figure` as a PNG file."""
-    boxes_figure(*drawing, **options).savefig(path, dpi=90, format="png",
-                                              metadata={"Software": None}, bbox_inches="tight")
+    """Write the drawing of :func:`boxes_figure` as the PNG or SVG file that ``path`` names.
+
+    The same drawing gives the same bytes: neither a date nor a random identifier is written.
+    """
+    kind = Path(path).suffix.removeprefix(".")
+    metadata = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}[kind]
+    with rc_context({"svg.hashsalt": "ncdc", "svg.fonttype": "none"}):
+        boxes_figure(*drawing, **options).savefig(path, dpi=90, format=kind, metadata=metadata,
+                                                  bbox_inches="tight")
 
 
 def boxes_figure(boxes, arrows, note="", size=(11.5, 4.1), vertical=()):

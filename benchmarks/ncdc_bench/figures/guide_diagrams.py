@@ -8,6 +8,22 @@ from ncdc_bench.figures.box_drawing import draw_boxes
 __all__ = ["DRAWINGS", "VERTICAL", "draw_all", "size_of"]
 
 DRAWINGS = {    # file: boxes, arrows, note
+    "how-it-works.svg": (
+        ((0, 6.6, 2.4, 1.5, "photo of a target"),
+         (5.0, 6.6, 2.2, 1.5, "points"),
+         (9.8, 6.6, 2.4, 1.5, "net.toml\n\nintegers"),
+         (14.8, 6.6, 2.6, 1.5, "golden model\n\ncorrected picture"),
+         (0, 3.0, 2.4, 1.6, "scan\n\nrow by row"),
+         (5.0, 3.0, 2.2, 1.6, "network\n\ntan-sigmoid"),
+         (9.8, 3.0, 2.4, 1.6, "fetcher\n\ncache of tiles"),
+         (14.8, 3.0, 2.6, 1.6, "Bayer\ninterpolation"),
+         (9.8, -.4, 2.4, 1.4, "memory\n\nraw frames"),
+         (14.8, -.4, 2.6, 1.4, "memory or stream\n\ncorrected pixels")),
+        ((2.4, 5.0, 7.3, "ncdc calibrate", ""), (7.2, 9.8, 7.3, "ncdc train", ""),
+         (12.2, 14.8, 7.3, "ncdc correct", ""),
+         (2.4, 5.0, 3.8, "x, y", "output pixel"), (7.2, 9.8, 3.8, "x', y'", "source"),
+         (12.2, 14.8, 3.8, "6x6 samples", "")),
+        "above: on a PC, once per camera; below: in hardware, for every frame"),
     "guide-platform-designer.png": (
         ((0, 0, 2.9, 4.6, "your system in\nPlatform Designer\n\nprocessor or\nJTAG host\n\n"
           "memory controller"),
@@ -123,6 +139,9 @@ DRAWINGS = {    # file: boxes, arrows, note
         "no processor touches a pixel: it writes headers and registers"),
 }
 VERTICAL = {    # file: arrows (x, from y, to y, text at the right)
+    "how-it-works.svg": ((11.0, 6.6, 4.6, "ncdc generate: this\nwhole row as Verilog"),
+                         (16.1, 4.6, 6.6, "ncdc simulate:\nevery pixel compared"),
+                         (11.0, 1.0, 3.0, "tiles"), (16.1, 3.0, 1.0, "24 bits")),
     "soc.png": ((5.2, 3.1, 1.6, "port 0\nwrites"), (6.3, 1.6, 3.1, "port 1\npackets"),
                 (7.5, 1.6, 3.1, "port 2\ncorrector"),
                 (11.7, 5.7, 4.8, "answers"), (13.4, 4.8, 5.7, "commands")),

@@ -1,4 +1,4 @@
-"""The client's window on the system in simulation: the picture of ``docs/soc.md``.
+"""The client's window on the system in simulation: the picture of ``docs/reference/soc.md``.
 
     python -m ncdc_bench.figures.soc_window net.toml photo.png docs/figures/soc-window.jpg
 

@@ -46,7 +46,7 @@ def rows_of(name, descriptor, progress=lambda fraction: None):
         ``lens``, ``hidden_neurons``, ``nodes``; ``chosen``, whether ``auto`` takes that;
         ``curvature_px``; ``added_max_px`` and ``added_mean_px``, the integers' difference on an
         axis from the same integer network at every pixel before its final rounding; ``bound_px``
-        of that (``docs/nodes.md``); ``fixed_minus_float_max_px``.
+        of that (``docs/explanation/nodes.md``); ``fixed_minus_float_max_px``.
     """
     d, geometry = descriptor, descriptor.geometry
     missed = curvature(float_map(d.exact_network, geometry), geometry, d.valid)

@@ -59,7 +59,7 @@ def run(args):
 
 
 def table(rows):
-    """The rows as a table in Markdown, as in docs/calibration.md."""
+    """The rows as a table in Markdown, as in docs/explanation/calibration.md."""
     lines = ["| lens | photos | whole dots used; false | relief | map, true: rms / max px | "
              "reported: rms / max px | beyond the points: max px | held-out points: max px |",
              "|---|---|---|---|---|---|---|---|"]

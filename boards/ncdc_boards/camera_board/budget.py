@@ -13,8 +13,8 @@ from ncdc_spec.registers.system_values import memory_bytes
 
 __all__ = ["Budget", "budget_of", "check_lanes", "check_memory", "screen_burst"]
 
-# Of the clocks, those with data, for chips with so many bits; docs/sdram.md measures 84 and 79 % of
-# corrector, camera and video together.
+# Of the clocks, those with data, for chips with so many bits; docs/reference/sdram.md measures
+# 84 and 79 % of corrector, camera and video together.
 _EFFICIENCY = {16: .8, 32: .75}
 # Of a round in which all hosts wait: turns of the screen, the writer and the corrector, words of
 # the latter two, clocks that a change from one host to the next costs (in simulation: a screen that

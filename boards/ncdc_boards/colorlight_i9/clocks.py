@@ -38,7 +38,7 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
     """The :class:`ClockPlan`; ``mode`` is None, as there is no screen.
 
     The clock at the SDRAM's pin is three quarters of a period late, or as little more as the
-    loop's phases have: see docs/colorlight_i9.md.
+    loop's phases have: see docs/reference/colorlight_i9.md.
 
     Raises
     ------

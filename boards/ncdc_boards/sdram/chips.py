@@ -1,6 +1,6 @@
 """SDR SDRAM chips as data: their sizes, and their times in ns, each with its source.
 
-How to add one: docs/sdram.md.
+How to add one: docs/reference/sdram.md.
 """
 
 from dataclasses import dataclass, replace

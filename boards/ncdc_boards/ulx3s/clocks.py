@@ -50,7 +50,7 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
 
     The clock at the SDRAM's pin is three quarters of a period late: commands are stable around
     its edges, and what it reads comes in the middle between two edges of the core's clock, see
-    docs/ulx3s.md.
+    docs/reference/ulx3s.md.
 
     Raises
     ------

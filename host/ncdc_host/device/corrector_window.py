@@ -28,7 +28,7 @@ __all__ = ["CorrectorWindow", "descriptor_of_words"]
 
 
 class CorrectorWindow:
-    """A window on registers as ``docs/registers.md`` has them.
+    """A window on registers as ``docs/reference/registers.md`` has them.
 
     A write changes a shadow; CTRL.COMMIT makes the network and the valid rows of the shadow those
     of the selected lens. Geometry, fill and format of the device stay: a commit with others is

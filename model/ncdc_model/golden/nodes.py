@@ -5,7 +5,7 @@ Between the nodes P1 and P2 of a row, S pixels apart, with their neighbours P0 a
     x(j) = P1 + j (P2 - P1) / S - j (S - j) / (4 S^2) ((P3 - P2) - (P1 - P0)),    0 <= j < S
 
 Node k lies at the corrected column k S, whatever the strip, so that the coordinates do not depend
-on the order of the scan. ``docs/nodes.md`` derives the error.
+on the order of the scan. ``docs/explanation/nodes.md`` derives the error.
 """
 
 import numpy as np

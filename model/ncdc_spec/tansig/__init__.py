@@ -5,7 +5,7 @@ Equation (17) of the paper, for n in a signed format::
     f(n) = 2 / (1 + exp(-gamma n)) - 1 = sign(n) (1 - e) / (1 + e),   e = exp(-gamma |n|)
 
 The designs compute f with gamma = 1; another gamma is folded into the weights before the
-tan-sigmoid, see :mod:`ncdc_spec.descriptor`. docs/tansig.md derives the error bounds.
+tan-sigmoid, see :mod:`ncdc_spec.descriptor`. docs/explanation/tansig.md derives the error bounds.
 """
 
 from functools import cache

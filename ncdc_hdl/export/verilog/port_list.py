@@ -7,7 +7,7 @@ __all__ = ["AGENT", "AXI_CLOCK", "AXI_LITE", "AXI_READ", "AXI_VIDEO", "AXI_WRITE
 CLOCK = {"clk": "the only clock; all ports belong to it", "rst": "synchronous, active high",
           "memory_rst": "the memory forgets what it owes"}
 AGENT = {
-    "address": "word address, see docs/registers.md",
+    "address": "word address, see docs/reference/registers.md",
     "read": "read strobe, held while waitrequest",
     "write": "write strobe, held while waitrequest", "writedata": "word to write",
     "readdata": "word read, valid with readdatavalid", "readdatavalid": "one clock per read",
@@ -59,7 +59,7 @@ AXI_WRITE = _burst("aw", "burst's address") | {
     "bvalid": "a burst is in memory; a frame is done with its last",
     "bready": "always high"}
 AXI_LITE = {
-    "awaddr": "byte address, see docs/registers.md", "awprot": "not looked at",
+    "awaddr": "byte address, see docs/reference/registers.md", "awprot": "not looked at",
     "awvalid": "an address is there", "awready": "it is taken",
     "wdata": "word to write", "wstrb": "all bytes or none: others are refused",
     "wvalid": "a word is there", "wready": "it is taken",

@@ -1,4 +1,4 @@
-/* Driver of the NCDC corrector; see docs/drivers.md of the project.
+/* Driver of the NCDC corrector; see docs/reference/drivers.md of the project.
  *
  * Registers are reached through two functions of yours. Offsets are in bytes, accesses are of
  * 32 bits. */
