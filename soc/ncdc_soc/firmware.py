@@ -19,14 +19,16 @@ from ncdc_soc.processor import MAP
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import output_format
 from ncdc_spec.pixel_formats import raw_format
-from ncdc_spec.protocols import gvcp, gvcp_tables, gvsp
+from ncdc_spec.protocols import auto_control, gvcp, gvcp_tables, gvsp
 from ncdc_spec.protocols.features import FEATURES, feature
 from ncdc_spec.protocols.genicam import genicam_xml
 from ncdc_spec.protocols.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_spec.registers.link_map import LINK, TEMPLATES
+from ncdc_spec.registers.register_map import CTRL_COMMIT, STATUS_COMMITTED, TABLE, registers
 from ncdc_spec.sensors import mt9p031
 from ncdc_spec.sensors.framing import Crop, field_values
 from ncdc_spec.sensors.waking import wake_times
+from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
 
 __all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
 
@@ -36,11 +38,13 @@ _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER_LEAST = 8      # clocks
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
+# Registers of the corrector that a controller writes and that belong to no set.
+_NO_SHADOW = ("CTRL", "STATUS", "IRQ_ENABLE", "VALID_WINDOW", "FAULT")
 _SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
-            "gvcp_write.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
+            "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
             "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
 # Of these what answers GVCP has no part that takes long.
-_SLOW = ("main.c", "gvcp_write.c", "words.c", "phy.c", "mdio.c", "uart.c")
+_SLOW = ("main.c", "gvcp_write.c", "auto.c", "words.c", "phy.c", "mdio.c", "uart.c")
 _ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
             "-ffreestanding", "-fbuiltin", "-fno-tree-loop-distribute-patterns",
@@ -107,7 +111,8 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
         **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup),
         **_field(setup, Crop(*corner), system.descriptor.geometry),
         **_sensor(setup, soc.clock_hz, max(1, sets_up)),
-        **_protocols(identity, soc.clock_hz),
+        **_protocols(identity, soc.clock_hz, system.hardware.colour),
+        **_automatic(system, setup),
         "SETS_UP": int(sets_up > 0), "FIRST_READER": f"{first_reader}u"}.items()]
     lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in _features())
                  + "};")
@@ -208,14 +213,40 @@ def _sensor(setup, clock_hz, time_scale):
         "SENSOR_GAIN": _hex(mt9p031.GLOBAL_GAIN), "SENSOR_PATTERN": _hex(mt9p031.TEST_PATTERN)}
 
 
+def _automatic(system, setup):
+    """Constants of the rule of :mod:`~ncdc_spec.protocols.auto_control`, and byte offsets of the
+    corrector's registers that the white balance needs."""
+    descriptor, colour = system.descriptor, system.hardware.colour
+    at = {one.name: 4 * one.address for one in registers(
+        descriptor.hidden_neurons, descriptor.formats, descriptor.nodes, colour=True)}
+    others = [f"(o) != {_hex(at[name])}" for name in _NO_SHADOW]
+    return {
+        "AUTO_TARGET": f"{auto_control.TARGET}u", "AUTO_BAND": f"{auto_control.BAND}u",
+        "AUTO_STEP_FACTOR": f"{auto_control.STEP_FACTOR}u",
+        "AUTO_GAIN_MIN": f"{auto_control.GAIN_MIN}u", "AUTO_GAIN_MAX": f"{auto_control.GAIN_MAX}u",
+        "AUTO_SAMPLES": f"{auto_control.SAMPLES}u", "AUTO_LEVEL_SHIFT": auto_control.LEVEL_SHIFT,
+        "AUTO_BALANCE_BAND": f"{auto_control.BALANCE_BAND}u",
+        "AUTO_BALANCE_DARK": f"{auto_control.BALANCE_DARK}u",
+        # An exposure as long as the frame makes the frame longer.
+        "AUTO_LINES_MAX": f"{max(1, setup.timing.frame_lines - 1)}u",
+        "AUTO_COLOUR": int(colour), "AUTO_RATIO_UNITY": f"{UNITY}u",
+        "AUTO_RATIO_MAX": f"{LARGEST_GAIN}u",
+        "CORRECTOR_CTRL": _hex(at["CTRL"]), "CORRECTOR_COMMIT": _hex(CTRL_COMMIT),
+        "CORRECTOR_STATUS": _hex(at["STATUS"]), "CORRECTOR_COMMITTED": _hex(STATUS_COMMITTED),
+        "CORRECTOR_FRAMES": _hex(at["FRAMES"]), "CORRECTOR_GAINS": _hex(at["GAIN_RED"]),
+        "CORRECTOR_SUMS": _hex(at["RED_SUM"]), "CORRECTOR_PIXELS": _hex(at["VALID_PIXELS"]),
+        "CORRECTOR_SHADOW(o)": f"((o) < {_hex(4 * TABLE)} && {' && '.join(others)})",
+        "SENSOR_GAIN_MASK": _hex((1 << mt9p031.ANALOG_GAIN[1]) - 1 << mt9p031.ANALOG_GAIN[0])}
+
+
 def _enumerated(table):
     """The names and codes of a table of :mod:`ncdc_spec.protocols.gvcp_tables`, for a C enum."""
     return ", ".join(f"{one.name} = 0x{one.code:x}" for one in table)
 
 
-def _protocols(identity, clock_hz):
+def _protocols(identity, clock_hz, colour):
     # Packed it takes an eighth of the ROM, and of the time that a client needs to read it.
-    xml = _zipped(gvcp.XML_NAME, genicam_xml())
+    xml = _zipped(gvcp.XML_NAME, genicam_xml(colour))
     url = f"Local:{Path(gvcp.XML_NAME).stem}.zip;{gvcp.XML_BASE:X};{len(xml):X}"
     texts = {"DeviceVendorName": "NCDC", "DeviceModelName": "NCDC camera",
              "DeviceVersion": version("ncdc"), "DeviceManufacturerInfo": "distortion correction",

@@ -1,23 +1,11 @@
 """One list of requests, and the same answers from every device that speaks GVCP."""
 
-import pytest
-
-from cameras import barrel_descriptor
-from devices import SIZE, device, small_lens
-from firmware_wire import Wire, wire_program
+from devices import device, small_lens
+from firmware_wire import Wire
 from gvcp_requests import PEERS, requests
-from ncdc_spec.protocols import gvcp, gvsp
+from ncdc_spec.protocols import gvcp
 
 REQUESTS = requests()
-# Of a packet: what the largest size that a client may ask for holds.
-CAPACITY = gvsp.packet_size(gvsp.MAX_PACKET) - gvsp.HEADERS_BYTES
-
-
-@pytest.fixture(scope="module")
-def program(tmp_path_factory):
-    """The firmware, built for this machine."""
-    return wire_program(tmp_path_factory.mktemp("wire"), barrel_descriptor(SIZE, SIZE),
-                        capacity=CAPACITY)
 
 
 def emulated():
@@ -52,8 +40,8 @@ def test_there_are_enough():
     assert len(REQUESTS) >= 300
 
 
-def test_firmware_and_emulated_device_answer_alike(program, monkeypatch):
-    theirs = firmware(program)
+def test_firmware_and_emulated_device_answer_alike(wire_firmware, monkeypatch):
+    theirs = firmware(wire_firmware)
     assert differences(emulated(), theirs) == []
     # Each planted difference is seen.
     for name, value, asked in (

@@ -14,15 +14,17 @@ from ncdc_host.device.correction import Correction
 from ncdc_host.device.corrector_window import CorrectorWindow, descriptor_of_words
 from ncdc_host.device.emulated import lens_corrections
 from ncdc_host.device.light import POSITIONS, MovingScene, Photo
-from ncdc_host.device.registers import View
+from ncdc_host.device.registers import Settings, View
 from ncdc_host.device.sensor import Exposure, expose
 from ncdc_model.example import noise_picture
+from ncdc_model.golden.colour import ColourSums, coloured
 from ncdc_model.golden.corrector import correct
+from ncdc_spec.colour import Colour
 from ncdc_spec.errors import InputError
 from ncdc_spec.formats import Formats
 from ncdc_spec.geometry import BAYER_PHASE
 from ncdc_spec.interpolation import FAST, GRADIENT, INTERPOLATIONS
-from ncdc_spec.pixel_formats import BGR8, bayer_format, packed
+from ncdc_spec.pixel_formats import BGR8, BGRA8, MONO8, bayer_format, packed
 from ncdc_spec.protocols.features import TEST_PATTERNS
 from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
 from ncdc_spec.registers.host_values import host_values, table_words
@@ -58,12 +60,25 @@ def test_the_matrix_refuses_another_size():
 def test_pictures_are_mirrored_then_cut(reverse_x, reverse_y):
     lens, raw = small_lens(), noise(SIZE)
     flips = (slice(None, None, -1 if reverse_y else 1), slice(None, None, -1 if reverse_x else 1))
-    view = View(BGR8, 4, 6, 20, 10, reverse_x, reverse_y)
+    settings = Settings(View(BGR8, 4, 6, 20, 10, reverse_x, reverse_y), 0, 1, 8, 0, 1)
     golden = correct(lens, raw).picture[flips]
-    assert np.array_equal(picture_of(raw, view, Correction(lens)),
+    assert np.array_equal(picture_of(raw, settings, Correction(lens)).data,
                           packed(golden[6:16, 4:24], BGR8))
-    view = replace(view, pixel_format=bayer_format("RGGB"))
-    assert np.array_equal(picture_of(raw, view, None), raw[flips][6:16, 4:24])
+    view = replace(settings.view, pixel_format=bayer_format("RGGB"))
+    assert np.array_equal(picture_of(raw, replace(settings, view=view), None).data,
+                          raw[flips][6:16, 4:24])
+
+
+@pytest.mark.parametrize("form", [BGR8, BGRA8, MONO8])
+def test_gains_are_those_of_the_golden_model(form):
+    lens, raw = barrel_descriptor(SIZE, SIZE, strength=0.6, fill=(9, 8, 7)), noise(SIZE)
+    colour = Colour((300, 256, 1023))
+    golden = correct(lens, raw)
+    assert golden.blank.any()
+    settings = Settings(View(form, 0, 0, *SIZE), 0, 1, 8, 0, 1, colour)
+    picture = picture_of(raw, settings, Correction(lens))
+    assert np.array_equal(picture.data, packed(coloured(golden, colour), form))
+    assert picture.sums == ColourSums.of(golden)
 
 
 @pytest.mark.parametrize("bayer", BAYER_PHASE)

@@ -73,6 +73,29 @@ def test_every_setting_is_read_back_over_the_other_transport(qtbot, scheme):
             qtbot.waitUntil(lambda: tab.shown.frame.time_ns > before, timeout=SECONDS)
 
 
+def test_automatic_features_are_chosen_and_lock_the_editors(qtbot):
+    with announced() as [one], tab_on(qtbot, url_of(one, "gige")) as tab, \
+            open_device(url_of(one, "gige"), monitor=True) as other:
+        panel = tab.settings
+        for name, editors in (("ExposureAuto", (panel.shutter, panel.exposure)),
+                              ("GainAuto", (panel.gain,)), ("BalanceWhiteAuto", ())):
+            for mode in ("Continuous", "Off"):
+                choose(panel.auto[name], mode)
+                qtbot.waitUntil(lambda: other.get(name) == mode, timeout=SECONDS)
+                qtbot.waitUntil(lambda: all(e.isEnabled() == (mode == "Off") for e in editors),
+                                timeout=SECONDS)
+        # Once ends by itself, and the window shows it.
+        choose(panel.auto["ExposureAuto"], "Once")
+        qtbot.waitUntil(lambda: tab.infos["ExposureAuto"].value == "Off"
+                        and panel.auto["ExposureAuto"].currentData() == "Off"
+                        and panel.shutter.isEnabled(), timeout=SECONDS)
+
+
+def test_features_that_a_device_lacks_are_hidden(qtbot):
+    with announced() as [one], tab_on(qtbot, url_of(one, "tcp")) as tab:
+        assert all(box.isHidden() for box in tab.settings.auto.values())
+
+
 def test_what_another_user_changes_is_shown(qtbot):
     with announced() as [one], tab_on(qtbot, url_of(one, "gige")) as tab, \
             open_device(url_of(one, "tcp")) as other:

@@ -11,10 +11,12 @@ from firmware_wire import CLIENT_IP, TcpUser, Wire, wire_config
 from ncdc_soc.firmware import host_program
 from ncdc_spec.protocols import gvcp
 from ncdc_spec.protocols.features import FEATURES, feature
+from ncdc_spec.protocols.genicam import genicam_xml
 from ncdc_spec.protocols.table_one import IDLE_SECONDS, MRAW, READ, WRITE
 from ncdc_spec.protocols.table_two import HEADER_BYTES
 from ncdc_spec.registers.link_map import STATUS_RESENDING
 from ncdc_spec.sensors import mt9p031
+from ncdc_spec.white_balance import UNITY
 
 SIZE = (64, 48)
 PACKAGE = HEADER_BYTES + 3 * SIZE[0] * SIZE[1]
@@ -142,6 +144,17 @@ class Asker:
         for name, value in (("ControlPrivilege", 2), ("StreamPort", 6000),
                             ("StreamAddress", int(IPv4Address(CLIENT_IP)))):
             assert self.write(gvcp.place(name).address, value) == gvcp.SUCCESS
+
+
+def test_a_corrector_without_gains_has_no_balance(wire):
+    asker = Asker(wire)
+    asker.choose_receiver()
+    for name, value in (("BalanceWhiteAuto", 0), ("BalanceRatioSelector", 0),
+                        ("BalanceRatio", UNITY)):
+        assert asker.set(name, 1) == gvcp.WRITE_PROTECT
+        assert asker.read(feature(name).address) == value
+        assert name.encode() not in genicam_xml(colour=False)
+    assert asker.set("ExposureAuto", 1) == gvcp.SUCCESS
 
 
 def test_each_trigger_sends_one_picture(wire):

@@ -21,11 +21,13 @@ CLIENT_IP, _CLIENT_MAC = "10.77.0.1", "02:00:00:00:00:01"
 _DEVICE = Identity()
 
 
-def wire_config(descriptor, field=None, capacity=None):
+def wire_config(descriptor, field=None, capacity=None, colour=False):
     """``text(clock_hz=None)``: config.h of a system with an MT9P031 for ``descriptor``, at that
-    clock or its own; ``field`` of the sensor, ``capacity`` of a packet if not the packetiser's."""
+    clock or its own; ``field`` of the sensor, ``capacity`` of a packet if not the packetiser's,
+    ``colour``: the corrector has gains."""
     setup, crop = setup_around("mt9p031", descriptor.geometry, field=field)
-    core = SocCore(descriptor, Hardware(bus="axi", format="BGR8"), grid=grid_row(setup, crop))
+    hardware = Hardware(bus="axi", format="BGR8", colour=colour)
+    core = SocCore(descriptor, hardware, grid=grid_row(setup, crop))
     soc, capacity = soc_verilog(core), capacity or core.packetiser.capacity
     return lambda clock_hz=None: config(
         core.system, capacity, replace(soc, clock_hz=clock_hz) if clock_hz else soc, setup, crop)
@@ -50,7 +52,7 @@ class Wire:
     """
     def __init__(self, program):
         self._program, self.sent, self.resent = program, [], []
-        self.streamed = 0
+        self.streamed, self._values = 0, []
 
     def __enter__(self):
         self._process = subprocess.Popen([self._program], stdin=subprocess.PIPE,
@@ -69,6 +71,9 @@ class Wire:
         found = []
         while (text := self._process.stdout.readline()) != ".\n":
             assert text, "the firmware has ended"
+            if text.startswith("v "):
+                self._values = [int(value) for value in text[2:].split()]
+                continue
             if text == "s\n":
                 self.streamed += 1
                 continue
@@ -102,6 +107,24 @@ class Wire:
     def set_link(self, status):
         """Have the packetiser's status be that."""
         self._command(f"l {status}")
+
+    def set_light(self, light):
+        """Have raw frames show a grey of ``light`` / 65536 for each line and eighth of gain."""
+        self._command(f"b {light}")
+
+    def put(self, register, value):
+        """Set the corrector's register at a word address."""
+        self._command(f"p {4 * register} {value}")
+
+    def peek(self, register):
+        """The corrector's register at a word address."""
+        self._command(f"q {4 * register}")
+        return self._values[0]
+
+    def rule(self, kind, *numbers):
+        """What a rule of the firmware says of numbers: "e" of the exposure, "w" of the gains."""
+        self._command(f"{kind} {' '.join(map(str, map(int, numbers)))}")
+        return tuple(self._values)
 
     def set_clock(self, clocks):
         """Have the device's clock show ``clocks``."""

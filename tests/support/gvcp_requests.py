@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ipaddress import IPv4Address
 
 from ncdc_spec.protocols import gvcp
-from ncdc_spec.protocols.features import FEATURES
+from ncdc_spec.protocols.features import AUTO_FEATURES, FEATURES
 
 __all__ = ["PEERS", "Request", "requests"]
 
@@ -24,7 +24,7 @@ _OWN = {place.address for place in gvcp.BOOTSTRAP if place.length > 4} | {
         "MacHigh", "MacLow", "IpAddress", "SubnetMask", "IpConfiguration", "TimestampHigh",
         "TimestampLow", "StreamSourcePort")}
 _STATE = {"AcquisitionMode", "TriggerMode", "TriggerSelector", "TriggerSource", "TLParamsLocked",
-          "SensorRegisterAddress"}
+          "SensorRegisterAddress", *AUTO_FEATURES, "BalanceRatioSelector", "BalanceRatio"}
 # The firmware's test has a sensor whose bus is always at work.
 _BUS = {"SensorRegisterValue"}
 
@@ -70,6 +70,7 @@ def requests():
     _control(made)
     _headers(made)
     _limits(made)
+    _automatic(made)
     _acquisition(made)
     return made.made
 
@@ -213,6 +214,37 @@ def _limits(made):
             made.write(name, address, 0)
 
 
+def _automatic(made):
+    """Modes, and what each one locks; balance ratios of the colours."""
+    at = {one.name: one.address for one in FEATURES}
+    for name in AUTO_FEATURES:
+        made.write(name, at[name], 0)
+    # Values that all devices have from here on.
+    made.write("ExposureTime", at["ExposureTime"], 100, 101)
+    made.write("Gain", at["Gain"], 16, 17)
+    for auto, name, values in (("ExposureAuto", "ExposureTime", (101, 102, 0, 0x10_0000)),
+                               ("GainAuto", "Gain", (17, 18, 7, 64)),
+                               ("BalanceWhiteAuto", "BalanceRatio", (256, 257, 0, 1024))):
+        for mode in (0, 1, 2, 3, 0xFFFF_FFFF):
+            made.write(auto, at[auto], mode)
+            made.read(auto, at[auto])
+        for value in values:
+            made.write(f"{name}, {auto} is Continuous", at[name], value)
+            made.read(name, at[name])
+        made.write(auto, at[auto], 0)
+        made.write(f"{name}, {auto} is Off", at[name], *values)
+        made.read(name, at[name])
+    for selected in (0, 1, 2, 3):
+        made.write("BalanceRatioSelector", at["BalanceRatioSelector"], selected)
+        made.write("BalanceRatio", at["BalanceRatio"], 300 + selected)
+        made.read("BalanceRatio", at["BalanceRatio"])
+    for selected in (0, 1, 2):
+        made.write("BalanceRatioSelector", at["BalanceRatioSelector"], selected)
+        made.read("BalanceRatio", at["BalanceRatio"])
+    for name in AUTO_FEATURES:
+        made.write(name, at[name], 2)
+
+
 def _acquisition(made):
     """Start and stop, and what is locked meanwhile."""
     at = {one.name: one.address for one in FEATURES}
@@ -243,5 +275,6 @@ def _acquisition(made):
     for name in ("HeartbeatTimeout", "Configuration", "StreamPort", "StreamPacketDelay",
                  "StreamAddress", "StreamPacketSize", "ControlPrivilege"):
         made.read(f"{name} after control", gvcp.place(name).address)
-    for name in ("AcquisitionMode", "TriggerMode", "TLParamsLocked"):
+    for name in ("AcquisitionMode", "TriggerMode", "TLParamsLocked", *AUTO_FEATURES,
+                 "BalanceRatioSelector", "ExposureTime", "Gain"):
         made.read(f"{name} after control", at[name])

@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from ncdc_host.client import DeviceError, Refused, discover, open_device
+from ncdc_spec.white_balance import UNITY
 
 __all__ = ["main"]
 
@@ -126,8 +127,9 @@ def _values(info):
 def _agrees(info, written, back):
     if info.kind != "float":
         return back == written
-    # The device's step: a line of the sensor, an eighth, a tenth.
-    step = {"ExposureTime": info.minimum, "Gain": 0.125, "AcquisitionFrameRate": 0.1}[info.name]
+    # The device's step: a line of the sensor, an eighth, a tenth, a 256th.
+    step = {"ExposureTime": info.minimum, "Gain": 0.125, "AcquisitionFrameRate": 0.1,
+            "BalanceRatio": 1 / UNITY}[info.name]
     return abs(back - written) <= step / 2 * (1 + 1e-6)
 
 

@@ -218,7 +218,8 @@ def _why_not(info, access):
         return f"{info.name} is refused: this user is a monitor, another one has control"
     if access == "lost":
         return f"{info.name} is refused: control is lost"
-    return f"{info.name} cannot be written now: it is read-only, or locked while pictures stream"
+    return (f"{info.name} cannot be written now: it is read-only, automatic, or locked "
+            "while pictures stream")
 
 
 class VivaStream(FrameStream):

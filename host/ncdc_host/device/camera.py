@@ -5,10 +5,18 @@ import time
 from collections import OrderedDict
 from dataclasses import dataclass
 
+import cv2
+import numpy as np
+
+from ncdc_host.device.auto_control import level_of
+from ncdc_host.device.registers import Settings
 from ncdc_host.device.sensor import Exposure, expose
+from ncdc_model.golden.colour import ColourSums, coloured
+from ncdc_model.golden.corrector import Corrected
+from ncdc_spec.colour import Colour
 from ncdc_spec.pixel_formats import PixelFormat, packed
 
-__all__ = ["Camera", "Frame"]
+__all__ = ["Camera", "Frame", "Picture", "picture_of"]
 
 _KEPT = 24              # pictures, so that a scene that repeats itself is corrected only once
 _KEPT_BYTES = 64 << 20
@@ -29,6 +37,12 @@ class Frame:
         Width and height, column and row, pixels.
     data : memoryview
         The bytes, row by row.
+    settings : Settings
+        What it was made with.
+    level : int
+        Mean of some of its raw samples, in 16ths of a grey level.
+    sums : ColourSums or None
+        Of a corrected picture, before the gains.
     """
     number: int
     time_ns: int
@@ -36,6 +50,17 @@ class Frame:
     size: tuple
     offset: tuple
     data: memoryview
+    settings: Settings
+    level: int
+    sums: ColourSums | None
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture's ``data``, uint8, with ``level`` and ``sums`` as of :class:`Frame`."""
+    data: np.ndarray
+    level: int
+    sums: ColourSums | None
 
 
 class Camera:
@@ -49,10 +74,17 @@ class Camera:
     registers : Registers
     noise : float
         See :class:`Exposure`.
+
+    Attributes
+    ----------
+    corrections : list of Correction
+    sums : ColourSums
+        Of the last corrected picture, before the gains; zeros before the first.
     """
     def __init__(self, light, corrections, registers, noise):
         self._light, self._registers, self._noise = light, registers, noise
         self.corrections = list(corrections)
+        self.sums = ColourSums(0, 0, 0, 0)
         self._bayer = corrections[0].descriptor.geometry.bayer
         self._reset = time.monotonic_ns()
         self._lock = threading.Lock()           # of rendering and of what it keeps
@@ -127,26 +159,28 @@ class Camera:
             picture = self._picture(settings, corrections, number)
             view = settings.view
             frame = Frame(number, begin, view.pixel_format, (view.width, view.height),
-                          (view.x, view.y), memoryview(picture).cast("B"))
+                          (view.x, view.y), memoryview(picture.data).cast("B"), settings,
+                          picture.level, picture.sums)
+            self.sums = picture.sums or self.sums
             if self._newest is None or number > self._newest.number:
                 self._newest = frame
             return frame
 
     def _picture(self, settings, corrections, number):
-        """The bytes of a picture, made anew or kept, as an array."""
+        """The :class:`Picture`, made anew or cached."""
         position = self._light.position(number)
         # Read noise repeats with the scene; a still photo has eight patterns of it.
         seed = position or number % 8
         key = (settings.view, settings.lens, id(corrections[settings.lens]), settings.exposure_ns,
-               settings.gain_eighths, settings.pattern, position, seed)
+               settings.gain_eighths, settings.pattern, settings.colour, position, seed)
         if key in self._pictures:
             self._pictures.move_to_end(key)
             return self._pictures[key]
-        picture = picture_of(self.raw(settings, position, seed), settings.view,
+        picture = picture_of(self.raw(settings, position, seed), settings,
                              corrections[settings.lens])
         self._pictures[key] = picture
         while len(self._pictures) > _KEPT or sum(
-                p.nbytes for p in self._pictures.values()) > _KEPT_BYTES:
+                p.data.nbytes for p in self._pictures.values()) > _KEPT_BYTES:
             self._pictures.popitem(last=False)
         return picture
 
@@ -157,16 +191,36 @@ class Camera:
         return expose(self._light.raw(position), exposure, self._bayer, seed)
 
 
-def picture_of(raw, view, correction):
-    """The stored bytes of the part of a picture that a ``view`` shows, of the whole ``raw`` frame.
+def picture_of(raw, settings, correction):
+    """The :class:`Picture` of the part that the view of ``settings`` shows, of the whole ``raw``
+    frame.
 
     A corrected picture is corrected first and mirrored and cut then: hardware scans backwards
     and begins elsewhere, which gives the same pixels.
     """
-    whole = raw if view.pixel_format.raw else correction(raw)
+    view, whole, sums = settings.view, raw, None
+    if view.pixel_format.raw:
+        raw = raw[view.y:view.y + view.height, view.x:view.x + view.width]
+    else:
+        corrected = Corrected(correction(raw), correction.blank, fetches=0)
+        sums = _sums(corrected, correction.descriptor.geometry.fill)
+        whole = corrected.picture
+        if settings.colour != Colour():
+            whole = coloured(corrected, settings.colour)
     if view.reverse_x:
         whole = whole[:, ::-1]
     if view.reverse_y:
         whole = whole[::-1]
     part = whole[view.y:view.y + view.height, view.x:view.x + view.width]
-    return packed(part, view.pixel_format)
+    return Picture(packed(part, view.pixel_format), level_of(raw), sums)
+
+
+def _sums(corrected, fill):
+    """The :class:`ColourSums` of a frame whose blank pixels have the colour ``fill``.
+
+    The same as :meth:`ColourSums.of`, which takes a third of the time of a correction.
+    """
+    blank = int(np.count_nonzero(corrected.blank))
+    colours = [int(total - blank * value)
+               for total, value in zip(cv2.sumElems(corrected.picture), fill)]
+    return ColourSums(*colours, corrected.blank.size - blank)

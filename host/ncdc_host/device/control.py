@@ -84,7 +84,7 @@ class ControlAgent:
         self._features = {one.address: one for one in FEATURES if one.address >= gvcp.FEATURE_BASE}
         self._writable = {place.address: place.name for place in gvcp.BOOTSTRAP
                           if place.access == "rw"}
-        self._sensor_address = 0
+        self._sensor_address = self._ratio = 0
         self._commands = {
             gvcp.DISCOVERY: self._discovery, gvcp.FORCEIP: self._forceip,
             gvcp.READREG: self._readreg, gvcp.WRITEREG: self._writereg,
@@ -147,7 +147,7 @@ class ControlAgent:
         self._stream.stop()
         self.controller = None
         self._tl_locked, self._acquiring, self._mode, self._trigger = 0, False, 0, 0
-        self._registers.streaming = False
+        self._registers.streaming = self._registers.controlled = False
         for name, value in (("HeartbeatTimeout", gvcp.HEARTBEAT_MS), ("ControlPrivilege", 0),
                             ("Configuration", 0), ("StreamPort", 0), ("StreamPacketDelay", 0),
                             ("StreamAddress", 0),
@@ -258,8 +258,11 @@ class ControlAgent:
             return self._registers.settings.view.size
         if one.name == "SensorRegisterValue":
             return self._registers.read(self._sensor_address)
-        return {"AcquisitionMode": self._mode, "TriggerMode": self._trigger,
-                "TLParamsLocked": self._tl_locked,
+        if one.name == "BalanceRatio":
+            return self._registers.settings.colour.gains[self._ratio]
+        return {**self._registers.auto,
+                "AcquisitionMode": self._mode, "TriggerMode": self._trigger,
+                "TLParamsLocked": self._tl_locked, "BalanceRatioSelector": self._ratio,
                 "SensorRegisterAddress": self._sensor_address}.get(one.name, 0)
 
     def _write(self, address, value, peer):
@@ -295,6 +298,7 @@ class ControlAgent:
             self._release()
             return
         self.controller = peer
+        self._registers.controlled = True
         self._words[gvcp.place("ControlPrivilege").address] = value
 
     def _write_bootstrap(self, address, value):
@@ -336,7 +340,13 @@ class ControlAgent:
             return
         if not one.low <= value <= one.high:
             raise Refused("value")
-        if one.name == "AcquisitionMode":
+        if one.name in self._registers.auto:
+            self._registers.auto[one.name] = value
+        elif one.name == "BalanceRatioSelector":
+            self._ratio = value
+        elif one.name == "BalanceRatio":
+            self._registers.set_ratio(self._ratio, value)
+        elif one.name == "AcquisitionMode":
             if self._acquiring:
                 raise Refused("locked")
             if value not in {choice.value for choice in one.choices}:

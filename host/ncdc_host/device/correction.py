@@ -25,6 +25,8 @@ class Correction:
     Attributes
     ----------
     descriptor : Descriptor
+    blank : ndarray
+        True where the corrected pixel has no source, (height, width).
     """
     def __init__(self, descriptor):
         self.descriptor = descriptor
@@ -41,7 +43,7 @@ class Correction:
         self._place = np.concatenate(places).ravel().astype(np.int32)
         self._fx, self._fy = (np.concatenate([band[k] for band in bands]).ravel().astype(np.uint16)
                               for k in (2, 3))
-        self._blank = ~np.concatenate([band[-1] for band in bands])
+        self.blank = ~np.concatenate([band[-1] for band in bands])
 
     def __call__(self, raw):
         """The corrected picture, uint8 RGB (height, width, 3), of a ``raw`` frame.
@@ -59,7 +61,7 @@ class Correction:
             part = slice(first, first + _PIXELS)
             self._interpolate(colours, part, picture[part])
         picture = picture.reshape(*geometry.corrected[::-1], 3)
-        picture[self._blank] = geometry.fill
+        picture[self.blank] = geometry.fill
         return picture
 
     def _colours(self, raw):

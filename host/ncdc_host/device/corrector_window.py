@@ -6,13 +6,15 @@ import numpy as np
 
 from ncdc_host.device.correction import Correction
 from ncdc_host.device.registers import Refused
+from ncdc_spec.colour import COLOURS, Colour
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.float_network import FloatNetwork
 from ncdc_spec.geometry import ValidRows
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.registers.host_values import host_values, table_words
+from ncdc_spec.registers.host_values import colour_values, host_values, table_words
 from ncdc_spec.registers.register_map import (
+    COLOUR_SETTINGS,
     CTRL_COMMIT,
     ID,
     OUTSIDE_DIGEST,
@@ -26,27 +28,30 @@ from ncdc_spec.registers.register_map import (
 
 __all__ = ["CorrectorWindow", "descriptor_of_words"]
 
+_HARDWARE = Hardware(colour=True)
+
 
 class CorrectorWindow:
     """A window on registers as ``docs/reference/registers.md`` has them.
 
     A write changes a shadow; CTRL.COMMIT makes the network and the valid rows of the shadow those
-    of the selected lens. Geometry, fill and format of the device stay: a commit with others is
-    refused.
+    of the selected lens, and gains and tone those of corrected pictures. Geometry, fill and format
+    of the device stay: a commit with others is rejected.
     """
     def __init__(self, state, camera):
         self._state, self._camera = state, camera
         self._lock = threading.Lock()
-        self._words, self._lens, self._base = {}, None, None
+        self._words, self._lens, self._base, self._colour = {}, None, None, None
         self._status = 0
         descriptor = camera.corrections[0].descriptor
         self._map = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
-                                                  descriptor.nodes)}
+                                                  descriptor.nodes, _HARDWARE.colour)}
         self._by_address = {r.address: r for r in self._map.values()}
 
     def _load(self):
         """Fill the shadow with the registers of the lens that is selected."""
-        lens = self._state.settings.lens
+        settings = self._state.settings
+        lens = settings.lens
         descriptor = self._camera.corrections[lens].descriptor
         if lens != self._lens or descriptor is not self._base:
             self._lens, self._base = lens, descriptor
@@ -57,9 +62,14 @@ class CorrectorWindow:
                             self._map["DIGEST"].address: int(descriptor.digest[:8], 16),
                             self._map["NEURONS"].address: descriptor.hidden_neurons}
             self._words |= {self._map[name].address: value for name, value in capabilities(
-                Hardware().made_for(descriptor), *descriptor.geometry.corrected).items()}
+                _HARDWARE.made_for(descriptor), *descriptor.geometry.corrected).items()}
             if descriptor.nodes > 1:
                 self._words[self._map["NODES"].address] = descriptor.nodes
+            self._colour = None
+        if settings.colour is not self._colour:
+            self._colour = settings.colour
+            self._words |= {self._map[name].address: value
+                            for name, value in colour_values(self._colour).items()}
 
     def read(self, address):
         """The word at a word address; 0 where there is none."""
@@ -67,6 +77,8 @@ class CorrectorWindow:
             self._load()
             if address == self._map["STATUS"].address:
                 return self._status
+            for name, value in self._camera.sums.registers.items():
+                self._words[self._map[name].address] = value
             return self._words.get(address, 0)
 
     def write(self, address, value):
@@ -90,11 +102,14 @@ class CorrectorWindow:
                 raise Refused("read only")
             if register is None and address < TABLE:
                 raise Refused("read only")
+            if register is not None and register.name in COLOUR_SETTINGS:
+                value &= (1 << register.shape.width) - 1
             self._words[address] = value
 
     def _commit(self):
         """Make the lens of the shadow; takes seconds, while which STATUS.COMMITTED is high."""
         try:
+            colour = self._committed_colour()
             correction = Correction(self._checked())
         except InputError:
             correction = None
@@ -103,7 +118,15 @@ class CorrectorWindow:
                 self._status |= STATUS_REFUSED
             else:
                 self._camera.replace_lens(self._lens, correction)
+                self._state.set_colour(colour)
             self._status &= ~STATUS_COMMITTED
+
+    def _committed_colour(self):
+        """The :class:`Colour` of the shadow; raises :class:`InputError` if its tone is no curve."""
+        tone = [name for name in COLOUR_SETTINGS if name.startswith("TONE")]
+        values = {name: self._words[self._map[name].address] for name in COLOUR_SETTINGS}
+        return Colour(tuple(values[f"GAIN_{name.upper()}"] for name in COLOURS),
+                      tuple(values[name] for name in tone))
 
     def _checked(self):
         """The descriptor of the shadow."""

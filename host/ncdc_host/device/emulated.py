@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from ipaddress import IPv4Address
 
+from ncdc_host.device.auto_control import AutoControl
 from ncdc_host.device.camera import Camera
 from ncdc_host.device.control import ControlAgent, Identity
 from ncdc_host.device.correction import Correction
@@ -147,7 +148,8 @@ class EmulatedDevice:
                                          options.tcp_port)
                 opened.callback(self.table.close)
                 self.stream = Stream(self.camera, options.address, options.loss,
-                                     options.loss_again)
+                                     options.loss_again,
+                                     observe=AutoControl(self.registers).observe)
                 opened.callback(self.stream.close)
                 self._socket = _udp(options.address)
             except OSError as error:

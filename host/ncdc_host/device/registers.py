@@ -6,9 +6,11 @@ Both protocols read and write these words, so that there is one state, whoever a
 import threading
 from dataclasses import dataclass, replace
 
+from ncdc_spec.colour import Colour
 from ncdc_spec.errors import InputError
 from ncdc_spec.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
-from ncdc_spec.protocols.features import FEATURES, feature, system_word
+from ncdc_spec.protocols.auto_control import OFF
+from ncdc_spec.protocols.features import AUTO_FEATURES, FEATURES, feature, system_word
 from ncdc_spec.protocols.table_one import SYSTEM_PAGE, SYSTEM_WORDS
 from ncdc_spec.sensors import mt9p031 as sensor
 from ncdc_spec.sensors.field import FULL
@@ -27,6 +29,8 @@ _WRITABLE = {sensor.READ_MODE_2, *(one.address for one in sensor.SENSOR.user_reg
 # Sensor registers that a device keeps, so that reading them takes no time on the I2C bus.
 _KEPT = {sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER, sensor.GLOBAL_GAIN, sensor.TEST_PATTERN}
 _SHAPE = {address for one in FEATURES if one.locked for address in one.table}
+# Words that the device alone writes while a feature is automatic, and that feature.
+_AUTOMATIC = {address: one.locked_by for one in FEATURES if one.locked_by for address in one.table}
 
 
 def _framing(geometry, field):
@@ -48,7 +52,8 @@ class Refused(Exception):
     Parameters
     ----------
     reason : str
-        "value": outside the limits; "locked": pictures stream; "read only".
+        "value": outside the limits; "locked": pictures stream, or the feature is automatic;
+        "read only".
     """
     def __init__(self, reason):
         super().__init__(reason)
@@ -89,6 +94,7 @@ class Settings:
     gain_eighths: int
     pattern: int
     rate_tenths: int
+    colour: Colour = Colour()
 
 
 class Registers:
@@ -109,6 +115,10 @@ class Registers:
     ----------
     lock : RLock
         Held by who needs several words at one time.
+    auto : dict of str to int
+        Value of each automatic feature, by its name.
+    controlled : bool
+        Whether a user of GVCP has control. Without one nothing automatic is locked.
     bus_accesses : int
         Accesses so far that take time on the sensor's I2C bus in a device that has one.
     reference_ns : int
@@ -125,6 +135,9 @@ class Registers:
         self._on_change = []
         self.bus_accesses = 0
         self._streaming = False
+        self._colour = Colour()
+        self.auto = dict.fromkeys(AUTO_FEATURES, OFF)
+        self.controlled = False
         self._asked, self._field = _framing(geometry, field)
         self._view = self._whole(View(BGR8, 0, 0, 0, 0))
         self._lens, self._rate = 0, rate_tenths
@@ -147,10 +160,52 @@ class Registers:
         """The present :class:`Settings`."""
         with self.lock:
             word = self._sensor
-            lines = word[sensor.SHUTTER_UPPER] << 16 | word[sensor.SHUTTER_LOWER]
             gain = max(8, word[sensor.GLOBAL_GAIN] & 63)
-            return Settings(self._view, self._lens, max(1, lines) * self._line_ns(), gain,
-                            word[sensor.TEST_PATTERN], self._rate)
+            return Settings(self._view, self._lens, self.lines * self._line_ns(), gain,
+                            word[sensor.TEST_PATTERN], self._rate, self._colour)
+
+    @property
+    def lines(self):
+        """Exposure in lines, at least 1."""
+        word = self._sensor
+        return max(1, word[sensor.SHUTTER_UPPER] << 16 | word[sensor.SHUTTER_LOWER])
+
+    @property
+    def lines_per_frame(self):
+        """Lines of the longest exposure that keeps the frame rate, at least 1."""
+        lines = 10_000_000_000 // (self._rate * self._line_ns())
+        return min(max(1, lines), feature("ExposureTime").high)
+
+    def set_exposure(self, lines, gain):
+        """Set the exposure in lines and the gain in eighths, as automatic features do."""
+        with self.lock:
+            self._set_lines(lines)
+            low, width = sensor.ANALOG_GAIN
+            self._sensor[sensor.GLOBAL_GAIN] &= ~((1 << width) - 1 << low)
+            self._sensor[sensor.GLOBAL_GAIN] |= gain << low
+            self._change()
+
+    def set_colour(self, colour):
+        """Have corrected pictures made with this :class:`Colour` from the next frame on."""
+        with self.lock:
+            if colour != self._colour:
+                self._colour = colour
+                self._change()
+
+    def set_ratio(self, selected, gain):
+        """Set the gain of one colour, in 256ths; raises :class:`Refused`."""
+        with self.lock:
+            gains = list(self._colour.gains)
+            if gains[selected] == gain:
+                return
+            if self.auto["BalanceWhiteAuto"] != OFF:
+                raise Refused("locked")
+            gains[selected] = gain
+            self.set_colour(replace(self._colour, gains=tuple(gains)))
+
+    def _change(self):
+        for call in self._on_change:
+            call()
 
     @property
     def streaming(self):
@@ -186,12 +241,13 @@ class Registers:
                 raise Refused("read only")
             if self._streaming and address in _SHAPE:
                 raise Refused("locked")
+            if self.controlled and self.auto.get(_AUTOMATIC.get(address), OFF) != OFF:
+                raise Refused("locked")
             if address >= SYSTEM_PAGE:
                 self._write_system(address, value)
             else:
                 self._write_sensor(address, value)
-            for call in self._on_change:
-                call()
+            self._change()
 
     def _system(self):
         view, line = self._view, self._line_ns()

@@ -54,6 +54,9 @@ class Stream:
         Share of those that are sent again because a receiver asked for them.
     seed : int
         Of the chance that picks them.
+    observe : callable
+        Called as ``observe(frame)`` with each :class:`~ncdc_host.device.camera.Frame` that was
+        sent.
 
     Attributes
     ----------
@@ -63,8 +66,10 @@ class Stream:
         Packets since the device began; ``sent`` are all that were tried, ``lost`` those dropped on
         purpose, ``resent`` those of ``sent`` that a receiver asked for.
     """
-    def __init__(self, camera, address, loss=0.0, loss_again=0.0, seed=1):
+    def __init__(self, camera, address, loss=0.0, loss_again=0.0, seed=1,
+                 observe=lambda frame: None):
         self._camera, self._random = camera, random.Random(seed)
+        self._observe = observe
         self._loss, self._loss_again = loss, loss_again
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 << 20)
@@ -149,6 +154,7 @@ class Stream:
                 break
             number = frame.number
             self._send_frame(frame, receiver, stop)
+            self._observe(frame)
             if triggers is not None:
                 triggers.clear()
             if single:

@@ -30,6 +30,7 @@ _RETRY = 2.0            # between two tries to reach a device that is gone
 # The features that the window shows.
 SHOWN = ("WidthMax", "HeightMax", "Width", "Height", "OffsetX", "OffsetY", "PixelFormat",
          "ReverseX", "ReverseY", "TestPattern", "AcquisitionFrameRate", "LineTime",
+         "ExposureAuto", "GainAuto", "BalanceWhiteAuto",
          "ExposureTime", "Gain", "CorrectionEnable", "LensSelector", "LensMax", "FramesDropped",
          "FramesTorn")
 

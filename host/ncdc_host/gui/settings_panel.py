@@ -26,6 +26,7 @@ _PATTERNS = {
     "ColorBar": "Colour bars"}
 _FORMATS = {"BGR8": "Colour, 24 bit (BGR8)", "BGRa8": "Colour, 32 bit (BGRa8)",
             "Mono8": "Brightness (Mono8)"}
+_AUTO = {"Off": "Off", "Once": "Once, then off", "Continuous": "Always"}
 _SHARES = {"Whole picture": 1.0, "Three quarters": 0.75, "Half": 0.5, "Quarter": 0.25}
 _OTHER = "Other window"
 _SLIDER_MAX_MS = 1000   # of the exposure: longer ones are typed
@@ -64,7 +65,7 @@ class SettingsPanel(QWidget):
 
     def _sensor_group(self):
         group = QGroupBox("Sensor")
-        form = _form(group)
+        self._sensor_form = form = _form(group)
         self.shutter = NumberEditor("Shutter", unit="lines", about="The exposure as the sensor "
                                     "counts it, in lines of the picture.")
         self.shutter.edited.connect(
@@ -77,9 +78,17 @@ class SettingsPanel(QWidget):
         self.speed.edited.connect(
             lambda value: self.changed.emit("AcquisitionFrameRate", value))
         self.pattern = self._combo("TestPattern", "Test pattern")
+        self.auto = {name: self._combo(name, label) for name, label in (
+            ("ExposureAuto", "Automatic exposure"), ("GainAuto", "Automatic gain"),
+            ("BalanceWhiteAuto", "Automatic white balance"))}
+        self.auto["BalanceWhiteAuto"].setToolTip("Of corrected pictures; raw frames are not "
+                                                 "balanced.")
         for name, widget in (("S&hutter", self.shutter), ("&Exposure", self.exposure),
                              ("&Gain", self.gain), ("S&peed", self.speed),
-                             ("&Test pattern", self.pattern)):
+                             ("&Test pattern", self.pattern),
+                             ("A&uto exposure", self.auto["ExposureAuto"]),
+                             ("Auto gai&n", self.auto["GainAuto"]),
+                             ("&White balance", self.auto["BalanceWhiteAuto"])):
             form.addRow(name, widget)
         return group
 
@@ -148,7 +157,14 @@ class SettingsPanel(QWidget):
         self._show_picture(shown)
 
     def _show_sensor(self, shown):
+        for name, box in self.auto.items():
+            # A device may have none of it, and Table I has no words for it.
+            self._sensor_form.setRowVisible(box, name in self._infos)
+            if info := shown.get(name):
+                _show_choice(box, info.choices, info.value, _AUTO)
         if info := shown.get("ExposureTime"):
+            for editor in (self.shutter, self.exposure):
+                editor.setEnabled(info.writable)
             line, lines = self._line_us, round(info.value / self._line_us)
             # A limit is a float: it may lack the last digit of a whole number of lines.
             fewest, most = math.ceil(info.minimum / line - _SLACK), info.maximum / line + _SLACK
@@ -158,6 +174,7 @@ class SettingsPanel(QWidget):
         for name, editor, step in (("Gain", self.gain, 0.125),
                                    ("AcquisitionFrameRate", self.speed, 1.0)):
             if info := shown.get(name):
+                editor.setEnabled(info.writable)
                 editor.show_value(info.value, info.minimum, info.maximum, step)
         if info := shown.get("TestPattern"):
             _show_choice(self.pattern, info.choices, info.value, _PATTERNS)

@@ -8,13 +8,15 @@ the same time 16-bit words of the paper's Table I, so that both protocols show o
 from dataclasses import dataclass
 
 from ncdc_spec.pixel_formats import PIXEL_FORMATS
-from ncdc_spec.protocols import gvsp
+from ncdc_spec.protocols import auto_control, gvsp
 from ncdc_spec.protocols.gvcp import BOOTSTRAP, FEATURE_BASE
 from ncdc_spec.protocols.table_one import SYSTEM_WORDS
 from ncdc_spec.sensors import mt9p031 as sensor
 from ncdc_spec.sensors.grid import MAX_REDUCTION
+from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
 
-__all__ = ["FEATURES", "Choice", "Feature", "TEST_PATTERNS", "feature", "system_word"]
+__all__ = ["AUTO_FEATURES", "FEATURES", "Choice", "Feature", "TEST_PATTERNS", "feature",
+           "system_word"]
 
 _SYSTEM = {word.name: word.address for word in SYSTEM_WORDS}
 _BOOTSTRAP = {place.name: place.address for place in BOOTSTRAP}
@@ -64,6 +66,13 @@ class Feature:
     choices : tuple of Choice
     locked : bool
         Whether it cannot be written while pictures stream.
+    locked_by : str
+        Name of an enumeration; while that is not Off, the device alone writes this feature. Empty
+        if there is none.
+    selects : str
+        Name of the feature whose instances this one selects, empty if it selects nothing.
+    needs_colour : bool
+        Whether only devices whose corrector has gains of the colours show it.
     table : tuple of int
         Table I addresses that hold it, the upper word first; empty if none does.
     field : (int, int)
@@ -86,6 +95,9 @@ class Feature:
     scale_from: str = ""
     choices: tuple = ()
     locked: bool = False
+    locked_by: str = ""
+    selects: str = ""
+    needs_colour: bool = False
     table: tuple = ()
     field: tuple = ()
     length: int = 4
@@ -121,6 +133,8 @@ def _pattern(name):
 TEST_PATTERNS = (Choice("Off", 0, 0), *map(_pattern, sensor.USER_PATTERNS))
 
 _MODES = (Choice("Continuous", 0, 0), Choice("SingleFrame", 1, 1))
+_AUTO = tuple(Choice(name, value, value) for value, name in enumerate(auto_control.MODES))
+_RATIOS = tuple(Choice(name, value, value) for value, name in enumerate(("Red", "Green", "Blue")))
 
 
 def _text(name):
@@ -177,9 +191,11 @@ FEATURES = (
             table=_upper_lower("LINE_TIME")),
     Feature("ExposureTime", "float", _own(15), "Exposure; the register counts lines.",
             "AcquisitionControl", low=1, high=_LINES_MAX, unit="us", scale=(1, 1000),
-            scale_from="LineTime", table=(sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER)),
+            scale_from="LineTime", locked_by="ExposureAuto",
+            table=(sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER)),
     Feature("Gain", "float", _own(16), "Analog gain, a factor.", "AnalogControl", low=8, high=63,
-            scale=(1, 8), table=(sensor.GLOBAL_GAIN,), field=sensor.ANALOG_GAIN),
+            scale=(1, 8), locked_by="GainAuto", table=(sensor.GLOBAL_GAIN,),
+            field=sensor.ANALOG_GAIN),
     Feature("CorrectionEnable", "boolean", _own(17), "Corrected pictures (1) or raw frames (0); "
             "changes PixelFormat to BGR8 or to the sensor's, and back to the whole picture.",
             "NcdcControl", high=1, locked=True, table=(_SYSTEM["SOURCE"],)),
@@ -225,6 +241,23 @@ FEATURES = (
             "NcdcControl", access="ro", unit="pixel", table=(_SYSTEM["FIELD_LEFT"],)),
     Feature("FieldTop", "integer", _own(35), "Active row where whole raw frames begin.",
             "NcdcControl", access="ro", unit="pixel", table=(_SYSTEM["FIELD_TOP"],)),
+    Feature("ExposureAuto", "enumeration", _own(36), "Once and Continuous: while pictures stream, "
+            "the device sets ExposureTime by the mean of raw samples, up to the time of a frame. "
+            "Once becomes Off when it has settled.",
+            "AcquisitionControl", high=auto_control.CONTINUOUS, choices=_AUTO),
+    Feature("GainAuto", "enumeration", _own(37), "Likewise Gain; together with ExposureAuto, the "
+            "gain rises only when the exposure is at its longest.", "AnalogControl",
+            high=auto_control.CONTINUOUS, choices=_AUTO),
+    Feature("BalanceWhiteAuto", "enumeration", _own(38), "Once and Continuous: while corrected "
+            "pictures stream, the device sets BalanceRatio so that the colours have equal means. "
+            "Raw frames are not balanced.", "AnalogControl", high=auto_control.CONTINUOUS,
+            choices=_AUTO, needs_colour=True),
+    Feature("BalanceRatioSelector", "enumeration", _own(39), "Colour that BalanceRatio is of.",
+            "AnalogControl", high=len(_RATIOS) - 1, choices=_RATIOS, selects="BalanceRatio",
+            needs_colour=True),
+    Feature("BalanceRatio", "float", _own(40), "Gain of a colour of corrected pictures, a factor. "
+            "Raw frames are not balanced.", "AnalogControl", low=1, high=LARGEST_GAIN,
+            scale=(1, UNITY), locked_by="BalanceWhiteAuto", needs_colour=True),
     Feature("GevSCPSPacketSize", "integer", _BOOTSTRAP["StreamPacketSize"], "Bytes of a packet "
             "with IP and UDP header.", "TransportLayerControl",
             low=gvsp.packet_size(gvsp.MIN_PACKET + gvsp.PAYLOAD_STEP - 1),
@@ -234,6 +267,8 @@ FEATURES = (
             "TransportLayerControl", high=1_000_000, unit="ns"),
 )
 _BY_NAME = {feature.name: feature for feature in FEATURES}
+
+AUTO_FEATURES = tuple(one.name for one in FEATURES if one.choices == _AUTO)
 
 
 def feature(name):

@@ -13,8 +13,13 @@ _NODES = {"integer": "Integer", "float": "Float", "boolean": "Boolean",
           "enumeration": "Enumeration", "command": "Command"}
 
 
-def genicam_xml():
-    """The XML text, UTF-8 bytes; the same bytes for the same table."""
+def genicam_xml(colour=True):
+    """The XML text, UTF-8 bytes; the same bytes for the same table.
+
+    ``colour``: the device's corrector has gains of the colours. Without them, the XML lacks the
+    features that need them.
+    """
+    features = [one for one in FEATURES if colour or not one.needs_colour]
     root = Element("RegisterDescription", {
         "ModelName": "NCDC", "VendorName": "NCDC", "StandardNameSpace": "None",
         "SchemaMajorVersion": "1", "SchemaMinorVersion": "1", "SchemaSubMinorVersion": "0",
@@ -22,8 +27,8 @@ def genicam_xml():
         "ToolTip": "Camera with distortion correction",
         "ProductGuid": "6e636463-0000-4000-8000-000000000001",
         "VersionGuid": "6e636463-0000-4000-8000-000000000002", "xmlns": _SCHEMA})
-    _categories(root)
-    for one in FEATURES:
+    _categories(root, features)
+    for one in features:
         if one.kind == "text":
             _string_register(root, one)
         else:
@@ -41,14 +46,14 @@ def _values(parent, **values):
         SubElement(parent, name).text = str(value)
 
 
-def _categories(root):
-    names = list(dict.fromkeys(one.category for one in FEATURES))
+def _categories(root, features):
+    names = list(dict.fromkeys(one.category for one in features))
     top = SubElement(root, "Category", Name="Root", NameSpace="Standard")
     for name in names:
         _values(top, pFeature=name)
     for name in names:
         category = SubElement(root, "Category", Name=name, NameSpace="Standard")
-        for one in FEATURES:
+        for one in features:
             if one.category == name:
                 _values(category, pFeature=one.name)
 
@@ -71,6 +76,8 @@ def _node(root, one):
     node = _head(root, _NODES[one.kind], one)
     if one.locked:
         _values(node, pIsLocked="TLParamsLocked")
+    if one.locked_by:
+        _values(node, pIsLocked=f"{one.locked_by}Register")     # Off is 0
     if one.kind == "enumeration":
         for choice in one.choices:
             entry = SubElement(node, "EnumEntry", Name=choice.name, NameSpace="Custom")
@@ -81,7 +88,7 @@ def _node(root, one):
     elif one.kind == "boolean":
         _values(node, pValue=register, OnValue=1, OffValue=0)
     elif one.kind == "enumeration":
-        _values(node, pValue=register)
+        _values(node, pValue=register, **({"pSelected": one.selects} if one.selects else {}))
     elif one.kind == "float":
         _float(root, node, one, register)
     else:

@@ -3,7 +3,7 @@
 from importlib.resources import files
 
 from ncdc_spec.pixel_formats import PIXEL_FORMATS
-from ncdc_spec.protocols import gvcp, gvsp, table_one, table_two
+from ncdc_spec.protocols import auto_control, gvcp, gvsp, table_one, table_two
 from ncdc_spec.protocols.features import FEATURES
 from ncdc_spec.protocols.gvcp_tables import COMMANDS, STATUSES
 from ncdc_spec.sensors import mt9p031
@@ -31,6 +31,9 @@ def protocols_doc():
         formats=_rows((f"0x{f.mraw:02X}", f.name, f"0x{f.pfnc:08X}", str(f.pixel_bytes), f.text)
                       for f in PIXEL_FORMATS),
         features=_rows(map(_feature, FEATURES)),
+        samples=auto_control.SAMPLES, target=auto_control.TARGET // 16,
+        band=f"{auto_control.BAND / 16:g}", step=auto_control.STEP_FACTOR,
+        balance=auto_control.BALANCE_BAND, dark=auto_control.BALANCE_DARK,
         messages=_rows((f"`{m.name}`", f"0x{m.code:04X}", _fields(m.request),
                         "none; the packets" if m.answer is None else _fields(m.answer))
                        for m in COMMANDS),
@@ -61,6 +64,8 @@ def _layout(fields, at=0):
 
 def _feature(one):
     access = f"{one.access}, locked" if one.locked else one.access
+    if one.locked_by:
+        access += f", locked by `{one.locked_by}`"
     table = ", ".join(f"0x{address:04X}" for address in one.table)
     if table and one.field:
         lowest, width = one.field

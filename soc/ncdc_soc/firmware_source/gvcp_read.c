@@ -1,5 +1,6 @@
 #include <string.h>
 
+#include "auto.h"
 #include "gvcp_control.h"
 #include "hw.h"
 #include "stream.h"
@@ -32,6 +33,11 @@ static uint32_t own_feature(const struct feature *one, uint32_t *value)
 	case FEATURE_TriggerMode: *value = control.triggered; break;
 	case FEATURE_TLParamsLocked: *value = control.tl_locked; break;
 	case FEATURE_SensorRegisterAddress: *value = control.sensor_address; break;
+	case FEATURE_ExposureAuto: *value = automatic.exposure; break;
+	case FEATURE_GainAuto: *value = automatic.gain; break;
+	case FEATURE_BalanceWhiteAuto: *value = automatic.balance; break;
+	case FEATURE_BalanceRatioSelector: *value = automatic.selector; break;
+	case FEATURE_BalanceRatio: *value = auto_ratio(); break;
 	case FEATURE_SensorRegisterValue:
 		return word_read(control.sensor_address, value) ? SUCCESS : UNFINISHED;
 	}

@@ -1,5 +1,6 @@
 #include <string.h>
 
+#include "auto.h"
 #include "gvcp_control.h"
 #include "hw.h"
 #include "stream.h"
@@ -115,6 +116,23 @@ static uint32_t write_bootstrap(uint32_t address, uint32_t value)
 	return gvcp_read_word(address, &dummy) == INVALID_ADDRESS ? INVALID_ADDRESS : WRITE_PROTECT;
 }
 
+static uint32_t write_balance(const struct feature *one, uint32_t value)
+{
+	if (!AUTO_COLOUR)
+		return WRITE_PROTECT;		/* the corrector has no gains */
+	switch (one->id) {
+	case FEATURE_BalanceWhiteAuto: automatic.balance = value; break;
+	case FEATURE_BalanceRatioSelector: automatic.selector = value; break;
+	case FEATURE_BalanceRatio:
+		if (value == auto_ratio())
+			break;
+		if (automatic.balance)
+			return ACCESS_DENIED;
+		auto_set_ratio(value);
+	}
+	return SUCCESS;
+}
+
 static uint32_t write_own(const struct feature *one, uint32_t value)
 {
 	struct receiver to;
@@ -129,6 +147,14 @@ static uint32_t write_own(const struct feature *one, uint32_t value)
 			return INVALID_PARAMETER;
 		control.single = value;
 		return SUCCESS;
+	case FEATURE_ExposureAuto:
+		automatic.exposure = value;
+		return SUCCESS;
+	case FEATURE_GainAuto:
+		automatic.gain = value;
+		return SUCCESS;
+	case FEATURE_BalanceWhiteAuto: case FEATURE_BalanceRatioSelector: case FEATURE_BalanceRatio:
+		return write_balance(one, value);
 	case FEATURE_TriggerMode:
 		if (control.acquiring && value != control.triggered)
 			return ACCESS_DENIED;
@@ -180,6 +206,7 @@ uint32_t gvcp_write_word(uint32_t address, uint32_t value, const struct udp_path
 		return ACCESS_DENIED;
 	if (address - GVCP_CORRECTOR_BASE < GVCP_CORRECTOR_BYTES) {
 		reg_write(NCDC_BASE + (address - GVCP_CORRECTOR_BASE), value);
+		auto_corrector_written(address - GVCP_CORRECTOR_BASE, value);
 		return SUCCESS;
 	}
 	if (!one)

@@ -1,6 +1,7 @@
 /* The firmware: one loop, no operating system. */
 #include <stdbool.h>
 
+#include "auto.h"
 #include "eth.h"
 #include "gvcp.h"
 #include "hw.h"
@@ -86,6 +87,7 @@ int main(void)
 		stream_poll();
 		gvcp_poll();
 		table_poll();
+		auto_poll();
 		phy_poll();
 		camera_poll();
 	}

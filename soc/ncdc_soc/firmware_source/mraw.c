@@ -19,15 +19,31 @@ uint32_t mraw_packages;
 static struct frame frame;	/* that is sent, to `users` */
 static struct view view;
 static unsigned users;
+static bool borrowed;		/* the reader's frame is not of a package */
 static bool others;		/* wait for this frame to be sent to all `users` */
 
 bool mraw_claim(void)
 {
 	others = users;
-	if (users)
+	if (users || borrowed)
 		return false;
 	view = words_view();
 	return frame_claim(FRAMES_MRAW, view.raw, &frame);
+}
+
+bool mraw_borrow(struct frame *to)
+{
+	borrowed = !users && frame_claim(FRAMES_MRAW, true, to);
+	return borrowed;
+}
+
+bool mraw_give_back(void)
+{
+	bool held = frame_held(FRAMES_MRAW);
+
+	frame_release(FRAMES_MRAW);
+	borrowed = false;
+	return held;
 }
 
 void mraw_begin(struct mraw *mraw)

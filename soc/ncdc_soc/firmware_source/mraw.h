@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "frames.h"
 #include "lwip/tcp.h"
 
 /* A connection's package. */
@@ -21,6 +22,13 @@ extern uint32_t mraw_packages;		/* sent to their end */
 
 /* Claims the newest frame; false if there is none, or one is being sent. */
 bool mraw_claim(void);
+
+/* Claims the newest raw frame for statistics; false if there is none, or a package is being sent. Until
+ * it is given back no package begins. */
+bool mraw_borrow(struct frame *frame);
+
+/* Whether it was held until now. */
+bool mraw_give_back(void);
 
 /* Begins a package that was asked for, of the frame that was claimed. */
 void mraw_begin(struct mraw *mraw);

@@ -8,6 +8,7 @@
 
 bool words_streaming;
 uint32_t words_dropped, words_torn;
+uint32_t words_changed;
 static bool corrected = true;
 static uint32_t rate = RATE_TENTHS;
 
@@ -161,7 +162,33 @@ static enum refusal write_sensor(uint32_t address, uint32_t value)
 	}
 	if (place)
 		*place = (uint16_t)value;
+	words_changed = interrupt_frames(true);
 	return DONE;
+}
+
+struct exposure words_exposure(void)
+{
+	uint32_t lines = (uint32_t)shutter_upper << 16 | shutter_lower;
+	uint32_t eighths = gain & SENSOR_GAIN_MASK;
+
+	/* What the sensor takes for 0. */
+	return (struct exposure){lines ? lines : 1, eighths ? eighths : AUTO_GAIN_MIN};
+}
+
+bool words_expose(const struct exposure *to, const struct limits *limits)
+{
+	const struct {
+		bool free;
+		uint32_t address, value;
+	} writes[] = {{limits->exposure, SENSOR_SHUTTER_UPPER, to->lines >> 16},
+		      {limits->exposure, SENSOR_SHUTTER_LOWER, to->lines & 0xffff},
+		      {limits->gain, SENSOR_GAIN, (gain & ~SENSOR_GAIN_MASK) | to->gain}};
+
+	for (unsigned k = 0; k < sizeof writes / sizeof *writes; ++k)
+		if (writes[k].free && *kept(writes[k].address) != writes[k].value &&
+		    write_sensor(writes[k].address, writes[k].value) == UNDER_WAY)
+			return false;
+	return true;
 }
 
 enum refusal word_write(uint32_t address, uint32_t value)
@@ -173,6 +200,10 @@ enum refusal word_write(uint32_t address, uint32_t value)
 		return DONE;
 	if (words_streaming && (address == WORD_SOURCE || address == WORD_FORMAT))
 		return LOCKED;
+	if (auto_locks(address))
+		return LOCKED;
+	if (place && auto_writes())
+		return UNDER_WAY;
 	return address >= PAGE ? write_page(address, value) : write_sensor(address, value);
 }
 

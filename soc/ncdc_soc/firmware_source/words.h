@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "auto.h"
+
 /* Why a write is not carried out; UNDER_WAY: the sensor's bus is at work, ask the same again in each
  * turn of the loop. */
 enum refusal { DONE, BAD_VALUE, LOCKED, READ_ONLY, NO_ANSWER, UNDER_WAY };
@@ -34,11 +36,18 @@ struct view {
 
 extern bool words_streaming;	/* pictures stream: size and format are locked */
 extern uint32_t words_dropped, words_torn;
+extern uint32_t words_changed;	/* raw frames complete when a register of the sensor was written last */
 
 /* Reads the exposure and the gain back that the sensor was set up with. */
 int words_begin(void);
 
 struct view words_view(void);
+
+/* Exposure and gain that the sensor has, and a change of those that the limits set free; whether it is
+ * done, else the same is to be asked again in each turn of the loop. */
+struct exposure words_exposure(void);
+bool words_expose(const struct exposure *to, const struct limits *limits);
+
 uint32_t words_frame_clocks(void);	/* least clocks from frame to frame */
 
 /* The word at an address, 0 where there is none; false: as UNDER_WAY. */

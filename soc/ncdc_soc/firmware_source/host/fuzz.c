@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "../auto.h"
 #include "../eth.h"
 #include "../gvcp.h"
 #include "../hw.h"
@@ -357,6 +358,7 @@ int main(int count, char **arguments)
 		stream_poll();
 		gvcp_poll();
 		table_poll();
+		auto_poll();
 		if (pending) {
 			fprintf(stderr, "frame %u stays\n", k);
 			return 1;

@@ -4,6 +4,10 @@
  * shows from then on; "l VALUE", what the packetiser's status is. Each is answered by the frames that
  * were sent meanwhile, in hex, by "r VALUE" for packets that the packetiser sends again, "s" for a
  * frame that it sends, and by ".".
+ * "b LIGHT" has raw frames show a grey of LIGHT / 65536 for each line of exposure and eighth of gain, as
+ * the sensor does: with registers of two frames ago. "p OFFSET VALUE" sets a register of the corrector,
+ * "q OFFSET" asks for it; "e LEVEL LINES GAIN EXPOSURE GAIN LINES" and "w RED GREEN BLUE PIXELS RED GREEN
+ * BLUE" ask for what the rules of auto.h say. The answer to these begins with "v", in decimal.
  * The sensor's registers take what is written; all but the identity and the gain are 0 at first. A
  * new frame is complete whenever time passes. */
 #include <stdbool.h>
@@ -11,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../auto.h"
 #include "../eth.h"
 #include "../gvcp.h"
 #include "../hw.h"
@@ -34,6 +39,9 @@ static uint64_t now;
 static uint8_t registers[0x200];
 static uint32_t i2c_result, i2c_bytes, i2c_at;
 
+static uint32_t light;		/* 0: raw frames show their addresses */
+static uint32_t exposed[3];	/* lines times gain, of the frame that is complete and of the next ones */
+
 static void hold(uint32_t address, uint32_t value)
 {
 	registers[2 * address] = (uint8_t)(value >> 8);
@@ -51,6 +59,28 @@ static void i2c(uint32_t command)
 		registers[i2c_at++ % sizeof registers] = (uint8_t)command;
 	else if (command & NCDC_I2C_COMMAND_READ)
 		i2c_result = registers[i2c_at++ % sizeof registers];
+}
+
+static uint32_t register_at(uint32_t address)
+{
+	return (uint32_t)registers[2 * address] << 8 | registers[2 * address + 1];
+}
+
+static void expose(void)
+{
+	uint32_t lines = register_at(SENSOR_SHUTTER_UPPER) << 16 | register_at(SENSOR_SHUTTER_LOWER);
+
+	exposed[0] = exposed[1];
+	exposed[1] = exposed[2];
+	exposed[2] = (lines ? lines : 1) * (register_at(SENSOR_GAIN) & SENSOR_GAIN_MASK);
+}
+
+/* Four samples of the raw frame. */
+static uint32_t grey(void)
+{
+	uint64_t sample = (uint64_t)light * exposed[0] >> 16;
+
+	return (uint32_t)(sample > 255 ? 255 : sample) * 0x01010101u;
 }
 
 uint32_t reg_read(uint32_t address)
@@ -73,7 +103,7 @@ uint32_t reg_read(uint32_t address)
 	if (address - ETHMAC_RX_BASE < sizeof slot)
 		return slot[(address - ETHMAC_RX_BASE) / 4];
 	if (address - FRAMES_BASE < 0x10000000)
-		return address;
+		return light ? grey() : address;
 	if (address - NCDC_BASE < sizeof core)
 		return core[(address - NCDC_BASE) / 4];
 	return csr[(address - CSR_CTRL_RESET) / 4 % (sizeof csr / 4)];
@@ -123,6 +153,7 @@ static void loop(void)
 		stream_poll();
 		gvcp_poll();
 		table_poll();
+		auto_poll();
 	}
 }
 
@@ -141,9 +172,39 @@ static void pass(uint32_t ms)
 {
 	for (uint32_t k = 0; k < ms; k += STEP_MS) {
 		now += (uint64_t)STEP_MS * (CLOCK_HZ / 1000);
+		expose();
+		++core[CORRECTOR_FRAMES / 4];
 		interrupted();
 		loop();
 	}
+}
+
+/* What the rules say of numbers in a line. */
+static void rules(const char *line)
+{
+	uint32_t n[7] = {0};
+
+	sscanf(line + 2, "%u %u %u %u %u %u %u", n, n + 1, n + 2, n + 3, n + 4, n + 5, n + 6);
+	if (*line == 'e') {
+		struct limits limits = {n[3], n[4], n[5]};
+		struct exposure found = auto_exposed(n[0], (struct exposure){n[1], n[2]}, &limits);
+
+		printf("v %u %u\n", found.lines, found.gain);
+	} else {
+		auto_balanced(n, n[3], n + 4);
+		printf("v %u %u %u\n", n[4], n[5], n[6]);
+	}
+}
+
+static void corrector(const char *line)
+{
+	unsigned offset, value = 0;
+
+	sscanf(line + 2, "%u %u", &offset, &value);
+	if (*line == 'p')
+		core[offset / 4] = value;
+	else
+		printf("v %u\n", core[offset / 4]);
 }
 
 int main(void)
@@ -152,6 +213,8 @@ int main(void)
 
 	hold(SENSOR_ID_ADDRESS, SENSOR_ID);
 	hold(SENSOR_GAIN, 8);
+	for (unsigned c = 0; c < 3; ++c)
+		core[CORRECTOR_GAINS / 4 + c] = AUTO_RATIO_UNITY;
 	interrupt_begin();
 	words_begin();
 	gvcp_begin();
@@ -161,6 +224,12 @@ int main(void)
 			come(line + 2);
 		else if (line[0] == 't')
 			pass((uint32_t)strtoul(line + 2, 0, 10));
+		else if (line[0] == 'b')
+			light = (uint32_t)strtoul(line + 2, 0, 10);
+		else if (line[0] == 'e' || line[0] == 'w')
+			rules(line);
+		else if (line[0] == 'p' || line[0] == 'q')
+			corrector(line);
 		else if (line[0] == 'l')
 			link_status = (uint32_t)strtoul(line + 2, 0, 0);
 		else if (line[0] == 'c')
