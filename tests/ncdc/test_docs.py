@@ -29,7 +29,7 @@ _STORES = stores_for(Hardware(), 2)
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCE, EXPLANATION = ROOT / "docs" / "reference", ROOT / "docs" / "explanation"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("**/*.md"))]
-SOURCES = ("ncdc", "ncdc_hdl", "host", "model", "sim", "boards", "tests", "docs")
+SOURCES = ("ncdc", "ncdc_hdl", "host", "model", "sim", "benchmarks", "boards", "tests", "docs")
 
 _FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
@@ -116,7 +116,7 @@ def test_report_names_are_in_the_code():
     table = page.partition("## Names in reports")[2]
     names = {name for row in re.findall(r"^\| (`[^|]*) \|", table, re.MULTILINE)
              for name in re.findall(r"`(\w+)`", row)}
-    code = "".join(path.read_text() for folder in SOURCES[:5]
+    code = "".join(path.read_text() for folder in SOURCES[:6]
                    for path in (ROOT / folder).glob("**/*.py"))
     code = code.replace("map_error_{kind}_px", "map_error_float_px map_error_fixed_px")
     # Reports name them as the registers do.
