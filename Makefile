@@ -1,6 +1,6 @@
 # make demo      the whole chain on the built-in example camera, into demo/
 # make test      ruff, then the short tests; lists what it skipped, and why
-# make longer    the tests that take longer, one by one in tests/longer.txt
+# make longer    the tests that take a second of a processor or more (marker longer)
 # make regress   all of them, and exhaustive sweeps, full-size frames: hours
 # make docs      these pages as a site, build/site; opens from disk, needs no network
 # make gui       the window of the client, with two emulated devices

@@ -40,6 +40,7 @@ def test_a_bench_that_does_not_end_fails(monkeypatch):
         run_stream(Deaf(), [1], 1, lambda: False, lambda: False)
 
 
+@pytest.mark.longer
 def test_a_test_that_hangs_fails_and_the_next_one_runs(tmp_path):
     (tmp_path / "test_it.py").write_text(HANGS)
     done = subprocess.run([sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--timeout",

@@ -141,6 +141,7 @@ def import_without_amaranth(*names):
                           capture_output=True, text=True)
 
 
+@pytest.mark.longer
 def test_rooms_that_do_without_amaranth():
     """The host's belongs to them from the day on which it is built."""
     names = [name for name in modules() if name.partition(".")[0] in ("ncdc_model", "ncdc_host", "ncdc_spec")]

@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 
 from ncdc.terminal import say
 from ncdc_model.images import is_raw, mosaic
@@ -14,7 +15,7 @@ from ncdc_spec.files import write_stream
 from ncdc_spec.geometry import MONO
 
 __all__ = ["add_camera", "add_json", "add_page", "add_samples", "raw_frame", "read_photo",
-           "straightness_text", "write_report"]
+           "report_failures", "straightness_text", "write_report"]
 
 
 _RELIEF = 0.005        # px rms: less would be told as a relief of 0.00 px
@@ -125,6 +126,13 @@ def write_report(report, target):
     if target:
         write_stream(target, text)
     return False
+
+
+def report_failures(command, sentences):
+    """Print a line on stderr for each of ``sentences``; the exit status: 1 if there is one."""
+    for sentence in sentences:
+        print(f"ncdc {command}: {sentence}", file=sys.stderr)
+    return int(bool(sentences))
 
 
 def _finite(value):

@@ -1,6 +1,7 @@
 """Compiling Verilog with Verilator or Icarus, once, and running it with its output watched."""
 
 import os
+import re
 import shutil
 import subprocess
 from collections import deque
@@ -17,9 +18,15 @@ from ncdc_sim.tools import (
     version,
 )
 
-__all__ = ["HDL", "build", "command_of", "run"]
+__all__ = ["HDL", "build", "command_of", "hdl_text", "run"]
 
 HDL = Path(__file__).parent / "hdl"
+
+
+def hdl_text(name):
+    """Text of the file ``name`` of :data:`HDL`, with the files that it includes filled in."""
+    return re.sub(r'^`include "(.*)"\n', lambda found: hdl_text(found[1]),
+                  (HDL / name).read_text(), flags=re.MULTILINE)
 
 
 def build(name, top, sources, *, defines=None, simulator="verilator", main=None, options=(),
@@ -84,10 +91,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
 
 
 def _coverage():
-    """Verilator's options for counting what a run reaches, if ``NCDC_COVERAGE`` is set.
-
-    The main program writes the counts into the file ``coverage.dat`` of the folder of the run.
-    """
+    """Verilator's options for counting what a run reaches, into the file ``NCDC_COVERAGE``."""
     return ["--coverage-line", "--coverage-toggle"] if os.environ.get("NCDC_COVERAGE") else []
 
 

@@ -80,6 +80,7 @@ def lint(project, stub, tmp_path):
                              if "ncdc_qsys" in line or "processor" in line or "error" in line]
 
 
+@pytest.mark.longer
 def test_the_top_has_each_port_of_the_system_as_wide(project, tmp_path):
     stub = header_of("ncdc_qsys", recorded("qsys", project / "ncdc_qsys.tcl"))
     assert lint(project, stub, tmp_path) == (0, [])
@@ -94,6 +95,7 @@ def test_the_top_has_each_port_of_the_system_as_wide(project, tmp_path):
     assert set(re.findall(r"\.(\w+)\(", instance)) == set(re.findall(r"\] (\w+)", stub))
 
 
+@pytest.mark.longer
 def test_the_system_connects_what_the_processor_has(project):
     calls = recorded("qsys", project / "ncdc_qsys.tcl")
     instances = {call[1]: call[2] for call in calls if call[0] == "add_instance"}
@@ -124,6 +126,7 @@ def pins_of(project):
         if call[0] == "set_location_assignment")}
 
 
+@pytest.mark.longer
 def test_every_port_is_constrained_or_free(project, tmp_path):
     """But those of the processor's memory, which has constraints of its own."""
     ports = {bit.partition("[")[0] for bit in pins_of(project)}
@@ -141,6 +144,7 @@ def test_every_port_is_constrained_or_free(project, tmp_path):
         assert any(said in sentence for sentence in found)
 
 
+@pytest.mark.longer
 def test_a_pin_is_where_others_have_it(project):
     """Red is the transmitter's upper eight, as others drive it; the memory's pins are left out, of
     which there is one source only."""
@@ -165,6 +169,7 @@ def test_a_pin_is_where_others_have_it(project):
     assert sum(to.startswith("hps_ddr3") for to in ours) == sum(MEMORY_PINS.values()) + 1
 
 
+@pytest.mark.longer
 def test_the_device_tree_compiles(project):
     text = (project / f"{NAME}.dtsi").read_text()
     assert "reg = <0xff200000 0x20000>" in text and "interrupts = <0 40 4>" in text
@@ -205,6 +210,7 @@ def started(host, project, **changed):
     return made, bus, settings
 
 
+@pytest.mark.longer
 def test_the_processor_sets_transmitter_and_sensor_up(host, project):
     _, bus, settings = started(host, project)
     sent = [entry for entry in bus.log if isinstance(entry, tuple)]
@@ -222,6 +228,7 @@ def test_the_processor_sets_transmitter_and_sensor_up(host, project):
         assert bus.words[bus.names.OFFSET[name]] == value
 
 
+@pytest.mark.longer
 def test_frames_lie_apart_in_the_memory_kept_for_them(host, project):
     _, bus, settings = started(host, project)
     bases = sorted((value, name) for name, offset in bus.names.OFFSET.items()
@@ -240,6 +247,7 @@ HANDOFF = 0x1FF     # that U-Boot's bridge enable writes: qts/sdram_config.h of 
 FPGAPORTRST = 0xFFC25080
 
 
+@pytest.mark.longer
 def test_each_memory_port_is_asked_for_its_reset(project):
     """The bits are those of the ports that the system has, and U-Boot's handoff lacks some."""
     resets = json.loads((project / "ncdc_board.json").read_text())["port_resets"]
@@ -270,6 +278,7 @@ def opened(host, project, folder, value):
         return int.from_bytes(file.read(4), "little")
 
 
+@pytest.mark.longer
 def test_memory_ports_leave_their_resets_and_it_is_said(host, project, tmp_path, capsys):
     assert opened(host, project, tmp_path, HANDOFF) == 0x3FFF
     assert capsys.readouterr().out == ("memory ports write, screen were in reset: 0x3fff is "
@@ -278,6 +287,7 @@ def test_memory_ports_leave_their_resets_and_it_is_said(host, project, tmp_path,
     assert capsys.readouterr().out == ""
 
 
+@pytest.mark.longer
 def test_a_memory_port_that_stays_in_reset_is_an_error(host, project):
     class Stuck(list):
         def __setitem__(self, at, value):
@@ -289,6 +299,7 @@ def test_a_memory_port_that_stays_in_reset_is_an_error(host, project):
         host[0].release_ports(Stuck([0]), resets)
 
 
+@pytest.mark.longer
 def test_the_project_makes_what_u_boot_loads(project):
     settings = [call[2:4] for call in recorded("qsf", project / f"{NAME}.qsf")
                 if call[0] == "set_global_assignment"]
@@ -296,6 +307,7 @@ def test_the_project_makes_what_u_boot_loads(project):
         assert [name, "ON"] in settings
 
 
+@pytest.mark.longer
 def test_the_page_has_the_command_and_the_files(project):
     page = (Path(__file__).parents[2] / "docs" / "reference" / "de10_nano.md").read_text()
     assert "    ncdc build net.toml --board de10-nano -o board\n" in page

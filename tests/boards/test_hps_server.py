@@ -27,6 +27,7 @@ def running(project):
         yield made
 
 
+@pytest.mark.longer
 def test_the_client_sees_settings_and_pictures(running):
     corrected = running.newest("CORRECTED", 2, 7, clocks=(5 << 32) + 12_345_600)
     raw = running.newest("RAW", 1, 9, clocks=1_000)
@@ -58,6 +59,7 @@ def test_the_part_of_the_sensor_that_raw_frames_show(running):
     assert abs(values[5] - (1944 - 7 * HEIGHT) / 2) <= 4
 
 
+@pytest.mark.longer
 def test_what_decides_the_frames_size_is_not_written(running):
     with running.connection() as connection:
         before = connection.read(mt9p031.COLUMN_SIZE)
@@ -93,6 +95,7 @@ def test_silent_users_give_their_position_to_a_new_one(running):
     assert kept[-1].read(system_word("WIDTH")) == WIDTH
 
 
+@pytest.mark.longer
 def test_a_picture_has_all_that_was_written(running):
     """The frame under way when a setting is written is not the one that comes."""
     running.newest("CORRECTED", 0, 4)

@@ -53,6 +53,7 @@ def ports_of(path, module):
             re.findall(_PORT, body, re.M)}
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", [None, "faka2"])
 def test_component_has_every_port_of_the_verilog_once(projects, name):
     calls = run_tcl(projects[name] / "ncdc_hw.tcl")
@@ -81,6 +82,7 @@ def test_component_has_every_port_of_the_verilog_once(projects, name):
     assert files == {"ncdc.v"}
 
 
+@pytest.mark.longer
 def test_system_connects_what_exists(projects):
     name = "faka2"
     calls = run_tcl(projects[name] / "ncdc_qsys.tcl")
@@ -149,6 +151,7 @@ def niosv(projects, tmp_path_factory):
     return calls, found
 
 
+@pytest.mark.longer
 def test_niosv_joins_what_exists(niosv):
     calls, found = niosv
     ends = [end for call in calls if call[0] == "add_connection" for end in call[1:3]]
@@ -164,6 +167,7 @@ def test_niosv_joins_what_exists(niosv):
         assert any(sink.startswith(f"{instance}.") and "reset" in sink for sink in sinks)
 
 
+@pytest.mark.longer
 def test_niosv_s_addresses_do_not_overlap(niosv):
     calls, _ = niosv
     bases = {call[1]: int(call[3], 16) for call in calls
@@ -184,6 +188,7 @@ def test_niosv_s_addresses_do_not_overlap(niosv):
     assert sorted(numbers) == [str(k) for k in range(5)]
 
 
+@pytest.mark.longer
 def test_niosv_needs_what_it_joins(projects, tmp_path, capsys):
     net = projects["faka2"].parent / "net.toml"
     assert main(["generate", str(net), "-o", str(tmp_path / "out"), "--niosv"]) == 2
@@ -191,6 +196,7 @@ def test_niosv_needs_what_it_joins(projects, tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.longer
 def test_a_board_without_published_pins_says_so(projects):
     calls = run_tcl(projects["faka2"] / "ncdc_faka2.qsf")
     assert not [call for call in calls if call[0] == "set_location_assignment"]
@@ -199,6 +205,7 @@ def test_a_board_without_published_pins_says_so(projects):
         (projects["faka2"] / "PORTS.md").read_text()
 
 
+@pytest.mark.longer
 def test_build_script_is_a_shell_script_of_quartus_tools(projects):
     script = projects["faka2"] / "build.sh"
     subprocess.run(["sh", "-n", script], check=True)
@@ -208,6 +215,7 @@ def test_build_script_is_a_shell_script_of_quartus_tools(projects):
                         "quartus_sta"]
 
 
+@pytest.mark.longer
 def test_a_misspelt_command_is_noticed(projects, tmp_path):
     text = (projects["faka2"] / "ncdc_hw.tcl").read_text()
     (tmp_path / "bad_hw.tcl").write_text(text.replace("add_interface_port csr csr_read ",
@@ -216,6 +224,7 @@ def test_a_misspelt_command_is_noticed(projects, tmp_path):
         run_tcl(tmp_path / "bad_hw.tcl")
 
 
+@pytest.mark.longer
 def test_two_generations_are_identical(projects, tmp_path):
     folder = projects["faka2"]
     assert main(["generate", str(folder.parent / "net.toml"), "-o", str(tmp_path),
@@ -232,6 +241,7 @@ def test_other_packages_may_offer_boards(monkeypatch):
         board("faka2")
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("options,message", [
     (["--board", "de0"], "board is 'de0', one of colorlight-i9, de0-cv, de1-soc, "
      "de10-nano, de2-115, faka2, ulx3s is needed"),

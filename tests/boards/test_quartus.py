@@ -53,6 +53,7 @@ def folders(tmp_path_factory, whole):
 LOOPS = {"core_loop": 3, "pixel_loop": 1}
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", BOARDS)
 def test_every_port_is_constrained_or_free(folders, name):
     folder = folders[name]
@@ -65,6 +66,7 @@ def test_every_port_is_constrained_or_free(folders, name):
         {"vga_pin"} if board(name).dac else set())
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("old,new,said", [
     ("set_false_path -to [get_ports {led_*}]", "", "led_3__io has no delays and is not named"),
     ("sdram_0__dqm__io* ", "", "sdram_0__dqm__io has no delays"),
@@ -91,6 +93,7 @@ def test_the_checker_finds_what_is_planted(whole, tmp_path, old, new, said):
 CORE_NS = 40 / 3        # the core's period, the shortest of those that a queue joins
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", BOARDS)
 def test_each_gray_counter_has_a_limit_that_false_paths_do_not_end(folders, name):
     calls = recorded("sdc", folders[name] / f"{project_name(board(name))}.sdc")
@@ -100,6 +103,7 @@ def test_each_gray_counter_has_a_limit_that_false_paths_do_not_end(folders, name
     assert unlimited(calls, GRAY_COUNTERS, CORE_NS / 2) == list(GRAY_COUNTERS)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", BOARDS)
 def test_every_port_bit_has_its_own_pin(folders, name):
     pins, calls = pins_of(folders[name], name)
@@ -113,6 +117,7 @@ def test_every_port_bit_has_its_own_pin(folders, name):
     assert {to: f"PIN_{pin}" for to, pin in table.items()} == pins
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", BOARDS)
 def test_no_input_of_a_header_floats(folders, name):
     """Without camera or adaptor. A clock network has no pull-up, and RS-232 has a receiver."""
@@ -126,6 +131,7 @@ def test_no_input_of_a_header_floats(folders, name):
     assert len(wanted) >= 16 and wanted - up == set()
 
 
+@pytest.mark.longer
 def test_the_constraints_name_what_the_verilog_has(whole):
     """Loops with so many outputs, registers and synchronisers by their names; and every port of the
     top has a pin."""
@@ -159,6 +165,7 @@ def quartus(folder, tmp_path, slack, clocks, skew="0.2"):
         "PATH": f"{tools}:{os.environ['PATH']}", "SLACK": slack, "CLOCKS": clocks, "SKEW": skew})
 
 
+@pytest.mark.longer
 def test_the_script_fails_on_negative_slack_and_on_skew(whole, tmp_path):
     clocks = "clk50_0__io sensor sdram_pin sensor_reference_pin vga_pin altera_reserved_tck"
     good = quartus(whole, tmp_path, "0.1", clocks)
@@ -174,6 +181,7 @@ def test_the_script_fails_on_negative_slack_and_on_skew(whole, tmp_path):
     assert lost.returncode and "there is no clock vga_pin" in lost.stdout
 
 
+@pytest.mark.longer
 def test_the_users_file_is_never_written_again(whole, capsys):
     before = {path.name: path.read_bytes() for path in whole.iterdir()}
     (whole / USER_FILE).write_text("mine")
@@ -211,8 +219,9 @@ def the_sentence(capsys):
 
 @pytest.mark.parametrize("size,options,said", [
     ((1024, 768), ["--board", "de1-soc"], "needs 99 % of the clocks of the memory of de1-soc"),
-    ((1280, 1024), ["--board", "de2-115"], "1280x1024, and can have 59 %: whole pictures of the "
-     "modes 640x480, 800x600, 1024x768, 1280x720, 1280x720@20 fit"),
+    pytest.param((1280, 1024), ["--board", "de2-115"], "1280x1024, and can have 59 %: whole "
+                 "pictures of the modes 640x480, 800x600, 1024x768, 1280x720, 1280x720@20 fit",
+                 marks=pytest.mark.longer),
     ((64, 24), ["--board", "de0-cv", "--mode", "1280x720"], "takes 65 MHz at most: a smaller"),
     ((1024, 760), ["--board", "de2-115", "--mode", "1280x720"], "does not hold it: 1024x768 does"),
     ((64, 24), ["--board", "de1-soc", "--pixels-per-clock", "2"], "120 MB/s: 1 fits"),
@@ -237,6 +246,7 @@ def test_plan_tells_what_a_board_carries(tmp_path, capsys):
     assert report["corrected_frames_per_second"] == report["sensor_frames_per_second"] > 90
 
 
+@pytest.mark.longer
 def test_plan_counts_what_a_processor_sends(tmp_path, capsys):
     barrel_descriptor((1024, 768), (1024, 768), hidden_neurons=2).save(tmp_path / "net.toml")
     options = ["plan", str(tmp_path / "net.toml"), "--board", "de2-115", "--json", "-"]

@@ -56,6 +56,7 @@ def clocks():
     return {name: domains[domain] for name, domain in ROOMS.items()}
 
 
+@pytest.mark.longer
 def test_no_path_of_the_processor_is_shorter_than_3_ns(tmp_path, clocks):
     found = processor_transfers(tmp_path)
     assert too_short(found, clocks) == set()
@@ -66,6 +67,7 @@ def test_no_path_of_the_processor_is_shorter_than_3_ns(tmp_path, clocks):
         (Edge("clock_transmit", True), Edge("clock_late")): 6000}
 
 
+@pytest.mark.longer
 def test_bits_made_for_the_late_cell_at_once_are_seen(tmp_path, clocks, monkeypatch):
     """As it was: two nanoseconds for comparators and a route into an output cell."""
     monkeypatch.setattr(RgmiiPhy, "_step_to_late", lambda self, *signals: signals)

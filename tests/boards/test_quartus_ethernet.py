@@ -48,6 +48,7 @@ def ways(folder):
     return found | {"eth_rgmii_0__mdio__io": "inout"}
 
 
+@pytest.mark.longer
 def test_every_port_is_constrained_or_free(folder):
     calls = recorded("sdc", folder / "ncdc_de2_115.sdc")
     assert complaints(calls, ways(folder), FREE, LOOPS) == []
@@ -56,6 +57,7 @@ def test_every_port_is_constrained_or_free(folder):
     assert {"eth_rgmii_0__rx_clk__io", "ethernet_pin"} <= clocks
 
 
+@pytest.mark.longer
 def test_each_gray_counter_has_a_limit_and_is_asked_for(folder):
     calls = recorded("sdc", folder / "ncdc_de2_115.sdc")
     assert len(PROCESSOR_GRAY_COUNTERS) == 1
@@ -66,9 +68,11 @@ def test_each_gray_counter_has_a_limit_and_is_asked_for(folder):
 
 
 @pytest.mark.parametrize("old,new,said", [
-    ("ethernet_loop|auto_generated|pll1|clk[1]", "ethernet_loop|auto_generated|pll1|clk[2]",
-     "comes of output 2 of ethernet_loop, which has 2"),
-    ("eth_rgmii_0__tx_data__io*", "", "eth_rgmii_0__tx_data__io has no delays"),
+    pytest.param(
+        "ethernet_loop|auto_generated|pll1|clk[1]", "ethernet_loop|auto_generated|pll1|clk[2]",
+        "comes of output 2 of ethernet_loop, which has 2", marks=pytest.mark.longer),
+    pytest.param("eth_rgmii_0__tx_data__io*", "", "eth_rgmii_0__tx_data__io has no delays",
+                 marks=pytest.mark.longer),
     ("eth_rgmii_0__mdio__io", "eth_rgmii_0__mdi__io", "eth_rgmii_0__mdio__io has no delays"),
     ("|*multiregimpl*_regs0*}]\n", "|*multiregimpl*}]\n", "are cut"),
 ])
@@ -104,6 +108,7 @@ def test_what_does_not_fit_is_refused(tmp_path, capsys, arguments, said):
     assert said in capsys.readouterr().err and not (tmp_path / "o").exists()
 
 
+@pytest.mark.longer
 def test_the_command_writes_processor_and_firmware(tmp_path, monkeypatch):
     need("riscv64-unknown-elf-gcc")
     monkeypatch.setattr(verilog, "_convert_rtlil_text", lambda text, **other: "// none\n")
@@ -127,6 +132,7 @@ def unnamed(found):
             if not re.search(r"multiregimpl\d+_regs0|ars_cd_eth_|^eth_[rt]x_rst$", one[2])]
 
 
+@pytest.mark.longer
 def test_every_crossing_of_the_processor_is_one_that_the_constraints_name(tmp_path):
     made = board_processor(board(BOARD), 75_000_000)
     texts = {"processor.v": made.text, "core.v": Path(made.core).read_text()}

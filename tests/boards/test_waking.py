@@ -75,6 +75,7 @@ def test_reset_and_rest_are_as_long_as_asked(bench):
     assert bench.falls("ready") == bench.rises("trouble") == []
 
 
+@pytest.mark.longer
 def test_unplugged_it_is_woken_before_each_try_and_the_light_is_lit_until_one_is_answered(bench):
     def gone(there):
         return lambda ctx: setattr(bench, "there", there)
@@ -103,6 +104,7 @@ def test_bad_frames_alone_are_not_enough(bench):
     assert len(bench.falls("reset_n")) == 2
 
 
+@pytest.mark.longer
 def test_a_long_exposure_is_no_fault_but_not_for_ever(bench):
     bench.frame = 100_000
     bench.run(4500)
@@ -112,6 +114,7 @@ def test_a_long_exposure_is_no_fault_but_not_for_ever(bench):
     assert len(bench.falls("reset_n")) == 1
 
 
+@pytest.mark.longer
 def test_nothing_is_watched_while_no_frame_is_asked_for(bench):
     def off(ctx):
         ctx.set(bench.waker.enabled, 0)

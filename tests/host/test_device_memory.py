@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from cameras import barrel_descriptor
 from devices import loopback_address
 from ncdc_host.client.devices import open_device
@@ -17,6 +19,7 @@ def peak_mb(process):
     return int(re.search(r"VmHWM:\s+(\d+)", status)[1]) / 1024
 
 
+@pytest.mark.longer
 def test_a_device_of_640x480_takes_at_most_150_megabytes(tmp_path):
     """While it streams the scene in motion, whose pictures are kept, and settings change."""
     barrel_descriptor((640, 480), (640, 480), 8).save(tmp_path / "net.toml")

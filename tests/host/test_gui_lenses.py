@@ -97,6 +97,7 @@ def dots():
     return target_photo(camera), camera
 
 
+@pytest.mark.longer
 def test_calibrate_from_this_picture(qtbot, dots, tmp_path):
     raw, camera = dots
     size = raw.shape[1], raw.shape[0]
@@ -133,6 +134,7 @@ def test_calibrate_from_this_picture(qtbot, dots, tmp_path):
     assert evaluate_frame(lens, back_map)["map_error_fixed_px"]["mean"] < 3
 
 
+@pytest.mark.longer
 def test_a_picture_without_a_target(qtbot):
     with announced(fps=10.0) as [one], tab_on(qtbot, url_of(one, "gige")) as tab:
         tab.calibrate()
@@ -201,6 +203,7 @@ def test_another_lens_than_the_active_one_can_be_replaced(qtbot):
     assert dialog.load.isEnabled() and "not loaded: The device" in dialog.state.text()
 
 
+@pytest.mark.longer
 def test_a_job_that_breaks_is_told(qtbot):
     job = Calibration()
     with qtbot.waitSignal(job.failed, timeout=4 * SECONDS) as failed:

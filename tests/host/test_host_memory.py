@@ -50,6 +50,7 @@ def process(code, *words):
         made.wait(60)
 
 
+@pytest.mark.longer
 def test_an_emulated_device(tmp_path):
     barrel_descriptor((640, 480), (640, 480), hidden_neurons=5).save(tmp_path / "net.toml")
     address = loopback_address()

@@ -100,6 +100,7 @@ def test_tshark_reads_the_same_numbers(captures):
                  "gvcp.cmd.req_id", "-e", "_ws.malformed") == ["0x0080\t0x1234\t"]
 
 
+@pytest.mark.longer
 def test_the_page_s_filters_are_tshark_s(captures):
     table = PAGE.partition("| to see | display filter |")[2].partition("\n\n")[0]
     filters = [row.split("`")[1] for row in table.splitlines() if "`" in row]

@@ -25,6 +25,7 @@ def three(tmp_path_factory):
         yield one
 
 
+@pytest.mark.longer
 def test_both_find_every_device(three):
     rows = discovery_rows(three, 3)
     assert [row["found"] for row in rows] == [3, 3]
@@ -43,6 +44,7 @@ def unhurried(row_of):
     return row
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("scheme", BOTH)
 def test_every_feature_and_frames_of_three_devices(three, scheme):
     row = unhurried(lambda: case_row(
@@ -90,6 +92,7 @@ def lossy(tmp_path_factory):
         yield one
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("scheme", BOTH)
 def test_lost_packets_are_sent_again_and_none_is_malformed(lossy, tmp_path, scheme):
     """Frames are whole although packets get lost, and tshark's dissectors know every packet."""
@@ -124,6 +127,7 @@ def malformed(lines):
     return [line for line in lines if "malformed" in line.lower()]
 
 
+@pytest.mark.longer
 def test_a_malformed_packet_is_seen(tmp_path):
     """A discovery whose header announces more than there is."""
     need("tshark")

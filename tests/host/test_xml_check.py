@@ -125,10 +125,12 @@ def opened(xml):
     return done.stdout.decode()
 
 
+@pytest.mark.longer
 def test_a_cyclic_device_does_not_end_the_client():
     assert "cyclic" in opened(REJECTED["cyclic"])
 
 
+@pytest.mark.longer
 def test_viva_survives_what_is_at_the_limits():
     for xml in (chain(100), document(knife("-" * 1999 + "1")), document(
             knife("(" * 999 + "1" + ")" * 999)), document(knife("1?1:" * 499 + "1"))):

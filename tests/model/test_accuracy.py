@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from kept import kept_training
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.example import BAYER, example_camera, noise_picture
 from ncdc_model.golden.corrector import correct
@@ -27,15 +26,14 @@ def camera(tmp_path_factory):
 FEW_STARTS = {"starts": 6, "rounds": 0}
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("neurons,needs,options", [
     (4, GRADIENT, FEW_STARTS), (12, GRADIENT, FEW_STARTS), (4, FAST, FEW_STARTS),
     *(pytest.param(n, needs, {}, marks=regress) for needs in (GRADIENT, FAST)
       for n in range(4, 13))])
 def test_integers_add_little_to_the_map_and_blanking_is_exact(camera, neurons, needs, options):
     source = load_source(camera, bayer=BAYER, interpolation=needs)
-    choices = TrainingChoices(options=options)
-    d = kept_training(lambda: train_camera(source, neurons, choices).descriptor,
-                      "built-in example", needs.name, neurons, options)
+    d = train_camera(source, neurons, TrainingChoices(options=options)).descriptor
     errors = evaluate_frame(d, source.back_map)
     # The paper's own fixed point multiplied its MSE by four.
     assert errors["fixed_minus_float_max_px"] <= 0.0022

@@ -97,6 +97,7 @@ def test_divergence_is_named():
         train_backprop(coarse_problem(), 3, runs=2, rates=(50.,), stop=Stop(epochs=50))
 
 
+@pytest.mark.longer
 def test_approaches_the_optimum_of_levenberg_on_the_papers_lens_class():
     dots, dense = reference_lens("PC105")
     network, _ = train_backprop(dots, 4, runs=4, rates=(.2,), stop=Stop(epochs=250))

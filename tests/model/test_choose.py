@@ -1,19 +1,20 @@
 """``--neurons auto``: the fewest hidden neurons that meet a maximum error."""
 
 from dataclasses import replace
+from functools import partial
 
 import cv2
 import numpy as np
 import pytest
 
 from commands import call
-from kept import kept_trainer
 from lenses import lens
 from ncdc.cli import train as command
 from ncdc_model.evaluate import evaluate_frame, evaluate_points
 from ncdc_model.neurons_plot import plot_neurons
 from ncdc_model.training import choose
 from ncdc_model.training.choices import TrainingChoices
+from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.problem import split
 from ncdc_model.training.source import load_source
 from ncdc_model.training.train import TRAINERS
@@ -23,7 +24,7 @@ from ncdc_spec.errors import InputError
 
 @pytest.fixture(autouse=True)
 def few_starts(monkeypatch):
-    monkeypatch.setitem(TRAINERS, "lm", kept_trainer(starts=9, rounds=0))
+    monkeypatch.setitem(TRAINERS, "lm", partial(train_levenberg, starts=9, rounds=0))
 
 
 @pytest.fixture
@@ -32,6 +33,7 @@ def camera_file(tmp_path):
     return tmp_path / "camera.toml"
 
 
+@pytest.mark.longer
 def test_camera_file_takes_the_first_that_meets_the_error_on_the_whole_frame(camera_file):
     source, seen = load_source(camera_file), []
     trained = choose.choose_camera(source, 3.0, tried=lambda n, worst: seen.append((n, worst)))
@@ -55,6 +57,7 @@ def test_points_are_judged_by_those_held_out_inside_the_frame(camera_file):
         choose.choose_camera(source, 4.0, TrainingChoices(held_out=0))
 
 
+@pytest.mark.longer
 def test_integers_that_miss_the_error_do_not_count(camera_file, monkeypatch):
     source, describe = load_source(camera_file), choose.describe
 
@@ -89,6 +92,7 @@ def test_a_smaller_network_is_preferred_to_one_that_is_hardly_better(camera_file
     assert choose.choose_camera(load_source(camera_file)).descriptor.hidden_neurons == 2
 
 
+@pytest.mark.longer
 def test_points_too_few_for_many_neurons_end_the_row(camera_file):
     source, seen = load_source(camera_file), []
     few = replace(source, pairs=tuple(part[::180] for part in source.pairs))

@@ -32,6 +32,7 @@ def truth(camera):
     return page_to_distorted(camera, page_dots()), whole
 
 
+@pytest.mark.longer
 def test_every_whole_dot_is_found_where_it_is(camera, photo):
     found = find_dots(photo).whole
     centres, whole = truth(camera)
@@ -74,12 +75,14 @@ def test_areas_are_those_of_the_dots(camera, photo):
     assert found.area[middle] == pytest.approx(np.pi * (RADIUS * 0.012)**2 * stretch, rel=0.15)
 
 
+@pytest.mark.longer
 def test_colour_and_grey_photos_give_the_same_dots(photo):
     colour, grey = find_dots(np.dstack([photo] * 3)).whole, find_dots(photo).whole
     nearest = np.linalg.norm(colour.xy[:, None] - grey.xy[None], axis=2).min(axis=1)
     assert abs(len(colour.index) - len(grey.index)) <= 2 and np.quantile(nearest, 0.99) < 0.1
 
 
+@pytest.mark.longer
 def test_raw_frame_with_strong_colour_cast(photo):
     rgb = np.stack([photo * 0.5, photo * 1.0, photo * 0.35], axis=-1).astype(np.uint8)
     cast, plain = find_dots(mosaic(rgb)), find_dots(photo)
@@ -87,6 +90,7 @@ def test_raw_frame_with_strong_colour_cast(photo):
     assert np.abs(cast.xy - plain.xy)[~plain.cut].max() < 0.25
 
 
+@pytest.mark.longer
 def test_rejected_blobs_are_counted_by_reason(photo):
     stained = photo.copy()
     stained[100:104, 200:420] = 5           # a scratch that joins dots
@@ -140,6 +144,7 @@ def test_displaced_point_loses_its_number():
     assert victim not in where and dropped >= 1 and len(where) == 164
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("where", [
     photos, pytest.param(full_photos, marks=pytest.mark.regress)], ids=["small", "full"])
 @pytest.mark.parametrize("name,dots", [("dot_pattern_06.jpg", 1958), ("dot_pattern_05.jpg", 4512)])
@@ -154,6 +159,7 @@ def test_real_dot_pages(where, name, dots):
     assert len(bends) > 0.9 * dots and max(bends) < 0.25
 
 
+@pytest.mark.longer
 def test_more_dots_than_opencv_takes_rows_in_a_call():
     """Rings around 11,200 dots are 33,600 rows of samples."""
     columns, rows, step, samples = 112, 100, 9.0, 4

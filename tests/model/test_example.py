@@ -1,6 +1,7 @@
 """The built-in example: lens, photos, truth."""
 
 import numpy as np
+import pytest
 
 from ncdc_model.example import (
     example_camera,
@@ -39,6 +40,7 @@ def test_rendered_rays_are_those_of_the_lens():
     assert np.abs(y - ys[:, None]).max() < 1e-4
 
 
+@pytest.mark.longer
 def test_photos_are_raw_and_repeatable():
     camera = example_camera()
     first = target_photo(camera, seed=3)
@@ -61,6 +63,7 @@ def test_target_is_dark_at_the_dots_and_bright_between():
     assert brightness(dots).max() < 40 < 60 < brightness(between).min()
 
 
+@pytest.mark.longer
 def test_scene_is_raw_with_colours_and_detail():
     raw = scene_photo(example_camera())
     assert raw.shape == (480, 640) and raw.dtype == np.uint8

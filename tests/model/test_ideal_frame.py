@@ -37,6 +37,7 @@ def projective_fit(source, target):
     return matrix / matrix[2, 2], np.linalg.norm(image[:, :2] / image[:, 2:] - target, axis=1)
 
 
+@pytest.mark.longer
 def test_corrected_points_are_a_plane_view_of_the_scene(frame):
     """A true pinhole view of a plane: projective to the truth, hardly tilted, not stretched."""
     ideal = np.stack(example_camera().undistort(*frame.distorted.T), axis=1)
@@ -48,6 +49,7 @@ def test_corrected_points_are_a_plane_view_of_the_scene(frame):
     assert abs(matrix[0, 1]) + abs(matrix[1, 0]) < 0.02 * matrix[0, 0]
 
 
+@pytest.mark.longer
 def test_dot_size_correction_moves_the_points_nearer_to_the_truth(points, frame):
     exact = page_to_distorted(example_camera(), page_dots()).reshape(-1, 2)
 
@@ -84,6 +86,7 @@ def test_points_far_outside_the_frame_are_left_out(points):
     assert (close.corrected > (-16.1, -12.1)).all() and (close.corrected < (335.1, 251.1)).all()
 
 
+@pytest.mark.longer
 def test_grossly_wrong_points_are_rejected(points):
     photo = points.photos[0]
     xy = photo.xy.copy()
@@ -96,6 +99,7 @@ def test_grossly_wrong_points_are_rejected(points):
     assert not kept & {tuple(key) for key in photo.index[victims].tolist()}
 
 
+@pytest.mark.longer
 def test_points_beyond_repair_are_refused_however_the_reason_is_worded(points, monkeypatch):
     """What counts is the member that frame.py counts, not the text that people read."""
     photo = points.photos[0]
@@ -183,6 +187,7 @@ def test_straightness_of_known_lines():
     assert straightness(flat[:2], index[:2]).lines == 0
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("where,pattern,target,zoom,smooth,straight", [
     (photos, "dots/dot_pattern_06.jpg", "dots", "fit", 1.0, 0.65),
     (photos, "chessboard_wide/GOPR003*.jpg", "chessboard:8x6", "fit", 0.4, 0.25),
@@ -203,6 +208,7 @@ def test_real_photos(where, pattern, target, zoom, smooth, straight):
     assert after.rms < straight and after.rms < 0.3 * before.rms
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("where", [
     photos, pytest.param(full_photos, marks=pytest.mark.regress)], ids=["small", "full"])
 def test_fisheye_of_180_degrees_needs_a_zoom_in_numbers(where):

@@ -96,6 +96,7 @@ def test_field_of_view_model_bends_the_angle_evenly(tmp_path):
     np.testing.assert_allclose(read.distort(0.0, 0.0), (318.5, 241.25))
 
 
+@pytest.mark.longer
 def test_one_camera_of_several_is_chosen_by_name(tmp_path, capsys):
     chain = camchain(tmp_path / "chain.yaml", entry("pinhole", (), "radtan", [-.02, 0, 0, 0]),
                      entry("pinhole", (), "radtan", [-.08, 0, 0, 0]))

@@ -78,6 +78,7 @@ def test_corners_of_tags_lie_on_a_finer_lattice(tmp_path):
     assert np.unique(index[:, 0]).tolist() == [0, 10, 13, 23, 26, 36, 39, 49]
 
 
+@pytest.mark.longer
 def test_a_network_is_trained_and_measured(tmp_path, capsys):
     save_csv(tmp_path / "p.csv", board(photos=3), "opencv")
     train = ["train", str(tmp_path / "p.csv"), "--neurons", "2", "--trainer", "ebp",

@@ -30,6 +30,7 @@ def test_a_flat_page_is_not_warned_of():
     assert found == [] and off < 0.2
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("what", [{"bend": 0.06}, {"bend": -0.06}, {"late": 3.0}])
 def test_a_bent_page_and_a_rolling_shutter_are_warned_of(what):
     (text,), off = sentences(**what)

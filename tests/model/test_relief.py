@@ -87,6 +87,7 @@ def test_a_page_bent_round_a_cylinder_is_warned_of():
     assert uneven(points, ideal_frame(points))
 
 
+@pytest.mark.longer
 def test_several_photos_prove_the_relief_that_they_share():
     points, _ = page(waves(), poses=POSES)
     frame = ideal_frame(points)
@@ -102,6 +103,7 @@ def ripple(xy):
         np.linalg.norm(radius, axis=1, keepdims=True), 1)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("height,poses,flaw", [
     (waves(), POSES[:1] * 3, lambda xy: 0.0),
     (np.zeros((ROWS, COLUMNS)), POSES, ripple), (np.zeros((ROWS, COLUMNS)), POSES[:1] * 3, ripple)],
@@ -112,6 +114,7 @@ def test_photos_do_not_prove_what_the_lens_may_have_done(height, poses, flaw):
     assert not ideal_frame(points).relief.any()
 
 
+@pytest.mark.longer
 def test_flat_page_and_asymmetric_lens_have_no_relief():
     points, _ = page(np.zeros((ROWS, COLUMNS)))
     frame = ideal_frame(points)
@@ -127,6 +130,7 @@ def test_flat_page_and_asymmetric_lens_have_no_relief():
     assert not ideal_frame(bent).relief.any()
 
 
+@pytest.mark.longer
 def test_straightness_is_measured_on_held_out_points_only():
     points, camera = page(np.zeros((ROWS, COLUMNS)), noise=0.0)
     frame = ideal_frame(points)
@@ -169,6 +173,7 @@ def measured(scatter):
     return {"repeatability_px": scatter, "straightness_rms_px": 0.1}
 
 
+@pytest.mark.longer
 def test_wrong_indices_are_dropped_or_refused():
     points, _ = page(np.zeros((ROWS, COLUMNS)))
     few = spoilt(points, shuffled=18)
@@ -191,6 +196,7 @@ def test_lost_points_and_noise_are_told():
     assert "scatter by 0.40 px rms about their lines, more than 0.25 px" in text
 
 
+@pytest.mark.longer
 def test_command_reports_straightness_and_draws_arrows(tmp_path, capsys):
     write_image(tmp_path / "page.png", target_photo(example_camera()))
     parser = argparse.ArgumentParser()

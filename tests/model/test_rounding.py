@@ -85,6 +85,7 @@ def test_weights_at_the_limit_stay_within_it():
     assert Q(4, 20).holds(raw) and Q(4, 20).hi in raw
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("hidden", [
     pytest.param("multiply", marks=pytest.mark.regress), "raster"])
 def test_verilog_takes_formats_of_few_bits(hidden):

@@ -36,7 +36,8 @@ def bumped(xy):
     return out
 
 
-@pytest.mark.parametrize("columns,rows,step", [(25, 19, 0.1), (11, 8, 0.21)])
+@pytest.mark.parametrize("columns,rows,step", [
+    pytest.param(25, 19, 0.1, marks=pytest.mark.longer), (11, 8, 0.21)])
 def test_two_sheets_are_found_with_their_place_and_step(columns, rows, step):
     index, xy = page(columns, rows, step)
     right = xy[:, 0] > 640
@@ -47,6 +48,7 @@ def test_two_sheets_are_found_with_their_place_and_step(columns, rows, step):
     assert np.abs(seam.ends[:, 0] - 640).max() < 1.5 * spacing
 
 
+@pytest.mark.longer
 def test_a_sheet_below_is_found():
     index, xy = page(25, 19, 0.1)
     xy[xy[:, 1] > 500] += (-2.0, 1.5)
@@ -54,7 +56,8 @@ def test_a_sheet_below_is_found():
 
 
 @pytest.mark.parametrize("view", [0.42, 0.34])
-@pytest.mark.parametrize("columns,rows,step", [(25, 19, 0.12), (11, 8, 0.21)])
+@pytest.mark.parametrize("columns,rows,step", [
+    pytest.param(25, 19, 0.12, marks=pytest.mark.longer), (11, 8, 0.21)])
 def test_a_lens_makes_none_even_if_it_is_uneven(columns, rows, step, view):
     index, xy = page(columns, rows, step, view)
     assert seam_of(index, xy) is None

@@ -48,6 +48,7 @@ def test_corners_of_any_blur_are_right(sigma):
     assert np.median(blur) == pytest.approx(max(sigma, 1.1), rel=0.2)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("sigma", [4, 9])
 def test_a_board_partly_out_of_focus_keeps_its_corners(board, sigma):
     spoiled = spoil.part_focus(board, sigma, 5.0, 0.5)

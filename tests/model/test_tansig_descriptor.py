@@ -97,6 +97,7 @@ def test_auto_is_table_only_where_products_are_free():
     assert choose_variant("classic", 8, 16) == "classic"
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("variant,bits", [
     ("table", 16), pytest.param("classic", 22, marks=pytest.mark.regress),
     pytest.param("mmhbc", 18, marks=pytest.mark.regress)])
@@ -107,6 +108,7 @@ def test_the_correctors_verilog_equals_the_golden_model(variant, bits):
     assert len(result.differing) == 0
 
 
+@pytest.mark.longer
 def test_train_writes_the_chosen_tansig(tmp_path):
     lens().save(tmp_path / "camera.toml")
     call(train, tmp_path / "camera.toml", "--neurons", 2, "--size", "48x36", "-o",

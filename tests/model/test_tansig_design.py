@@ -131,7 +131,8 @@ class TruncatedRotation(TansigDesign):
         return u
 
 
-@pytest.mark.parametrize("wrong", [WithoutTuning(), WrongEntry(), TruncatedRotation()],
+@pytest.mark.parametrize("wrong", [
+    WithoutTuning(), pytest.param(WrongEntry(), marks=pytest.mark.longer), TruncatedRotation()],
                          ids=lambda d: type(d).__name__)
 def test_every_input_shows_a_planted_error(wrong):
     n = np.concatenate([np.arange(32 << 14), np.arange(196 << 14, 197 << 14),
@@ -145,6 +146,7 @@ def test_without_tuning_a_result_decreases():
     assert (np.diff(tansig(n, TansigDesign())) >= 0).all()
 
 
+@pytest.mark.longer
 def test_a_narrow_table_breaks_the_bound():
     class Narrow(TansigDesign):
         def _bound(self):

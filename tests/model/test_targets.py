@@ -96,6 +96,7 @@ NARROW, HIGH = (4, 11, 25.0, 25.0, 1.0), (6, 9, 24.0, 24.0 * 3**0.5, 3**0.5)
 WIDE = 12, 7, 24.0 * 3**0.5, 24.0, 3**-0.5
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("grid,target", [
     (NARROW, "acircles:4x11"), (NARROW, "auto"), (HIGH, "auto"), (WIDE, "acircles:12x7"),
     pytest.param(HIGH, "acircles:6x9", marks=regress), pytest.param(WIDE, "auto", marks=regress)])
@@ -126,6 +127,7 @@ def charuco(columns=7, rows=5, family="DICT_5X5_100", marker=0.7, step=60):
     return np.pad(board.generateImage((columns * step, rows * step)), step, constant_values=255)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("columns,rows,family,marker", [
     (7, 5, "DICT_5X5_100", 0.7), *(pytest.param(*case, marks=regress) for case in (
         (8, 6, "DICT_4X4_50", 0.8), (5, 7, "DICT_6X6_250", 0.6)))])
@@ -137,11 +139,13 @@ def test_charuco_boards(columns, rows, family, marker):
     np.testing.assert_allclose(found.xy, 60 * (found.index + 2) - 0.5, atol=0.3)
 
 
+@pytest.mark.longer
 def test_auto_recognises_a_charuco_board():
     points = detect_points([("board.png", charuco(5, 7, "DICT_6X6_250", 0.6))], "auto")
     assert points.target == "charuco" and points.count == 4 * 6
 
 
+@pytest.mark.longer
 def test_part_of_a_charuco_board_has_the_numbers_of_the_whole():
     picture = charuco(8, 6)
     picture[:, :150] = 255
@@ -188,6 +192,7 @@ def test_photos_without_the_target_are_named_and_the_others_used():
         detect_points(images[:1], "chessboard:9x6")
 
 
+@pytest.mark.longer
 def test_auto_tells_dots_from_chessboards():
     assert detect_points([("dots", target_photo(example_camera()))], "auto").target == "dots"
     assert detect_points([("board", chessboard(9, 6)[0])], "auto").target == "chessboard"
@@ -204,10 +209,11 @@ GIVEN_UP = {"circles/circle_regular/*.jpg": 1}
     photos, pytest.param(full_photos, marks=regress)], ids=["small", "full"])
 @pytest.mark.parametrize("pattern,target,count", [
     ("chessboard_wide/GOPR00[35]*.jpg", "chessboard:8x6", 48),
-    ("opencv/left0[1-6].jpg", "chessboard:9x6", 54),
+    pytest.param("opencv/left0[1-6].jpg", "chessboard:9x6", 54, marks=pytest.mark.longer),
     ("fisheye/1*.jpg", "chessboard:6x4", 24),
-    ("circles/circle_regular/*.jpg", "circles:10x8", 80),
-    ("circles/circle_hexagonal/*.jpg", "acircles:14x24", 336)])
+    pytest.param("circles/circle_regular/*.jpg", "circles:10x8", 80, marks=pytest.mark.longer),
+    pytest.param("circles/circle_hexagonal/*.jpg", "acircles:14x24", 336,
+                 marks=pytest.mark.longer)])
 def test_real_boards(where, pattern, target, count):
     files = where(pattern)
     points = detect_points(((file.name, read_image(file)) for file in files), target)
@@ -217,9 +223,11 @@ def test_real_boards(where, pattern, target, count):
 
 
 @pytest.mark.parametrize("pattern,target,columns,rows", [
-    ("circles/circle_regular/*1.jpg", "circles", 10, 8),
-    ("circles/circle_hexagonal/*4.jpg", "acircles", 24, 28), ("fisheye/1.jpg", "chessboard", 6, 4),
-    ("dots/dot_pattern_05.jpg", "dots", 85, 54)])
+    ("fisheye/1.jpg", "chessboard", 6, 4), *(pytest.param(*case, marks=pytest.mark.longer)
+                                             for case in (
+        ("circles/circle_regular/*1.jpg", "circles", 10, 8),
+        ("circles/circle_hexagonal/*4.jpg", "acircles", 24, 28),
+        ("dots/dot_pattern_05.jpg", "dots", 85, 54)))])
 def test_real_targets_are_recognised(pattern, target, columns, rows):
     file = photos(pattern)[0]
     points = detect_points([(file.name, read_image(file))], "auto")

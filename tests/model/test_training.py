@@ -46,6 +46,7 @@ def test_recovers_a_known_network():
     assert errors_of(network, problem)["max"] < 1e-3
 
 
+@pytest.mark.longer
 def test_skip_path_recovers_a_known_network():
     u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 319, 18), np.linspace(0, 239, 14)))
     truth = replace(known_network(), skip_weights=np.array([[-40., 25], [12, 60]]))
@@ -56,12 +57,14 @@ def test_skip_path_recovers_a_known_network():
     assert errors_of(train_levenberg(problem, 3, starts=24, rounds=0)[0], problem)["max"] > .05
 
 
+@pytest.mark.longer
 def test_more_neurons_fit_an_analytic_lens_better():
     problem = lens_problem()
     errors = [train_levenberg(problem, n, starts=24, rounds=1)[1][-1][1] for n in (2, 4, 6)]
     assert errors[0] > 20 * errors[1] > 100 * errors[2]
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name,neurons,goal", [
     ("PC105", 5, .041), ("PC120", 5, .0050), *(
         pytest.param(*case, marks=pytest.mark.regress) for case in (
@@ -72,6 +75,7 @@ def test_goal_on_the_papers_lens_class(name, neurons, goal):
     assert errors_of(network, dense)["mse"] <= goal
 
 
+@pytest.mark.longer
 def test_bounds_hold_and_every_number_fits_the_descriptor():
     # A step edge asks for infinite weights, far from the origin for large biases.
     u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 319, 24), np.linspace(0, 239, 18)))
@@ -100,6 +104,7 @@ def test_same_seed_same_bytes_whatever_the_threads(tmp_path):
     assert len(digests) == 1
 
 
+@pytest.mark.longer
 def test_seeds_differ():
     problem = lens_problem(8, 6)
     networks = [train_levenberg(problem, 4, seed=s, starts=4, rounds=0)[0] for s in (0, 1, 0)]

@@ -112,6 +112,7 @@ def test_points_outside_the_frame_cover_its_edge():
     np.testing.assert_array_equal(mask, window_mask(lambda u, v: (u, v), GEOMETRY))
 
 
+@pytest.mark.longer
 def test_network_trained_on_dots_finds_nearly_the_true_region():
     camera = barrel()
     truth = window_mask(camera.back_map, GEOMETRY)

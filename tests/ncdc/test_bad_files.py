@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases import cases
 from lenses import GEOMETRY, known_network, lens
 from ncdc.cli import main
 from ncdc_model.calibration.camera_file import load_camera_map
@@ -150,7 +151,7 @@ def changed(text, part, parts):
 
 @pytest.mark.parametrize("part", [
     0, *(pytest.param(part, marks=pytest.mark.regress) for part in range(1, 4))])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", cases(KINDS, longer=["points.json"]))
 def test_a_wrong_value_is_no_traceback(refused, folder, tmp_path, kind, part):
     path = tmp_path / kind
     for note, text in changed((folder / kind).read_text(), part, 4):
@@ -185,6 +186,7 @@ IMPORTED = {
                    "image_size: [ 320, 240 ]\n")}
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("kind", IMPORTED)
 def test_files_of_other_programs_spoilt_are_one_sentence(tmp_path, kind):
     path, text, accepted = tmp_path / kind, IMPORTED[kind], []

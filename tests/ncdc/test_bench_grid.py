@@ -80,6 +80,7 @@ def test_a_photo_is_taken_pixel_by_pixel():
     assert photo_light("noise", photo, 4, 2).values.std() < light.values.std() / 4
 
 
+@pytest.mark.longer
 def test_what_is_too_small_or_out_of_range(tmp_path, capsys):
     small = np.zeros((223, 400), np.uint8)
     with pytest.raises(InputError, match="it has 400x223|small has 400x223 pixels: reduced by 4"):

@@ -93,6 +93,7 @@ def photo():
     return lens, board_photo(lens)
 
 
+@pytest.mark.longer
 def test_true_map_leaves_straight_lines(photo):
     lens, raw = photo
     back_map = lens.camera.back_map
@@ -113,6 +114,7 @@ def test_crossings_follow_the_map(photo):
     np.testing.assert_allclose(v, true_v - .01 * (true_u - 597), atol=1e-5)
 
 
+@pytest.mark.longer
 def test_command(tmp_path, monkeypatch, photo):
     monkeypatch.setattr("ncdc_bench.lines.command.board_photo", lambda lens: photo[1])
     assert main(["bench", "lines", "--lens", "PC105", "--model", "pbm6-separate", "-o",

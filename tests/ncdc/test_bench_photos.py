@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases import cases
 from ncdc_bench.photos import spoil
 from ncdc_bench.photos.cases import CASES, Case
 from ncdc_bench.photos.command import summary
@@ -17,12 +18,12 @@ from ncdc_spec.errors import InputError
 DATA = Path(__file__).resolve().parents[1] / "data"
 # Of each kind of defect one, on small photos.
 # One or two of each kind; all of them are in test_all_bad_photos.
-QUICK = ("dots, pen marks, small page", "dots, asked as chessboard:9x6", "circles, two grids",
-         "board, 15x9", "board, two boards", "board, one photo a pixel smaller",
-         "charuco, a hand", "no target: a street", "board, partly blurred, px: 9",
-         "board, from 62 degrees aside, x", "board, 5x4, steps of 163 px",
-         "circles, white on black, rendered", "board, round a cylinder, 0.1 a step",
-         "board, two sheets, right one by (3, -2) px", "dots, rolling shutter, waving by 3 px")
+QUICK = "dots, asked as chessboard:9x6", "board, 15x9", "board, two boards"
+LONGER = ("dots, pen marks, small page", "circles, two grids", "board, one photo a pixel smaller",
+          "charuco, a hand", "no target: a street", "board, partly blurred, px: 9",
+          "board, from 62 degrees aside, x", "board, 5x4, steps of 163 px",
+          "circles, white on black, rendered", "board, round a cylinder, 0.1 a step",
+          "board, two sheets, right one by (3, -2) px", "dots, rolling shutter, waving by 3 px")
 
 
 @pytest.fixture(scope="module")
@@ -30,13 +31,14 @@ def bank():
     return Bank(DATA, 0.5)
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", cases(QUICK + LONGER, LONGER))
 def test_what_must_become_of_it_does(bank, name):
     (case,) = [case for case in CASES if case.name == name]
     for outcome in try_case(case, case.make(bank)):
         assert outcome.right and not outcome.silent, outcome
 
 
+@pytest.mark.longer
 def test_ragged_corners_between_dots_are_no_chessboard(bank):
     # Out of focus, the saddles between dots look like corners, and are more than the dots.
     photo = spoil.blur(bank.render(("dots", 12, 9, Pose(step=0.1, turn=30.0)), clutter=True), 4)
@@ -47,6 +49,7 @@ def test_ragged_corners_between_dots_are_no_chessboard(bank):
     assert look.sight.kind in ("dots", "circles")
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("sigma", [1, 10])
 def test_dots_far_out_of_focus_are_warned_of(bank, sigma):
     photo = spoil.blur(bank.example(), sigma)

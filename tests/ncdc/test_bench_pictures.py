@@ -2,6 +2,7 @@
 
 
 import numpy as np
+import pytest
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
@@ -68,6 +69,7 @@ def test_the_crops_are_drawn(tmp_path):
     assert all(share > .01 for share in shares) and len(set(shares)) == 3
 
 
+@pytest.mark.longer
 def test_a_picture_without_colour_is_refused(tmp_path, capsys):
     assert main(["bench", "pictures", "tests/data/dots/dot_pattern_05.jpg", "--json",
                  str(tmp_path / "out.json")]) == 2

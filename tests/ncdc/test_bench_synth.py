@@ -259,6 +259,7 @@ def test_a_figure_that_is_worse_by_more_than_the_limit():
     assert regressions([row], [row | {"variant": "w", "lut": 1}]) == []
 
 
+@pytest.mark.longer
 def test_command(flows, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr("ncdc_bench.synth.command.check_tools", lambda: None)
     report = tmp_path / "report.json"

@@ -46,6 +46,7 @@ def row(tmp_path_factory):
     return rows[0]
 
 
+@pytest.mark.longer
 def test_sampled_verilog(row):
     assert row["differences"] == 0 and not row["exhaustive"] and row["inputs"] > 65000
     assert row["max_ulp"] <= .79 and row["correctly_rounded"] >= .95
@@ -55,6 +56,7 @@ def test_sampled_verilog(row):
     assert complaint(row) is None
 
 
+@pytest.mark.longer
 def test_comparison_sees_a_stage_out_of_step():
     n = sampled_inputs(DESIGN.input, 1 << 12)
     golden = tansig(n, DESIGN)
@@ -177,6 +179,7 @@ def test_table(row):
     assert line.split()[-4:] == ["1580", "1537", "224", "681"]
 
 
+@pytest.mark.longer
 def test_plots(tmp_path, row):
     plot_tansig(tmp_path, [row, row | {"fraction_bits": 18, "mse": 1.3e-12}])
     names = {path.name: path.stat().st_size for path in tmp_path.iterdir()}

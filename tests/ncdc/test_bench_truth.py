@@ -30,6 +30,7 @@ def test_rays_of_pixels_lead_back_to_them(name):
     np.testing.assert_allclose(lens.of_angles(lens.angles_at(xy)), xy, atol=1e-4)
 
 
+@pytest.mark.longer
 def test_the_photo_shows_the_dots_where_the_truth_says():
     lens = LENSES["equidistant 126"]
     shot = photograph(lens, page_of(lens, 0))
@@ -40,12 +41,14 @@ def test_the_photo_shows_the_dots_where_the_truth_says():
     assert np.median(shot.image) > 150
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", [name for name in LENSES if "equidistant" in name])
 def test_nearly_all_dots_of_a_clean_page_are_used(name):
     _, (dots,) = detect(LENSES[name], 1)
     assert dots.used >= 0.97 * dots.visible and not dots.false
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", LENSES)
 def test_a_flat_page_has_no_relief_and_only_bumps_are_warned_of(name):
     points, _ = detect(LENSES[name], 1)
@@ -54,6 +57,7 @@ def test_a_flat_page_has_no_relief_and_only_bumps_are_warned_of(name):
     assert len(uneven(points, frame)) == (name == "bumps")
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", ["pixels 1:1.06", "bumps"])
 def test_the_report_says_no_less_than_there_is(capsys, name):
     code, (row,) = report_of(capsys, "--only", name, "--photos", "1", "--neurons", "6")

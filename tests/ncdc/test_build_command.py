@@ -79,6 +79,7 @@ def test_a_missed_clock_is_named():
         _check_clocks(Placement(1, (good, bad), {}), 3)
 
 
+@pytest.mark.longer
 def test_what_memory_cannot_carry_is_refused():
     """A screen whose lines come late while others wait; a camera so fast that it leaves nothing for
     corrected frames."""
@@ -146,6 +147,7 @@ class Blinker(Elaboratable):
         return m
 
 
+@pytest.mark.longer
 def test_the_flow_on_a_small_design(tmp_path):
     """Synthesis, placement, bitstream; the clock is known by our name, with its target."""
     plan = Ulx3sPlatform().prepare(Blinker(), "blinker")

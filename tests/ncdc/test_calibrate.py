@@ -30,6 +30,7 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.longer
 def test_one_photo(folder, capsys):
     out = folder / "out" / "points.json"
     command(folder / "page.png", "--target", "dots", "-o", out, "--json", "-")
@@ -43,6 +44,7 @@ def test_one_photo(folder, capsys):
     assert read_image(out.with_name("points.overlay.png")).shape == (480, 640, 3)
 
 
+@pytest.mark.longer
 def test_unusable_photo_is_named_and_the_other_used(folder, capsys):
     out, report = folder / "both.json", folder / "report.json"
     command(folder / "blank.png", folder / "page.png", "-o", out, "--json", report)
@@ -60,6 +62,7 @@ def test_nothing_usable(folder):
         command(folder / "absent.png", "-o", folder / "none.json")
 
 
+@pytest.mark.longer
 def test_photo_is_never_replaced(folder):
     before = (folder / "page.png").read_bytes()
     with pytest.raises(InputError, match="would replace the photo of that name"):
@@ -102,6 +105,7 @@ def test_another_target_is_refused_and_the_earlier_file_stays(folder):
     assert out.read_text() == "earlier"
 
 
+@pytest.mark.longer
 def test_dropped_points_are_listed_with_place_and_reason(folder, capsys):
     page = target_photo(example_camera())
     spot = read_image(folder / "page.png")[236:262, 300:340].min(axis=0).argmin() + 300

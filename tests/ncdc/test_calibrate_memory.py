@@ -34,6 +34,7 @@ def enlarged(source, path, size, noise=8):
     return path
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("source, size, points", [
     ("dots/dot_pattern_06.jpg", (4000, 3000), "points (dots,"),
     ("chessboard_wide/GOPR0032.jpg", (3264, 1836), "48 points (chessboard,"),
@@ -45,6 +46,7 @@ def test_one_large_photo(source, size, points, tmp_path):
     assert points in text and megabytes < LIMIT
 
 
+@pytest.mark.longer
 def test_many_large_photos_take_no_more_than_one(tmp_path):
     photos = [enlarged(f"opencv/left0{k}.jpg", tmp_path / f"{k}.png", (4000, 3000), noise=0)
               for k in (1, 2, 3, 4)]

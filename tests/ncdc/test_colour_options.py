@@ -51,6 +51,7 @@ def test_correct_follows_the_options(folder, tmp_path, options, expected):
                                   coloured(frame, expected(frame)))
 
 
+@pytest.mark.longer
 def test_the_verilog_gives_the_picture_of_the_golden_model(folder, tmp_path, capsys):
     options = ["--white-balance", "grey-world", "--tone", "sRGB"]
     for command in ("correct", "simulate"):
@@ -95,6 +96,7 @@ def test_careless_options_are_refused(folder, tmp_path, command, options, senten
     assert output.read_text() == "kept"
 
 
+@pytest.mark.longer
 def test_generate_puts_it_in_only_if_asked(folder, tmp_path):
     texts = {}
     for name, options in (("without", []), ("with", ["--colour"])):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
+from cases import cases
 from ncdc import cli
 from ncdc_hdl.export.verilog import corrector_verilog
 from ncdc_model.golden.corrector import correct
@@ -156,7 +157,7 @@ def test_bad_usage(folder, command, capsys):
     check_refused(folder, command, "ncdc", capsys)
 
 
-@pytest.mark.parametrize("command", USES)
+@pytest.mark.parametrize("command", cases([*USES], longer=["generate"]))
 def test_unwritable_output(folder, command, capsys):
     # Not even root can make files below /proc.
     check_refused(folder, use(command, out="/proc/none/out.png"), "cannot write /proc/none", capsys)
@@ -207,6 +208,7 @@ def test_a_colour_picture_is_mosaiced_and_said_so(folder, capsys):
     np.testing.assert_array_equal(read_image("out.png"), golden.picture)
 
 
+@pytest.mark.longer
 def test_generate_writes_the_corrector(folder, capsys):
     assert run("generate net.toml -o hw --data-width 64 --to stream --json -") == 0
     report = json.loads(capsys.readouterr().out)
@@ -222,6 +224,7 @@ def planned(report, **choices):
                     split=report["cache_split"], strip=report["strip"], **choices)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("to", ["memory", "stream"])
 def test_generate_plans_the_cache_and_says_so(folder, to, capsys):
     assert run(f"generate net.toml -o hw --to {to}") == 0
@@ -270,6 +273,7 @@ def test_refuses_a_cache_that_there_is_not(folder, options, message, capsys):
     check_refused(folder, f"generate net.toml -o hw {options}", message, capsys)
 
 
+@pytest.mark.longer
 def test_simulate_multiport(folder, capsys):
     assert run("simulate net.toml raw.png -o sim.png --json r.json --fetch multiport") == 0
     report = json.loads((folder / "r.json").read_text())
@@ -282,6 +286,7 @@ def test_refuses_to_share_among_too_many(folder, capsys):
                   capsys)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("simulator", ["verilator", "icarus"])
 def test_simulate(folder, simulator, capsys):
     assert run(f"simulate net.toml raw.png -o sim.png --json r.json --simulator {simulator}") == 0
@@ -293,6 +298,7 @@ def test_simulate(folder, simulator, capsys):
     np.testing.assert_array_equal(read_image("sim.png"), golden.picture)
 
 
+@pytest.mark.longer
 def test_simulate_names_the_first_difference(folder, capsys, monkeypatch):
     """A golden model off by one in one pixel must be found, named, and give status 1."""
     def wrong(descriptor, raw, **options):
@@ -314,6 +320,7 @@ def test_help_has_an_example(command, capsys):
     assert end.value.code == 0 and f"example: ncdc {command}" in " ".join(out.split())
 
 
+@pytest.mark.longer
 def test_a_command_imports_what_it_needs_alone():
     """Plots take a second to import, and most commands draw none."""
     code = ("import sys; from ncdc.cli import parser\n"

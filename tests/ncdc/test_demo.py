@@ -4,10 +4,8 @@ import json
 
 import pytest
 
-from kept import kept_trainer
 from ncdc import cli
 from ncdc_model.images import read_image
-from ncdc_model.training.train import TRAINERS
 from ncdc_spec.descriptor import Descriptor
 
 FILES = {"photo.png", "points.png", "distorted.png", "corrected.png", "comparison.png",
@@ -17,12 +15,11 @@ FILES = {"photo.png", "points.png", "distorted.png", "corrected.png", "compariso
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("demo")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(TRAINERS, "lm", kept_trainer())
-        assert cli.main(["demo", "-o", str(path), "--neurons", "4"]) == 0
+    assert cli.main(["demo", "-o", str(path), "--neurons", "4"]) == 0
     return path
 
 
+@pytest.mark.longer
 def test_every_file_is_there(folder):
     assert FILES <= {path.name for path in folder.iterdir()}
     page = (folder / "report.html").read_text()
@@ -32,6 +29,7 @@ def test_every_file_is_there(folder):
     assert read_image(folder / "corrected.png").shape == (480, 640, 3)
 
 
+@pytest.mark.longer
 def test_the_figures_hold(folder):
     report = json.loads((folder / "report.json").read_text())
     d = Descriptor.load(folder / "net.toml")

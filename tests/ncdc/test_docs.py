@@ -11,12 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from kept import kept_trainer
 from ncdc.cli import parser
 from ncdc_hdl.export.drivers.page import register_doc
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.training.train import TRAINERS
 from ncdc_spec.descriptor import Formats
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.protocols.page import protocols_doc
@@ -111,6 +109,7 @@ def test_files_named_exist(page):
     assert missing == []
 
 
+@pytest.mark.longer
 def test_report_names_are_in_the_code():
     page = (REFERENCE / "commands.md").read_text()
     table = page.partition("## Names in reports")[2]
@@ -125,10 +124,13 @@ def test_report_names_are_in_the_code():
     assert sorted(name for name in names if not re.search(rf"\b{name}\b", code)) == []
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if any(
-    language == "python" for language, _ in blocks(page))], ids=by_name)
+TRAINING_PAGES = {"interpolation.md", "numbers.md"}
+
+
+@pytest.mark.parametrize("page", [
+    pytest.param(page, marks=[pytest.mark.longer] * (page.name in TRAINING_PAGES))
+    for page in PAGES if any(language == "python" for language, _ in blocks(page))], ids=by_name)
 def test_python_blocks_run(page, tmp_path, monkeypatch):
-    monkeypatch.setitem(TRAINERS, "lm", kept_trainer())
     monkeypatch.chdir(tmp_path)
     names = {"__name__": "docs"}
     for language, text in blocks(page):

@@ -31,7 +31,8 @@ def test_plan_says_what_is_seen(net, options, shown, photos, capsys):
     assert photos in next(line for line in lines if line.startswith("photos for ncdc calibrate"))
 
 
-@pytest.mark.parametrize("board", ["de1-soc", "de10-nano"])
+@pytest.mark.parametrize("board", [
+    pytest.param("de1-soc", marks=pytest.mark.longer), "de10-nano"])
 def test_build_says_what_is_seen_and_writes_it(net, board, tmp_path, capsys):
     assert main(["build", net, "--board", board, "-o", str(tmp_path), "--field", "1280x960+0+0",
                  "--json", "-"]) == 0

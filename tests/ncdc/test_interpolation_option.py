@@ -12,6 +12,8 @@ from ncdc_model.lens import Camera
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.interpolation import FAST, GRADIENT
 
+pytestmark = pytest.mark.longer
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):

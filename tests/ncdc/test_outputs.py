@@ -6,6 +6,7 @@ import stat
 import numpy as np
 import pytest
 
+from cases import cases
 from lenses import GEOMETRY, known_network, lens
 from ncdc.cli import COMMANDS, main
 from ncdc_model.images import write_image
@@ -52,7 +53,7 @@ def test_an_output_is_a_file(folder, capsys, command, output, reason):
     assert stat.S_ISFIFO(os.stat("pipe.png").st_mode) and stat.S_ISCHR(os.stat("/dev/null").st_mode)
 
 
-@pytest.mark.parametrize("command", FOLDERS)
+@pytest.mark.parametrize("command", cases(FOLDERS, longer=["generate"]))
 def test_a_folder_is_no_file(folder, capsys, command):
     for output in ("pipe.png", "net.toml"):
         assert main([command, *INPUTS[command], "-o", output]) == 2

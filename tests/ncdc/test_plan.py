@@ -149,6 +149,7 @@ def test_the_command_prints_and_reports(barrel, tmp_path, monkeypatch, capsys):
         "\n") == 1
 
 
+@pytest.mark.longer
 def test_pixels_that_wait_for_nodes_are_in_the_plan(waiting, tmp_path, monkeypatch, capsys):
     """23 nodes of 2 clocks for the 40 groups of a row: 46 clocks. At every 16th pixel none wait."""
     monkeypatch.chdir(tmp_path)

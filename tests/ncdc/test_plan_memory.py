@@ -27,6 +27,7 @@ def planned(path, *options):
     return megabytes, json.loads(text)
 
 
+@pytest.mark.longer
 def test_the_peak_grows_by_so_much_per_pixel(tmp_path):
     """Of the whole frame's arrays those of 16 bits are kept, and none of 64."""
     peaks = []

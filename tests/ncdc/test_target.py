@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from cases import cases
 from ncdc.cli import main
 from ncdc.target.draw import page
 from ncdc.target.layout import Circle, layout_of, paper_of
@@ -91,7 +92,8 @@ def test_staggered_circles_are_turned_and_not_mirrored(paper):
     assert (abs(a) < 1e-9) == (paper[0] > paper[1])     # lines stand on a sheet that lies
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", cases(KINDS, longer=[
+    "dots", "acircles:4x11", "acircles:5x7", "charuco:10x7", "charuco:5x9"]))
 def test_our_detector_finds_every_point(pages, kind):
     layout, pdf, _ = pages(kind)
     points = detect_points([("page.png", painted(pdf, 3))], layout.target)

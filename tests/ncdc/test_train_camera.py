@@ -18,6 +18,7 @@ def info(tmp_path, monkeypatch):
     (tmp_path / "info.yaml").write_text(json.dumps(INFO))
 
 
+@pytest.mark.longer
 def test_the_frame_of_the_file_is_the_one_that_evaluate_measures(info, capsys):
     assert main(["train", "info.yaml", *SPARE, "-o", "net.toml", "--json", "train.json"]) == 0
     assert ("the corrected picture is that of the projection matrix: focal lengths 90.00 and 80.00,"
@@ -30,6 +31,7 @@ def test_the_frame_of_the_file_is_the_one_that_evaluate_measures(info, capsys):
     assert any("projection matrix" in note for note in trained["notes"])
 
 
+@pytest.mark.longer
 def test_a_scaled_calibration_is_scaled_by_evaluate_too(info, capsys):
     assert main(["train", "info.yaml", *SPARE, "--sensor-size", "80x60", "-o", "net.toml", "--json",
                  "train.json"]) == 0

@@ -1,20 +1,13 @@
 """``ncdc train`` and ``ncdc evaluate``: from points and camera files to descriptors and errors."""
 
-import inspect
 import json
-import shutil
-import sys
 from functools import partial
-from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-import ncdc
-import ncdc_model
 from commands import call
-from kept import TRAINING, kept_folder, kept_trainer, sources_of
 from lenses import lens
 from ncdc.cli import evaluate, train
 from ncdc_model.against import fitted_view
@@ -46,14 +39,7 @@ def page(turn, tilt, name):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Camera file, points of a page, points of another page, and descriptors of the first two."""
-    folder = tmp_path_factory.mktemp("train") / "made"
-    kept = kept_folder("train-command", make_folder, sources_of(ncdc, ncdc_model),
-                       Path(__file__).read_text(), inspect.getsource(lens), sys.version,
-                       packages=(*TRAINING, "matplotlib"))
-    return shutil.copytree(kept, folder)
-
-
-def make_folder(folder):
+    folder = tmp_path_factory.mktemp("train")
     lens().save(folder / "camera.toml")
     TargetPoints("dots", SIZE, (page(.02, (.05, -.03), "a.png"),)).save(folder / "a.json")
     TargetPoints("dots", SIZE, (page(-.04, (-.04, .06), "b.png"),)).save(folder / "b.json")
@@ -69,6 +55,7 @@ def report_of(command, *arguments, capsys):
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.longer
 def test_camera_file_to_descriptor_with_the_errors_of_the_whole_frame(folder):
     descriptor = Descriptor.load(folder / "camera-net.toml")
     report = json.loads((folder / "camera-report.json").read_text())
@@ -85,6 +72,7 @@ def test_camera_file_to_descriptor_with_the_errors_of_the_whole_frame(folder):
                                   valid_rows(camera.back_map, descriptor.geometry).spans)
 
 
+@pytest.mark.longer
 def test_points_to_descriptor_with_geometry_and_provenance(folder):
     descriptor = Descriptor.load(folder / "net.toml")
     report = json.loads((folder / "report.json").read_text())
@@ -101,6 +89,7 @@ def test_points_to_descriptor_with_geometry_and_provenance(folder):
     assert str(folder) not in (folder / "net.toml").read_text()
 
 
+@pytest.mark.longer
 def test_points_know_nearly_the_region_of_the_true_camera(folder):
     descriptor = Descriptor.load(folder / "net.toml")
     camera = load_camera_map(folder / "camera.toml")
@@ -110,6 +99,7 @@ def test_points_know_nearly_the_region_of_the_true_camera(folder):
     assert (descriptor.valid.mask(320) != truth).mean() < .005
 
 
+@pytest.mark.longer
 def test_same_points_are_evaluated_with_the_trained_pose(folder, capsys):
     report = report_of(evaluate, folder / "net.toml", "--against", folder / "a.json", capsys=capsys)
     trained = json.loads((folder / "report.json").read_text())
@@ -121,6 +111,7 @@ def test_same_points_are_evaluated_with_the_trained_pose(folder, capsys):
     assert report["map_error_fixed_px"]["mse"] == pytest.approx(mse, rel=.02)
 
 
+@pytest.mark.longer
 def test_another_photo_is_evaluated_with_a_fitted_pose(folder, capsys):
     report = report_of(evaluate, folder / "net.toml", "--against", folder / "b.json", capsys=capsys)
     trained = json.loads((folder / "report.json").read_text())["held_out"]
@@ -128,6 +119,7 @@ def test_another_photo_is_evaluated_with_a_fitted_pose(folder, capsys):
     assert report["map_error_float_px"]["mse"] < 4 * trained["map_error_float_px"]["mse"]
 
 
+@pytest.mark.longer
 def test_points_descriptor_agrees_with_the_true_camera_up_to_the_view(folder, capsys):
     report = report_of(evaluate, folder / "net.toml", "--against", folder / "camera.toml",
                        capsys=capsys)
@@ -135,6 +127,7 @@ def test_points_descriptor_agrees_with_the_true_camera_up_to_the_view(folder, ca
     assert report["map_error_fixed_px"]["mse"] < .02
 
 
+@pytest.mark.longer
 def test_camera_descriptor_against_its_camera_repeats_the_training_report(folder, capsys):
     report = report_of(evaluate, folder / "camera-net.toml", "--against", folder / "camera.toml",
                        capsys=capsys)
@@ -144,6 +137,7 @@ def test_camera_descriptor_against_its_camera_repeats_the_training_report(folder
         assert report[key] == pytest.approx(trained[key])
 
 
+@pytest.mark.longer
 def test_a_wrong_network_is_seen_through_every_fit(folder, tmp_path, capsys):
     good = Descriptor.load(folder / "net.toml")
     network = good.network
@@ -163,8 +157,8 @@ def test_same_seed_writes_the_same_file(folder, tmp_path):
     assert (tmp_path / "1.toml").read_bytes() == (tmp_path / "2.toml").read_bytes()
 
 
+@pytest.mark.longer
 def test_table_and_plots(folder, tmp_path, capsys, monkeypatch):
-    monkeypatch.setitem(TRAINERS, "lm", kept_trainer())
     call(train, folder / "camera.toml", "--neurons", 2, "--held-out", 0, "--size", "160x120",
          "--zoom", "fill", "-o", tmp_path / "net.toml")
     text = capsys.readouterr().out
@@ -186,6 +180,7 @@ def test_error_map_plot_shows_the_errors(tmp_path):
     assert even.shape == spot.shape and (even != spot).mean() > .05
 
 
+@pytest.mark.longer
 def test_back_propagation_by_name(folder, tmp_path, monkeypatch):
     monkeypatch.setitem(TRAINERS, "ebp", partial(train_backprop, stop=Stop(epochs=40), runs=2))
     call(train, folder / "a.json", "--neurons", 3, "--trainer", "ebp", "-o", tmp_path / "e.toml")
@@ -196,7 +191,6 @@ def test_back_propagation_by_name(folder, tmp_path, monkeypatch):
 
 @pytest.mark.regress
 def test_beyond_its_points_the_network_follows_the_smooth_lens(tmp_path, capsys, monkeypatch):
-    monkeypatch.setitem(TRAINERS, "lm", kept_trainer())
     whole = page(.02, (.05, -.03), "a.png")
     x, y = (whole.xy - [160, 120]).T
     middle = (np.abs(x) < 85) & (np.abs(y) < 65)
@@ -212,6 +206,7 @@ def test_beyond_its_points_the_network_follows_the_smooth_lens(tmp_path, capsys,
     assert against["map_error_float_px"]["max"] < 3
 
 
+@pytest.mark.longer
 def test_the_source_is_not_replaced(folder):
     before = (folder / "camera.toml").read_bytes()
     with pytest.raises(InputError, match="camera.toml would replace the input"):
@@ -219,6 +214,7 @@ def test_the_source_is_not_replaced(folder):
     assert (folder / "camera.toml").read_bytes() == before
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("options,message", [
     (["--size", "320"], "size is '320', WxH is needed"),
     (["--fill", "1,2,300"], "fill is '1,2,300', R,G,B is needed, each of 0..255"),
@@ -234,6 +230,7 @@ def test_bad_options_are_named(folder, tmp_path, options, message):
     assert not (tmp_path / "n.toml").exists()
 
 
+@pytest.mark.longer
 def test_a_camera_of_another_size_is_refused(folder, tmp_path):
     camera = lens().to_dict() | {"width": 640}
     Camera.from_dict(camera).save(tmp_path / "other.toml")
@@ -241,6 +238,7 @@ def test_a_camera_of_another_size_is_refused(folder, tmp_path):
         call(evaluate, folder / "net.toml", "--against", tmp_path / "other.toml")
 
 
+@pytest.mark.longer
 def test_lost_pixels_are_warned_of(folder, tmp_path, capsys, monkeypatch):
     of_mask = ValidRows.of_mask
 

@@ -1,6 +1,7 @@
 """``ncdc train`` on maps from elsewhere: stereo rectification, tables of ``ncdc export``."""
 
 import json
+from functools import partial
 
 import cv2
 import numpy as np
@@ -8,9 +9,9 @@ import pytest
 
 from cameras import barrel_descriptor
 from commands import call
-from kept import kept_trainer
 from ncdc.cli import evaluate, main, train
 from ncdc_model.evaluate import fixed_map
+from ncdc_model.training.levenberg import train_levenberg
 from ncdc_model.training.train import TRAINERS
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.interpolation import GRADIENT
@@ -21,9 +22,10 @@ SIZE = 192, 144
 
 @pytest.fixture
 def few_starts(monkeypatch):
-    monkeypatch.setitem(TRAINERS, "lm", kept_trainer(starts=9, rounds=0))
+    monkeypatch.setitem(TRAINERS, "lm", partial(train_levenberg, starts=9, rounds=0))
 
 
+@pytest.mark.longer
 def test_an_exported_map_becomes_the_network_that_it_came_from(tmp_path, few_starts, capsys,
                                                                monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -54,6 +56,7 @@ def test_an_exported_map_becomes_the_network_that_it_came_from(tmp_path, few_sta
     assert report["map_error_fixed_px"]["max"] == 0
 
 
+@pytest.mark.longer
 def test_a_camera_of_a_stereo_pair_as_tiff_files(tmp_path, few_starts, capsys):
     x, y = stereo_maps(*SIZE, alpha=1)[1]
     paths, out = [tmp_path / f"right_{axis}.tif" for axis in "xy"], tmp_path / "net.toml"
@@ -75,6 +78,7 @@ def test_a_camera_of_a_stereo_pair_as_tiff_files(tmp_path, few_starts, capsys):
     assert "measured on frame, map" in capsys.readouterr().out
 
 
+@pytest.mark.longer
 def test_the_neurons_of_a_map_are_chosen_by_its_whole_frame(tmp_path, few_starts, capsys):
     x, y = stereo_maps(*SIZE)[0]
     np.savez(tmp_path / "map.npz", map_x=x, map_y=y, sensor=SIZE)

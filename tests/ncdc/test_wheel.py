@@ -42,7 +42,7 @@ def test_every_file_of_a_package_is_in_the_wheel():
 
 def test_a_forgotten_file_is_found():
     patterns = PROJECT["package-data"] | {"ncdc_sim": ["hdl/*.v"]}
-    assert {path.suffix for path in forgotten(patterns)} == {".cpp"}
+    assert {path.suffix for path in forgotten(patterns)} == {".cpp", ".vh"}
 
 
 def run(command, folder, **options):

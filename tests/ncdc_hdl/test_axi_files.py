@@ -46,6 +46,7 @@ def generated(request, net, tmp_path_factory):
     return request.param, folder
 
 
+@pytest.mark.longer
 def test_ipxact_keeps_to_the_schema(generated, schema):
     """IEEE 1685-2009's own; a planted element is refused."""
     _, folder = generated
@@ -55,6 +56,7 @@ def test_ipxact_keeps_to_the_schema(generated, schema):
     assert not schema.validate(tree)
 
 
+@pytest.mark.longer
 def test_ipxact_has_each_port_of_the_verilog(generated):
     """With its width and direction; those of buses once, and complete."""
     name, folder = generated
@@ -78,6 +80,7 @@ def test_ipxact_has_each_port_of_the_verilog(generated):
                                      for port in buses - {"aclk", "aresetn", "irq"}}
 
 
+@pytest.mark.longer
 def test_verilog_is_clean(generated):
     """Verilator's lint with the waivers that lie beside it."""
     name, folder = generated
@@ -87,6 +90,7 @@ def test_verilog_is_clean(generated):
     assert done.returncode == 0 and "%Warning" not in done.stderr, done.stderr
 
 
+@pytest.mark.longer
 def test_the_device_tree_compiles(generated):
     """As far as a compiler is at hand; the window is as large as the registers' addresses."""
     name, folder = generated
@@ -140,6 +144,7 @@ class Registers:
         self.words[self.at["STATUS"]] = self.names.STATUS_DONE
 
 
+@pytest.mark.longer
 def test_the_example_for_linux_runs(net, tmp_path, monkeypatch):
     """The page's own lines: raw frame into memory, places into registers, a start, picture out."""
     folder = tmp_path / "hardware"

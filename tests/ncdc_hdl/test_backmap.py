@@ -14,7 +14,7 @@ from ncdc_spec.hardware import Hardware
 from pipelines import get, run_bench
 
 # Products of their own, and a raster of sums; one unit for each neuron in `make regress`.
-EITHER_WAY = [("multiply", 3), ("raster", 2), *(
+EITHER_WAY = [("multiply", 3), pytest.param("raster", 2, marks=pytest.mark.longer), *(
     pytest.param(hidden, 1, marks=pytest.mark.regress) for hidden in ("multiply", "raster"))]
 
 
@@ -33,6 +33,7 @@ def test_two_frames_equal_model(hidden, share, stall):
     assert 0 < expected(d)[:, 2].sum() < 16 * 12
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("hidden,share,strip,lanes,stall", [
     ("raster", 2, 32, 1, .3), ("multiply", 2, 32, 2, .6),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
@@ -73,7 +74,7 @@ def test_abort_at_any_moment(hidden, share, seed):
             ctx.set(backmap.abort, 0)
             results.append((np.array(frame), ctx.get(backmap.cut)))
 
-    run_bench(dut, bench, results=(results,))
+    run_bench(dut, bench)
     whole = expected(d, strip)
     assert results[1][1]
     for frame, cut in (result for result in results[:2] if result[1]):
@@ -85,7 +86,8 @@ def test_abort_at_any_moment(hidden, share, seed):
 
 
 @pytest.mark.parametrize("hidden,share,neurons", [
-    ("multiply", 1, 1), ("raster", 4, 5), ("multiply", 32, 32),
+    ("multiply", 1, 1), ("raster", 4, 5),
+    pytest.param("multiply", 32, 32, marks=pytest.mark.longer),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
         ("raster", 1, 1), ("multiply", 4, 5), ("multiply", 8, 8), ("multiply", 1, 32),
         ("raster", 1, 32), ("raster", 12, 32)))])
@@ -95,6 +97,7 @@ def test_any_number_of_neurons(hidden, share, neurons):
     np.testing.assert_array_equal(frame, expected(d))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("hidden,share", EITHER_WAY)
 def test_weights_at_the_limits_and_changed_between_frames(hidden, share):
     d = barrel_descriptor((12, 9), (12, 10), hidden_neurons=5)
@@ -120,7 +123,7 @@ def test_one_coordinate_every_share_clocks(hidden, share):
         for _ in range(320 * share + 400):
             valid.append((await ctx.tick().sample(dut.backmap.o.valid))[2])
 
-    run_bench(dut, bench, results=(valid,))
+    run_bench(dut, bench)
     # After the start: scan, first sums of the frame, network, queue.
     preset = dut.backmap.hidden[0].control.preset if hidden == "raster" else 0
     first = Scan.latency + preset + dut.backmap.latency + 4 - 1
@@ -128,6 +131,7 @@ def test_one_coordinate_every_share_clocks(hidden, share):
     np.testing.assert_array_equal(np.flatnonzero(valid), expected_clocks)
 
 
+@pytest.mark.longer
 def test_stops_and_restarts_without_losing_a_clock():
     d = barrel_descriptor((64, 16), (24, 18))
     dut = FrontEnd(d)
@@ -145,7 +149,7 @@ def test_stops_and_restarts_without_losing_a_clock():
         for _ in range(64 * 16):
             gaps.append(not (await ctx.tick().sample(dut.backmap.o.valid))[2])
 
-    run_bench(dut, bench, results=(idle, gaps))
+    run_bench(dut, bench)
     latency = dut.backmap.latency
     begun = idle.index(0)
     full = idle.index(1, begun)
@@ -178,10 +182,11 @@ def test_host_may_read_the_table_while_scanning():
         ctx.set(dut.backmap.start, 0)
         results.append(fields(await get(ctx, dut.backmap.o, 320, lambda: False)))
 
-    run_bench(dut, bench, host, results=(results,))
+    run_bench(dut, bench, host)
     np.testing.assert_array_equal(results[0], expected(d))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("hidden,share", EITHER_WAY)
 def test_products_in_parts(hidden, share):
     """The same coordinates, 3 clocks later for each layer that has products."""

@@ -26,6 +26,7 @@ def made():
     return d, verilog
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("memory", ["ideal", "hostile"])
 def test_no_word_is_used_that_was_read_in_the_clock_of_its_write(made, memory):
     d, verilog = made

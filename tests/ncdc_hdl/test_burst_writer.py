@@ -127,7 +127,7 @@ def test_frames_in_each_format(data_width, size, strip, lanes, gap, wait):
                 await ctx.tick()
 
     agent = write_agent(dut.writer.bus, content, word, rng, wait=wait, log=log)
-    run_bench(dut, source, background=(counter(dut, done), agent), results=(content, log, done))
+    run_bench(dut, source, background=(counter(dut, done), agent))
     expected = np.full(SIZE, 0xEE, np.uint8)
     for base, pixels, one in zip(BASES, frames, forms):
         stored(expected, base, pixels, strip, form=one)
@@ -156,7 +156,7 @@ def clocks_to_pack(data_width, lanes, form, size, strip):
                 _, _, ready = await ctx.tick().sample(dut.i.ready)
                 taken.append(ready)
 
-    run_bench(dut, source, results=(taken,))
+    run_bench(dut, source)
     return len(taken)
 
 
@@ -190,7 +190,7 @@ def test_a_word_per_clock(form):
         while True:
             writes.append((await ctx.tick().sample(dut.writer.bus.write))[2])
 
-    run_bench(dut, source, background=(watch,), results=(writes,))
+    run_bench(dut, source, background=(watch,))
     busy = np.flatnonzero(writes)
     words = 44 * 6 * form.pixel_bytes // 4
     assert len(busy) == words
@@ -220,7 +220,7 @@ def test_a_frame_that_ends_early(strip, lanes, data_width, upto):
                 await ctx.tick()
 
     agent = write_agent(dut.writer.bus, content, data_width // 8, rng, wait=.4)
-    run_bench(dut, source, background=(counter(dut, done), agent), results=(content, expected))
+    run_bench(dut, source, background=(counter(dut, done), agent))
     np.testing.assert_array_equal(content, expected)
 
 
@@ -253,7 +253,7 @@ def test_nothing_is_left_of_a_frame_begun_before(before, form, data_width, lanes
                     if word.enable >> k & 1:
                         content[word.address + k] = word.data >> 8 * k & 0xFF
 
-    run_bench(dut, source, background=(sink,), results=(content,))
+    run_bench(dut, source, background=(sink,))
     for k in range(1, len(frames), 2):
         stored(expected, 512 * k, frames[k], 0, lanes, form)
     np.testing.assert_array_equal(content, expected)
@@ -293,7 +293,7 @@ def test_reset_completes_the_burst(data_width, strip, form, seed):
             await ctx.tick()
 
     agent = write_agent(dut.writer.bus, content, word, rng, wait=.6, log=log)
-    run_bench(dut, source, background=(counter(dut, done), agent), results=(content, log))
+    run_bench(dut, source, background=(counter(dut, done), agent))
     expected = np.full(SIZE, 0xEE, np.uint8)
     stored(expected, BASES[0], frames[0], strip, form=form)
     stored(expected, BASES[1], frames[1], strip, form=form)
@@ -337,7 +337,7 @@ def test_the_packer_itself_keeps_a_wrong_frame_from_memory(kind):
             if valid:
                 sent.append((word.void, word.last))
 
-    run_bench(dut, source, background=(sink,), results=(sent,))
+    run_bench(dut, source, background=(sink,))
     if kind == "whole":
         assert sent == [(0, 0)] * (size[0] * size[1] - 1) + [(0, 1)]
     else:

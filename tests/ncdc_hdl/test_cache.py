@@ -53,9 +53,11 @@ PAUSES = [(Pauses(0, 0, 0, (1, 1)), .9), (Pauses(.3, 0, .5, (1, 20)), .7),
           (Pauses(0, .5, .3, (8, 8)), .5), (Pauses(.1, .1, .7, (1, 60)), 0)]
 
 
-# Every fourth pair: each cache with one kind of pauses, each kind with one or two caches.
+# Every fourth pair: each cache with one kind of pauses, each kind with one or two caches. Short
+# ones are the smallest cache, and one with large windows.
 @pytest.mark.parametrize("data_width,options,split,pauses,near", [
-    pytest.param(*cache, *pauses, marks=[pytest.mark.regress] * ((i + j) % 4 > 0))
+    pytest.param(*cache, *pauses, marks=[pytest.mark.regress] * ((i + j) % 4 > 0)
+                 + [pytest.mark.longer] * (i not in (0, 2)))
     for i, cache in enumerate(CACHES) for j, pauses in enumerate(PAUSES)])
 def test_windows_and_misses(data_width, options, split, pauses, near):
     # Of windows that are never near each other fewer ask for as many tiles.

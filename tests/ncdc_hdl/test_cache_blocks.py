@@ -77,7 +77,7 @@ def test_groups_become_boxes(needs, lanes, gap, stall):
         while not (got and got[-1].group.last and got[-1].end):
             got.extend(await get(ctx, dut.o, 1, lambda: rng.random() < stall))
 
-    run_bench(dut, source, sink, results=(got,))
+    run_bench(dut, source, sink)
     assert len(got) == len(expected)
     for out, (k, mask, box, end) in zip(got, expected):
         assert ((out.group if lanes == 1 else out.group.lane[0]).fy, out.mask, out.end) == (
@@ -131,7 +131,7 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
                        for i in range(size)] for j in range(size)]
             assert window == frame[y:y + size, x:x + size].tolist(), (x, y)
 
-    run_bench(tiles, bench, results=())
+    run_bench(tiles, bench)
 
 
 @pytest.mark.parametrize("needs,word_bytes", sorted({each[:2] for each in MEMORIES}, key=str))
@@ -164,4 +164,4 @@ def test_windows_are_cut_from_the_samples(needs, word_bytes):
                       (x - needs.margin + inside(i, edges["x"])) % columns]
                 for j, i in needs.samples], (x, y, edges)
 
-    run_bench(align, cut, results=())
+    run_bench(align, cut)

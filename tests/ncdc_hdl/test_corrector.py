@@ -138,6 +138,7 @@ def test_verilog_equals_golden(simulator, memory, hardware):
     assert result.bytes_written == 37 * 29 * (3 if hardware.stream else 4)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("simulator", [
     "verilator", pytest.param("icarus", marks=pytest.mark.regress)])
 def test_parameters_change_between_frames(simulator):

@@ -65,6 +65,7 @@ def unknown(crossings, prefix):
     return {c for c in crossings if prefix + c.sink not in known}
 
 
+@pytest.mark.longer
 def test_every_crossing_is_a_known_one(system, clocks):
     crossings = clocks.crossings()
     pairs = {(c.source, c.sink) for c in crossings}
@@ -75,6 +76,7 @@ def test_every_crossing_is_a_known_one(system, clocks):
     assert set().union(*(registers_in(system, c.bits) for c in settings)) == SETTINGS
 
 
+@pytest.mark.longer
 def test_nothing_but_wires_leads_to_a_synchroniser(system, clocks):
     crossings = clocks.crossings()
     for source, first, _, width in SYNCHRONISERS:
@@ -84,12 +86,14 @@ def test_nothing_but_wires_leads_to_a_synchroniser(system, clocks):
             assert registers_in(system, found.bits) == {"CAMERA_ENABLE"}
 
 
+@pytest.mark.longer
 def test_only_the_second_flop_reads_the_first(clocks):
     for _, first, second, _ in SYNCHRONISERS:
         assert clocks.readers(first) == {second: True}
     assert clocks.readers("capture.reset.stage0") == {"capture.reset.stage1": True}
 
 
+@pytest.mark.longer
 def test_nobody_reads_what_has_logic_before_its_synchroniser(clocks):
     assert clocks.readers(f"{UNUSED}.stage0") == {f"{UNUSED}.stage1": True}
     assert clocks.readers(f"{UNUSED}.stage3") == {}
@@ -128,6 +132,7 @@ def test_logic_before_a_synchroniser_is_found(monkeypatch):
     assert found == {"active.inner.stage0": False, "enable.inner.stage0": False}
 
 
+@pytest.mark.longer
 def test_settings_of_the_grid_stage_are_locked_too():
     system = System(barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, strength=.4),
                     Hardware(data_width=64), grid=80)

@@ -158,6 +158,7 @@ def test_name_of_a_lens(path, name):
     assert lens_name(path) == name
 
 
+@pytest.mark.longer
 def test_command_writes_them_all(corrector, folder, tmp_path):
     assert main(["generate", str(folder / "wide.toml"), "--lens", str(folder / "tele.toml"),
                  "-o", str(tmp_path), "--fetch", corrector.hardware.fetcher,

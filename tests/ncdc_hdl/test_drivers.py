@@ -9,11 +9,10 @@ from systemrdl import RDLCompiler
 from systemrdl.node import RegNode
 
 from drivers import COUNTERS, WIDE, compile_c
-from kept import run_cocotb
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.drivers.drivers import driver_files
 from ncdc_model.golden.tone import tone_named
-from ncdc_sim.cocotb_run import design_of
+from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.hardware import Hardware
 
@@ -27,10 +26,11 @@ def run_drivers(corrector, folder, simulator, library):
                descriptors=[str(folder / "wide.toml"), str(folder / "tele.toml")])
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("simulator", [
     "verilator", pytest.param("icarus", marks=pytest.mark.regress)])
-def test_drivers_run_against_the_verilog(corrector, kept, simulator):
-    run_drivers(corrector, kept, simulator, library=kept)
+def test_drivers_run_against_the_verilog(corrector, folder, simulator):
+    run_drivers(corrector, folder, simulator, library=folder)
 
 
 @pytest.mark.regress

@@ -42,7 +42,7 @@ def run(depth, write_rate, read_rate):
 
     with undefined_collisions() as made:
         dut = Fifo(width=16, depth=depth)
-        run_bench(dut, bench, results=(out, written, taken, levels))
+        run_bench(dut, bench)
     assert len(made) == 1
     return out, np.array(written), np.array(taken), levels
 

@@ -47,6 +47,7 @@ def fusesoc(folder, core, target="lint"):
     return done.returncode, done.stdout
 
 
+@pytest.mark.longer
 def test_core_names_the_verilog(folder):
     core = yaml.safe_load((folder / "core" / "ncdc.core").read_text().removeprefix("CAPI=2:\n"))
     assert core["name"].startswith(f"{CORE_NAME}:")

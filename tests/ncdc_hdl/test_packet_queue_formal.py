@@ -14,10 +14,12 @@ class Hasty(PacketQueue):
         return self.put | (whole != 0)
 
 
+@pytest.mark.longer
 def test_holds(tmp_path):
     assert run(WholePackets(), tmp_path, mode="prove", depth=3) == (PASS, set())
 
 
+@pytest.mark.longer
 def test_is_reached(tmp_path):
     assert run(WholePackets(), tmp_path, mode="cover", depth=12) == (PASS, {"full", "around"})
 

@@ -9,6 +9,7 @@ import pytest
 from amaranth import *
 
 from banks import bank_words, take_bank, write_bank
+from cases import cases
 from ncdc_hdl.frontend.backmap import pace
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.neural.layers import MultiplyLayer
@@ -102,7 +103,7 @@ def run(dut, frames, gap=0.0, seed=1, strip=0):
             for _ in range(latency + share):
                 await clock(ctx)
 
-    run_bench(dut, bench, results=(samples, taken))
+    run_bench(dut, bench)
     results = [[] for _ in frames]
     for frame, at in taken:
         # A sample is taken after its clock: that of ``latency`` clocks has the index before.
@@ -145,7 +146,7 @@ def frame_of(scan, neurons):
     return scan, *zip(*neurons)
 
 
-@pytest.mark.parametrize("kind", LAYERS)
+@pytest.mark.parametrize("kind", cases([*LAYERS], longer=["raster"]))
 @pytest.mark.parametrize("gap", [.4, pytest.param(0, marks=pytest.mark.regress)])
 def test_edges_and_extremes(kind, gap):
     rng = np.random.default_rng(3)
@@ -182,6 +183,7 @@ def test_strips_and_lanes(kind, share, lanes, strip, gap):
     check(ScannedLayer(kind, 5, share, lanes=lanes), frames, gap=gap, strip=strip)
 
 
+@pytest.mark.longer
 def test_long_rows_do_not_drift():
     """Rows whose steps are small and whose carries are irregular."""
     rng = np.random.default_rng(9)

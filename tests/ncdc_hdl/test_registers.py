@@ -191,6 +191,7 @@ def test_a_commit_at_the_frame_boundary_is_whole(lead):
     run(bench)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
 def test_random_host_against_the_contract(seed):
     """Writes, starts, commits and ends of frames in any order: what a frame sees is constant while

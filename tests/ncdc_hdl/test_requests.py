@@ -35,7 +35,7 @@ def requests_of(interpolation, tiles, gap, stall):
                 commands.append((clock, address, beyond))
             clock += 1
 
-    run_bench(dut, source, watch, results=(commands, taken))
+    run_bench(dut, source, watch)
     return commands, taken, options.tile_height
 
 

@@ -66,7 +66,7 @@ def run(groups, lanes, *, follow=1, rows=lambda clock: HEIGHT, gap=0, stall=0, a
     async def sink(ctx):
         got.extend(await get(ctx, dut.o, len(groups), lambda: rng.random() < stall))
 
-    run_bench(dut, world, source, sink, results=(got, clocks, seen))
+    run_bench(dut, world, source, sink)
     return [fields(payload, lanes) for payload in got], clocks, seen
 
 
@@ -127,7 +127,7 @@ def test_rows_of_the_frame_before_do_not_count():
                 if ready:
                     ctx.set(dut.i.valid, 0)
 
-    run_bench(dut, world, results=(taken,))
+    run_bench(dut, world)
     assert (0, 1) in taken and (1, 1) not in taken
 
 
@@ -143,6 +143,7 @@ def test_an_abort_blanks_what_would_wait(lanes):
             assert result["blank"] == (pixel["blank"] or not there)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("needs,lanes", [
     (GRADIENT, 1), *(pytest.param(*case, marks=pytest.mark.regress) for case in (
         (GRADIENT, 2), (FAST, 1), (FAST, 2)))],
@@ -152,12 +153,14 @@ def test_no_group_passes_before_its_rows_are_there(lanes, needs, tmp_path):
     assert sby.run(Rows(lanes, needs=needs), tmp_path, mode="prove", depth=3) == (sby.PASS, set())
 
 
+@pytest.mark.longer
 def test_a_proof_of_a_gate_that_opens_a_row_early_fails(tmp_path, monkeypatch):
     monkeypatch.setattr(RowGate, "_after", staticmethod(lambda each: each.after - 1))
     gate = Rows(state=False)
     assert sby.run(gate, tmp_path, mode="bmc", depth=10) == (sby.FAIL, {"row_is_there0"})
 
 
+@pytest.mark.longer
 def test_what_is_proved_about_happens(tmp_path):
     status, names = sby.run(Rows(), tmp_path, mode="cover", depth=10)
     assert (status, names) == (sby.PASS, {"waits", "passes_below_the_end"})

@@ -111,7 +111,7 @@ def test_every_pixel_equals_model(size, strip, lanes, pause, host):
             got.append(await frame(ctx, dut, rng, pause, host))
             assert not ctx.get(dut.scan.cut)
 
-    run_bench(dut, bench, results=(got,))
+    run_bench(dut, bench)
     assert got == [expected(g, valid, strip, lanes)] * 2
 
 
@@ -130,7 +130,7 @@ def test_one_group_per_clock_from_strip_to_strip():
             assert ctx.get(dut.scan.advance), f"a gap before pixel {k}"
             await ctx.tick()
 
-    run_bench(dut, bench, results=())
+    run_bench(dut, bench)
 
 
 def test_bits_of_the_strip_that_the_hardware_has_not():
@@ -143,7 +143,7 @@ def test_bits_of_the_strip_that_the_hardware_has_not():
             load(ctx, dut.scan, g, strip)
             got.append(await frame(ctx, dut, np.random.default_rng(1)))
 
-    run_bench(dut, bench, results=(got,))
+    run_bench(dut, bench)
     assert got == [expected(g, valid, strip, 1) for strip in (0, 32)]
 
 
@@ -160,7 +160,7 @@ def test_abort_ends_the_frame_with_a_blank_group(strip, lanes, abort_at):
             got.append(await frame(ctx, dut, rng, pause=.2, abort_at=at))
             cut.append(ctx.get(dut.scan.cut))
 
-    run_bench(dut, bench, results=(got, cut))
+    run_bench(dut, bench)
     whole = expected(g, valid, strip, lanes)
     assert got[1] == whole
     if abort_at >= len(whole):
@@ -184,7 +184,7 @@ def test_a_picture_without_a_pixel_ends(empty, strip):
             got.append(await frame(ctx, dut, np.random.default_rng(1)))
             assert ctx.get(dut.scan.cut) == bool(sizes)
 
-    run_bench(dut, bench, results=(got,))
+    run_bench(dut, bench)
     assert [group[1:] for group in got[0]] == [[1, 1, 1]]
     assert got[1] == expected(g, valid, strip, 1)
 

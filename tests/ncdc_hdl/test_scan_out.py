@@ -104,7 +104,8 @@ def shown(screen):
 
 
 @pytest.mark.parametrize("pixel_bytes", [3, 4])
-@pytest.mark.parametrize("slow,ratio", [(0, .9), (.3, 2.7), (.1, 1.01)])
+@pytest.mark.parametrize("slow,ratio", [
+    (0, .9), pytest.param(.3, 2.7, marks=pytest.mark.longer), (.1, 1.01)])
 def test_each_picture_is_the_newest_frame(pixel_bytes, slow, ratio):
     board = Board(pixel_bytes, slow=slow, ratio=ratio)
     choices = [None, 1, 1, 2, 0, 3, 3]

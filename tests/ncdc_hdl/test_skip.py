@@ -96,6 +96,7 @@ def test_bad_skip_paths_are_named(tmp_path, old, new, message):
         Descriptor.load(path)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("hidden,share,multiplier_bits,tansig_bits,lanes", [
     ("multiply", 3, 27, 20, 1), ("raster", 2, 18, 20, 1), ("multiply", 4, 18, 16, 1),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
@@ -163,6 +164,7 @@ def test_registers():
     assert all(r.access == "shadow" and r.shape.width == 26 and r.shape.signed for r in added)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("simulator", [
     "verilator", pytest.param("icarus", marks=pytest.mark.regress)])
 def test_verilog_corrects_a_frame_with_it(simulator):

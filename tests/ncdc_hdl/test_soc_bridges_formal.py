@@ -2,6 +2,7 @@
 
 import pytest
 
+from cases import cases
 from formal.native import NativeReads, NativeWrites, WishboneAccesses
 from formal.sby import FAIL, PASS, run
 from ncdc_hdl.avalon.native import NativeReader, NativeWriter
@@ -54,19 +55,16 @@ PLANTED = {"a burst too early": (lambda: NativeReads(TooEarly), 8, "none_lost"),
            "another's word": (lambda: WishboneAccesses(Forgets), 8, "own_word")}
 
 
-@pytest.mark.parametrize("name", PROOFS)
-def test_proof(tmp_path, name):
-    design, mode, depth = PROOFS[name]
+@pytest.mark.parametrize("design,mode,depth", cases(PROOFS, longer=["reads", "writes"]))
+def test_proof(tmp_path, design, mode, depth):
     assert run(design(), tmp_path, mode=mode, depth=depth) == (PASS, set())
 
 
-@pytest.mark.parametrize("name", COVERS)
-def test_covers(tmp_path, name):
-    design, depth, names = COVERS[name]
+@pytest.mark.parametrize("design,depth,names", cases(COVERS, longer=["writes"]))
+def test_covers(tmp_path, design, depth, names):
     assert run(design(), tmp_path, mode="cover", depth=depth) == (PASS, names)
 
 
-@pytest.mark.parametrize("name", PLANTED)
-def test_planted_errors_are_found(tmp_path, name):
-    make, depth, rule = PLANTED[name]
+@pytest.mark.parametrize("make,depth,rule", cases(PLANTED))
+def test_planted_errors_are_found(tmp_path, make, depth, rule):
     assert run(make(), tmp_path, mode="bmc", depth=depth, only=rule)[0] == FAIL

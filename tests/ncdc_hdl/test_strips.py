@@ -42,6 +42,7 @@ def build(d, fetcher, data_width, hidden):
     return corrector_verilog(d, Hardware(data_width=data_width, fetcher=fetcher, hidden=hidden))
 
 
+@pytest.mark.longer
 @EACH_BUILD
 @pytest.mark.parametrize("strip,memory", [(32, "hostile"), (64, "sdram"), (96, "hostile")])
 def test_strips_equal_golden(fetcher, data_width, hidden, strip, memory):
@@ -117,7 +118,8 @@ def check_begun(pixels, golden, strip, written=None):
         assert (right | (pixels == 0xA5).all(axis=1)).all()
 
 
-@EACH_BUILD
+@pytest.mark.parametrize("fetcher,data_width,hidden", [
+    BUILDS[0], pytest.param(*BUILDS[1], marks=pytest.mark.longer)])
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
 def test_abort_at_any_moment(fetcher, data_width, hidden, seed):
     """Each aborted frame is followed by a whole one; all of them with random strips."""
@@ -168,7 +170,8 @@ def test_abort_and_start_together_and_frames_without_a_pixel(fetcher, data_width
     check_whole(pixels[3], golden)
 
 
-@EACH_BUILD
+@pytest.mark.parametrize("fetcher,data_width,hidden", [
+    BUILDS[0], pytest.param(*BUILDS[1], marks=pytest.mark.longer)])
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
 def test_reset_at_any_moment(fetcher, data_width, hidden, seed):
     """The memory is not reset: it gets whole bursts, and no old word is taken for a new one."""

@@ -25,6 +25,7 @@ def check_every_magnitude(design):
     return error
 
 
+@pytest.mark.longer
 def test_every_magnitude():
     design = TansigDesign()
     error = check_every_magnitude(design)

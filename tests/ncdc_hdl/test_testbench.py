@@ -56,6 +56,7 @@ def run(folder, module, simulator="iverilog"):
     return next(line for line in reversed(lines) if line.startswith(("PASS", "FAIL")))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name,simulator", [
     ("memory", "iverilog"),
     *(pytest.param(name, simulator, marks=regress) for name in OPTIONS
@@ -65,6 +66,7 @@ def test_passes(name, simulator, net, tmp_path):
     assert re.match(r"PASS: .*, 336 pixels, in \d+ clocks$", run(tmp_path, module, simulator))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", ["memory", *(pytest.param(name, marks=regress)
                                               for name in ("axi", "stream"))])
 def test_a_flipped_weight_makes_it_fail(name, net, tmp_path):
@@ -84,6 +86,7 @@ def flipped(verilog):
     return text
 
 
+@pytest.mark.longer
 def test_another_frame(net, tmp_path):
     """Of a file; one of another size is refused, and nothing is written."""
     raw = np.random.default_rng(2).integers(0, 256, (20, 32), np.uint8)

@@ -3,7 +3,7 @@
 import pytest
 from amaranth import Signal
 
-from formal.sby import FAIL, PASS, result
+from formal.sby import FAIL, PASS, run
 from formal.usb_bus import UsbBus
 from ncdc_hdl.usb.fifo_bus import FifoBus
 
@@ -42,16 +42,17 @@ PLANTED = {
 }
 
 
+@pytest.mark.longer
 def test_holds(tmp_path):
-    assert result(UsbBus, tmp_path, mode="prove", depth=4) == (PASS, set())
+    assert run(UsbBus(), tmp_path, mode="prove", depth=4) == (PASS, set())
 
 
 def test_is_reached(tmp_path):
-    assert result(UsbBus, tmp_path, mode="cover", depth=20) == (
+    assert run(UsbBus(), tmp_path, mode="cover", depth=20) == (
         PASS, {"paused", "read_behind_writes", "write_behind"})
 
 
 @pytest.mark.parametrize("bus,rule", PLANTED.values(), ids=PLANTED)
 def test_planted_error_is_found(bus, rule, tmp_path):
-    status, names = result(lambda: UsbBus(bus), tmp_path, mode="bmc", depth=14, only=rule)
+    status, names = run(UsbBus(bus), tmp_path, mode="bmc", depth=14, only=rule)
     assert status == FAIL and {name.rpartition(".")[2] for name in names} == {rule}

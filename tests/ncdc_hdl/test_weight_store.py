@@ -89,6 +89,7 @@ def test_a_committed_word_refuses_writes(r):
     run(bench, 2)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("share,seed", [
     (3, 2), *(pytest.param(2, seed, marks=pytest.mark.regress) for seed in (1, 3, 4))])
 def test_random_host_against_the_contract(share, seed):
@@ -186,6 +187,7 @@ def test_a_frame_begins_in_the_clock_behind_the_last_one():
     run(bench, 2)
 
 
+@pytest.mark.longer
 def test_a_repeated_commit_at_the_boundary_costs_the_copy_only():
     """COMMIT is written again in the very clocks in which the first one is taken over."""
     for lead in range(8):

@@ -2,14 +2,14 @@
 
 import pytest
 
-from kept import run_cocotb
+from cases import cases
 from ncdc_sim.benches import avalon_checker, axi_checker, stream_checker
-from ncdc_sim.cocotb_run import Design
+from ncdc_sim.cocotb_run import Design, run_cocotb
 from ncdc_sim.runner import HDL
 from ncdc_sim.tools import SIMULATORS
 
 
-@pytest.mark.parametrize("simulator", SIMULATORS)
+@pytest.mark.parametrize("simulator", cases(SIMULATORS, longer=["verilator"]))
 @pytest.mark.parametrize("bench", [avalon_checker, axi_checker, stream_checker])
 def test_rules(bench, simulator):
     name, four_states = bench.__name__.rpartition(".")[2], simulator == "icarus"

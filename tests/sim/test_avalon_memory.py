@@ -2,15 +2,17 @@
 
 import pytest
 
-from kept import run_cocotb
+from cases import cases
 from memory_model import memory_model
 from ncdc_model.planner.memory_timing import memory_timing
+from ncdc_sim.cocotb_run import run_cocotb
 from ncdc_sim.memory.timing import memory_settings
 from ncdc_sim.tools import SIMULATORS
 
 
-@pytest.mark.parametrize("simulator", SIMULATORS)
-@pytest.mark.parametrize("memory", ["ideal", "sdram", "ddr3@150", "hostile", "fixed:9:4"])
+@pytest.mark.parametrize("simulator", cases(SIMULATORS, longer=["icarus"]))
+@pytest.mark.parametrize("memory", cases(["ideal", "sdram", "ddr3@150", "hostile", "fixed:9:4"],
+                                         longer=["ideal", "sdram", "ddr3@150"]))
 def test_content_order_and_bandwidth(memory, simulator):
     run_cocotb(memory_model(), "avalon_memory", simulator, seed=3, bandwidth=memory == "ideal",
                memory=memory_settings(memory_timing(memory), data_width=32, ports=2))

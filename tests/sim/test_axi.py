@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from kept import run_cocotb
 from ncdc_hdl import corrector as corrector_room
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.axi import top
@@ -15,7 +14,7 @@ from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.axi.write_bridge import WriteBridge
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.axi_cover import axi_verilog
-from ncdc_sim.cocotb_run import Design
+from ncdc_sim.cocotb_run import Design, run_cocotb
 from ncdc_sim.system.axi import adapted
 from ncdc_sim.system.corrector import corrector_program, simulate_correction
 from ncdc_sim.system.frame import simulate_frame
@@ -117,17 +116,18 @@ class Crossing:
         return 1 << 12
 
 
-@pytest.mark.parametrize("error,rule", [
+@pytest.mark.longer
+@pytest.mark.parametrize("fault,rule", [
     ("announced", "done-early"), pytest.param("writes", "page", marks=regress),
     pytest.param("reads", "page", marks=regress)])
-def test_a_planted_error_is_found(error, rule, monkeypatch):
+def test_a_planted_error_is_found(fault, rule, monkeypatch):
     """A frame that is announced before it is in memory, and bursts across pages: those of reads by
     the multiport fetcher alone, as tiles are aligned."""
-    name = "multiport" if error == "reads" else "memory"
-    if error == "announced":
+    name = "multiport" if fault == "reads" else "memory"
+    if fault == "announced":
         monkeypatch.setattr(corrector_room, "BurstWriter", Announced)
     else:
-        kind = {"reads": ReadBridge, "writes": WriteBridge}[error]
+        kind = {"reads": ReadBridge, "writes": WriteBridge}[fault]
         monkeypatch.setattr(top, kind.__name__, type(kind.__name__, (Crossing, kind), {}))
     raw = (80, 60)                              # of more than a page
     corrector, verilog = axi_text(BUILDS[name], descriptor(raw=raw))
@@ -155,6 +155,7 @@ def test_an_error_of_the_memory_is_told(port):
     assert told == [0, FAULT_MEMORY]
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name,frames,simulator,forgets", [
     ("memory", 3, "icarus", False),
     *(pytest.param(name, 100, "verilator", forgets, marks=regress)
@@ -175,6 +176,7 @@ def file(tmp_path_factory):
     return str(path)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name,pause,simulator", [
     ("memory, raster", .4, "icarus"),
     pytest.param("stream, four pixels", .4, "icarus", marks=regress),

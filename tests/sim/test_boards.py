@@ -61,6 +61,7 @@ def small():
     return Bench("ulx3s", SMALL, (WIDTH, HEIGHT))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", [
     "ulx3s", *(pytest.param(name, marks=pytest.mark.regress) for name in QUARTUS)])
 def test_the_screen_shows_the_golden_models_frames(name, request):

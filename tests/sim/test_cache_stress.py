@@ -34,6 +34,7 @@ def check(groups, data_width, options, lanes=1, **settings):
     return result
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("data_width,options,lanes", [
     (128, MIDDLE, 2), (32, replace(TINY, interpolation=GRADIENT), 1),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
@@ -65,6 +66,7 @@ GUARDS = {
 }
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("guard", GUARDS)
 def test_each_guard_is_needed(guard, monkeypatch):
     owner, name, without = GUARDS[guard]

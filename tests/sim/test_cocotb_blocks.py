@@ -8,7 +8,6 @@ from functools import cache
 import pytest
 
 from cameras import barrel_descriptor
-from kept import run_cocotb
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
@@ -21,13 +20,15 @@ from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.weight_store import in_memory
-from ncdc_sim.cocotb_run import design_of
+from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SIMULATORS, SimulationError
 from ncdc_spec.descriptor import Formats
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.host_values import host_values
 from ncdc_spec.registers.register_map import registers
 from ncdc_spec.tansig import TansigDesign
+
+pytestmark = pytest.mark.longer
 
 FORMATS = Formats()
 D = barrel_descriptor((20, 16), (24, 18), hidden_neurons=3)

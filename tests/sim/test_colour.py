@@ -19,6 +19,8 @@ from ncdc_spec.registers.host_values import colour_values, host_values
 from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
 from ncdc_spec.white_balance import grey_world
 
+pytestmark = pytest.mark.longer
+
 SET = Colour((461, 200, 358), tone_named("sRGB"))
 FILL = (200, 100, 50)
 regress = pytest.mark.regress

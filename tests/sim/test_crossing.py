@@ -8,9 +8,9 @@ from amaranth.lib import wiring
 from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.wiring import In, Out
 
-from kept import run_cocotb
 from ncdc_hdl.camera.capture import Capture
 from ncdc_hdl.camera.i2c import I2cController
+from ncdc_sim.cocotb_run import run_cocotb
 from ncdc_sim.metastability import Metastability, metastable_counts, metastable_design
 from ncdc_sim.tools import SimulationError
 
@@ -80,6 +80,7 @@ def synchronisers(log):
     return found
 
 
+@pytest.mark.longer
 def test_capture_with_nearly_equal_clocks():
     found = synchronisers(captured(PERIODS["1:1"], seed=1))
     # The queue's own reset never comes.
@@ -100,6 +101,7 @@ def test_capture_at_any_ratio(ratio, seed, simulator):
     assert "consume_cdc" in found or ratio == "1:8"
 
 
+@pytest.mark.longer
 def test_a_counter_that_is_not_gray_is_found():
     with pytest.raises(SimulationError, match="failed: half_full"):
         captured(PERIODS["1:1"], seed=1, platform=BinaryCounters())
@@ -119,6 +121,7 @@ def test_a_bus_in_gray_code_is_seen_as_it_was_sent(period):
     assert all(count["early"] and count["late"] for count in counts.values())
 
 
+@pytest.mark.longer
 def test_a_bus_that_is_not_is_not():
     with pytest.raises(SimulationError, match="is seen, nobody sent it"):
         crossed(9_990, gray=False)
@@ -132,6 +135,7 @@ def crossed(period, gray, metastable=True):
         count=600, seed=1, plusargs=[f"+metastable_ps={window(period) if metastable else 0}"])
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("simulator", ["icarus", pytest.param("verilator", marks=regress)])
 def test_i2c_with_lines_that_change_at_any_time(simulator):
     log = run_cocotb(metastable_design(I2cController(), "dut_i2c_crossing"), "i2c", simulator,

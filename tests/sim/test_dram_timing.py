@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from kept import run_cocotb
 from memory_model import memory_model
 from ncdc_model.planner.memory_timing import ddr3, sdram
+from ncdc_sim.cocotb_run import run_cocotb
 from ncdc_sim.memory.timing import memory_settings
 from ncdc_sim.tools import SIMULATORS, SimulationError
 
@@ -77,6 +77,7 @@ def test_sdram_turnaround():
     assert got == [30, 49, 68, 74, 95]
 
 
+@pytest.mark.longer
 def test_writes_wait_for_a_batch():
     """Reads go on while fewer writes than a batch are queued, then the batch goes as a whole."""
     memory = replace(sdram(), write_batch=4)

@@ -13,6 +13,7 @@ from ncdc_spec.sensors.framing import grid_row, setup_around
 SIZE = (64, 24)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name,field", [
     ("mt9p031", "256x96"), *(pytest.param(*each, marks=pytest.mark.regress) for each in (
         ("mt9p031", "full"), ("mt9p031", "128x48"), ("ov5640", "full"), ("mt9d111", "128x48")))])

@@ -58,6 +58,7 @@ def test_rows_needed_are_those_of_whole_tiles():
     assert rows_needed(y0, used, 30, GRADIENT).tolist() == [4, 6, 6, 10, 10, 30, 0]
 
 
+@pytest.mark.longer
 def test_a_frame_follows_its_camera(small, verilog):
     simulation, bound = followed(small, verilog=verilog, simulator="icarus")
     assert simulation.differing == []
@@ -69,12 +70,14 @@ def test_a_frame_follows_its_camera(small, verilog):
     assert bound.camera_clocks == 48 * 64
 
 
+@pytest.mark.longer
 def test_a_gate_that_opens_a_row_early_is_caught(small, monkeypatch):
     monkeypatch.setattr(RowGate, "_after", staticmethod(lambda each: each.after - 1))
     simulation, _ = followed(small, verilog=corrector_verilog(small, Hardware(output="stream")))
     assert simulation.follow["follow_early_reads"] > 0
 
 
+@pytest.mark.longer
 def test_two_frames_in_two_buffers(small, verilog):
     """The camera begins its second frame, elsewhere, while the first one is being corrected."""
     rows = {r.name: r.address for r in registers(2, small.formats)}
@@ -143,6 +146,7 @@ def test_bounds_hold(memory, data_width, output, lanes, line):
     assert bound.clocks - .02 * simulation.counters["CLOCKS"] < latency <= bound.clocks
 
 
+@pytest.mark.longer
 def test_the_command_fails_when_the_bound_is_exceeded(small, tmp_path, monkeypatch, capsys):
     small.save(tmp_path / "net.toml")
     write_image(tmp_path / "raw.png", noise(small.geometry))
@@ -160,6 +164,7 @@ def test_the_command_fails_when_the_bound_is_exceeded(small, tmp_path, monkeypat
     assert " are the planner's limit\n" in capsys.readouterr().err
 
 
+@pytest.mark.longer
 def test_the_bound_counts_pixels_that_wait_for_nodes():
     """Four pixels per clock at nodes of 8, and a camera as fast: nodes are what takes longest."""
     descriptor = replace(barrel_descriptor((96, 40), (96, 40), hidden_neurons=2), nodes=8)

@@ -37,6 +37,7 @@ def hardware(fetcher, output):
     return corrector, verilog_of(corrector)
 
 
+@pytest.mark.longer
 @pytest.mark.many_clocks
 @pytest.mark.parametrize("fetcher,output,memory,intruder", [
     ("cache", "memory", "hostile", False), ("cache", "memory", "sdram", True),
@@ -66,6 +67,7 @@ def three_frames(fault, monkeypatch):
     return simulate_lens_change(torn, verilog_of(torn), pair, 3, memory="sdram")
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("fault", ["all of the network", *(
     pytest.param(name, marks=pytest.mark.regress) for name in ("SCAN_STEP_Y", "FILL"))])
 def test_a_tear_is_seen(fault, monkeypatch):

@@ -26,6 +26,7 @@ def copy(memory, width=32, words=WORDS, **options):
     return np.frombuffer(result.output, np.uint8), result.clocks[0], ~source
 
 
+@pytest.mark.longer
 def test_copies():
     output, clocks, expected = copy("litedram")
     np.testing.assert_array_equal(output, expected)

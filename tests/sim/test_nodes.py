@@ -29,6 +29,7 @@ def noise(d, seed=1):
     return np.random.default_rng(seed).integers(0, 256, d.geometry.distorted[::-1], np.uint8)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("simulator,memory,nodes,hardware", [
     ("verilator", "hostile", 8, Hardware(data_width=64, strip=64, lanes=2, share=3)),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
@@ -90,6 +91,7 @@ def test_a_skip_path_at_real_size():
                                memory="sdram").differing == []
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("size,neurons", [
     ((104, 30), 4), pytest.param(SXGA, 12, marks=pytest.mark.regress)])
 def test_a_frame_follows_its_camera(size, neurons):
@@ -102,6 +104,7 @@ def test_a_frame_follows_its_camera(size, neurons):
     assert 0 < result.follow["follow_latency_clocks"] <= bound.clocks
 
 
+@pytest.mark.longer
 def test_another_lens_with_every_frame():
     wide, tele = at_nodes(16), at_nodes(16, (96, 24), seed=8, strength=.1)
     corrector = Corrector(wide, Hardware(data_width=64))

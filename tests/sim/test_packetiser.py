@@ -5,12 +5,13 @@ import subprocess
 
 import pytest
 
-from kept import run_cocotb
 from ncdc_hdl.link.packet_queue import PacketQueue
 from ncdc_hdl.link.packetiser import Packetiser
-from ncdc_sim.cocotb_run import design_of
+from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SimulationError
 from peers import need
+
+pytestmark = pytest.mark.longer
 
 regress = pytest.mark.regress
 

@@ -52,7 +52,9 @@ def descriptor(variant):
     str(value) for value in cases()[0][k].values()))
 def test_no_wrong_pixel(number, monkeypatch):
     name = "-".join(map(str, cases()[0][number].values()))
-    monkeypatch.setenv("NCDC_COVERAGE", name)
+    file = FOLDER / f"{name}.dat"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    monkeypatch.setenv("NCDC_COVERAGE", str(file))
     case = dict(cases()[0][number])
     d = descriptor(case.pop("variant"))
     follow, memory, tiles = (case.pop(name) for name in ("follow", "memory", "tiles"))
@@ -64,5 +66,5 @@ def test_no_wrong_pixel(number, monkeypatch):
     assert result.counters["FETCHES"] == result.fetches_expected
     assert result.blank.any() and not result.blank.all()
     # A frame of 44x21 pixels reaches most of the Verilog's lines.
-    share = percentages(reached((FOLDER / f"{name}.dat").read_text(errors="replace")))
+    share = percentages(reached(file.read_text(errors="replace")))
     assert share["line"] > 90 and share["toggle"] > 60, share

@@ -56,8 +56,9 @@ def prepared(request):
 
 
 @pytest.mark.parametrize("memory,split", [
-    ("ideal", 3), ("ddr3", 3), ("ddr3@200", 1), ("sdram", 2), ("sdram", 0), ("fixed:100:4", 3),
-    ("fixed:20:1.5", 0)])
+    ("ideal", 3), pytest.param("ddr3", 3, marks=pytest.mark.longer),
+    pytest.param("ddr3@200", 1, marks=pytest.mark.longer), ("sdram", 2), ("sdram", 0),
+    ("fixed:100:4", 3), ("fixed:20:1.5", 0)])
 def test_misses_are_equal_and_clocks_within_a_hundredth(prepared, memory, split):
     """A cache that is too small and splits that do not suit make tiles be evicted all the time;
     output to memory takes turns with the reads, and saturates the slow ones."""
@@ -105,6 +106,7 @@ def test_each_two_choices_meet():
     assert set(SOON) <= set(PAIRS)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("nodes,lanes,data_width,needs", [
     each if each in SOON else pytest.param(*each, marks=pytest.mark.regress) for each in PAIRS],
     ids=lambda value: str(getattr(value, "name", value)))
@@ -147,6 +149,7 @@ def check_small(prepared, memory):
     assert abs(counters["CREDIT_STALLS"] - clocks.credit) <= 4
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("variant,neurons,choices", [
     ("table", 2, {}), ("mmhbc", 8, {}), ("mmhbc", 4, {"hidden": "raster"}),
     pytest.param("mmhbc", 4, {"lanes": 2}, marks=pytest.mark.regress),
@@ -157,6 +160,7 @@ def test_the_latency_is_that_of_the_network(variant, neurons, choices):
     check_small(small(variant, neurons, **choices), "ideal")
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("nodes,neurons,choices", [
     (16, 12, {}),
     *(pytest.param(*case, marks=pytest.mark.regress) for case in (
@@ -186,7 +190,8 @@ def unrefreshed(memory):
 
 @pytest.mark.parametrize("memory", [
     "ideal", "fixed:20:4", "fixed:20:1.5", "fixed:100:64", unrefreshed("sdram"),
-    unrefreshed("ddr3")], ids=["ideal", "fixed", "slow", "far", "sdram", "ddr3"])
+    pytest.param(unrefreshed("ddr3"), marks=pytest.mark.longer)],
+    ids=["ideal", "fixed", "slow", "far", "sdram", "ddr3"])
 def test_the_latency_is_that_of_the_memory(prepared_small, memory):
     """The first tiles wait for the first look-up to be read, see the interlock: that takes a
     latency of the memory, and so do the windows behind them."""

@@ -46,6 +46,7 @@ def reset(frames, corrector, verilog, forgets, memory="hostile", seed=1):
                            clock_limit=20_000 * frames)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("memory", LONGEST)
 @pytest.mark.parametrize("forgets", [True, False], ids=["forgets", "answers"])
 @pytest.mark.parametrize("name", [name if name == "cache, memory" else
@@ -56,6 +57,7 @@ def test_the_next_frame_is_right(name, forgets, memory):
     assert result.under_way > 30
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("tied_to,forgets", [("1'b0", True), ("rst", False)])
 def test_the_corrector_must_know_what_its_memory_does(tied_to, forgets):
     """Not told that its memory forgot, it hangs; told so of a memory that answers, it breaks a

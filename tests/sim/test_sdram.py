@@ -67,7 +67,8 @@ def assert_clean(result):
 
 
 @pytest.mark.parametrize("simulator,name,clocks,resets", [
-    ("verilator", "16 bits", 200_000, 0), ("verilator", "16 bits", 100_000, 3000),
+    pytest.param("verilator", "16 bits", 200_000, 0, marks=pytest.mark.longer),
+    ("verilator", "16 bits", 100_000, 3000),
     ("icarus", "two beside each other", 4000, 0), ("icarus", "words of four beats", 3000, 0),
     ("icarus", "any chip", 3000, 1500)])
 def test_words_and_commands(simulator, name, clocks, resets):
@@ -161,6 +162,7 @@ def test_a_chip_that_is_slower_by_a_clock_is_seen(name, rule):
     assert result["rules"] <= {rule, *({"tRC"} if name in ("RAS", "RP") else {})}
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("cycles,seen", [(16, set()), (20, {"retention"})])
 def test_rows_that_are_refreshed_too_seldom_are_seen(cycles, seen):
     """So many refreshes reach every row, within the time of 16."""
@@ -248,6 +250,7 @@ def litedram(chip, name, **times):
     return results, rules
 
 
+@pytest.mark.longer
 def test_litedram_works_with_the_chip_and_keeps_its_rules():
     results, rules = litedram(MT48LC16M16A2_75, "MT48LC16M16")
     assert (results["violations"], results["wrong"], rules) == (0, 0, set())

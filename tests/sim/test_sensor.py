@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import sensors
-from kept import run_cocotb
-from ncdc_sim.cocotb_run import Design
+from ncdc_sim.cocotb_run import Design, run_cocotb
 from ncdc_sim.sensor.verilog import AWAKE, Fault
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.sensors.catalogue import SENSORS, sensor_named
@@ -61,6 +60,7 @@ def test_reduced_frames_equal_the_twins(name, skip, bins, simulator):
     run_sensor(name, simulator, *random_reduced(name, skip, bins, 10 * skip + bins))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("seed", [1, *(pytest.param(k, marks=pytest.mark.regress)
                                        for k in range(2, 12))])
@@ -69,10 +69,12 @@ def test_frames_equal_the_twins(name, seed):
     run_sensor(name, "verilator", asked, light)
 
 
+@pytest.mark.longer
 def test_frames_under_the_other_simulator():
     run_sensor("mt9p031", "icarus", *random_settings("mt9p031", 1))
 
 
+@pytest.mark.longer
 def test_mirrored():
     asked, light = random_settings("mt9d111", 4)
     run_sensor("mt9d111", "verilator", asked | {
@@ -84,6 +86,7 @@ EVERY = [(sensor.name, pattern) for sensor in SENSORS for pattern in sensor.test
 CHEAP = [("mt9p031", "ColorField")]
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name,pattern", [
     *CHEAP, *(pytest.param(*each, marks=pytest.mark.regress) for each in EVERY
               if each not in CHEAP)])
@@ -92,6 +95,7 @@ def test_patterns(name, pattern):
     run_sensor(name, "verilator", SMALL | {"test_pattern": pattern, "mirror_rows": True}, light)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("kind", ["glitch", *(
     pytest.param(kind, marks=pytest.mark.regress) for kind in (
         "clock_stop", "short_line", "long_line", "cut_frame"))])
@@ -100,6 +104,7 @@ def test_a_fault_is_in_its_row_and_the_next_frame_is_right(kind):
     run_sensor("mt9p031", "verilator", SMALL, light, count=3, fault=Fault(kind, 1, 6, clocks=3000))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name,fault", [
     ("mt9p031", "nack"), *(pytest.param(*case, marks=pytest.mark.regress) for case in (
         ("mt9p031", "stuck_sda"), ("ov5640", ""), ("mt9d111", "")))])
@@ -110,6 +115,7 @@ def test_our_controller_sets_it_up(name, fault):
                asked=SMALL, fault=fault)
 
 
+@pytest.mark.longer
 def test_a_sensor_that_does_not_round_is_found(monkeypatch):
     asked, light = random_settings("mt9p031", 1)
     design = with_lines("mt9p031")

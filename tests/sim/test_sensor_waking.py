@@ -4,6 +4,7 @@ import subprocess
 
 import pytest
 
+from cases import cases
 from ncdc_sim.sensor.verilog import Fault, sensor_sources
 from ncdc_sim.tools import environment, tool
 from ncdc_spec.sensors.catalogue import SENSORS, sensor_named
@@ -87,6 +88,7 @@ def rest_us(name):
     return float(sensor_named(name).waking.rest_at(CLOCK_HZ))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", [
     "mt9p031", pytest.param("mt9d111", marks=pytest.mark.regress)])
 def test_it_answers_from_its_time_on_and_not_before(bench, name):
@@ -96,7 +98,7 @@ def test_it_answers_from_its_time_on_and_not_before(bench, name):
     assert bench(name, 1001, need - 150, 80) == ([False, True], 1)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", cases(NAMES, longer=["ov5640"]))
 def test_a_hundredth_of_the_times(bench, name):
     need = round(rest_us(name) / 100)
     assert bench(name, 11, need + 1, 1, "+sensor_time_scale=100") == ([True, True], 0)
@@ -104,6 +106,7 @@ def test_a_hundredth_of_the_times(bench, name):
     assert bench(name, 9, need + 1, need, "+sensor_time_scale=100") == ([False, False], 2)
 
 
+@pytest.mark.longer
 def test_without_its_supply_it_sleeps_until_another_reset(bench):
     unplugged = Fault("unplug", start=1000, clocks=500).plusargs()
     awake = "mt9d111", 11, 250, 500, "+sensor_time_scale=100"

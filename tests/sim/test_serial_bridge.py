@@ -11,6 +11,7 @@ from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 DIVISOR = 8
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("simulator", [
     pytest.param(name, marks=[pytest.mark.regress] if name == "verilator" else [])
     for name in SIMULATORS])

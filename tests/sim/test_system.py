@@ -54,7 +54,7 @@ def asked(name="mt9p031"):
                                   clock_hz=sensor.pixel_clock_hz))
 
 
-@pytest.mark.parametrize("follow", [False, True])
+@pytest.mark.parametrize("follow", [pytest.param(False, marks=pytest.mark.longer), True])
 def test_every_frame_is_its_own_raw_frame_corrected(system, verilog, light, follow):
     run = simulate_camera(system, asked(), light, count=3, verilog=verilog, follow=follow)
     assert [frame.different for frame in run.frames] == [0, 0, 0]
@@ -110,6 +110,7 @@ def test_every_synchroniser_of_a_system_may_be_metastable(system, light, period,
     assert all(name in paths for name in (*counters, "scl_cdc", "sda_cdc"))
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("kind,follow", [
     ("short_line", False), ("cut_frame", True), ("clock_stop", True),
     *(pytest.param(kind, follow, marks=regress) for kind, follow in (
@@ -128,6 +129,7 @@ def test_a_fault_is_counted_and_the_next_frame_is_right(system, verilog, light, 
     assert [frame.number for frame in run.frames][1] > 2
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("kind,flag", [("nack", "NACK"), ("stuck_sda", "LOST")])
 def test_a_sensor_that_does_not_answer_is_asked_again(system, verilog, light, kind, flag):
     run = simulate_camera(system, asked(), light, count=1, verilog=verilog,
@@ -136,6 +138,7 @@ def test_a_sensor_that_does_not_answer_is_asked_again(system, verilog, light, ki
     assert run.frames[0].different == 0
 
 
+@pytest.mark.longer
 def test_a_memory_that_stalls_loses_frames_and_says_so(system, verilog, light):
     run = simulate_camera(system, asked(), light, count=3, verilog=verilog,
                           disturb=lambda host: host.live.stall(200_000))
@@ -143,6 +146,7 @@ def test_a_memory_that_stalls_loses_frames_and_says_so(system, verilog, light):
     assert [frame.different for frame in run.frames] == [0, 0, 0]
 
 
+@pytest.mark.longer
 @pytest.mark.many_clocks
 @pytest.mark.parametrize("frames,limit,period", [
     (25, 40_000, 6_000), pytest.param(25, 0, 10_000, marks=regress),

@@ -99,6 +99,7 @@ def test_pins_that_are_too_late_are_found(monkeypatch):
         run(FT232H, (50, 50), simulator="icarus", timed=True)
 
 
+@pytest.mark.longer
 def test_a_bus_that_does_not_look_at_txe_loses_words(monkeypatch):
     monkeypatch.setattr(FifoBus, "_accepted", staticmethod(lambda pins: ~pins.wr_n))
     with pytest.raises(SimulationError, match="DIFFERENT up"):

@@ -2,11 +2,10 @@
 
 import pytest
 
-from kept import run_cocotb
 from ncdc_hdl.usb import mraw
 from ncdc_hdl.usb.commands import ByteCommands
 from ncdc_hdl.usb.view import SystemView
-from ncdc_sim.cocotb_run import design_of
+from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS, Stores, system_registers
 from ncdc_spec.sensors.catalogue import sensor_named
@@ -23,6 +22,7 @@ def run(simulator="icarus", stall=.3):
                stall=stall, gap=100 * GAP_US, addresses=ADDRESSES)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("simulator", ["icarus", pytest.param("verilator",
                                                               marks=pytest.mark.regress)])
 def test_a_host_that_sends_bytes(simulator):

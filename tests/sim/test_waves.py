@@ -69,6 +69,7 @@ def check_file(path, kind, clocks):
         assert begin == 0 and end > 10 * clocks and len(content) > 10_000
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("simulator,kind", [
     ("icarus", "vcd"), ("icarus", "fst"), pytest.param("verilator", "vcd", marks=regress),
     pytest.param("verilator", "fst", marks=regress)])
@@ -80,6 +81,7 @@ def test_waveforms_of_a_frame(tmp_path, simulator, kind):
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.longer
 def test_a_run_that_fails_leaves_its_waveforms(tmp_path):
     path = tmp_path / "waves.vcd"
     with pytest.raises(SimulationError, match="simulation failed"):
@@ -87,6 +89,7 @@ def test_a_run_that_fails_leaves_its_waveforms(tmp_path):
     assert 500 <= len(changes(path.read_text(), "clk")) // 2 < 600
 
 
+@pytest.mark.longer
 def test_the_command_writes_them(folder, capsys):
     assert main("simulate net.toml raw.png -o out.png --simulator icarus --vcd waves.vcd".split()) \
         == 0
@@ -111,6 +114,7 @@ def test_a_format_that_there_is_not(tmp_path):
         Waves(tmp_path / "waves.saif", "saif")
 
 
+@pytest.mark.longer
 def test_verilator_without_what_fst_needs(folder, monkeypatch, capsys):
     monkeypatch.setattr(waves_module, "_FST_HEADERS", ("lz5.h",))
     assert main("simulate net.toml raw.png -o out.png --fst waves.fst".split()) == 2

@@ -6,7 +6,7 @@ import pytest
 from migen import passive, run_simulation
 
 from ethernet import DEVICES, PAIRED, mac_design, packets_design
-from kept import run_cocotb
+from ncdc_sim.cocotb_run import run_cocotb
 from ncdc_sim.tools import SimulationError
 from ncdc_soc.phy import nibbles as blocks
 from ncdc_soc.phy.nibbles import Receiver, Sender
@@ -22,6 +22,7 @@ def simulate(design, interface, speed, frames, **told):
                   "pause": .05, "bad": .2, "longest": 1514, **told})
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("device,interface,speed", [
     pytest.param(device, *case, marks=() if (device, *case) in DAILY else pytest.mark.regress)
     for device in DEVICES for case in CASES])

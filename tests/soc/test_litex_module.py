@@ -35,6 +35,7 @@ def check(run, frames, pixels):
     assert len(run.interrupts) == frames and min(run.interrupts) > pixels
 
 
+@pytest.mark.longer
 def test_frames_in_litedram_are_corrected_to_memory():
     check(simulate_module(*camera(32, 24), MEMORY, frames=2), 2, 32 * 24)
 
@@ -56,6 +57,7 @@ def test_frames_leave_as_litex_s_video_whatever_the_sink_does(sink):
     assert (run.clocks[0] > 4 * 64 * 48) == (sink == 60)
 
 
+@pytest.mark.longer
 def test_litex_s_dma_takes_the_video():
     check(simulate_module(*camera(64, 48), STREAM, frames=2, sink=None), 2, 64 * 48)
 
@@ -90,6 +92,7 @@ def two(folder, name):
     return text, {Path(path).name: Path(path).read_text() for path, *_ in platform.sources}
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name,second", [(None, "ncdc1"), ("right", "right")])
 def test_two_correctors_are_two_modules(tmp_path, name, second):
     text, files = two(tmp_path, name)
@@ -103,6 +106,7 @@ def test_two_correctors_are_two_modules(tmp_path, name, second):
     assert files["ncdc.v"] == (tmp_path / "alone" / "ncdc.v").read_text()
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name,told", [
     ("ncdc", "the name is 'ncdc', which another Verilog module of the system has"),
     ("a b", "the name is 'a b', a letter is needed")])

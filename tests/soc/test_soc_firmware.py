@@ -28,6 +28,7 @@ def soc():
                            *setup_around("mt9p031", descriptor.geometry))
 
 
+@pytest.mark.longer
 def test_the_sensor_gets_its_times_as_on_a_board(soc):
     """But in simulations, which say by how much they are faster."""
     verilog, text = soc
@@ -45,6 +46,7 @@ def test_the_sensor_gets_its_times_as_on_a_board(soc):
     assert f"#define SENSOR_REST_CLOCKS {45 * mhz}u\n" in fast
 
 
+@pytest.mark.longer
 def test_it_fits(soc, tmp_path):
     need("riscv64-unknown-elf-gcc")
     verilog, text = soc
@@ -82,6 +84,7 @@ def test_a_million_frames(program):
         assert reached(*fuzzed(program, 1_000_000, seed))
 
 
+@pytest.mark.longer
 def test_a_planted_overflow_is_found(soc, tmp_path, monkeypatch):
     sources = tmp_path / "firmware"
     subprocess.run(["cp", "-r", str(FIRMWARE), str(sources)], check=True)

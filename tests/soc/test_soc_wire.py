@@ -209,7 +209,8 @@ def test_many_lost_packets_are_sent_again(wire):
     assert [last & 0xFFFFFF for last in wire.resent] == list(range(1, 41))
 
 
-@pytest.mark.parametrize("clock_hz", [75_000_000, 66_666_667])
+@pytest.mark.parametrize("clock_hz", [
+    75_000_000, pytest.param(66_666_667, marks=pytest.mark.longer)])
 def test_time_stamps_are_nanoseconds_at_any_clock(text, tmp_path, clock_hz):
     one_second = 10**9
     with Wire(host_program(text(clock_hz), tmp_path, "wire")) as wire:
@@ -246,7 +247,8 @@ def commands():
     yield gvcp.WRITEREG, struct.pack(">IIII", HEARTBEAT, 5000, 0x9000, 1)
 
 
-@pytest.mark.parametrize("controlled", [False, True], ids=["free", "controlled"])
+@pytest.mark.parametrize("controlled", [
+    False, pytest.param(True, marks=pytest.mark.longer)], ids=["free", "controlled"])
 def test_firmware_and_emulated_device_answer_a_client_without_control_alike(wire, controlled):
     """Each answer's status, code, number and length; the values are each device's own."""
     different, count = [], 0

@@ -1,25 +1,15 @@
 """Line and toggle coverage of the Verilog, as Verilator's simulations count it."""
 
-import os
 import re
-import shutil
 from collections import Counter
 from pathlib import Path
 
-__all__ = ["FOLDER", "keep_coverage", "percentages", "reached", "table"]
+__all__ = ["FOLDER", "percentages", "reached", "table"]
 
 FOLDER = Path(__file__).resolve().parents[2] / "build" / "coverage"
 KINDS = "line", "toggle"
 
 _POINT = re.compile(r"^C '(.*)' (\d+)$")
-
-
-def keep_coverage(folder):
-    """Copy what a run has counted to :data:`FOLDER`, under the name that ``NCDC_COVERAGE`` says."""
-    counted = Path(folder) / "coverage.dat"
-    if (name := os.environ.get("NCDC_COVERAGE")) and counted.exists():
-        FOLDER.mkdir(parents=True, exist_ok=True)
-        shutil.copy(counted, FOLDER / f"{name}.dat")
 
 
 def reached(text):

@@ -68,7 +68,7 @@ def check_windows(dut, raw, places, rng, pauses, *, margin=64, needs=FAST, width
     agents = [read_agent(getattr(dut, f"bus{r}"), content, dut.data_width // 8, rng,
                          wait=pauses.wait, latency=pauses.latency, log=log)
               for r, log in enumerate(logs)]
-    run_bench(dut, source, sink, background=(count_fetches, *agents), results=(got, fetched, *logs))
+    run_bench(dut, source, sink, background=(count_fetches, *agents))
 
     for k, window in enumerate(got):
         assert (window.fx, window.fy, window.blank) == (k, 1023 - k, blank[k])

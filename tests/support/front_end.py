@@ -96,7 +96,7 @@ def frames(dut, descriptors, stall, seed=5, strip=0):
             results.append(fields(await get(ctx, dut.backmap.o, groups,
                                             lambda: rng.random() < stall)))
 
-    run_bench(dut, bench, results=(results,))
+    run_bench(dut, bench)
     return results
 
 

@@ -2,8 +2,6 @@
 
 from amaranth.sim import Simulator
 
-from kept import kept_lists
-
 __all__ = ["get", "put", "run_bench", "run_pipeline", "run_stream"]
 
 
@@ -11,7 +9,7 @@ _PERIOD = 1e-8          # seconds of a clock
 _CLOCKS = 5_000_000     # no bench needs more
 
 
-def run_bench(dut, *benches, background=(), results=None, clocks=_CLOCKS):
+def run_bench(dut, *benches, background=(), clocks=_CLOCKS):
     """Simulate ``dut`` with the given async test benches until all have ended.
 
     Parameters
@@ -20,9 +18,6 @@ def run_bench(dut, *benches, background=(), results=None, clocks=_CLOCKS):
     benches : async functions of the simulator's context
     background : sequence of these
         Not waited for.
-    results : tuple of lists and arrays, optional
-        All that the benches change and that is looked at afterwards. Given, the simulation is kept
-        between runs, see :func:`kept.kept_lists`: the benches' own comparisons have been made.
     clocks : int
         After so many the simulation fails: a component that hangs does not hold up the tests.
     """
@@ -30,21 +25,13 @@ def run_bench(dut, *benches, background=(), results=None, clocks=_CLOCKS):
         await ctx.delay(clocks * _PERIOD)
         raise AssertionError(f"the benches have not ended after {clocks} clocks")
 
-    def run():
-        simulator = Simulator(dut)
-        simulator.add_clock(_PERIOD)
-        for bench in benches:
-            simulator.add_testbench(bench)
-        for bench in background:
-            simulator.add_testbench(bench, background=True)
-        simulator.add_testbench(limit, background=True)
-        simulator.run()
-
-    if results is None:
-        run()
-    else:
-        names = [getattr(bench, "__qualname__", "") for bench in (*benches, *background)]
-        kept_lists(run, f"{type(dut).__qualname__} {names}", results)
+    simulator = Simulator(dut)
+    simulator.add_clock(_PERIOD)
+    for bench in benches:
+        simulator.add_testbench(bench)
+    for bench in (*background, limit):
+        simulator.add_testbench(bench, background=True)
+    simulator.run()
 
 
 def run_pipeline(dut, inputs, drive, sample, prepare=None):
@@ -66,7 +53,7 @@ def run_pipeline(dut, inputs, drive, sample, prepare=None):
             if k >= dut.latency - 1 and len(results) < len(inputs):
                 results.append(tuple(ctx.get(signal) for signal in sample()))
 
-    run_bench(dut, bench, results=(results,))
+    run_bench(dut, bench)
     return results
 
 
@@ -108,5 +95,5 @@ def run_stream(dut, items, count, gap, stall):
     async def sink(ctx):
         results.extend(await get(ctx, dut.o, count, stall))
 
-    run_bench(dut, source, sink, results=(results,))
+    run_bench(dut, source, sink)
     return results

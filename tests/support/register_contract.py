@@ -105,7 +105,7 @@ def run(bench, share=1):
     async def testbench(ctx):
         await bench(ctx, dut.registers, Host(ctx, dut.registers.bus))
 
-    run_bench(dut, testbench, results=())
+    run_bench(dut, testbench)
 
 
 async def control(ctx, host, value):

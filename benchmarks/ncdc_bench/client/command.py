@@ -1,11 +1,11 @@
 """``ncdc bench client``: peers that no one here wrote, against emulated devices."""
 
-import sys
 import tempfile
 from contextlib import ExitStack
 
-from ncdc.cli.common import add_json, write_report
+from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Steps
+from ncdc.text_table import text_table
 from ncdc_bench.client.measure import (
     Case,
     Served,
@@ -43,10 +43,7 @@ def run(args):
     rows = rows_of(args.quick, Steps("client"))
     if not write_report({"rows": rows}, args.json):
         print(table(rows))
-    wrong = complaints(rows) + late(rows)
-    for text in wrong:
-        print(f"ncdc bench client: {text}", file=sys.stderr)
-    return 1 if wrong else 0
+    return report_failures("bench client", complaints(rows) + late(rows))
 
 
 def small_and_large(quick=False):
@@ -148,7 +145,8 @@ def late(rows):
             for row in rows if row.get("seconds_until_free", 0) > _CONTROL_SECONDS]
 
 
-_COLUMNS = (("devices", "d"), ("found", "d"), ("frames", "d"), ("incomplete", "d"),
+_COLUMNS = (("peer", ""), ("transport", ""),
+            ("devices", "d"), ("found", "d"), ("frames", "d"), ("incomplete", "d"),
             ("wrong_pixels", "d"), ("features", "d"), ("features_read_back", "d"),
             ("resent", "d"), ("frames_per_second", ".1f"), ("loss", ".2f"),
             ("device_cpu_seconds", ".1f"), ("seconds_until_free", ".2f"))
@@ -156,11 +154,7 @@ _COLUMNS = (("devices", "d"), ("found", "d"), ("frames", "d"), ("incomplete", "d
 
 def table(rows):
     """The rows as text."""
-    head = ["peer", "transport", *(name.replace("_", " ") for name, _ in _COLUMNS)]
-    cells = [head] + [[row["peer"], row["transport"], *(
-        format(row[name], form) if name in row else "-" for name, form in _COLUMNS)]
-        for row in rows]
-    widths = [max(map(len, column)) for column in zip(*cells)]
-    return "\n".join("  ".join(f"{cell:<{width}}" if k < 2 else f"{cell:>{width}}"
-                               for k, (cell, width) in enumerate(zip(line, widths)))
-                     for line in cells)
+    return text_table([
+        (name.replace("_", " "), lambda row, name=name, form=form: (
+            format(row[name], form) if name in row else None)) for name, form in _COLUMNS],
+        rows, left=2)

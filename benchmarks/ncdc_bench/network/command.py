@@ -1,9 +1,10 @@
 """``ncdc bench network``: the whole system in simulation, on a network, with others' clients."""
 
-import sys
+from operator import itemgetter
 
-from ncdc.cli.common import add_json, write_report
+from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Steps
+from ncdc.text_table import text_table
 from ncdc_boards.catalogue import board
 from ncdc_spec.errors import InputError
 
@@ -64,10 +65,8 @@ def run(args):
         rows = rows_of(_QUICK_SIZE if args.quick else _SIZE, Steps("network"))
     if not write_report({"rows": rows}, args.json):
         print(table(rows, _BOARD_COLUMNS if args.board else _COLUMNS))
-    wrong = failures(rows) + (shortfalls(rows) if args.board else [])
-    for text in wrong:
-        print(f"ncdc bench network: {text}", file=sys.stderr)
-    return 1 if wrong else 0
+    return report_failures("bench network",
+                           failures(rows) + (shortfalls(rows) if args.board else []))
 
 
 def failures(rows):
@@ -89,10 +88,5 @@ def failures(rows):
 
 def table(rows, columns=_COLUMNS):
     """The rows as text."""
-    cells = [[name.replace("_", " ") for name in columns],
-             *(["-" if row[name] is None else str(row[name]) for name in columns]
-               for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells)]
-    return "\n".join("  ".join(f"{cell:<{width}}" if k < 2 else f"{cell:>{width}}"
-                               for k, (cell, width) in enumerate(zip(line, widths)))
-                     for line in cells)
+    return text_table([(name.replace("_", " "), itemgetter(name)) for name in columns], rows,
+                      left=2)

@@ -1,7 +1,10 @@
 """``ncdc bench synth``: size and clock of the corrector's blocks from open tools."""
 
+from operator import itemgetter
+
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Steps
+from ncdc.text_table import text_table
 from ncdc.toolchain.flows import check_tools, tool_versions
 from ncdc_bench.synth.blocks import BLOCKS
 from ncdc_bench.synth.measure import TARGETS, block_rows
@@ -55,9 +58,4 @@ def run(args):
 
 def table(rows):
     """Rows of ``block_rows`` as text."""
-    cells = [_COLUMNS, *(["-" if row[name] is None else str(row[name]) for name in _COLUMNS]
-                         for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells)]
-    return "\n".join("  ".join(f"{cell:<{width}}" if k < 3 else f"{cell:>{width}}"
-                               for k, (cell, width) in enumerate(zip(line, widths)))
-                     for line in cells)
+    return text_table([(name, itemgetter(name)) for name in _COLUMNS], rows, left=3)

@@ -1,9 +1,9 @@
 """``ncdc bench system``: a running camera, its faults and its readers."""
 
-import sys
 
-from ncdc.cli.common import add_json, write_report
+from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Progress
+from ncdc.text_table import text_table
 from ncdc_bench.system.measure import FULL, QUICK, measure
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "failures", "run", "table"]
@@ -25,10 +25,7 @@ def run(args):
     rows = list(measure(QUICK if args.quick else FULL, lambda run: Progress(str(run))))
     if not write_report({"rows": rows}, args.json):
         print(table(rows))
-    wrong = failures(rows)
-    for text in wrong:
-        print(f"ncdc bench system: {text}", file=sys.stderr)
-    return 1 if wrong else 0
+    return report_failures("bench system", failures(rows))
 
 
 def failures(rows):
@@ -56,11 +53,7 @@ def failures(rows):
 
 def table(rows):
     """Rows of :func:`ncdc_bench.system.measure.measure` as text."""
-    cells = [[title for title, _ in _COLUMNS],
-             *([str(render(row)) for _, render in _COLUMNS] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells)]
-    return "\n".join("  ".join(f"{cell:>{width}}" for cell, width in zip(line, widths))
-                     for line in cells)
+    return text_table(_COLUMNS, rows)
 
 
 def _clocks(name):

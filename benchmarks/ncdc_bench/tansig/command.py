@@ -1,11 +1,11 @@
 """``ncdc bench tansig``: error, equality, size and clock of every tan-sigmoid."""
 
-import sys
 from argparse import BooleanOptionalAction
 from pathlib import Path
 
-from ncdc.cli.common import add_json, write_report
+from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Steps
+from ncdc.text_table import text_table
 from ncdc.toolchain.flows import check_tools
 from ncdc_bench.tansig.measure import tansig_row
 from ncdc_bench.tansig.plots import plot_tansig
@@ -52,10 +52,7 @@ def run(args):
         plot_tansig(Path(args.plots), rows)
     if not write_report({"rows": rows}, args.json):
         print(table(rows))
-    complaints = [text for text in map(complaint, rows) if text]
-    for text in complaints:
-        print(f"ncdc bench tansig: {text}", file=sys.stderr)
-    return 1 if complaints else 0
+    return report_failures("bench tansig", [text for text in map(complaint, rows) if text])
 
 
 def complaint(row):
@@ -73,13 +70,9 @@ def complaint(row):
 def table(rows):
     """Rows of ``tansig_row`` as text."""
     columns = [(title, render) for title, render, key in _COLUMNS if key is None or key in rows[0]]
-    cells = [[title for title, _ in columns],
-             *([render(row) for _, render in columns] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells)]
     note = "every input" if rows[0]["exhaustive"] else "sampled"
-    return "\n".join([f"errors in ulp of 2**-bits, {rows[0]['inputs']} inputs, {note}",
-                      *("  ".join(f"{cell:>{width}}" for cell, width in zip(line, widths))
-                        for line in cells)])
+    return (f"errors in ulp of 2**-bits, {rows[0]['inputs']} inputs, {note}\n"
+            f"{text_table(columns, rows)}")
 
 
 # Title, text of a row, key without which the column is left out.

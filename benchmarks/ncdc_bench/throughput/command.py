@@ -1,10 +1,10 @@
 """``ncdc bench throughput``: clocks and bytes per pixel of both fetchers, on whole frames."""
 
-import sys
 from pathlib import Path
 
-from ncdc.cli.common import add_json, write_report
+from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Progress
+from ncdc.text_table import text_table
 from ncdc_bench.throughput.cross import CROSS, LIMIT, cross_rows
 from ncdc_bench.throughput.measure import ALL, DEFAULT, QUICK, goal_rows, measure, table_four
 from ncdc_bench.throughput.plots import plot_throughput
@@ -55,9 +55,7 @@ def run(args):
     missed = [f"missed: {name}" for name, _, _, holds in goals if holds is False]
     if not args.quick:
         missed += [f"no row measures: {name}" for name, _, _, holds in goals if holds is None]
-    for text in missed:
-        print(f"ncdc bench throughput: {text}", file=sys.stderr)
-    return 1 if missed else 0
+    return report_failures("bench throughput", missed)
 
 
 def _cross(args):
@@ -70,10 +68,8 @@ def _cross(args):
         if args.json != "-":        # who ends it early has the rows so far
             print(cross_text(row), flush=True)
     write_report({"rows": rows, "limit": LIMIT}, args.json)
-    missed = [row for row in rows if not row["holds"]]
-    for row in missed:
-        print(f"ncdc bench throughput: missed: {cross_text(row)}", file=sys.stderr)
-    return 1 if missed else 0
+    return report_failures("bench throughput", [
+        f"missed: {cross_text(row)}" for row in rows if not row["holds"]])
 
 
 def cross_text(row):
@@ -96,11 +92,7 @@ def goal_text(name, value, limit, holds):
 
 def table(rows):
     """Rows of :func:`ncdc_bench.throughput.measure.measure` as text."""
-    cells = [[title for title, _ in _COLUMNS],
-             *([render(row) for _, render in _COLUMNS] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells)]
-    return "\n".join("  ".join(f"{cell:>{width}}" for cell, width in zip(line, widths))
-                     for line in cells)
+    return text_table(_COLUMNS, rows)
 
 
 def _predicted(row):

@@ -11,18 +11,7 @@ from ncdc_boards.quartus.project import project_name
 from ncdc_hdl.export.ip.axi.device_tree import Place, device_tree
 from ncdc_spec.frames import output_format
 from ncdc_spec.pixel_formats import raw_format
-from ncdc_spec.protocols.table_one import (
-    IDLE_SECONDS,
-    MAX_USERS,
-    MRAW,
-    READ,
-    RESERVED,
-    SYSTEM_PAGE,
-    SYSTEM_WORDS,
-    TCP_PORT,
-    UNKNOWN,
-    WRITE,
-)
+from ncdc_spec.protocols.table_one import SYSTEM_PAGE, SYSTEM_WORDS, TCP_PORT, server_settings
 from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 from ncdc_spec.sensors.framing import Crop, field_values
 
@@ -73,7 +62,6 @@ def _pictures(system):
 
 def _table():
     """Table I, for a program that cannot import it."""
-    return {"port": TCP_PORT, "users": MAX_USERS, "idle_seconds": IDLE_SECONDS,
-            "page": SYSTEM_PAGE, "unknown": UNKNOWN, "silent": _SILENT,
-            "codes": {READ: "READ", WRITE: "WRITE", RESERVED: "RESERVED", MRAW: "MRAW"},
-            "words": {word.name: word.address for word in SYSTEM_WORDS}}
+    return server_settings() | {
+        "port": TCP_PORT, "page": SYSTEM_PAGE, "silent": _SILENT,
+        "words": {word.name: word.address for word in SYSTEM_WORDS}}

@@ -8,7 +8,8 @@ import struct
 from dataclasses import dataclass
 
 __all__ = ["COMMANDS", "Command", "IDLE_SECONDS", "MAX_USERS", "MRAW", "READ", "REQUEST",
-           "RESERVED", "SYSTEM_PAGE", "SYSTEM_WORDS", "SystemWord", "TCP_PORT", "UNKNOWN", "WRITE"]
+           "RESERVED", "SYSTEM_PAGE", "SYSTEM_WORDS", "SystemWord", "TCP_PORT", "UNKNOWN", "WRITE",
+           "server_settings"]
 
 TCP_PORT = 4000
 MAX_USERS = 16          # connections at once that a device accepts; at least 8 are promised
@@ -18,6 +19,12 @@ READ, WRITE, RESERVED, MRAW = 0x80, 0x81, 0x82, 0x83
 UNKNOWN = 0xFF          # begins the answer to any other code
 
 REQUEST = struct.Struct(">BHH")     # of READ and WRITE, and of their answers
+
+
+def server_settings():
+    """What a ``table_users.TableServer`` has to know of the table, as a dict for JSON."""
+    return {"users": MAX_USERS, "idle_seconds": IDLE_SECONDS, "unknown": UNKNOWN,
+            "codes": {"READ": READ, "WRITE": WRITE, "RESERVED": RESERVED, "MRAW": MRAW}}
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from ipaddress import IPv4Address
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.pixel_formats import PixelFormat, format_of_mraw
+from ncdc_spec.protocols.table_users import mraw_header
 
 __all__ = ["FIELDS", "Field", "HEADER_BYTES", "MRAW_BYTES_MAX", "MrawHeader"]
 
@@ -75,10 +76,9 @@ class MrawHeader:
 
     def pack(self):
         """The header as :data:`HEADER_BYTES` bytes."""
-        values = (self.width, self.height, self.pixel_format.mraw, self.size,
-                  int(IPv4Address(self.address)), self.port, self.time_us & 0xFFFFFFFF)
-        return b"".join(value.to_bytes(field.length, "big")
-                        for field, value in zip(FIELDS, values))
+        return mraw_header((self.width, self.height, self.pixel_format.mraw, self.size,
+                            int(IPv4Address(self.address)), self.port,
+                            self.time_us & 0xFFFFFFFF))
 
     @classmethod
     def unpack(cls, data):

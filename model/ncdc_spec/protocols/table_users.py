@@ -1,4 +1,4 @@
-"""Users of Table I over TCP: how many at once, and how long each may take.
+"""Table I over TCP: users at once, how long each may take, and the answers.
 
 Needs nothing but Python: the project of a board with Linux has a copy of this file.
 """
@@ -7,10 +7,16 @@ import socket
 import threading
 import time
 
-__all__ = ["User", "Users"]
+__all__ = ["TableServer", "User", "Users", "mraw_header"]
 
 _REST = 4                   # bytes of a long request after its code: address and value
 _SEND_SECONDS = 10          # a user that takes no whole answer in this time is disconnected
+_MRAW_BYTES = 4, 4, 1, 7, 4, 4, 4       # of the fields of Table II
+
+
+def mraw_header(values):
+    """Bytes of the header of Table II, from the values of its fields in their order."""
+    return b"".join(value.to_bytes(count, "big") for value, count in zip(values, _MRAW_BYTES))
 
 
 class User:
@@ -132,3 +138,64 @@ class Users:
         finally:
             with self._lock:
                 self._users.discard(user)
+
+
+class TableServer:
+    """Listens on (``address``, ``port``), and answers by three methods of a subclass.
+
+    ``read(user, address)`` returns a word. ``write(address, value)`` writes a word, if it can be
+    written; the answer holds what is read back. ``package(user)`` returns the parts of the newest
+    picture's package and sets ``user.frame``; None ends the connection.
+
+    Parameters
+    ----------
+    address : str
+    port : int
+        0 for any free one; :attr:`port` is the one in use.
+    table : dict
+        "users" at once, "idle_seconds" of the oldest that gives way, "codes" by the names READ,
+        WRITE, RESERVED and MRAW, and the code "unknown".
+    lock : context manager
+        Held while a word is written and read.
+
+    Raises
+    ------
+    OSError
+        If there is no such address, or the port is taken.
+    """
+
+    def __init__(self, address, port, table, lock):
+        listener = socket.create_server((address, port), backlog=table["users"])
+        self.port = listener.getsockname()[1]
+        self._codes = {code: name for name, code in table["codes"].items()}
+        self._unknown, self._lock = table["unknown"], lock
+        self._users = Users(listener, table["users"], table["idle_seconds"],
+                            {table["codes"]["READ"], table["codes"]["WRITE"]}, self._answer)
+
+    def serve(self):
+        """Serve until :meth:`close`."""
+        self._users.serve()
+
+    def close(self):
+        """End listening and every connection."""
+        self._users.close()
+
+    def _answer(self, user, code, rest):
+        """Answer one request; false when the connection is to end."""
+        name = self._codes.get(code)
+        if name in ("READ", "WRITE"):
+            address, value = (int.from_bytes(rest[k:k + 2], "big") for k in (0, 2))
+            with self._lock:
+                if name == "WRITE":
+                    self.write(address, value)
+                value = self.read(user, address)
+            user.send(bytes([code]) + rest[:2] + value.to_bytes(2, "big"))
+        elif name == "MRAW":
+            package = self.package(user)
+            for part in package or ():
+                user.send(part)
+            return package is not None
+        elif name != "RESERVED":
+            user.send(bytes([self._unknown, code]))
+            return False
+        return True

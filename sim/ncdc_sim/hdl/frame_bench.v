@@ -38,6 +38,7 @@ module frame_bench (
     localparam WBW = `NCDC_WRITE_BURST_WIDTH;
     localparam PROGRAM = 65536;
     localparam POISON = 8'hA5;          // bytes that nobody wrote
+    localparam PIXELS = "output.bin";
 
     localparam END = 0, WRITE = 1, COMPARE = 2, WAIT_IRQ = 3, REPORT = 4, WAIT = 5, WAIT_OUTPUT = 6,
         RESET = 7, POLL = 8, CAMERA = 9, RESET_ALL = 10,
@@ -89,139 +90,23 @@ module frame_bench (
     wire        csr_readdatavalid, csr_waitrequest, irq, front_end_idle;
 
     reg  [12:0]         camera_rows = 0;
-    wire [PORTS*32-1:0] read_address;
-    wire [PORTS-1:0]    read_read, read_waitrequest, read_readdatavalid;
-    wire [PORTS*BW-1:0] read_burstcount;
-    wire [PORTS*DW-1:0] read_readdata;
+    wire                stalled = 0;    // the memory always runs
+`include "bench_buses.vh"
 
-    wire [31:0]         write_address;
-    wire                write_write, write_waitrequest;
-    wire [WBW-1:0]      write_burstcount;
-    wire [DW-1:0]       write_writedata;
-    wire [DW/8-1:0]     write_byteenable;
-
-`define NCDC_READ_PORT(k) \
-        .read``k``_address(read_address[32*k +: 32]), .read``k``_read(read_read[k]), \
-        .read``k``_burstcount(read_burstcount[BW*k +: BW]), \
-        .read``k``_waitrequest(read_waitrequest[k]), \
-        .read``k``_readdata(read_readdata[DW*k +: DW]), \
-        .read``k``_readdatavalid(read_readdatavalid[k])
+`ifdef NCDC_STREAM
+    assign write_address = 0, write_write = 0, write_burstcount = 0;
+    assign write_writedata = 0, write_byteenable = 0;
+    wire [31:0] output_done = 3 * SP * stream_beats;
+`else
+`define NCDC_WRITES
+    wire [31:0] output_done = write_bytes;
+`endif
 
     ncdc dut (
         .clk(clk), .rst(module_rst), .memory_rst(memory_rst),
-        .csr_address(csr_address), .csr_read(csr_read), .csr_write(csr_write),
-        .csr_writedata(csr_writedata), .csr_readdata(csr_readdata),
-        .csr_readdatavalid(csr_readdatavalid), .csr_waitrequest(csr_waitrequest),
-        .irq(irq), .camera_rows(camera_rows), .front_end_idle(front_end_idle),
-        `NCDC_READ_PORT(0),
-`ifdef NCDC_THREE_READ_PORTS
-        `NCDC_READ_PORT(1),
-        `NCDC_READ_PORT(2),
-`endif
-`ifdef NCDC_STREAM
-        .stream_valid(stream_valid), .stream_ready(stream_ready), .stream_data(stream_data),
-        .stream_startofpacket(stream_startofpacket), .stream_endofpacket(stream_endofpacket)
-`else
-        .write_address(write_address), .write_write(write_write),
-        .write_burstcount(write_burstcount), .write_writedata(write_writedata),
-        .write_byteenable(write_byteenable), .write_waitrequest(write_waitrequest)
-`endif
+        .camera_rows(camera_rows), .front_end_idle(front_end_idle),
+`include "bench_connections.vh"
     );
-
-    wire [31:0] memory_errors;
-    avalon_memory #(
-        .PORTS(PORTS), .DATA_WIDTH(DW), .BURST_WIDTH(BW), .WRITE_BURST_WIDTH(WBW),
-        .BYTES(`NCDC_MEMORY_BYTES)
-    ) memory (
-        .clk(clk), .rst(memory_rst),
-        .errors(memory_errors),
-        .read_address(read_address), .read_read(read_read), .read_burstcount(read_burstcount),
-        .read_waitrequest(read_waitrequest), .read_readdata(read_readdata),
-        .read_readdatavalid(read_readdatavalid),
-        .write_address(write_address), .write_write(write_write),
-        .write_burstcount(write_burstcount), .write_writedata(write_writedata),
-        .write_byteenable(write_byteenable), .write_waitrequest(write_waitrequest)
-    );
-
-    // Checkers and counters.
-    wire [31:0] read_errors [0:PORTS-1], read_commands [0:PORTS-1];
-    wire [31:0] read_beats [0:PORTS-1], read_waits [0:PORTS-1];
-    genvar g;
-    generate
-        for (g = 0; g < PORTS; g = g + 1) begin : reader
-            avalon_checker #(
-                .NAME(g == 0 ? "read0" : g == 1 ? "read1" : "read2"),
-                .DATA_WIDTH(DW), .BURST_WIDTH(BW), .MAX_BURST(1 << (BW - 1))
-            ) checker_of_port (
-                .clk(clk), .rst(rst), .host_rst(module_rst),
-                .memory_rst(memory_rst), .address(read_address[32*g +: 32]), .read(read_read[g]),
-                .write(1'b0), .burstcount(read_burstcount[BW*g +: BW]), .writedata({DW{1'b0}}),
-                .byteenable({DW/8{1'b0}}), .waitrequest(read_waitrequest[g]),
-                .readdatavalid(read_readdatavalid[g]), .errors(read_errors[g]),
-                .commands(read_commands[g]), .beats(read_beats[g]), .bytes(),
-                .waits(read_waits[g])
-            );
-        end
-    endgenerate
-
-    avalon_checker #(.NAME("csr"), .DATA_WIDTH(32), .BURST_WIDTH(2), .MAX_BURST(1)) checker_of_csr (
-        .clk(clk), .rst(rst), .host_rst(1'b0), .memory_rst(1'b0),
-        .address({csr_address, 2'b00}), .read(csr_read),
-        .write(csr_write), .burstcount(2'd1), .writedata(csr_writedata), .byteenable(4'hF),
-        .waitrequest(csr_waitrequest), .readdatavalid(csr_readdatavalid),
-        .errors(), .commands(), .beats(), .bytes(), .waits()
-    );
-
-    wire [31:0] output_errors, output_done;     // breaches, bytes delivered
-`ifdef NCDC_STREAM
-    wire        stream_valid, stream_startofpacket, stream_endofpacket;
-    localparam SP = `NCDC_STREAM;       // pixels of a beat
-    wire [24*SP-1:0] stream_data;
-    reg         stream_ready = 0;
-    wire [31:0] stream_beats, stream_packets, stream_waits;
-    reg  [31:0] sink_random;
-
-    assign write_address = 0, write_write = 0, write_burstcount = 0;
-    assign write_writedata = 0, write_byteenable = 0;
-    assign output_done = 3 * SP * stream_beats;
-
-    stream_checker #(.NAME("stream"), .WIDTH(24 * SP)) stream_checker (
-        .clk(clk), .rst(rst), .host_rst(module_rst), .valid(stream_valid), .ready(stream_ready),
-        .data(stream_data), .startofpacket(stream_startofpacket), .endofpacket(stream_endofpacket),
-        .errors(output_errors), .beats(stream_beats), .packets(stream_packets),
-        .waits(stream_waits)
-    );
-
-    integer pixels, lane;
-    initial begin
-        pixels = $fopen("output.bin", "wb");
-        sink_random = 32'h2545F491;
-    end
-
-    always @(posedge clk) begin
-        sink_random = sink_random ^ (sink_random << 13);
-        sink_random = sink_random ^ (sink_random >> 17);
-        sink_random = sink_random ^ (sink_random << 5);
-        stream_ready <= sink_random[15:8] < sink_chance;
-        if (!rst && stream_valid && stream_ready)
-            for (lane = 0; lane < SP; lane = lane + 1)
-                $fwrite(pixels, "%c%c%c", stream_data[24*lane+16 +: 8],
-                        stream_data[24*lane+8 +: 8], stream_data[24*lane +: 8]);
-    end
-`else
-    wire [31:0] write_commands, write_beats, write_waits;
-
-    avalon_checker #(
-        .NAME("write"), .DATA_WIDTH(DW), .BURST_WIDTH(WBW), .MAX_BURST(1 << (WBW - 1))
-    ) write_checker (
-        .clk(clk), .rst(rst), .host_rst(module_rst), .memory_rst(memory_rst),
-        .address(write_address), .read(1'b0),
-        .write(write_write), .burstcount(write_burstcount), .writedata(write_writedata),
-        .byteenable(write_byteenable), .waitrequest(write_waitrequest), .readdatavalid(1'b0),
-        .errors(output_errors), .commands(write_commands), .beats(write_beats),
-        .bytes(output_done), .waits(write_waits)
-    );
-`endif
 
     reg [31:0] clocks = 0, started = 0, position = 0, progress = 0, closing = 0;
 

@@ -1,6 +1,7 @@
 // Drives the clock of the frame bench under Verilator: a loop in C++ needs no event queue, and no
 // compiler support for coroutines.
 
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 
@@ -49,7 +50,7 @@ int main(int argc, char** argv) {
     waves.close();
 #endif
 #if VM_COVERAGE
-    context->coveragep()->write("coverage.dat");
+    context->coveragep()->write(getenv("NCDC_COVERAGE"));
 #endif
     return 0;
 }

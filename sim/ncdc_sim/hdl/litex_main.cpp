@@ -218,7 +218,7 @@ int main(int argc, char** argv) {
     }
     soc->final();
 #if VM_COVERAGE
-    context->coveragep()->write("coverage.dat");
+    context->coveragep()->write(getenv("NCDC_COVERAGE"));
 #endif
     return 0;
 }

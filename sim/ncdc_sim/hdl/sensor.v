@@ -80,26 +80,23 @@ module sensor #(
     generate if (MT9P031) begin : chip_mt9p031
         sensor_mt9p031 registers (
             .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
-            .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
-            .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
-            .skip(skip), .binning(binning), .line_clocks(line_clocks), .frame_lines(frame_lines),
-            .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+            .answer(answer),
+`include "sensor_connections.vh"
+        );
     end endgenerate
     generate if (MT9D111) begin : chip_mt9d111
         sensor_mt9d111 registers (
             .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
-            .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
-            .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
-            .skip(skip), .binning(binning), .line_clocks(line_clocks), .frame_lines(frame_lines),
-            .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+            .answer(answer),
+`include "sensor_connections.vh"
+        );
     end endgenerate
     generate if (OV5640) begin : chip_ov5640
         sensor_ov5640 registers (
             .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
-            .answer(answer), .streaming(streaming), .mirror_columns(mirror_columns),
-            .mirror_rows(mirror_rows), .left(left), .top(top), .width(width), .height(height),
-            .skip(skip), .binning(binning), .line_clocks(line_clocks), .frame_lines(frame_lines),
-            .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+            .answer(answer),
+`include "sensor_connections.vh"
+        );
     end endgenerate
     initial if (!MT9P031 && !MT9D111 && !OV5640) begin
         $display("SENSOR-ERROR no sensor %0s", SENSOR);
@@ -116,8 +113,7 @@ module sensor #(
         .BITS(BITS), .RED_COLUMN(RED_COLUMN), .RED_ROW(RED_ROW)
     ) core (
         .extclk(extclk), .reset_n(powered), .pixclk(running), .frame_valid(frame_valid),
-        .line_valid(line_valid), .data(data), .streaming(streaming),
-        .mirror_columns(mirror_columns), .mirror_rows(mirror_rows), .left(left), .top(top),
-        .width(width), .height(height), .skip(skip), .binning(binning),
-        .line_clocks(line_clocks), .frame_lines(frame_lines), .exposure(exposure), .gain(gain), .pattern(pattern), .colours(colours), .black(black));
+        .line_valid(line_valid), .data(data),
+`include "sensor_connections.vh"
+    );
 endmodule

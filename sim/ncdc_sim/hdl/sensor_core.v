@@ -33,22 +33,9 @@ module sensor_core #(
     output reg                frame_valid,
     output reg                line_valid,
     output reg  [11:0]        data,
-    input  wire               streaming,
-    input  wire               mirror_columns,
-    input  wire               mirror_rows,
-    input  wire signed [16:0] left,
-    input  wire signed [16:0] top,
-    input  wire [15:0]        width,
-    input  wire [15:0]        height,
-    input  wire [3:0]         skip,             // 1 or more
-    input  wire [2:0]         binning,          // 1 to MAX_BINS
-    input  wire [31:0]        line_clocks,
-    input  wire [31:0]        frame_lines,
-    input  wire [47:0]        exposure,         // pixel clocks
-    input  wire [31:0]        gain,             // 256 is 1
-    input  wire [3:0]         pattern,
-    input  wire [47:0]        colours,          // green beside red, red, blue, green beside blue
-    input  wire [11:0]        black
+`define NCDC_MEANING input
+`include "sensor_meanings.vh"
+`undef NCDC_MEANING
 );
     localparam LEAD = 4, TAIL = 4;
     localparam MAX_WIDTH = 8192;                // of a frame in the file

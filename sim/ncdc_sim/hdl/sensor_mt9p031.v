@@ -4,28 +4,7 @@
 `timescale 1ns/1ps
 
 module sensor_mt9p031 (
-    input  wire               clk,
-    input  wire               reset_n,
-    input  wire               write,
-    input  wire [15:0]        pointer,
-    input  wire [15:0]        value,
-    output wire [15:0]        answer,
-    output wire               streaming,
-    output wire               mirror_columns,
-    output wire               mirror_rows,
-    output wire signed [16:0] left,
-    output wire signed [16:0] top,
-    output wire [15:0]        width,
-    output wire [15:0]        height,
-    output wire [3:0]         skip,
-    output wire [2:0]         binning,
-    output wire [31:0]        line_clocks,
-    output wire [31:0]        frame_lines,
-    output wire [47:0]        exposure,         // pixel clocks
-    output wire [31:0]        gain,             // 256 is 1
-    output wire [3:0]         pattern,          // as of sensor_core
-    output wire [47:0]        colours,
-    output wire [11:0]        black
+`include "sensor_registers.vh"
 );
     localparam FIRST_COLUMN = 16, FIRST_ROW = 54;
 

@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
     waves.close();
 #endif
 #if VM_COVERAGE
-    context->coveragep()->write("coverage.dat");
+    context->coveragep()->write(getenv("NCDC_COVERAGE"));
 #endif
     return 0;
 }

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_sim.runner import HDL
+from ncdc_sim.runner import hdl_text
 
 __all__ = ["AWAKE", "Light", "Fault", "sensor_sources"]
 
@@ -17,7 +17,7 @@ after them."""
 
 def sensor_sources():
     """List of (file name, text) of the module ``sensor`` and of all below it."""
-    return [(name, (HDL / name).read_text()) for name in _FILES]
+    return [(name, hdl_text(name)) for name in _FILES]
 
 
 @dataclass(frozen=True)

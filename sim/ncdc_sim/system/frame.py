@@ -7,7 +7,7 @@ from pathlib import Path
 from ncdc_sim.memory.litedram import LiteDram, litedram_sources
 from ncdc_sim.memory.timing import memory_settings, simulated_memory
 from ncdc_sim.ports import ports_of
-from ncdc_sim.runner import HDL, build, command_of
+from ncdc_sim.runner import HDL, build, command_of, hdl_text
 from ncdc_sim.runner import run as run_program
 from ncdc_sim.tools import SimulationError
 from ncdc_sim.waves import Waves, build_options, recorded
@@ -289,7 +289,7 @@ def _bench(module, memory, run, end):
     """
     simulator = run.simulator
     defines, options = module.defines(end), build_options(run.waves, simulator)
-    sources = [(name, (HDL / name).read_text()) for name in BENCH] + [("ncdc.v", module.verilog)]
+    sources = [(name, hdl_text(name)) for name in BENCH] + [("ncdc.v", module.verilog)]
     if isinstance(memory, LiteDram):
         if simulator != "verilator" or module.width % memory.native or end > memory.bytes:
             raise InputError(

@@ -10,7 +10,7 @@ from pathlib import Path
 from ncdc_hdl.export.verilog.system_cover import SYSTEM
 from ncdc_sim.memory.timing import memory_settings, simulated_memory
 from ncdc_sim.ports import ports_of
-from ncdc_sim.runner import HDL, build, command_of
+from ncdc_sim.runner import HDL, build, command_of, hdl_text
 from ncdc_sim.sensor.verilog import Fault, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
 from ncdc_sim.waves import Waves, build_options, recorded
@@ -136,7 +136,7 @@ class LiveSystem:
         readers = self.readers - ("usb_clock" in ports)
         defines |= {"NCDC_THREE_READ_PORTS": None} if readers == 3 else {}
         defines |= {"NCDC_STREAM": ports["stream_data"] // 24} if self.stream else {}
-        sources = [*((name, (HDL / name).read_text()) for name in _BENCH), *sensor_sources(),
+        sources = [*((name, hdl_text(name)) for name in _BENCH), *sensor_sources(),
                    ("ncdc_system.v", verilog)]
         top = "system_bench"
         if simulator == "icarus":

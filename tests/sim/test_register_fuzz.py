@@ -10,7 +10,7 @@ from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
-from ncdc_sim.system.nonsense import simulate_nonsense
+from ncdc_sim.system.register_fuzz import simulate_register_fuzz
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import (
@@ -44,17 +44,18 @@ def built(name):
     return corrector, verilog_of(corrector)
 
 
-def nonsense(corrector, verilog, frames, seed=1):
+def fuzz(corrector, verilog, frames, seed=1):
     raw = np.random.default_rng(6).integers(0, 256, (18, 42), np.uint8)
-    return simulate_nonsense(corrector, verilog, raw, frames, seed=seed, memory="fixed:9:4",
+    return simulate_register_fuzz(corrector, verilog, raw, frames, seed=seed, memory="fixed:9:4",
                              clock_limit=200_000 * frames)
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("name", [
     name if name == "2 pixels, memory" else pytest.param(name, marks=pytest.mark.regress)
     for name in BUILDS])
 def test_nothing_happens_outside(name):
-    result = nonsense(*built(name), 125)
+    result = fuzz(*built(name), 125)
     assert result.differing == (0,) * 125
     assert result.outside == 0
     faults = np.array(result.faults)
@@ -65,9 +66,10 @@ def test_nothing_happens_outside(name):
     assert (faults == 0).sum() > 3
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("owner", [
     ReadFence, pytest.param(Packer, marks=pytest.mark.regress)])
 def test_each_fence_is_needed(owner, monkeypatch):
     monkeypatch.setattr(owner, "_inside", staticmethod(lambda number, first, end: number >= first))
     corrector = Corrector(descriptor(), BUILDS["1 pixel, memory"])
-    assert nonsense(corrector, verilog_of(corrector), 60).outside > 0
+    assert fuzz(corrector, verilog_of(corrector), 60).outside > 0
