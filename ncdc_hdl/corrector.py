@@ -58,37 +58,37 @@ class Corrector(wiring.Component):
     ----------
     descriptor : ncdc_spec.descriptor.Descriptor
     runs : bool
-        Whether it can be started by a :class:`RunControl` as well as by the host.
+        Whether a :class:`RunControl` can start it, besides the host.
     hardware : ncdc_spec.hardware.Hardware
         With the output "memory" a burst writer stores pixels in the format that a register
-        chooses, row after row without a gap; with "stream" a video stream source is in its place.
+        chooses, row after row without a gap. With "stream" it has a video stream source instead.
 
     Members
     -------
     csr_* : Avalon-MM agent, see the register table
-    read0_*, read1_*, read2_* : Avalon-MM read hosts; the cache has the first alone
+    read0_*, read1_*, read2_* : Avalon-MM read hosts; the cache has only the first
     write_* : Avalon-MM write host (output "memory")
     stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
         video stream, red in the top byte of 24 bits per pixel, the leftmost pixel in the lowest
-        (output "stream"); of the video "vip" see :class:`VipPackets`
+        (output "stream"); for the video "vip" see :class:`VipPackets`
     stream_endofline : ``Out(1)``
-        The last group of a row, or of a frame; of hardware for AXI with the output "stream".
+        The last group of a row, or of a frame; only for AXI with the output "stream".
     read_failed : ``In(1)``
-        The memory answers a read with an error; of hardware for AXI. Its write host expects an
+        The memory answers a read with an error; only for AXI. Its write host expects an
         answer to each burst.
     memory_rst : ``In(1)``
-        The memory is in reset, or what is between the two, and forgets what it has accepted. To be
-        high together with the corrector's own reset; either may come and go first, as long as
-        nothing of what was accepted until the last clock of ``memory_rst`` is answered.
+        The memory or the bus is in reset and drops all accepted requests. It must be
+        high together with the corrector's own reset. Either may come and go first, as long as
+        no request accepted until the last clock of ``memory_rst`` is answered.
     irq : ``Out(1)``
         Frame complete.
     camera_rows : ``In(SIZE)``
         Rows of the raw frame that are in memory; counts if the register FOLLOW is 1.
     run : ``In(RUN)``
-        Starts frames in places of their own; of a corrector that ``runs`` by itself.
+        Starts frames with buffers of their own; only if it ``runs`` by itself.
     front_end_idle : ``Out(1)``
-        The network rests. A board that gives the neurons a clock of their own may gate it with
-        this; scan, queue and registers must keep theirs.
+        The network is idle. A board with a separate clock for the neurons may gate it with
+        this; scan, queue and registers need their clock.
 
     Raises
     ------
@@ -110,7 +110,7 @@ class Corrector(wiring.Component):
         self.table = ValidTable(descriptor.valid, *descriptor.geometry.corrected)
         needs = descriptor.geometry.interpolation
         f_bits = formats.coordinate.f_bits
-        # Without relays the gate's comparison would hold back the windows' stages, and these the
+        # Without relays the gate's comparison would stall the windows' stages, and these the
         # memory of the front end's queue, all in one clock.
         self.to_window = Relay(coordinate_layout(formats, lanes))
         self.window = WindowAddress(formats, lanes, needs)
@@ -198,8 +198,8 @@ class Corrector(wiring.Component):
         wiring.connect(m, scan=self.backmap.table, table=self.table.scan)
         wiring.connect(m, host=registers.valid_table, table=self.table.host)
         self._parameters(m, active)
-        refuse = self._refuse(m, begun, active)
-        m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort | refuse),
+        reject = self._reject(m, begun, active)
+        m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort | reject),
                      registers.cut.eq(self.backmap.cut)]
         way = (self.backmap, self.to_window, self.window, self.to_gate, self.row_gate, self.fetch)
         for source, sink in pairwise(way):
@@ -218,7 +218,7 @@ class Corrector(wiring.Component):
             m.d.comb += writer.memory_rst.eq(self.memory_rst)
             m.d.comb += [
                 packer.start.eq(begun), packer.base.eq(active.TARGET_BASE),
-                packer.limit.eq(active.TARGET_LIMIT), packer.refuse.eq(refuse),
+                packer.limit.eq(active.TARGET_LIMIT), packer.reject.eq(reject),
                 packer.format.eq(active.OUTPUT_FORMAT),
                 registers.faults.target.eq(packer.outside),
                 packer.order.width.eq(active.CORRECTED_WIDTH),
@@ -230,9 +230,9 @@ class Corrector(wiring.Component):
             m.d.comb += registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last)
         failed = self._axi(m, active, pixels) if self.hardware.axi else Const(0)
         running = self._counters(m, begun, pixels)
-        forgets = Signal()              # the memory was in reset a clock ago
-        m.d.sync += forgets.eq(self.memory_rst)
-        m.d.comb += registers.faults.memory.eq(failed | (running & self.memory_rst & ~forgets))
+        dropped = Signal()              # the memory was in reset a clock ago
+        m.d.sync += dropped.eq(self.memory_rst)
+        m.d.comb += registers.faults.memory.eq(failed | (running & self.memory_rst & ~dropped))
         if self.hardware.colour:
             self._colour(m, active, begun)
         return m
@@ -256,34 +256,34 @@ class Corrector(wiring.Component):
                 self.stream_endofpacket.eq(pixels.p.last)]
 
     def _axi(self, m, active, pixels):
-        """What AXI has beyond Avalon: ends of lines, and errors of the memory, which it returns."""
+        """Add AXI's ends of lines; return the errors of the memory."""
         failed = self.read_failed
         if not self.hardware.stream:
             failed = failed | self.writer.failed
         else:
-            # Groups of a row behind the present one: a frame's size rests until its last pixel.
+            # Groups of a row after this one: a frame's size is constant until its last pixel.
             left, of_row = Signal(range(MAX_SIZE)), Signal(range(MAX_SIZE))
             m.d.sync += of_row.eq((active.CORRECTED_WIDTH >> exact_log2(self.hardware.lanes)) - 1)
-            behind = Mux(pixels.p.first, of_row, left)
-            m.d.comb += self.stream_endofline.eq((behind == 0) | pixels.p.last)
+            following = Mux(pixels.p.first, of_row, left)
+            m.d.comb += self.stream_endofline.eq((following == 0) | pixels.p.last)
             with m.If(pixels.valid & pixels.ready):
-                m.d.sync += left.eq(Mux(behind == 0, of_row, behind - 1))
+                m.d.sync += left.eq(Mux(following == 0, of_row, following - 1))
         return failed
 
     def _active(self, m):
-        """The set of registers that frames see: in places of their own, if they run by itself."""
+        """The registers of a frame, with buffers of its own if it is started by `run`."""
         if not self.runs:
             return self.registers.active
         active = Signal.like(self.registers.active, name="active")
         run, registers = self.run, self.registers
         m.d.comb += active.eq(registers.active)
-        with m.If(run.placed):
+        with m.If(run.assigned):
             m.d.comb += [
-                active.SOURCE_BASE.eq(run.places.source),
-                active.SOURCE_LIMIT.eq(run.places.source_limit),
-                active.SOURCE_PITCH.eq(run.places.pitch), active.FOLLOW.eq(run.places.follow),
-                active.TARGET_BASE.eq(run.places.target),
-                active.TARGET_LIMIT.eq(run.places.target_limit),
+                active.SOURCE_BASE.eq(run.buffers.source),
+                active.SOURCE_LIMIT.eq(run.buffers.source_limit),
+                active.SOURCE_PITCH.eq(run.buffers.pitch), active.FOLLOW.eq(run.buffers.follow),
+                active.TARGET_BASE.eq(run.buffers.target),
+                active.TARGET_LIMIT.eq(run.buffers.target_limit),
             ]
         m.d.comb += [
             registers.running.eq(run.active), registers.start.eq(run.start),
@@ -292,27 +292,27 @@ class Corrector(wiring.Component):
         ]
         return active
 
-    def _refuse(self, m, begun, active):
-        """Whether the frame's set is refused: the frame then is one blank group, not written."""
+    def _reject(self, m, begun, active):
+        """Whether the frame's set is rejected: the frame then is one blank group, not written."""
         checks, faults = self.checks, self.registers.faults
-        refuse = Signal()
+        reject = Signal()
         m.d.comb += checks.active.eq(active)
         mismatch = 0                    # the raw frame has another size than the lens
         if self.runs:
-            places = self.run.places
-            mismatch = self.run.placed & ((places.width != active.DISTORTED_WIDTH)
-                                          | (places.height != active.DISTORTED_HEIGHT))
-        # The fetcher needs two clocks to tell; the scan needs to know some clocks later.
+            buffers = self.run.buffers
+            mismatch = self.run.assigned & ((buffers.width != active.DISTORTED_WIDTH)
+                                          | (buffers.height != active.DISTORTED_HEIGHT))
+        # The fetcher decides after two clocks; the scan needs the result some clocks later.
         begins = delay(m, begun, 2, "begun", reset_less=False)
         with m.If(begun):
-            m.d.sync += refuse.eq(0)
+            m.d.sync += reject.eq(0)
         with m.Elif(begins):
-            m.d.sync += refuse.eq(checks.faults.as_value().any() | self.fetch.empty | mismatch)
+            m.d.sync += reject.eq(checks.faults.as_value().any() | self.fetch.empty | mismatch)
         m.d.comb += [faults.alignment.eq(begins & checks.faults.alignment),
                      faults.size.eq(begins & (checks.faults.size | mismatch)),
                      faults.format.eq(begins & checks.faults.format),
                      faults.source.eq(begins & self.fetch.empty | self.fetch.outside)]
-        return refuse
+        return reject
 
     def _parameters(self, m, active):
         scan, network = self.backmap.scan, self.backmap.network
@@ -340,10 +340,10 @@ class Corrector(wiring.Component):
         for row in network_registers(self.descriptor.hidden_neurons, self.descriptor.formats):
             if row.name not in active.shape().members:
                 continue
-            place = network
+            target = network
             for step in row.parameter:
-                place = place[step]
-            m.d.comb += place.eq(active[row.name])
+                target = target[step]
+            m.d.comb += target.eq(active[row.name])
 
     def _colour(self, m, active, begun):
         """Join white balance, tone and sums with their registers."""
@@ -357,7 +357,7 @@ class Corrector(wiring.Component):
         m.d.comb += [counters.VALID_PIXELS.eq(sums.pixels), self.interpolator.begin.eq(begun)]
 
     def _counters(self, m, begun, pixels):
-        """What is counted of a frame; returns whether one runs."""
+        """Events that are counted in a frame; returns whether one runs."""
         counters = self.registers.counters
         running = Signal()
         values = {name: Signal(32, name=name.lower()) for name in COUNTERS}
@@ -373,8 +373,8 @@ class Corrector(wiring.Component):
             m.d.sync += running.eq(1)
         with m.Elif(self.registers.ended):
             m.d.sync += running.eq(0)
-        # Counted a clock late, so that long sums begin at registers: those of a frame's last clock
-        # stand two clocks after its end, when the registers copy them.
+        # Counted a clock late, so that long sums begin at registers. Those of a frame's last clock
+        # are valid two clocks after its end, when the registers copy them.
         anew = register(m, "count_anew", begun, reset_less=False)
         for name, value in values.items():
             m.d.comb += counters[name].eq(value)

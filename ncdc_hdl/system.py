@@ -1,4 +1,4 @@
-"""A camera system: a sensor's frames to memory, straightened, in motion, one module."""
+"""A camera system: stores and corrects a sensor's frames, as one module."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -34,26 +34,26 @@ from ncdc_spec.sensors.level import PIECES
 
 __all__ = ["System"]
 
-_BURST = 16         # words of a burst of the camera; those of the corrector's are as many
+_BURST = 16         # words of a burst of the camera and of the corrector
 
 
 class System(wiring.Component):
-    """Captures a sensor's frames, corrects each into a buffer of its own, and hands both on.
+    """Captures a sensor's frames, corrects each into a buffer of its own, and offers both.
 
-    Registers: :mod:`ncdc_spec.registers.system_map`, behind those of the corrector.
+    Registers: :mod:`ncdc_spec.registers.system_map`, after those of the corrector.
 
     Parameters
     ----------
     descriptor : ncdc_spec.descriptor.Descriptor
     hardware : ncdc_spec.hardware.Hardware
     readers : int
-        That claim frames by registers.
+        Readers that claim frames by registers.
     screens : int
         Readers of corrected frames in gateware, 0 or 1.
     grid : int, optional
-        Samples of the longest row that the sensor sends, from 8 on: samples can be moved to
-        an even Bayer grid as they come, see :class:`ncdc_hdl.camera.grid.Grid`; absent: they stay
-        where they are.
+        Samples of the longest row that the sensor sends, from 8 on. Samples can be moved to
+        an even Bayer grid as they come, see :class:`ncdc_hdl.camera.grid.Grid`; by default they are
+        not moved.
 
     Members
     -------
@@ -61,14 +61,14 @@ class System(wiring.Component):
     sensor_clock, sensor_frame_valid, sensor_line_valid, sensor_data : ``In``
         A parallel sensor's pins, see :class:`Capture`.
     scl_low, sda_low, scl, sda : ``Out(1)``, ``In(1)``
-        Of the I2C bus: pull the line low; the line.
+        The I2C bus: pull the line low; the line.
     read0_*, read1_*, read2_* : Avalon-MM read hosts, of the corrector
     write_* : Avalon-MM write host, of the camera and the corrector: see :class:`WriteArbiter`
     stream_*, memory_rst, front_end_idle
-        As of :class:`Corrector`.
+        As in :class:`Corrector`.
     screen_claim, screen_held, screen_base : ``SCREEN``, from a screen
     screen_shown, screen_underruns : ``In(32)``
-        Its counters, for the registers. All five with a screen only.
+        Its counters, for the registers. All five only with a screen.
     irq : ``Out(1)``
         The corrector's, or one of the events that are enabled.
 
@@ -149,8 +149,8 @@ class System(wiring.Component):
         m.d.comb += ours.eq(inner) if self.signature.members[name].flow is Out else inner.eq(ours)
 
     def _bus(self, m, page):
-        """The corrector's registers, and the page behind them."""
-        there = self.csr_address[ADDRESS_WORDS_BITS]    # it is the page's
+        """The corrector's registers, and the page after them."""
+        there = self.csr_address[ADDRESS_WORDS_BITS]    # the address is the page's
         corrector, bus = self.corrector, page.bus
         m.d.comb += [
             corrector.csr_address.eq(self.csr_address), bus.address.eq(self.csr_address),
@@ -176,7 +176,7 @@ class System(wiring.Component):
         join(m, self, "write", writes.bus)
 
     def _settings(self, m, values):
-        """What the registers tell the camera."""
+        """Settings of the camera from its registers."""
         settings, capture = self.capture.settings, self.capture
         base = self._base(values, "RAW", self.raw.buffer)
         m.d.comb += [
@@ -186,9 +186,9 @@ class System(wiring.Component):
             settings.width.eq(values.WINDOW_WIDTH), settings.height.eq(values.WINDOW_HEIGHT),
             settings.level.black.eq(values.BLACK_LEVEL),
             *(settings.level.curve[k].eq(values[f"CURVE{k}"]) for k in range(PIECES + 1)),
-            capture.place.pitch.eq(values.RAW_PITCH), capture.place.width.eq(values.WINDOW_WIDTH),
-            capture.place.height.eq(values.WINDOW_HEIGHT),
-            capture.place.base.eq(base), capture.place.limit.eq(base + values.RAW_BYTES),
+            capture.area.pitch.eq(values.RAW_PITCH), capture.area.width.eq(values.WINDOW_WIDTH),
+            capture.area.height.eq(values.WINDOW_HEIGHT),
+            capture.area.base.eq(base), capture.area.limit.eq(base + values.RAW_BYTES),
         ]
         if self.grid is not None:
             m.d.comb += [capture.grid.weight.eq(values.GRID_WEIGHT),
@@ -200,7 +200,7 @@ class System(wiring.Component):
         return Array(values[f"{store}{k}_BASE"] for k in range(count))[buffer]
 
     def _readers(self, m, page):
-        """The readers by registers; what each has."""
+        """The readers by registers; return their states."""
         states = []
         for k in range(self.stores.readers):
             m.submodules[f"reader{k}"] = reader = StoreReader(len(self.raw.buffer))
@@ -227,7 +227,7 @@ class System(wiring.Component):
         """Stores of frames, and the corrector between them."""
         raw, capture, first = self.raw, self.capture, self.raw.readers[0]
         begun = Signal()                # the raw store's writer has a frame since this clock
-        over = Signal()                 # the frame that is followed is no longer written
+        over = Signal()                 # the frame with early start is complete
         m.d.sync += begun.eq(capture.begins)
         m.d.comb += [
             raw.begins.eq(capture.begins), raw.ends.eq(capture.ends), raw.good.eq(capture.good),
@@ -247,7 +247,7 @@ class System(wiring.Component):
             m.d.sync += over.eq(1)
         with m.Elif(control.claim):
             m.d.sync += over.eq(0)
-        # The rows of a frame that ended early never come: the corrector makes do without them.
+        # The rows of a frame that ended early never come: the corrector continues without them.
         m.d.comb += self.corrector.camera_rows.eq(
             Mux(over, values.WINDOW_HEIGHT, capture.rows))
         if self.corrected is not None:
@@ -260,7 +260,7 @@ class System(wiring.Component):
             ]
 
     def _i2c(self, m, i2c, page):
-        """A command per write of the register; one that comes too early is refused."""
+        """A command per write of the register; one that comes too early is rejected."""
         m.d.comb += [
             i2c.quarter.eq(page.values.I2C_QUARTER), i2c.limit.eq(page.values.I2C_LIMIT),
             i2c.i.valid.eq(page.written.I2C_COMMAND), i2c.i.payload.eq(page.word),
@@ -269,7 +269,7 @@ class System(wiring.Component):
         ]
 
     def _read(self, m, page, control, i2c, readers, time):
-        """What the registers show."""
+        """Values of the readable registers."""
         raw, corrected, capture, read = self.raw, self.corrected, self.capture, page.read
         events = self._events(m, page, control, i2c)
         result = i2c.result
@@ -290,11 +290,11 @@ class System(wiring.Component):
                for k, state in enumerate(readers)},
         }
         # Each buffer has four words, which the address counts.
-        place = page.looked - STORES
+        index = page.looked - STORES
         stores = [("RAW", raw)] + ([("CORRECTED", corrected)] if corrected is not None else [])
         for name, store in stores:
             look = store.looks[0]
-            m.d.comb += look.buffer.eq(place[2:2 + len(look.buffer)])
+            m.d.comb += look.buffer.eq(index[2:2 + len(look.buffer)])
             for k in range(store.buffers):
                 shown |= {f"{name}{k}_NUMBER": look.frame.number,
                           f"{name}{k}_TIME_LOW": look.frame.time[:32],
@@ -305,7 +305,7 @@ class System(wiring.Component):
         m.d.comb += page.lock.eq(capture.active | control.corrector.active)
 
     def _events(self, m, page, control, i2c):
-        """What CAMERA_STATUS remembers, and the interrupt."""
+        """The flags of CAMERA_STATUS, and the interrupt."""
         raw, corrected = self.raw, self.corrected
         taken = [raw.taken] + ([corrected.taken] if corrected is not None else [])
         happens = {
@@ -315,7 +315,7 @@ class System(wiring.Component):
             "TAKEN": Cat(count != _before(m, count, f"taken{k}")
                          for k, count in enumerate(taken)).any(),
             "I2C_DONE": i2c.done,
-            "REFUSED": page.refused | page.written.I2C_COMMAND & ~i2c.i.ready,
+            "REFUSED": page.rejected | page.written.I2C_COMMAND & ~i2c.i.ready,
         }
         events = Signal(len(EVENTS))
         for k, (name, _) in enumerate(EVENTS):

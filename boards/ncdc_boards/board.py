@@ -1,4 +1,4 @@
-"""What a board with a camera and a screen tells of itself."""
+"""Description of a board with a camera and a screen."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ class EthernetChip:
     Parameters
     ----------
     addresses : range
-        Of its management registers (MDIO): those at which the firmware looks for it.
+        Addresses of its management registers (MDIO) at which the firmware looks for it.
     delays : bool
         The chip delays the clock that the device sends with the data; else the device does.
     """
@@ -31,14 +31,14 @@ class Board:
     Parameters
     ----------
     name, title : str
-        As given on the command line; for people.
+        As given on the command line; the name for people.
     device : str
         As its tools name it.
     platform : type
         Subclass of amaranth-boards' platform, with a resource ``camera``.
     chip : SdramChip
     memory_bytes : int
-        Of the SDRAM that the device reaches.
+        Bytes of the SDRAM that the device reaches.
     core_mhz : float
         Clock of the core and of the SDRAM.
     clock_plan : callable
@@ -55,7 +55,7 @@ class Board:
     sources : tuple of str
         Where the pins are published.
     jtag : bool
-        The registers are reached through the scan chain that configures the device as well.
+        The registers are also reached through the JTAG chain that configures the device.
     ethernet : EthernetChip or None
         What ``ncdc build --system`` uses; None: there is none.
     screen : bool

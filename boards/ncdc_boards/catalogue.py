@@ -17,7 +17,7 @@ def board_names():
 def board(name):
     """The board called ``name``.
 
-    A :class:`~ncdc_boards.board.Board`, which ``ncdc build`` makes, or a
+    The result is a :class:`~ncdc_boards.board.Board`, for ``ncdc build``, or a
     :class:`~ncdc_boards.platform_designer.board.DesignerBoard`, for ``ncdc generate``.
 
     Raises

@@ -14,21 +14,21 @@ __all__ = ["BurstReader"]
 class BurstReader(wiring.Component):
     """Turns (address, words) commands into Avalon-MM bursts and streams the words in order.
 
-    Read data cannot be stalled, so a command waits until the queue has room for all of its words
-    beside those asked for and not yet taken. Commands follow each other without a gap; several
-    may be outstanding. Words asked for before a reset are dropped, see :class:`ReadCommands`.
+    Read data cannot be stalled. So a command waits until the queue has space for all of its words
+    and for those requested and not yet taken. Commands follow each other without a gap. Several
+    may be outstanding. Words requested before a reset are dropped, see :class:`ReadCommands`.
 
-    Timing: a command reaches the bus 1 clock after it is taken; a word leaves 2 clocks after its
-    ``readdatavalid`` at the earliest.
+    Timing: a command reaches the bus 1 clock after it is taken; a word leaves 2 or more clocks
+    after its ``readdatavalid``.
 
     Parameters
     ----------
     data_width : int
         Bits of a word.
     depth : int
-        Words asked for and not yet taken, at most.
+        Most words requested and not yet taken.
     max_burst : int
-        Words of one command, at most.
+        Most words of one command.
 
     Members
     -------
@@ -36,7 +36,7 @@ class BurstReader(wiring.Component):
         Byte address (a multiple of the word) and 1..max_burst words.
     o : ``Out(stream.Signature(data_width))``
     memory_rst : ``In(1)``
-        As of :class:`ReadCommands`.
+        As in :class:`ReadCommands`.
     bus : ``Out(ReadHost(data_width, max_burst))``
 
     Raises
@@ -58,7 +58,7 @@ class BurstReader(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # A queue of two would refuse the second of two writes in a row.
+        # A queue of two would not accept the second of two writes in a row.
         m.submodules.fifo = fifo = SyncFIFOBuffered(width=self.data_width,
                                                     depth=max(self.depth, 3))
         m.submodules.commands = commands = ReadCommands(self.data_width, self.max_burst,
@@ -70,7 +70,7 @@ class BurstReader(wiring.Component):
             self.o.payload.eq(fifo.r_data), self.o.valid.eq(fifo.r_rdy),
             fifo.r_en.eq(self.o.ready),
         ]
-        claimed = Signal(range(self.depth + 1))      # words asked for and not yet taken
+        claimed = Signal(range(self.depth + 1))      # words requested and not yet taken
         taken = self.o.valid & self.o.ready
         may_ask = claimed + self.i.p.words <= self.depth
         m.d.comb += [

@@ -13,36 +13,36 @@ _BURSTS = 4  # complete bursts that wait for the bus
 
 
 def word_layout(data_width):
-    """A word to write: its bytes, which of them count, its byte address, whether the next one is
+    """A word to write: its bytes, their enables, its byte address, whether the next one is
     elsewhere in memory (``end``), and whether it is the frame's ``last``. A ``void`` one is not
-    written; it is the last one of a frame, and tells no more than that."""
+    written; it only marks the end of a frame."""
     return data.StructLayout({"data": data_width, "enable": data_width // 8,
                               "address": ADDRESS_BITS, "end": 1, "last": 1, "void": 1})
 
 
 class BurstWriter(wiring.Component):
-    """Writes words in bursts, which begin anew behind each ``end``.
+    """Writes words in bursts, which begin anew after each ``end``.
 
-    A burst begins when all of its words are queued, so that it occupies the memory for no longer
-    than it must; bursts follow each other without a gap. All outputs to the bus are registers.
+    A burst begins when all of its words are queued, so that it occupies the memory as shortly as
+    possible. Bursts follow each other without a gap. All outputs to the bus are registers.
 
-    A burst that has begun is completed, whatever happens: a reset in its middle forgets the words
-    and the bursts that have not begun, but not how many words the bus still expects; those go with
-    no byte enabled. A memory that is reset itself expects none: ``memory_rst`` ends the burst, and
-    keeps others from beginning. It goes with a reset of the writer, some clocks earlier or later.
+    A burst that has begun is always completed. A reset in its middle drops the words
+    and the bursts that have not begun, but not the words that the bus still expects. Those have
+    no byte enabled. A memory in reset expects none: ``memory_rst`` ends the burst, and
+    prevents others. It comes with a reset of the writer, some clocks earlier or later.
 
-    Behind a memory that answers writes (``pending``) a frame is done with the answer to its last
-    burst: before it, another port of the memory might still read what was there. Answers to bursts
-    of before a reset are still counted, and end no frame behind it.
+    If the memory answers writes (``pending``), a frame is done with the answer to its last
+    burst. Before it, another port of the memory might still read old data. Answers to bursts
+    from before a reset are still counted, and end no frame after it.
 
     Parameters
     ----------
     data_width : int
         Bits of a word.
     burst : int
-        Words of a burst, at most; the queue holds twice as many.
+        Most words of a burst; the queue holds twice as many.
     pending : int
-        Bursts that may wait for their answer; 0: the memory gives none.
+        Bursts that may wait for their answer; 0: the memory does not answer.
 
     Members
     -------
@@ -50,7 +50,7 @@ class BurstWriter(wiring.Component):
         Addresses are multiples of the word, ascending by a word up to an ``end``; the frame's last
         word is one, void or not.
     memory_rst : ``In(1)``
-        The memory forgets the burst that has begun.
+        The memory drops the burst that has begun.
     done : ``Out(1)``
         High for one clock when the memory has accepted the last word, or answered its burst.
     failed : ``Out(1)``
@@ -92,7 +92,7 @@ class BurstWriter(wiring.Component):
         """Queue words, and a burst whenever one is complete."""
         i = self.i.p
         count = Signal(range(self.burst))       # words gathered in the clocks before
-        address = Signal(ADDRESS_BITS)          # of the first of them
+        address = Signal(ADDRESS_BITS)          # byte address of the first of them
         taken = Signal()                        # the word at ``i`` is taken
         complete = Signal()                     # it completes the burst
         burst = Signal(layout)                  # the burst, that word included unless it is void
@@ -110,12 +110,12 @@ class BurstWriter(wiring.Component):
             m.d.sync += [count.eq(Mux(complete, 0, count + 1)), address.eq(burst.address)]
 
     def _send(self, m, word_queue, word, burst_queue, burst):
-        """Put one word after the other on the bus."""
-        write = Signal(reset_less=True)                     # a word stands on the bus
+        """Send one word after the other to the bus."""
+        write = Signal(reset_less=True)                     # a word is on the bus
         beat = Signal(word.shape(), reset_less=True)        # the word
         command = Signal(burst.shape(), reset_less=True)    # the burst that it belongs to
         left = Signal(range(self.burst + 1), reset_less=True)   # words of the burst to come
-        known = Signal()                             # the burst is of the time since the reset
+        known = Signal()                             # the burst began after the reset
         frame_end = Signal()                         # the burst is the frame's last
         none = Signal()                              # the burst to come has no word
         nothing = Signal()                           # the burst had no word
@@ -147,20 +147,20 @@ class BurstWriter(wiring.Component):
                     m.d.sync += beat.enable.eq(0)
 
     def _answers(self, m, burst_queue, burst, write, frame_end, accepted, nothing):
-        """When a frame is done, and whether the next burst may begin now.
+        """(A frame is done, the next burst may begin now).
 
-        ``accepted``: the last word of the burst on the bus is; ``nothing``: there was a burst of no
-        word, which begins only when no answer is due, as nobody answers it.
+        ``accepted``: the last word of the burst on the bus is. ``nothing``: there was a burst of no
+        word. It begins only when no answer is due, as it gets none.
         """
         if not self.pending:
             m.d.comb += self.done.eq((accepted | nothing) & frame_end)
             return Const(1)
         due = Signal(range(self.pending + 1), reset_less=True)  # answers that the memory owes
-        # Which of them end a frame, the oldest lowest; a reset forgets that, but not the answers.
+        # Which of them end a frame, the oldest lowest. A reset clears this, but not the answers.
         ends = Signal(self.pending)
         answered = self.bus.writeresponsevalid & (due != 0)
         begun = burst_queue.r_en & burst_queue.r_rdy & (burst.count != 0)
-        after = Signal.like(due)            # answers that are due behind this clock's
+        after = Signal.like(due)            # answers that are due after this clock
         m.d.comb += [
             after.eq(due - answered),
             self.done.eq(answered & ends[0] | nothing & frame_end),

@@ -8,7 +8,7 @@ from ncdc_spec.frames import ADDRESS_BITS
 __all__ = ["Agent", "ADDRESS_BITS", "PENDING", "ReadHost", "WriteHost"]
 
 PENDING = 16
-"""Write bursts that wait for their answers at a time, at most, where a memory answers."""
+"""Most write bursts that wait for their answers at a time, if the memory answers."""
 
 
 class ReadHost(wiring.Signature):
@@ -30,7 +30,7 @@ class WriteHost(wiring.Signature):
 
     Parameters: ``data_width`` in bits, ``max_burst`` in words. With ``pending``, bursts that may
     wait for an answer at a time, the agent answers each burst in order once its words are in
-    memory: ``writeresponsevalid`` for a clock, and a ``response`` other than 0 if it has failed.
+    memory. It gives ``writeresponsevalid`` for a clock, and ``response`` is not 0 if it has failed.
     """
 
     def __init__(self, data_width, max_burst, pending=0):

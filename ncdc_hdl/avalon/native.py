@@ -12,10 +12,10 @@ __all__ = ["NativePort", "NativeReader", "NativeWriter"]
 
 
 class NativePort(wiring.Signature):
-    """A native port of LiteDRAM, as its user sees it; addresses count words.
+    """A native port of LiteDRAM, from its user's side; addresses count words.
 
     A word that is written must be there when the port asks for it, and a word that was read must
-    be taken when it comes: the controller waits for neither.
+    be taken when it comes. The controller waits for neither.
     """
 
     def __init__(self, data_width):
@@ -30,17 +30,17 @@ class NativePort(wiring.Signature):
 
 
 class NativeReader(wiring.Component):
-    """Burst reads as commands of one word each; as many are under way as the controller takes.
+    """Burst reads as commands of one word each; the controller limits those under way.
 
-    Timing: a burst's first command leaves one clock after the burst was accepted, the others follow
-    in each clock in which the controller takes one; the next burst is accepted with the last
-    command of the one before. Words take no time.
+    Timing: a burst's first command leaves one clock after the burst was accepted. The others follow
+    in each clock in which the controller takes one. The next burst is accepted with the last
+    command of the one before. Words have no latency.
 
     Parameters
     ----------
     data_width : int
     max_burst : int
-        Words of a burst at most.
+        Most words of a burst.
     """
 
     def __init__(self, data_width, max_burst):
@@ -52,7 +52,7 @@ class NativeReader(wiring.Component):
         m = Module()
         bus, port = self.bus, self.port
         left = Signal.like(bus.burstcount)      # commands of the burst that are not yet taken
-        address = Signal.like(port.cmd_addr)    # word of the next of them
+        address = Signal.like(port.cmd_addr)    # word address of the next of them
         m.d.comb += [
             port.cmd_valid.eq(left != 0), port.cmd_addr.eq(address),
             bus.waitrequest.eq(~self._accepts(left, port.cmd_ready)),
@@ -66,7 +66,7 @@ class NativeReader(wiring.Component):
 
     @staticmethod
     def _accepts(left, ready):
-        """Whether a burst may come; apart, so that a proof can break it."""
+        """Whether a burst may come; a method of its own so that a proof can break it."""
         return (left == 0) | (left == 1) & ready
 
 
@@ -74,11 +74,11 @@ class NativeWriter(wiring.Component):
     """Burst writes as commands of one word each, answered when the controller has the words.
 
     A word waits in a queue before its command leaves, so that the controller, which does not wait
-    for words, never misses one. The answer to a burst comes when its last word was taken: the
-    controller keeps the order of commands to a bank, so whatever reads then reads what was
-    written.
+    for words, never misses one. The answer to a burst comes when its last word was taken. The
+    controller keeps the order of commands to a bank, so any later read returns the new
+    words.
 
-    Timing: a word's command leaves one clock after the word was accepted, at the earliest.
+    Timing: a word's command leaves at least one clock after the word was accepted.
 
     Parameters
     ----------
@@ -105,14 +105,14 @@ class NativeWriter(wiring.Component):
         m.submodules.words = words = SyncFIFOBuffered(width=self.data_width + mask_bits + 1,
                                                       depth=self.depth)
         left = Signal.like(bus.burstcount)      # words of the burst that are still to come
-        address = Signal.like(port.cmd_addr)    # of the next of them
-        here = Signal.like(address)             # of the word that the host shows
+        address = Signal.like(port.cmd_addr)    # word address of the next of them
+        here = Signal.like(address)             # word address of the word at the host
         last = Signal()                         # it ends its burst
         taken = Signal()                        # it is accepted
         m.d.comb += [
             here.eq(Mux(left == 0, bus.address[self.word_bits:], address)),
             last.eq(Mux(left == 0, bus.burstcount == 1, left == 1)),
-            bus.waitrequest.eq(~self._room(commands.w_rdy, words.w_rdy)),
+            bus.waitrequest.eq(~self._space(commands.w_rdy, words.w_rdy)),
             taken.eq(bus.write & ~bus.waitrequest),
             commands.w_en.eq(taken), commands.w_data.eq(here),
             words.w_en.eq(taken), words.w_data.eq(Cat(bus.writedata, bus.byteenable, last)),
@@ -132,10 +132,10 @@ class NativeWriter(wiring.Component):
         m.d.sync += bus.writeresponsevalid.eq(self._answers(commands.r_en, words.r_en & ends))
         return m
 
-    # What follows is apart only so that a proof can break it.
+    # Methods of their own only so that a proof can break them.
 
     @staticmethod
-    def _room(for_command, for_word):
+    def _space(for_command, for_word):
         """Whether a word may come."""
         return for_command & for_word
 

@@ -1,4 +1,4 @@
-"""Read commands, and the words a memory owes for them, which no reset but its own forgets."""
+"""Read commands, and the words due for them, which only a reset of the memory clears."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -15,33 +15,33 @@ def command_layout(max_burst):
 
 
 class ReadCommands(wiring.Component):
-    """Gives the commands of a read host and hands on the words that come back.
+    """Sends the commands of a read host and passes on the words that come back.
 
-    A reset cannot take back what the memory has been asked for, so what this knows of it is not
-    reset: a command stays on the bus until it is accepted, and words asked for before the reset
-    are dropped as they come. No new command is given before the last of them has come.
+    A reset cannot cancel requests to the memory, so their state here is not
+    reset. A command stays on the bus until it is accepted, and words requested before the reset
+    are dropped when they come. No new command is given before the last of them has come.
 
-    A memory that is reset itself owes nothing: ``memory_rst`` clears all of that. While it is high
-    no command is on the bus but for its first clock, and what comes is nobody's. It takes away what
-    the parent waits for, so it goes with a reset of the parent, earlier or later by some clocks.
+    A memory in reset owes no words: ``memory_rst`` clears that state. While it is high
+    no command is on the bus except in its first clock, and words that come are dropped. It also
+    drops words for the parent, so it comes with the parent's reset, some clocks earlier or later.
 
     Timing: a command reaches the bus 1 clock after it is taken; commands follow each other without
-    a gap. A word is handed on in the clock of its ``readdatavalid``.
+    a gap. A word is passed on in the clock of its ``readdatavalid``.
 
     Parameters
     ----------
     data_width, max_burst : int
-        Bits of a word; words of one command, at most.
+        Bits of a word; most words of one command.
     limit : int
-        Words asked for and not yet come, at most; who gives the commands keeps to it.
+        Most words requested and not yet received; the parent observes this limit.
 
     Members
     -------
     i : ``In(stream.Signature(command_layout(max_burst)))``
     memory_rst : ``In(1)``
-        The memory forgets all that it has accepted, up to and including this clock.
+        The memory drops all requests accepted up to and including this clock.
     valid, word : ``Out(1)``, ``Out(data_width)``
-        A word has come, which cannot be refused.
+        A word has come; there is no back-pressure.
     bus : ``Out(ReadHost(data_width, max_burst))``
     """
 
@@ -65,16 +65,16 @@ class ReadCommands(wiring.Component):
         words = Signal(range(self.max_burst + 1), reset_less=True)  # its words
         due = Signal(range(self.limit + 1), reset_less=True)        # words that the memory owes
         some = Signal(reset_less=True)                              # due != 0
-        stale = Signal(init=1)      # what comes was asked for before the reset
+        stale = Signal(init=1)      # words that come were requested before the reset
         accepted = read & ~bus.waitrequest
-        # Before the first reset of all the memory may say anything.
+        # Before the first reset the memory's outputs are undefined.
         came = bus.readdatavalid & some
         m.d.comb += [
             bus.read.eq(read), bus.address.eq(address), bus.burstcount.eq(words),
             self.valid.eq(came & ~stale), self.word.eq(bus.readdata),
             self.i.ready.eq(~stale & (~read | accepted)),
         ]
-        # One addition: words less one are had early.
+        # One addition: the number of words less one is known early.
         m.d.sync += due.eq(due + Mux(accepted, words - came, 0 - came))
         with m.If(accepted):
             m.d.sync += some.eq(1)
@@ -91,7 +91,7 @@ class ReadCommands(wiring.Component):
 
     @staticmethod
     def _nothing_due(read, due):
-        """Whether the memory owes nothing, and no command stands on the bus.
+        """Whether no word is due from the memory, and no command is on the bus.
 
         A method of its own only so that proofs and tests can break it.
         """

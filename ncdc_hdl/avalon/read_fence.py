@@ -1,4 +1,4 @@
-"""Keeps read commands inside a place in memory."""
+"""Keeps read commands inside an area of memory."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -13,16 +13,16 @@ __all__ = ["ReadFence"]
 
 
 class ReadFence(wiring.Component):
-    """Lets commands pass that read inside ``base`` .. ``limit`` - 1, and moves others to ``base``.
+    """Passes commands that read inside ``base`` .. ``limit`` - 1, and moves others to ``base``.
 
-    As many words come for a command that was moved, so that nobody waits for ever; they are not
-    those that were asked for. Whatever ``i`` says, addresses at ``o`` are multiples of the word,
-    and all words of a command are inside; unless the place is ``empty``, which is no place for
-    any: then nothing is to be asked for.
+    A moved command returns as many words, so that no host waits for ever; they are not
+    the words requested. For any ``i``, addresses at ``o`` are multiples of the word,
+    and all words of a command are inside. The exception is an ``empty`` area: then no
+    command may come.
 
-    Timing: a command per clock, latency ``latency``. Whether it is inside is decided in front of a
-    relay, and where it goes behind it: both in a clock would be too long, and ``o.ready`` would
-    reach all registers in front. A change of ``base`` or ``limit`` counts a clock later, and is
+    Timing: a command per clock, latency ``latency``. Whether it is inside is decided before a
+    relay, and its address after it. Both in one clock would be too long, and ``o.ready`` would
+    reach all earlier registers. A change of ``base`` or ``limit`` counts a clock later, and is
     allowed only while no command is under way.
 
     Parameters
@@ -30,15 +30,15 @@ class ReadFence(wiring.Component):
     data_width : int
         Bits of a word.
     max_burst, shortest : int
-        Words of one command, at most and at least.
+        Most and fewest words of one command.
 
     Members
     -------
     base, limit : ``In(32)``
-        Byte address of the place, and of what is behind it. Bits below the word are ignored.
+        Byte address of the area, and of its end. Bits below the word are ignored.
     i, o : streams of ``command_layout(max_burst)``
     empty : ``Out(1)``
-        The place does not hold the words of the longest command.
+        The area is smaller than the longest command.
     moved : ``Out(1)``
         High in the clock in which a command is taken that will be moved.
     """
@@ -58,13 +58,13 @@ class ReadFence(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         limit, number = self.limit[self.word_bits:], self.i.p.address[self.word_bits:]
-        first = Signal.like(number)     # number of the place's first word
-        # Number of the first word at which no command of so many words can begin.
+        first = Signal.like(number)     # number of the area's first word
+        # Number of the first word at which a command of this size no longer fits.
         ends = [Signal.like(number, name=f"end{words}") for words in self.sizes]
         m.d.sync += first.eq(self.base[self.word_bits:])
         for words, end in zip(self.sizes, ends):
             m.d.sync += end.eq(Mux(limit < words, 0, limit - (words - 1)))
-        end = Signal.like(number)       # that of a command of as many words as ``i`` has
+        end = Signal.like(number)       # the same for the size of the command at ``i``
         m.d.comb += end.eq(ends[-1])
         for words, shorter in zip(self.sizes, ends[:-1]):
             with m.If(self.i.p.words == words):

@@ -10,7 +10,7 @@ __all__ = ["Wishbone", "WishboneAgent"]
 
 
 class Wishbone(wiring.Signature):
-    """Classic cycles of 32 bits, as the host sees them; ``adr`` counts words."""
+    """Classic cycles of 32 bits, from the host's side; ``adr`` counts words."""
 
     def __init__(self, address_bits):
         super().__init__({
@@ -20,19 +20,19 @@ class Wishbone(wiring.Signature):
 
 
 class WishboneAgent(wiring.Component):
-    """One access after the other. A write of a part of a word is refused with ``err``: registers
-    are whole words.
+    """Does one access after the other. A write of a part of a word is rejected with ``err``:
+    registers are whole words.
 
-    A cycle that its host gives up after the agent has accepted a read is not answered; its word is
+    A cycle that its host aborts after the agent has accepted a read is not answered. Its word is
     dropped, and the next access waits for it.
 
-    Timing: the agent is asked in the clock in which ``stb`` rises; ``ack`` comes in the clock in
-    which it accepts a write, or sends the word.
+    Timing: the agent is accessed in the clock in which ``stb`` rises. ``ack`` comes in that in
+    which it accepts a write or sends the word.
 
     Parameters
     ----------
     address_bits : int
-        Of a word.
+        Bits of a word address.
     """
 
     def __init__(self, address_bits):
@@ -42,7 +42,7 @@ class WishboneAgent(wiring.Component):
         m = Module()
         host, agent = self.host, self.agent
         waiting = Signal()      # a read was accepted, its word has not come
-        given_up = Signal()     # its host no longer wants it
+        given_up = Signal()     # its host has aborted it
         asked = host.cyc & host.stb
         partial = host.we & (host.sel != 0xF)
         m.d.comb += [
@@ -64,5 +64,5 @@ class WishboneAgent(wiring.Component):
 
     @staticmethod
     def _remembered():
-        """That a host has given up is remembered; apart, so that a proof can break it."""
+        """Remember that a host has aborted; a method of its own so that a proof can break it."""
         return 1

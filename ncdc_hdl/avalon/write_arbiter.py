@@ -13,22 +13,22 @@ __all__ = ["WriteArbiter"]
 
 
 class WriteArbiter(wiring.Component):
-    """Gives the port to one host after the other, for whole bursts.
+    """Grants the port to one host after the other, for whole bursts.
 
-    Between two bursts the first of the ``urgent`` hosts that want to write is taken; without one,
-    the host behind the one served last, in their order. A command that stands on the bus stays
-    there. Which host has the port outlives a reset, as its burst does. The answers to bursts, if
-    the memory gives them, go to the hosts whose bursts they are of.
+    Between two bursts the first ``urgent`` host with a request is granted. Without one,
+    it is the next host after the one served last. A command on the bus stays
+    there. A reset clears neither the grant nor the burst. Answers to bursts, if
+    the memory gives them, go to the hosts of these bursts.
 
     Timing: no latency; only multiplexers between hosts and bus.
 
     Parameters
     ----------
     data_width, burst : int
-        Bits of a word; words of a burst, at most.
+        Bits of a word; most words of a burst.
     hosts : int
     pending : int
-        Bursts that may wait for an answer; 0: the memory gives none.
+        Bursts that may wait for an answer; 0: the memory does not answer.
 
     Members
     -------
@@ -36,7 +36,7 @@ class WriteArbiter(wiring.Component):
     urgent : ``In(hosts)``
         A bit for each host.
     memory_rst : ``In(1)``
-        The memory, and the hosts with it, forget the burst that has begun.
+        The memory and the hosts drop the burst that has begun.
     bus : ``Out(WriteHost(data_width, burst, pending))``
     """
 
@@ -51,22 +51,22 @@ class WriteArbiter(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         count, bus = self.count, self.bus
-        # Of one host too it is a bit: Verilog has no numbers without bits.
+        # At least one bit, also for one host: Verilog has no numbers without bits.
         owner = Signal(range(max(2, count)), reset_less=True)   # the host that had the port last
-        held = Signal(reset_less=True)                      # it has it still
+        held = Signal(reset_less=True)                      # it still has the port
         left = Signal(range(self.burst), reset_less=True)   # words of its burst to come
         served = Signal(range(max(2, count)))               # the host that has the port now
-        following = Signal(range(self.burst))               # words to come behind this clock
+        following = Signal(range(self.burst))               # words to come after this clock
         m.d.comb += served.eq(self._chosen(held, owner, self._choice(m, owner)))
         hosts = Array(self.hosts)
-        room = self._answers(m, served, left)
+        space = self._answers(m, served, left)
         for name, member in bus.signature.members.items():
             if member.flow is Out:
                 m.d.comb += getattr(bus, name).eq(getattr(hosts[served], name))
-        with m.If(~room):
+        with m.If(~space):
             m.d.comb += bus.write.eq(0)
         for k, host in enumerate(self.hosts):
-            m.d.comb += host.waitrequest.eq(bus.waitrequest | (served != k) | ~room)
+            m.d.comb += host.waitrequest.eq(bus.waitrequest | (served != k) | ~space)
         accepted = bus.write & ~bus.waitrequest
         first = left == 0
         m.d.comb += following.eq(Mux(accepted, Mux(first, bus.burstcount, left) - 1, left))
@@ -81,10 +81,10 @@ class WriteArbiter(wiring.Component):
         return Mux(held, owner, choice)
 
     def _choice(self, m, owner):
-        """The host that gets the port if nobody has it."""
+        """The host that gets the port if it is free."""
         choice = Signal(range(max(2, self.count)))
         wants = [host.write for host in self.hosts]
-        # The last assignment that holds counts: from the last choice to the first.
+        # The last assignment wins: hence from the last choice to the first.
         with m.Switch(owner):
             for last in range(self.count):
                 with m.Case(last):
@@ -101,17 +101,17 @@ class WriteArbiter(wiring.Component):
         return choice
 
     def _answers(self, m, served, left):
-        """Hand each answer to its burst's host; whether a word may go to the bus now."""
+        """Pass each answer to its burst's host; return whether a word may go to the bus now."""
         if not self.pending:
             return Const(1)
         bus = self.bus
         due = Signal(range(self.pending + 1), reset_less=True)      # answers that are owed
-        # Hosts whose bursts they are of, the oldest lowest.
+        # Hosts of these bursts, the oldest lowest.
         owners = [Signal(range(max(2, self.count)), name=f"owner{k}", reset_less=True)
                   for k in range(self.pending)]
         first = bus.write & ~bus.waitrequest & (left == 0)
         answered = bus.writeresponsevalid & (due != 0)
-        after = Signal.like(due)            # answers that are due behind this clock's
+        after = Signal.like(due)            # answers that are due after this clock
         m.d.comb += after.eq(due - answered)
         m.d.sync += due.eq(after + first)
         with m.If(answered):

@@ -21,7 +21,7 @@ _BURST = {"id": _ID_BITS, "addr": ADDRESS_BITS, "len": 8, "size": 3, "burst": 2,
 def burst_values(data_width):
     """Constant parameters of every burst of words of ``data_width`` bits, by name.
 
-    Addresses that rise by a word; normal memory that nobody caches or buffers, so that the answer
+    Addresses that rise by a word. Normal memory without caching or buffering, so that the answer
     to a write comes from the memory itself; unprivileged, secure data.
     """
     return {"id": 0, "size": (data_width // 8).bit_length() - 1, "burst": 0b01, "lock": 0,
@@ -63,7 +63,7 @@ class Lite(wiring.Signature):
 
 
 class VideoStream(wiring.Signature):
-    """AXI4-Stream of pixels of 24 bits, ``lanes`` at a time, as AMD's video blocks have it:
+    """AXI4-Stream of pixels of 24 bits, ``lanes`` at a time, as in AMD's video blocks:
     ``tuser`` with a frame's first pixel, ``tlast`` with a row's last."""
 
     def __init__(self, lanes):

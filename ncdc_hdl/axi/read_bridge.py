@@ -14,22 +14,22 @@ __all__ = ["ReadBridge"]
 class ReadBridge(wiring.Component):
     """Makes one burst of each command, or two where it would cross the end of a page.
 
-    All bursts have the same ID: their words come in the order asked for, which is Avalon's. Words
-    are never refused, as the host has claimed room for them.
+    All bursts have the same ID: their words come in the order of the requests, as on Avalon.
+    There is no back-pressure, as the host has claimed space for them.
 
-    A reset of the design takes nothing back: what has been offered stays until it is accepted, and
-    words under way still come, which the host knows to drop. ``memory_rst`` is the bus's own reset:
-    with its next clock nothing is offered and nothing expected.
+    A reset of the design cancels nothing. An offered command stays until it is accepted, and
+    words under way still come, and the host drops them. ``memory_rst`` is the bus's own reset:
+    from the next clock on nothing is offered and nothing expected.
 
     Timing: a command is offered 1 clock after the host gives it, and commands follow each other
-    without a gap; a word reaches the host in the clock in which it comes.
+    without a gap. A word reaches the host in the clock in which it comes.
 
     Parameters
     ----------
     data_width, max_burst : int
-        Bits of a word; words of a command, at most.
+        Bits of a word; most words of a command.
     pending : int
-        Bursts offered or accepted whose last word has not come, at most.
+        Most bursts offered or accepted whose last word has not come.
 
     Members
     -------
@@ -56,8 +56,8 @@ class ReadBridge(wiring.Component):
         offered = Signal(reset_less=True)                   # a burst is offered
         address = Signal(ADDRESS_BITS, reset_less=True)     # its address
         beats = Signal(8, reset_less=True)                  # its words less one
-        owed = Signal(range(self.pending + 1), reset_less=True)     # bursts as of `pending`
-        second = Signal(reset_less=True)    # the command's words behind the page's end are to come
+        owed = Signal(range(self.pending + 1), reset_less=True)     # bursts counted by `pending`
+        second = Signal(reset_less=True)    # the words after the page's end are to come
         to_end = self._to_end(host.address)
         crosses = host.burstcount > to_end
         load = Signal()                     # a burst is offered from the next clock on

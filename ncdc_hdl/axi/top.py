@@ -19,28 +19,28 @@ _PLAIN = ("irq", "camera_rows", "front_end_idle", "sensor_clock", "sensor_frame_
 class AxiTop(wiring.Component):
     """Bridges between the Avalon ports of ``core`` and AXI, all in the clock of ``aclk``.
 
-    The pixels of the stream have green lowest, then blue, then red, as AMD's video blocks have it
-    (UG934), the leftmost of several in the lowest bits.
+    The pixels of the stream have green lowest, then blue, then red, as in AMD's video blocks
+    (UG934). The leftmost of several is in the lowest bits.
 
     Parameters
     ----------
     core : Corrector or System
-        Of hardware with the bus "axi".
+        A core of hardware with the bus "axi".
 
     Members
     -------
     aclk, aresetn : ``In(1)``, ``In(1)``
-        Of all ports but a sensor's. While ``aresetn`` is low the whole is reset, and so is
-        what is between it and the memory.
+        Clock and reset of all ports but a sensor's. While ``aresetn`` is low everything is reset,
+        also what is between it and the memory.
     core_rst : ``In(1)``
-        Resets the core alone: what has been asked of the memory is completed, and an access to a
+        Resets only the core: requests to the memory are completed, and an access to a
         register is still answered.
     s_axi_* : AXI4-Lite subordinate, registers
     m_axi_read0_*, m_axi_read1_*, m_axi_read2_* : AXI4 managers that read
     m_axi_write_* : AXI4 manager that writes
     m_axis_* : AXI4-Stream source of video
     others
-        As of the core.
+        As in the core.
 
     Raises
     ------
@@ -71,11 +71,11 @@ class AxiTop(wiring.Component):
         m = Module()
         m.domains.sync = ClockDomain()
         m.submodules.core = core = self.core
-        # A register: what takes the core's reset at once wants no glitch.
-        rst = Signal(reset_less=True, init=1)           # of the core
+        # A register: asynchronous uses of the core's reset must not see a glitch.
+        rst = Signal(reset_less=True, init=1)           # reset of the core
         bus_rst_before = Signal(reset_less=True, init=1)
         m.d.sync += [rst.eq(~self.aresetn | self.core_rst), bus_rst_before.eq(~self.aresetn)]
-        bus_rst = ~self.aresetn | bus_rst_before        # overlaps with the core's
+        bus_rst = ~self.aresetn | bus_rst_before        # overlaps with the core's reset
         m.d.comb += [ClockSignal().eq(self.aclk), ResetSignal().eq(rst),
                      core.memory_rst.eq(bus_rst)]
         width, failed = self.hardware.data_width, []

@@ -12,24 +12,24 @@ __all__ = ["WriteBridge"]
 
 
 class WriteBridge(wiring.Component):
-    """Makes one burst of each of the host's, or two where it would cross the end of a page.
+    """Makes one burst of each of the host's, or two if it would cross the end of a page.
 
-    The host gets one answer to each of its bursts, with the last answer that AXI gives to it; it
-    tells of an error if one of them does. Address and first word are offered in the same clock, and
-    no word waits for its address to be accepted.
+    The host gets one answer to each of its bursts, with the last answer of AXI to it. It
+    reports an error if one of them does. Address and first word are offered in the same clock, and
+    no word waits for the acceptance of its address.
 
-    A reset of the design takes nothing back; the host completes its burst. ``memory_rst`` is the
-    bus's own reset: with its next clock nothing is offered and nothing expected.
+    A reset of the design cancels nothing; the host completes its burst. ``memory_rst`` is the
+    bus's own reset: from the next clock on nothing is offered and nothing expected.
 
     Timing: a word is offered 1 clock after the host gives it, and words follow each other without a
-    gap; an answer reaches the host in the clock in which it comes.
+    gap. An answer reaches the host in the clock in which it comes.
 
     Parameters
     ----------
     data_width, max_burst : int
-        Bits of a word; words of a burst, at most.
+        Bits of a word; most words of a burst.
     pending : int
-        Bursts offered or accepted that have not been answered, at most.
+        Most bursts offered or accepted and not yet answered.
 
     Members
     -------
@@ -59,21 +59,21 @@ class WriteBridge(wiring.Component):
         enable = Signal(self.data_width // 8, reset_less=True)      # its bytes that count
         last = Signal(reset_less=True)                      # it is its burst's last
         left = Signal(range(self.max_burst + 1), reset_less=True)   # host's words to come
-        piece = Signal(range(self.max_burst + 1), reset_less=True)  # of them, this burst's
-        page = Signal(ADDRESS_BITS - PAGE_BITS, reset_less=True)    # behind that of its first word
-        words = Signal.like(piece)          # of this burst, this clock's word and those behind it
-        total = Signal.like(left)           # of the host's, likewise
-        taken = Signal()                    # the host's word is
+        piece = Signal(range(self.max_burst + 1), reset_less=True)  # those of this burst
+        page = Signal(ADDRESS_BITS - PAGE_BITS, reset_less=True)    # page after its first word's
+        words = Signal.like(piece)          # words left of this burst, with this clock's
+        total = Signal.like(left)           # words left of the host's burst, likewise
+        taken = Signal()                    # the host's word is taken
         opens = Signal()                    # it is a burst's first
         to_end = self._to_end(host.address)
         m.d.comb += [
             opens.eq(piece == 0), total.eq(Mux(left == 0, host.burstcount, left)),
             words.eq(Mux(~opens, piece, Mux((left == 0) & (total > to_end), to_end, total))),
         ]
-        room = self._answers(m, taken & opens, words == total)
+        space = self._answers(m, taken & opens, words == total)
         m.d.comb += [
             host.waitrequest.eq((offered & ~axi.wready)
-                                | opens & (named & ~axi.awready | ~room)),
+                                | opens & (named & ~axi.awready | ~space)),
             taken.eq(host.write & ~host.waitrequest),
             axi.awvalid.eq(named), axi.awaddr.eq(address), axi.awlen.eq(beats),
             *(getattr(axi, f"aw{name}").eq(value)
@@ -98,16 +98,16 @@ class WriteBridge(wiring.Component):
         return m
 
     def _answers(self, m, begun, whole):
-        """Count answers that are owed and hand them on; whether one more burst may begin.
+        """Count due answers and pass them on; return whether one more burst may begin.
 
         ``begun``: a burst begins in this clock; ``whole``: with it the host's burst is complete.
         """
         host, axi = self.host, self.axi
-        owed = Signal(range(self.pending + 1), reset_less=True)     # bursts as of `pending`
-        finals = Signal(self.pending, reset_less=True)  # whether they end a host's, oldest lowest
+        owed = Signal(range(self.pending + 1), reset_less=True)     # bursts counted by `pending`
+        finals = Signal(self.pending, reset_less=True)  # those that end a host's, oldest lowest
         spoiled = Signal(reset_less=True)               # the one before in the same host's failed
         answered = axi.bvalid & (owed != 0)
-        after = Signal.like(owed)                       # answers owed behind this clock's
+        after = Signal.like(owed)                       # answers due after this clock
         m.d.comb += [
             axi.bready.eq(1), after.eq(owed - answered),
             host.writeresponsevalid.eq(answered & finals[0]),

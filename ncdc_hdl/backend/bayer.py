@@ -42,7 +42,7 @@ class BayerQuads(wiring.Component):
                 k = FAST.window * j + i
                 a, b = self.samples[k], self.samples[k + 1]
                 c, d = self.samples[k + FAST.window], self.samples[k + FAST.window + 1]
-                # A quad one further on starts in a column, a row, of the other kind.
+                # The next quad starts in a column, a row, of the other kind.
                 red_column, red_row = self.red_column ^ i, self.red_row ^ j
                 # Cycle 1: choose the quad's red, its blue and its two greens.
                 chosen = {

@@ -1,4 +1,4 @@
-"""Bilinear interpolation between the colours of four places."""
+"""Bilinear interpolation between the colours of four points."""
 
 from functools import partial
 
@@ -19,14 +19,14 @@ _BLOCK = 18     # bits of a multiplier block
 class Bilinear(wiring.Component):
     """Separable linear interpolation, equations (30)-(32) and Fig. 15, one rounding at the end::
 
-        upper = 2**f q00 + fx (q01 - q00)       lower likewise from the second row of places
+        upper = 2**f q00 + fx (q01 - q00)       lower likewise from the second row of points
         o     = (2**f upper + fy (lower - upper) + half) >> (2 f + u)
 
-    for each colour; u are the bits of the places' unit: one of quads, in halves, four of
+    for each colour; u is the points' fraction bits: one for quads, in halves, four for
     gradient-corrected colours, in sixteenths. The latter may leave 0..255: the result is clamped.
     Equal bit for bit to ``ncdc_model.golden.picture.bilinear``. Timing: free-running, ``latency`` clocks;
-    a register stands before each product, beside that of the difference, and two after it. Nine
-    multipliers of 18 bits: the second step's differences have a few bits more, whose products with
+    a product has a register before it, besides that of the difference, and two after it. Nine
+    multipliers of 18 bits: the second step's differences have a few more bits, whose products with
     fy are added one clock later.
 
     Parameters
@@ -34,24 +34,24 @@ class Bilinear(wiring.Component):
     f_bits : int
         Fraction bits of fx and fy.
     interpolation : Interpolation
-        What the colours are in units of.
-    places : ArrayLayout
-        Four colours: place (j, i), colour k has the index 6 j + 3 i + k.
+        It determines the unit of the colours.
+    points : ArrayLayout
+        Four points: point (j, i), colour k has the index 6 j + 3 i + k.
 
     Members
     -------
-    i : ``In(places)``
+    i : ``In(points)``
     fx, fy : ``In(f_bits)``
     reversed : ``In(2)``
-        For each row, whether its places come right to left; of signed colours only.
+        For each row, whether its points come right to left; only for signed colours.
     o : ``Out(ArrayLayout(8, 3))``
         Red, green, blue.
     """
 
-    def __init__(self, f_bits, interpolation=FAST, places=QUADS):
+    def __init__(self, f_bits, interpolation=FAST, points=QUADS):
         self.f_bits, self.unit_bits = f_bits, interpolation.unit_bits
-        self.colour = Shape.cast(places.elem_shape)
-        super().__init__({"i": In(places), "fx": In(f_bits), "fy": In(f_bits),
+        self.colour = Shape.cast(points.elem_shape)
+        super().__init__({"i": In(points), "fx": In(f_bits), "fy": In(f_bits),
                           "o": Out(data.ArrayLayout(8, 3))}
                          | ({"reversed": In(2)} if self.colour.signed else {}))
 
@@ -66,7 +66,7 @@ class Bilinear(wiring.Component):
         fy = pipeline.register(m, "fy_d6", fy_before)
         if self.colour.signed:
             minus_fy = pipeline.register(m, "minus_fy", -delay(m, self.fy, 5, "fy_above"))
-            # From the other end, the place is 1 - fx.
+            # From the other end, the position is 1 - fx.
             rows = [pipeline.register(m, f"fx{j}_d1", pipeline.register(
                 m, f"fx{j}_d0", Mux(self.reversed[j], (1 << self.f_bits) - self.fx, self.fx),
                 self.f_bits + 1)) for j in range(2)]
@@ -78,24 +78,24 @@ class Bilinear(wiring.Component):
         def lerp(name, a, b, fraction, cut=False):
             """a 2**f + fraction (b - a), 5 clocks later; ``fraction`` comes 2 clocks after a, b.
 
-            ``cut``: 6 clocks later; what of the difference is above the block is multiplied apart.
+            ``cut``: 6 clocks later; the part of the difference above the block has its own product.
             """
             # Cycles 1 and 2: subtract, and the register before the multiplier.
             subtracted = register(f"{name}_d", b - a)
             difference = delay(m, subtracted, 1, f"{name}_d")
-            place = min(_BLOCK, len(difference)) - 1
-            low = difference[:place] if cut else difference
+            split = min(_BLOCK, len(difference)) - 1
+            low = difference[:split] if cut else difference
             # Cycles 3 and 4: multiply.
             product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
             # Cycle 5, if cut: add the product of the bits above the block.
             if cut:
                 if self.colour.signed:
-                    above = self._added(m, f"{name}_h", subtracted[place:].as_signed(), fy_before,
+                    above = self._added(m, f"{name}_h", subtracted[split:].as_signed(), fy_before,
                                         minus_fy)
                 else:
-                    high = difference[place:].as_signed()
+                    high = difference[split:].as_signed()
                     above = register(f"{name}_h1", register(f"{name}_h0", high * fraction))
-                product = register(f"{name}_p2", product + (above << place))
+                product = register(f"{name}_p2", product + (above << split))
             # The last cycle: add a.
             first = delay(m, a, 5 if cut else 4, f"{name}_a") << self.f_bits
             return register(f"{name}_s", first + product,
@@ -104,7 +104,7 @@ class Bilinear(wiring.Component):
         for colour in range(3):
             q00, q01, q10, q11 = (self.i[6 * j + 3 * i + colour]
                                   for j in range(2) for i in range(2))
-            # Cycles 1 to 5: interpolate along both rows of places.
+            # Cycles 1 to 5: interpolate along both rows of points.
             upper = lerp(f"u{colour}", q00, q01, rows[0])
             lower = lerp(f"l{colour}", q10, q11, rows[1])
             # Cycles 6 to 11: interpolate between the rows.
@@ -123,7 +123,7 @@ class Bilinear(wiring.Component):
 
     @staticmethod
     def _added(m, name, high, fraction, minus):
-        """``high * fraction`` 3 clocks later, with adders: ``high``, signed, has few bits.
+        """``high * fraction`` 3 clocks later, with adders; ``high`` is signed and has few bits.
 
         In digits of -2..2 to the base 4 (Booth's recoding). ``minus``: the negated fraction.
         """

@@ -22,9 +22,9 @@ COLOUR = data.StructLayout({"gains": data.ArrayLayout(GAIN_BITS, 3),
 """Gains of red, green and blue, and nodes of the tone curve, see :mod:`ncdc_model.golden.colour`."""
 
 SUMS = data.StructLayout({name: 32 for name in ("red", "green", "blue", "pixels")})
-"""Sums of a frame's colours, and the pixels that they are of."""
+"""Sums of a frame's colours, and the number of their pixels."""
 
-_PLACE_BITS = 6         # of a place in the longest piece of the curve
+_POSITION_BITS = 6         # bits of a position in the longest piece of the curve
 
 
 class Colour(wiring.Component):
@@ -33,10 +33,10 @@ class Colour(wiring.Component):
         v = min(255, (gain_c i_c + 128) >> 8)
         o_c = min(255, (64 left + f (right - left) + 32) >> 6)
 
-    left and right are the nodes of the piece that holds v, f the place of v in it in 64ths. Two
-    pieces make an octave: the piece is told by the highest one of v and the bit below it, f is
-    what is below these two, moved to the top. Equal bit for bit to
-    :func:`ncdc_model.golden.colour.coloured`. Timing: free-running, ``latency`` clocks; a register stands
+    left and right are the nodes of the piece that holds v, f the position of v in it in 64ths. Two
+    pieces make an octave. The highest one of v and the bit below it select the piece, f is
+    the bits below these two, moved to the top. Equal bit for bit to
+    :func:`ncdc_model.golden.colour.coloured`. Timing: free-running, ``latency`` clocks; a register is
     before each product and two after it. Two multipliers a colour.
 
     Members
@@ -47,7 +47,7 @@ class Colour(wiring.Component):
     """
 
     latency = 10
-    """Clocks from a pixel to what is made of it: gain 4, piece 1, nodes 2, rise 2, sum 1."""
+    """Clocks from a pixel to its result: gain 4, piece 1, nodes 2, rise 2, sum 1."""
 
     def __init__(self):
         super().__init__({
@@ -77,28 +77,28 @@ class Colour(wiring.Component):
     def _tone(self, m, c, value):
         """The colour ``c`` of ``value`` after the tone curve, 5 clocks later."""
         register = partial(pipeline.register, m)
-        # Cycle 5: the piece, and the place in it in 64ths.
-        piece, place = Cat(value[:2], Const(0, 2)), Const(0, _PLACE_BITS)   # length 1 below 4
+        # Cycle 5: the piece, and the position in it in 64ths.
+        piece, position = Cat(value[:2], Const(0, 2)), Const(0, _POSITION_BITS)   # length 1 below 4
         for top in range(2, 8):
-            below = _PLACE_BITS + 1 - top           # zeros that follow the place's own bits
+            below = _POSITION_BITS + 1 - top           # zeros below the position's own bits
             piece = Mux(value[top], Cat(value[top - 1], Const(top, 3)), piece)
-            place = Mux(value[top], Cat(Const(0, below), value[:top - 1]), place)
+            position = Mux(value[top], Cat(Const(0, below), value[:top - 1]), position)
         piece = register(f"piece{c}", piece)
-        place = register(f"place{c}", place)
+        position = register(f"position{c}", position)
         # Cycle 6: both nodes of the piece.
         left, right = self._nodes(piece)
         left, right = register(f"left{c}", left), register(f"right{c}", right)
         # Cycle 7: their difference, the register before the multiplier.
         difference = register(f"difference{c}", right - left)
-        # Cycles 8 and 9: the rise from the left node on.
+        # Cycles 8 and 9: the rise from the left node.
         rise = register(f"rise_p1_{c}", register(
-            f"rise_p0_{c}", difference * delay(m, place, 2, f"place{c}")))
+            f"rise_p0_{c}", difference * delay(m, position, 2, f"position{c}")))
         left = delay(m, left, 3, f"left{c}")
         # Cycle 10: the byte. Between two nodes no sum is negative.
-        half = Const(1 << _PLACE_BITS - 1, _PLACE_BITS)
-        total = Signal(_PLACE_BITS + NODE_BITS, name=f"tone_total{c}")
+        half = Const(1 << _POSITION_BITS - 1, _POSITION_BITS)
+        total = Signal(_POSITION_BITS + NODE_BITS, name=f"tone_total{c}")
         m.d.comb += total.eq(Cat(half, left) + rise)
-        return Mux(total[-1], 255, total[_PLACE_BITS:-1])
+        return Mux(total[-1], 255, total[_POSITION_BITS:-1])
 
 
     def _nodes(self, piece):
@@ -117,8 +117,8 @@ class Colour(wiring.Component):
 class ColourSums(wiring.Component):
     """Sums of the colours of a frame's pixels, and their number.
 
-    A sum is at most 4096 x 4096 x 255, which its 32 bits hold. Timing: a group per clock, which the
-    sums contain after ``latency`` clocks; ``begin`` clears them in the next clock but one.
+    A sum is at most 4096 x 4096 x 255, which its 32 bits hold. Timing: a group per clock. The
+    sums contain it after ``latency`` clocks; ``begin`` clears them in the next clock but one.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class ColourSums(wiring.Component):
     Members
     -------
     begin : ``In(1)``
-        Begins a frame, in a clock before its first pixel's and behind the last one's.
+        Begins a frame, in a clock before its first pixel and after the last one's last.
     counts : ``In(lanes)``
         Whether each pixel of the group is to be counted.
     i : ``In(ArrayLayout(COLOURS, lanes))``
@@ -150,7 +150,7 @@ class ColourSums(wiring.Component):
                    for counts, pixel in zip(self.counts, (self.i[k] for k in range(self.lanes)))]
         for c, name in enumerate(("red", "green", "blue", "pixels")):
             terms = [pixel[c] for pixel in counted] if c < 3 else list(self.counts)
-            # Cycle 1: what counts. Cycle 2: added up over the group. Cycle 3: over the frame.
+            # Cycle 1: select. Cycle 2: added up over the group. Cycle 3: over the frame.
             terms = [register(f"{name}_term{k}", term) for k, term in enumerate(terms)]
             group = register(f"{name}_group", sum(terms[1:], start=terms[0]))
             m.d.sync += self.sums[name].eq(Mux(anew, 0, self.sums[name] + group))

@@ -1,4 +1,4 @@
-"""Gradient-corrected Bayer decoder: four full colours from a 6x6 raw window, with adders alone."""
+"""Gradient-corrected Bayer decoder: four full colours from a 6x6 raw window, with adders only."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -7,46 +7,46 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_spec.interpolation import GRADIENT
 
-__all__ = ["GradientPlaces"]
+__all__ = ["GradientPoints"]
 
-# Place (j, i), colour k, in units of a sixteenth: index 6 j + 3 i + k. The kernels' weights of one
+# Point (j, i), colour k, in units of a sixteenth: index 6 j + 3 i + k. The kernels' weights of one
 # sign sum up to 28 sixteenths, those of the other to 12: 14 bits hold every value.
-_PLACES = data.ArrayLayout(signed(14), 12)
+_POINTS = data.ArrayLayout(signed(14), 12)
 
 
-class GradientPlaces(wiring.Component):
-    """The colours of four neighbouring samples by the kernels of Malvar, He and Cutler (2004).
+class GradientPoints(wiring.Component):
+    """Colours of four neighbouring samples by the kernels of Malvar, He and Cutler (2004).
 
-    Each row of two places has a green sample and a chroma sample, red or blue. With the sample c,
+    Each row of two points has a green sample and a chroma sample, red or blue. With the sample c,
     the sums of its neighbours left and right, H, above and below, V, of its four diagonal ones, D,
-    and of those two away along the row, Q, and along the column, P, in sixteenths::
+    and of those two positions away along the row, Q, and along the column, P, in sixteenths::
 
         green at chroma     8 c + 4 (H + V) - 2 (P + Q)
         chroma at chroma   12 c + 4 D - 3 (P + Q)                 the other one
         chroma at green    10 c + 8 H - 2 D - 2 Q + P             that of the same row
                            10 c + 8 V - 2 D - 2 P + Q             that of the other row
 
-    Nothing is rounded or clamped. So that each kernel stands in one place, the places of a row are
-    put out green first; ``reversed`` tells where that is not their order from left to right. The
+    Nothing is rounded or clamped. So that each kernel is needed once, the points of a row are
+    output green first. ``reversed`` is high if that is not their order from left to right. The
     chroma of the upper row comes first among the colours; it is blue if ``swapped``. Otherwise
     equal bit for bit to ``ncdc_model.golden.picture.gradient_colours``.
 
-    Of a grey sensor (``mono``) green is that of ``ncdc_model.golden.picture.grey_places``, and the other
-    two colours say nothing: at chroma c itself stands for H and for V, zero for P and for Q, which
-    leaves 8 c + 4 (c + c).
+    With a grey sensor (``mono``) green is that of ``ncdc_model.golden.picture.grey_places``. The other
+    two colours have no meaning: at chroma, H and V are replaced by c, P and Q by zero, which
+    gives 8 c + 4 (c + c).
 
     Timing: free-running, ``latency`` clocks.
 
     Members
     -------
     samples : ``In(ArrayLayout(8, 24))``
-        Those of ``GRADIENT.samples``.
+        The samples of ``GRADIENT.samples``.
     red_column, red_row : ``In(1)``
-        Whether the first place's sample is in a column, a row, that holds red samples.
+        Whether the first point's sample is in a column, a row, that holds red samples.
     mono : ``In(1)``
         Whether the sensor is grey; constant during a frame.
     o : ``Out(ArrayLayout(signed(14), 12))``
-        Row by row, in each the green sample, then the chroma sample; of each the chroma of the
+        Row by row, in each the green sample, then the chroma sample; for each the chroma of the
         upper row, green, the chroma of the lower row.
     reversed : ``Out(2)``
         For each row, whether its chroma sample is left of the green one.
@@ -59,22 +59,22 @@ class GradientPlaces(wiring.Component):
         super().__init__({
             "samples": In(data.ArrayLayout(8, len(GRADIENT.samples))),
             "red_column": In(1), "red_row": In(1), "mono": In(1),
-            "o": Out(_PLACES), "reversed": Out(2), "swapped": Out(1),
+            "o": Out(_POINTS), "reversed": Out(2), "swapped": Out(1),
         })
 
     def elaborate(self, platform):
         m = Module()
-        # Cycle 1: whether the first place is red or blue, which chooses some hundreds of bits.
+        # Cycle 1: whether the first point is red or blue, which selects hundreds of bits.
         chroma_first = register(m, "chroma_first", ~(self.red_row ^ self.red_column))
-        samples = {place: register(m, f"s{n}", sample)
-                   for n, (place, sample) in enumerate(zip(GRADIENT.samples, self.samples))}
+        samples = {position: register(m, f"s{n}", sample)
+                   for n, (position, sample) in enumerate(zip(GRADIENT.samples, self.samples))}
         m.d.comb += [
             self.reversed.eq(delay(m, Cat(chroma_first, ~chroma_first), self.latency - 1,
                                    "reversed")),
             self.swapped.eq(delay(m, ~self.red_row, self.latency, "swapped")),
         ]
         for row in range(2):
-            # Of the lower row, green is first where chroma is in the upper one.
+            # In the lower row, green is first where chroma is first in the upper one.
             chroma_left = chroma_first ^ row
             at = 2 + row
             green = self._around(m, f"g{row}", samples, at, chroma_left)
@@ -144,4 +144,4 @@ class GradientPlaces(wiring.Component):
     @staticmethod
     def _last(m, name, value):
         """The register of an output."""
-        return register(m, f"{name}_o", value, _PLACES.elem_shape)
+        return register(m, f"{name}_o", value, _POINTS.elem_shape)

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.bayer import BayerQuads
 from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.colour import COLOUR, SUMS, Colour, ColourSums
-from ncdc_hdl.backend.gradient import GradientPlaces
+from ncdc_hdl.backend.gradient import GradientPoints
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
@@ -16,23 +16,23 @@ from ncdc_spec.interpolation import FAST
 
 __all__ = ["Interpolator"]
 
-_QUEUED = 32    # groups at least: a queue of fewer takes as much memory
+_QUEUED = 32    # fewest groups: a smaller queue takes as much memory
 
 class Interpolator(wiring.Component):
     """Bayer decoder and bilinear interpolator between two streams; blank pixels get the fill.
 
-    The arithmetic runs free; a window is taken only if the queue behind has room for its pixel.
+    The arithmetic runs free; a window is taken only if the output queue has space for its pixel.
     Timing: one group per clock; ``latency`` clocks from a window to its pixel in the queue.
 
     Parameters
     ----------
     f_bits : int
-        Fraction bits of the place in the window.
+        Fraction bits of the position in the window.
     lanes : int
         Pixels of a group, each with a decoder and an interpolator of its own.
     interpolation : Interpolation
     colour : bool
-        Whether there are white balance and tone behind the interpolation, and sums of the colours.
+        Whether there are white balance and tone after the interpolation, and sums of the colours.
 
     Members
     -------
@@ -41,10 +41,10 @@ class Interpolator(wiring.Component):
         Constant during a frame.
     mono : ``In(1)``
         Whether the sensor is grey: all three colours are its samples. Constant during a frame; not
-        of the fast interpolation.
+        for the fast interpolation.
     colour, begin, sums : ``In(COLOUR)``, ``In(1)``, ``Out(SUMS)``
-        Gains and tone curve, constant during a frame; of pixels with a source only. Begins a frame,
-        before its first window. Sums of its colours before the gains, of pixels with a source. All
+        Gains and tone curve, constant during a frame; for pixels with a source. Begins a frame,
+        before its first window. Sums of its colours before the gains, for pixels with a source. All
         three only with ``colour``.
     i : ``In(stream.Signature(window_layout(f_bits, lanes, interpolation)))``
     o : ``Out(stream.Signature(pixel_layout(lanes)))``
@@ -52,7 +52,7 @@ class Interpolator(wiring.Component):
 
     def __init__(self, f_bits, lanes=1, interpolation=FAST, colour=False):
         self.f_bits, self.lanes, self.interpolation = f_bits, lanes, interpolation
-        self.decoders = [BayerQuads() if interpolation == FAST else GradientPlaces()
+        self.decoders = [BayerQuads() if interpolation == FAST else GradientPoints()
                          for _ in range(lanes)]
         self.bilinears = [Bilinear(f_bits, interpolation, decoder.signature.members["o"].shape)
                           for decoder in self.decoders]
@@ -73,14 +73,14 @@ class Interpolator(wiring.Component):
     @property
     def queued(self):
         """Groups that the queue and the pipeline before it hold."""
-        return max(_QUEUED, CreditQueue.least_depth(self.latency))
+        return max(_QUEUED, CreditQueue.min_depth(self.latency))
 
     def elaborate(self, platform):
         m = Module()
         m.submodules.queue = queue = CreditQueue(
             pixel_layout(self.lanes), depth=self.queued)
         m.d.comb += [
-            self.i.ready.eq(queue.room), queue.issue.eq(self.i.valid & self.i.ready),
+            self.i.ready.eq(queue.space), queue.issue.eq(self.i.valid & self.i.ready),
             queue.arrive.eq(delay(m, queue.issue, self.latency, "issue", reset_less=False)),
             Cat(queue.i.first, queue.i.last).eq(
                 delay(m, Cat(self.i.p.first, self.i.p.last), self.latency, "flags")),
@@ -113,14 +113,14 @@ class Interpolator(wiring.Component):
         return m
 
     def _coloured(self, m, k, colours):
-        """What gain and tone make of the ``colours`` of lane ``k``: blue, green, red."""
+        """The ``colours`` of lane ``k`` after gain and tone: blue, green, red."""
         m.submodules[f"colour{k}"] = colour = self.colours[k]
         m.d.comb += [colour.colour.eq(self.colour),
                      Cat(colour.i[2], colour.i[1], colour.i[0]).eq(colours)]
         return Cat(colour.o[2], colour.o[1], colour.o[0])
 
     def _sums(self, m, issue):
-        """Sum up what goes into the gains, of the pixels that have a source."""
+        """Sum up the inputs of the gains, for pixels with a source."""
         m.submodules.sums = sums = ColourSums(self.lanes)
         interpolated = self.latency - self.colours[0].latency
         seen = Cat(issue & ~window.blank for window in lanes_of(self.i.p))

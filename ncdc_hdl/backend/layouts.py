@@ -10,20 +10,20 @@ __all__ = ["edge_layout", "edges", "pixel_layout", "request_layout", "window_lay
 
 
 def edge_layout(interpolation):
-    """How many columns, or rows, of a window are outside the frame, and whether they are behind
+    """Number of columns, or rows, of a window outside the frame, and whether they are after
     its last one (else before its first one)."""
-    return data.StructLayout({"missing": range(interpolation.margin + 1), "behind": 1})
+    return data.StructLayout({"missing": range(interpolation.margin + 1), "after": 1})
 
 
 def edges(interpolation):
-    """Fields ``edge_x`` and ``edge_y`` of a window that may leave the frame; none of others."""
+    """Fields ``edge_x`` and ``edge_y`` of a window that may leave the frame; else none."""
     if not interpolation.margin:
         return {}
     return {"edge_x": edge_layout(interpolation), "edge_y": edge_layout(interpolation)}
 
 
 def request_layout(f_bits, lanes=1, interpolation=FAST):
-    """A window to fetch: the sample that names its first place, the pixel's place from there on as
+    """A window to fetch: the sample of its first point, the pixel's position relative to it as
     fractions of ``f_bits`` bits, whether the pixel is blank, and :func:`edges`; ``lanes`` of them
     as :func:`ncdc_hdl.lib.groups.grouped`."""
     return grouped({"x0": range(MAX_SIZE), "y0": range(MAX_SIZE), "fx": f_bits, "fy": f_bits,
@@ -31,8 +31,8 @@ def request_layout(f_bits, lanes=1, interpolation=FAST):
 
 
 def window_layout(f_bits, lanes=1, interpolation=FAST):
-    """A fetched window: those samples of it that ``interpolation`` uses, row by row, parity of the
-    sample that names the first place, the pixel's place, whether the pixel is blank; ``lanes`` of
+    """A fetched window: the samples that ``interpolation`` uses, row by row, parity of the
+    sample of the first point, the pixel's position, whether the pixel is blank; ``lanes`` of
     them as :func:`ncdc_hdl.lib.groups.grouped`."""
     samples = data.ArrayLayout(8, len(interpolation.samples))
     return grouped({"samples": samples, "odd_column": 1, "odd_row": 1,

@@ -15,14 +15,14 @@ from ncdc_spec.interpolation import FAST
 
 __all__ = ["Multiport"]
 
-_MAX_BURST = 2  # words that three bytes can lie in
+_MAX_BURST = 2  # most words that three bytes can be in
 
 
 class Multiport(wiring.Component):
     """Three-port fetch of 3x3 windows with reuse, section III.C and Fig. 30 of the paper.
 
     Row r of a window is read by reader r in a burst of one or two words. A window at the same
-    place as the one before it is not read again (Fig. 18). Byte (x, y) of the raw frame is at
+    position as the one before it is not read again (Fig. 18). Byte (x, y) of the raw frame is at
     ``base + y pitch + x``. Windows leave in order; a blank request reads nothing.
 
     Timing: ``in_flight`` windows of two words, or twice as many of one, may be under way, which
@@ -31,27 +31,27 @@ class Multiport(wiring.Component):
     Parameters
     ----------
     f_bits : int
-        Fraction bits of the place in the window.
+        Fraction bits of the position in the window.
     data_width : int
         Bits of a memory word: 32, 64 or 128.
     in_flight : int
-        Windows of two words for which each reader has room.
+        Windows of two words for which each reader has space.
 
     Members
     -------
     base, limit, pitch : ``In``
-        Byte address of the raw frame and of what is behind its place, bytes from row to row;
-        multiples of the word, constant during a frame. Nothing outside the place is read, see
+        Byte address of the raw frame and of the end of its area, bytes from row to row;
+        multiples of the word, constant during a frame. Nothing outside the area is read, see
         :class:`ReadFence`.
     height : ``In(SIZE)``
-        Not used: no row below the frame is asked for.
+        Not used: no row below the frame is requested.
     memory_rst : ``In(1)``
-        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
+        As in :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits)))``
     o : ``Out(stream.Signature(window_layout(f_bits)))``
     bus0, bus1, bus2 : ``Out(ReadHost(...))``
     outside, empty : ``Out(1)``
-        A row of a window is asked for that is outside the place; as of :class:`ReadFence`.
+        A row of a window is requested that is outside the area; as in :class:`ReadFence`.
     fetched : ``Out(1)``
         High for one clock per window read from memory.
     waiting : ``Out(1)``
@@ -104,20 +104,20 @@ class Multiport(wiring.Component):
     def _ask(self, m, fences, tokens, token_layout, byte_bits):
         """Requests to commands for the readers, and a token for each request, in order."""
         request = self.i.p
-        # A: the offset of the row is known, and whether the window is where the last one was.
+        # A: the offset of the row is known, and whether the window is that of the last one.
         a_valid = Signal()                  # there is a request in this stage
         a = Signal(request.shape())         # the request
-        a_offset = Signal(ADDRESS_BITS)     # of its first row in the raw frame, in bytes
-        a_reuse = Signal()                  # its window is where the last one was
-        # The place of the last window that was not blank, if there was one in this frame.
+        a_offset = Signal(ADDRESS_BITS)     # offset of its first row in the raw frame, in bytes
+        a_reuse = Signal()                  # its window has the position of the last one
+        # The position of the last window that was not blank, if there was one in this frame.
         last = Signal(data.StructLayout({"x0": len(request.x0), "y0": len(request.y0),
                                          "known": 1}))
-        sent = Signal(FAST.window + 1)          # which of readers and tokens have taken the request
-        taken = Signal(FAST.window + 1)          # which of them have when this clock ends
+        sent = Signal(FAST.window + 1)          # readers and tokens that have taken the request
+        taken = Signal(FAST.window + 1)          # those that have at the end of this clock
         fetch = ~a.blank & ~a_reuse
         first_byte = Signal(ADDRESS_BITS)   # address of the window's first byte
-        end = Signal(byte_bits + 1)         # the last byte's place from the first byte's word on
-        token = Signal(token_layout)        # what the window's answer has to know
+        end = Signal(byte_bits + 1)         # the last byte, counted from the first byte's word
+        token = Signal(token_layout)        # state for the window's answer
         m.d.comb += [
             first_byte.eq(self.base + a_offset + a.x0),
             end.eq(a.x0[:byte_bits] + FAST.window - 1),
@@ -149,18 +149,18 @@ class Multiport(wiring.Component):
             with m.If(self.i.valid & ~request.blank):
                 m.d.sync += [last.x0.eq(request.x0), last.y0.eq(request.y0), last.known.eq(1)]
             with m.Elif(self.i.valid & request.first):
-                # Another frame: what the window holds is of the old one.
+                # Another frame: the window's samples are from the old one.
                 m.d.sync += last.known.eq(0)
 
     def _answer(self, m, readers, tokens, token_layout):
         """Words of the readers to windows, in the tokens' order."""
         token = data.View(token_layout, tokens.r_data)
-        offset = Signal(len(token.offset))      # of the window that the readers' words hold
-        here = Signal(len(token.offset))        # of the window that is answered
+        offset = Signal(len(token.offset))      # offset of the window in the readers' words
+        here = Signal(len(token.offset))        # offset of the window that is answered
         complete = []
         for r, reader in enumerate(readers):
-            words = Signal(2 * self.data_width, name=f"words{r}")       # that have come
-            count = Signal(range(_MAX_BURST + 1), name=f"count{r}")     # how many have
+            words = Signal(2 * self.data_width, name=f"words{r}")       # the words received
+            count = Signal(range(_MAX_BURST + 1), name=f"count{r}")     # their number
             needed = 1 + token.two_words
             m.d.comb += reader.o.ready.eq(tokens.r_rdy & token.fetch & (count != needed))
             with m.If(reader.o.valid & reader.o.ready):

@@ -1,4 +1,4 @@
-"""Holds windows back until the camera has written their rows."""
+"""Delays windows until the camera has written their rows."""
 
 from amaranth import *
 from amaranth.lib import stream, wiring
@@ -14,26 +14,26 @@ __all__ = ["RowGate"]
 
 
 class RowGate(wiring.Component):
-    """Lets a group of windows pass once every row that the fetcher may read for it is written.
+    """Passes a group of windows once every row that the fetcher may read for it is written.
 
     A window ends in row y0 + 2, that of the gradient-corrected interpolation in y0 + 3, and a cache
-    reads that row's whole tile of four rows, or two, so that a pixel passes if::
+    reads that row's whole tile of four rows, or two. A pixel passes if::
 
         blank  or  not follow  or  rows >= min(((y0 + 2) | 3) + 1, height)      fast
                                    rows >= min(((y0 + 3) | 1) + 1, height)      gradient
 
     with ``rows`` the largest ``camera_rows`` of this frame, the first one that of ``start``. Once
-    the frame is complete the camera's counter may thus begin again. The same rule is kept for a
+    the frame is complete the camera's counter may thus begin again. The same rule applies to a
     fetcher without tiles. All pixels of a group pass together.
 
-    Timing: two stream stages (compare, pass), latency 2, one group per clock; a change of
-    ``camera_rows`` counts ``rows_latency`` clocks later for a group that comes, or waits in the
-    first stage.
+    Timing: two stream stages (compare, pass), latency 2, one group per clock. A change of
+    ``camera_rows`` takes effect after ``rows_latency`` clocks for a group that comes or waits in
+    the first stage.
 
     Parameters
     ----------
     f_bits : int
-        Fraction bits of the place in the window.
+        Fraction bits of the position in the window.
     lanes : int
         Pixels of a group.
     interpolation : Interpolation
@@ -41,13 +41,13 @@ class RowGate(wiring.Component):
     Members
     -------
     start : ``In(1)``
-        First clock of a frame; its first group comes 3 clocks later or more.
+        First clock of a frame; its first group comes at least 3 clocks later.
     follow : ``In(1)``
-        Whether anything is held back; constant during a frame.
+        Whether windows are delayed; constant during a frame.
     height : ``In(SIZE)``
         Rows of the distorted image, constant during a frame.
     abort : ``In(1)``
-        Pixels that would have to wait pass as blank ones instead: the camera may have stopped.
+        Pixels that would have to wait pass as blank ones: the camera may have stopped.
     camera_rows : ``In(SIZE)``
         Rows of the frame, from the top, that are in memory.
     i, o : streams of ``request_layout(f_bits, lanes, interpolation)``
@@ -55,7 +55,7 @@ class RowGate(wiring.Component):
 
     latency = 2
     rows_latency = 2
-    """Clocks from a change of ``camera_rows`` to that of what is compared: the count, the limit."""
+    """Clocks from a change of ``camera_rows`` to that of its comparison: the count, the limit."""
 
     def __init__(self, f_bits, lanes=1, interpolation=FAST):
         self.interpolation = interpolation
@@ -69,7 +69,7 @@ class RowGate(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         rows = Signal(SIZE)     # the largest ``camera_rows`` of this frame
-        limit = Signal(SIZE)    # windows that start above it pass: one comparison, to a register
+        limit = Signal(SIZE)    # windows that start above it pass: one comparison with a register
         with m.If(self.start | (self.camera_rows > rows)):
             m.d.sync += rows.eq(self.camera_rows)
         height, after = self.interpolation.tile_height, self._after(self.interpolation)
@@ -81,11 +81,11 @@ class RowGate(wiring.Component):
         with m.Else():
             m.d.sync += limit.eq(Mux(tiles <= after // height, 0, tiles * height - after))
 
-        # C: a group that came, and which of its pixels were too early a clock ago.
+        # C: a group, and its pixels that were too early a clock ago.
         c_valid = Signal()
         c = Signal.like(self.i.payload)
         early = Signal(len(lanes_of(c)))
-        leaves = Signal()       # what is in C goes on
+        leaves = Signal()       # the group in C leaves
         passes = ~early.any() | self.abort
         m.d.comb += [leaves.eq(c_valid & passes & (~self.o.valid | self.o.ready)),
                      self.i.ready.eq(~c_valid | leaves)]

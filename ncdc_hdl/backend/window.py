@@ -1,4 +1,4 @@
-"""From a back-map coordinate to the raw window that the pixel is made from."""
+"""From a back-map coordinate to the raw window of the pixel."""
 
 from amaranth import *
 from amaranth.lib import stream, wiring
@@ -13,14 +13,14 @@ __all__ = ["WindowAddress"]
 
 
 class WindowAddress(wiring.Component):
-    """The sample that names a pixel's first place, and where from there on it lies, per axis::
+    """The sample of a pixel's first point, and the position relative to it, per axis::
 
         x0, fx = floor(x' - offset), x' - offset - x0       offset 0.5 (fast), 0 (gradient)
         blank  = the input's, or x0 outside -1 .. width - core + 1      core 3 (fast), 2 (gradient)
 
-    An x0 of -1 or width - core + 1 is moved to the nearest place inside, see
-    ``ncdc_model.golden.picture.window_address``, to which this is equal bit for bit. Of windows with a
-    margin it also tells how much of them is outside the frame.
+    An x0 of -1 or width - core + 1 is moved to the nearest point inside, see
+    ``ncdc_model.golden.picture.window_address``, to which this is equal bit for bit. For windows with a
+    margin it also gives the parts outside the frame.
     Timing: three stream stages (subtract, compare, choose), latency 3, one group per clock.
 
     Parameters
@@ -59,8 +59,8 @@ class WindowAddress(wiring.Component):
             beyond = Signal(signed(self.q.i_bits + 1), name=f"beyond_{axis}")
             m.d.sync += [last_inside.eq(size - core), beyond.eq(size - (core - 1))]
             limits.append((last_inside, beyond))
-        # The stages move together: a `ready` that went through each of them would be the longest
-        # way of the core.
+        # The stages move together: a `ready` path through all of them would be the longest
+        # path of the core.
         move = Signal()
         m.d.comb += [move.eq(~self.o.valid | self.o.ready), self.i.ready.eq(move)]
         with m.If(move):
@@ -78,7 +78,7 @@ class WindowAddress(wiring.Component):
         """The window ``o`` of the coordinate ``i`` in lane ``k``."""
         offset = int(self.interpolation.offset * (1 << self.q.f_bits))
         blank = Signal(name=f"blank{k}")        # the input's, with the shifted coordinates
-        inside = []                             # conditions that the origin is not too far out
+        inside = []                             # conditions for an origin near enough to the image
         m.d.sync += blank.eq(i.blank)
         for axis, coordinate, (last, beyond), origin, fraction in (
                 ("x", i.x, limits[0], o.x0, o.fx), ("y", i.y, limits[1], o.y0, o.fy)):
@@ -92,7 +92,7 @@ class WindowAddress(wiring.Component):
             m.d.sync += shifted.eq(coordinate - offset)
             # Stage 2: compare.
             m.d.sync += [held.eq(shifted), before.eq(whole == -1), at_end.eq(whole == beyond)]
-            # Stage 3: choose; an origin just outside is moved to the nearest place inside.
+            # Stage 3: choose; an origin just outside is moved to the nearest point inside.
             m.d.sync += [origin.eq(held >> self.q.f_bits), fraction.eq(held)]
             with m.If(before):
                 m.d.sync += [origin.eq(0), fraction.eq(0)]
@@ -107,7 +107,7 @@ class WindowAddress(wiring.Component):
         m.d.sync += o.blank.eq(passed | ~within.all())
 
     def _edge(self, m, whole, last, edge, name):
-        """How much of a window is outside: ``whole`` is its first place before it is moved in."""
+        """Part of a window outside the image; ``whole`` is its first point before it is moved."""
         margin = self.interpolation.margin
         near = Signal(margin, name=f"near_{name}")      # bit n: n + 1 are missing at the beginning
         far = Signal(margin, name=f"far_{name}")        # bit n: n + 1 are missing at the end
@@ -117,5 +117,5 @@ class WindowAddress(wiring.Component):
             if inward == 0:
                 at_start, at_end = at_start | (whole == -1), at_end | (whole == last + 1)
             m.d.sync += [near[n].eq(at_start), far[n].eq(at_end)]
-        m.d.sync += edge.behind.eq(far.any())
+        m.d.sync += edge.after.eq(far.any())
         m.d.sync += edge.missing.eq(sum(Mux(near[n] | far[n], n + 1, 0) for n in range(margin)))

@@ -1,4 +1,4 @@
-"""A sensor's rows binned by 2 in both axes, in their Bayer pattern."""
+"""A sensor's rows binned by 2 in both axes, with their Bayer pattern."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -11,15 +11,15 @@ from ncdc_spec.sensors.level import SAMPLE_BITS
 
 __all__ = ["READ_CLOCKS", "Binning"]
 
-READ_CLOCKS = 2     # of a row of samples: the memory, and a register behind it
+READ_CLOCKS = 2     # latency of a row of samples: the memory, and its output register
 _SUM = 1
 
 
 class Binning(wiring.Component):
     """Computes :func:`ncdc_spec.sensors.grid.binned` of the frames that pass, if ``on``.
 
-    A result leaves with the last of its four samples, a row with the end of its lower rows. What
-    follows of a row that is longer than ``width`` is undefined.
+    A result leaves with the last of its four samples, a row with the end of its lower rows. A row's
+    samples after ``width`` are undefined.
 
     Timing: free-running; ``o`` follows ``i`` after ``latency`` clocks.
 
@@ -45,7 +45,7 @@ class Binning(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         i, o = self.i, self.o
-        x, y = Signal(range(self.width)), Signal(2)     # of the sample; y modulo 4
+        x, y = Signal(range(self.width)), Signal(2)     # position of the sample; y modulo 4
         last, before = Signal(SAMPLE_BITS), Signal(SAMPLE_BITS)
         with m.If(i.valid):
             m.d.sync += [x.eq(x + (x != self.width - 1)), last.eq(i.sample), before.eq(last)]
@@ -53,13 +53,13 @@ class Binning(wiring.Component):
             m.d.sync += [x.eq(0), y.eq(y + 1)]
         with m.If(~i.frame):
             m.d.sync += [x.eq(0), y.eq(0)]
-        second, lower = x[1], y[1]      # of the pair in the row; the lower row of its pair
-        # The sums of both upper rows lie between each other, two and two.
+        second, lower = x[1], y[1]      # second sample of the pair; the lower row of its pair
+        # The sums of both upper rows are interleaved in pairs.
         m.submodules.sums = sums = block_memory(SAMPLE_BITS + 1, -(-self.width // 4) * 4)
         write, read = sums.write_port(), sums.read_port()
         pair = register(m, "pair", i.sample + before)
-        place = register(m, "place", Cat(x[0], y[0], x[2:]))
-        m.d.comb += [write.addr.eq(place), write.data.eq(pair), read.addr.eq(place)]
+        position = register(m, "position", Cat(x[0], y[0], x[2:]))
+        m.d.comb += [write.addr.eq(position), write.data.eq(pair), read.addr.eq(position)]
         m.d.comb += write.en.eq(register(m, "upper", i.valid & second & ~lower, reset_less=False))
         above = register(m, "above", read.data)
         four = register(m, "four", above + delay(m, pair, READ_CLOCKS, "pair") + 2)

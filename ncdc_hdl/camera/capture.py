@@ -8,7 +8,7 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.bus import WriteHost
-from ncdc_hdl.camera.frame_writer import COUNTS, PLACE, FrameWriter
+from ncdc_hdl.camera.frame_writer import AREA, COUNTS, FrameWriter
 from ncdc_hdl.camera.layouts import ENTRY, GRID, PINS, SETTINGS, SIZE_BITS
 from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_hdl.lib.relay import Relay
@@ -20,7 +20,7 @@ class Capture(wiring.Component):
     """Writes the frames of a sensor to memory, while it is enabled.
 
     The sensor's clock, which may have any rate and stop at any time, has a domain of its own, with
-    :class:`SensorPort`; a queue of ``depth`` entries of four samples leads out of it. A reset
+    :class:`SensorPort`. A queue of ``depth`` entries of four samples leads out of it. A reset
     reaches it at once, and ends there with the second edge of its clock.
 
     Parameters
@@ -28,18 +28,18 @@ class Capture(wiring.Component):
     data_width : int
         Bits of a word of the memory.
     burst : int
-        Words of a burst, at most.
+        Most words of a burst.
     depth : int
         A power of two.
     pending : int
-        As of :class:`BurstWriter`: rows and frames then wait for the memory's answers.
+        As in :class:`BurstWriter`: rows and frames then wait for the memory's answers.
     grid : int, optional
-        As of :class:`SensorPort`.
+        As in :class:`SensorPort`.
 
     Members
     -------
     clock : ``In(1)``
-        Of the sensor; the pins are taken at its rising edge.
+        Clock of the sensor; its rising edge samples the pins.
     pins : ``In(PINS)``
     enable : ``In(1)``
         Frames that begin from now on are captured; one that is under way is captured to its end.
@@ -49,12 +49,12 @@ class Capture(wiring.Component):
         Likewise; only with ``grid``.
     active : ``Out(1)``
         Enabled, or a frame is under way in the sensor's domain.
-    place, limit, begins, ends, good, rows, counts
-        As of :class:`FrameWriter`.
+    area, limit, begins, ends, good, rows, counts
+        As in :class:`FrameWriter`.
     half_full : ``Out(1)``
-        The queue holds half of what it can: the memory is wanted.
+        The queue is half full: writing is urgent.
     memory_rst : ``In(1)``
-        As of :class:`BurstWriter`.
+        As in :class:`BurstWriter`.
     bus : ``Out(WriteHost(data_width, burst, pending))``
     """
     def __init__(self, data_width, *, burst, depth=512, pending=0, grid=None):
@@ -63,15 +63,15 @@ class Capture(wiring.Component):
         super().__init__({
             "clock": In(1), "pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
             **({} if grid is None else {"grid": In(GRID)}), "active": Out(1),
-            "place": In(PLACE), "limit": In(32), "begins": Out(1), "ends": Out(1), "good": Out(1),
+            "area": In(AREA), "limit": In(32), "begins": Out(1), "ends": Out(1), "good": Out(1),
             "rows": Out(SIZE_BITS), "counts": Out(COUNTS), "half_full": Out(1),
             "memory_rst": In(1), "bus": Out(WriteHost(data_width, burst, pending)),
         })
 
     def elaborate(self, platform):
         m = Module()
-        # The queue knows no reset, so that its two sides never differ in what is in it: what it
-        # still holds behind one is no whole frame, and dropped.
+        # The queue has no reset, so that its two sides never differ. Entries that it
+        # still holds after one are no whole frame, and dropped.
         m.domains.camera = ClockDomain(local=True)
         m.domains.camera_queue = ClockDomain(local=True, reset_less=True)
         m.d.comb += [ClockSignal("camera").eq(self.clock),
@@ -80,7 +80,7 @@ class Capture(wiring.Component):
         m.submodules.port = port = DomainRenamer("camera")(SensorPort(self.row))
         m.submodules.queue = queue = AsyncFIFOBuffered(
             width=ENTRY.size, depth=self.depth, r_domain="sync", w_domain="camera_queue")
-        # Registers before the queue and behind its block RAM.
+        # Registers before the queue and after its block RAM.
         m.submodules.entries = entries = DomainRenamer("camera")(Relay(ENTRY))
         m.submodules.relay = relay = Relay(ENTRY)
         m.submodules.writer = writer = FrameWriter(self.data_width)
@@ -88,7 +88,7 @@ class Capture(wiring.Component):
         m.submodules.bursts = bursts = BurstWriter(self.data_width, burst=self.burst,
                                                      pending=self.pending)
         m.submodules.enable = FFSynchronizer(self.enable, port.enable, o_domain="camera")
-        # One register on the way: a synchroniser wants no glitch.
+        # One register before it: a synchroniser must not see a glitch.
         active, active_there = Signal(), Signal()
         m.d.camera += active.eq(port.active)
         m.submodules.active = FFSynchronizer(active, active_there)
@@ -103,11 +103,11 @@ class Capture(wiring.Component):
             self.active.eq(self.enable | active_there),
             port.settings.eq(self.settings),
             entries.i.payload.eq(port.entry), entries.i.valid.eq(port.push),
-            port.room.eq(entries.i.ready), entries.o.ready.eq(queue.w_rdy),
+            port.space.eq(entries.i.ready), entries.o.ready.eq(queue.w_rdy),
             queue.w_data.eq(entries.o.payload), queue.w_en.eq(entries.o.valid),
             relay.i.payload.eq(queue.r_data), relay.i.valid.eq(queue.r_rdy),
             queue.r_en.eq(relay.i.ready), self.half_full.eq(queue.r_level >= self.depth // 2),
-            writer.place.eq(self.place), writer.limit.eq(self.limit),
+            writer.area.eq(self.area), writer.limit.eq(self.limit),
             writer.done.eq(bursts.done), writer.failed.eq(bursts.failed),
             bursts.memory_rst.eq(self.memory_rst),
             self.begins.eq(writer.begins), self.ends.eq(writer.ends), self.good.eq(writer.good),

@@ -19,9 +19,9 @@ _UNMOVED = 2        # first samples of a line, as in the golden model
 class Evening(wiring.Component):
     """Computes :func:`ncdc_spec.sensors.grid.evened` of the frames that pass.
 
-    With sample (x, y) sample (x - 2, y - 2) of the result leaves; what leaves with the first two
-    columns and rows is undefined, and so is what follows of a row longer than ``width``. With
-    ``weight`` 0 each sample leaves as it came.
+    With sample (x, y) sample (x - 2, y - 2) of the result leaves. The results of the first two
+    columns and rows are undefined, and so is the rest of a row longer than ``width``. With
+    ``weight`` 0 each sample leaves unchanged.
 
     Timing: free-running; ``o`` follows ``i`` after ``latency`` clocks. Rows have at least two
     samples.
@@ -39,7 +39,7 @@ class Evening(wiring.Component):
     """
 
     latency = (1 + Moved.latency) + (READ_CLOCKS + Moved.latency)
-    """Taps of a row, and what is made of them; the same of a column."""
+    """Taps of a row, and their result; the same for a column."""
 
     def __init__(self, width):
         self.width = width
@@ -65,7 +65,7 @@ class Evening(wiring.Component):
             for name in ("frame", "valid", "row_end")})
 
     def _along_columns(self, m, sample, now):
-        """The same of columns: a memory has the last four rows, a word the four samples of a
+        """The same for columns: a memory has the last four rows, a word the four samples of a
         column."""
         column = Signal(range(self.width))
         with m.If(now["row_end"] | ~now["frame"]):
@@ -90,7 +90,7 @@ class Evening(wiring.Component):
         """The middle one of ``taps`` moved; ``index`` is that of the newest."""
         m.submodules[name] = moved = Moved()
         first = index < 2 + _UNMOVED
-        # What does not move leaves with its own clock.
+        # A sample that does not move leaves with its own clock.
         middle = Mux(self.weight.any(), taps[2], taps[0])
         m.d.comb += [moved.taps.eq(Cat(taps[0], taps[1], middle, taps[3], taps[4])),
                      moved.odd.eq(index[0]),
@@ -100,7 +100,7 @@ class Evening(wiring.Component):
 
 
 def _index(m, name, step, clear):
-    """Index of a line's sample; from 5 on it turns back to 4, so that it stays even or odd."""
+    """Index of a line's sample; 6 wraps to 4, so that even and odd are preserved."""
     index = Signal(3, name=name)
     with m.If(clear):
         m.d.sync += index.eq(0)

@@ -1,4 +1,4 @@
-"""Which buffer of several a writer fills and each reader reads, so that no frame is ever torn."""
+"""Assigns buffers to a writer and to readers, so that no frame is torn."""
 
 from functools import reduce
 from operator import or_
@@ -15,7 +15,7 @@ FRAME = data.StructLayout({"number": 32, "time": 64})
 
 
 def buffers_for(readers):
-    """Buffers of a store that always has one for the writer: one that it fills, the newest frame,
+    """Number of buffers so that the writer always has one: the one it fills, the newest frame,
     and one that each of the ``readers`` may hold."""
     return readers + 2
 
@@ -23,16 +23,16 @@ def buffers_for(readers):
 class FrameStore(wiring.Component):
     """Gives buffers to one writer and to readers.
 
-    The writer begins a frame in a buffer that nobody has, and ends it. A good frame becomes the
-    newest; a bad one is forgotten, and so is one that is newer than what a reader claims next: a
+    The writer begins a frame in a free buffer, and ends it. A good frame becomes the
+    newest; a bad one is dropped, and so is a good one that a newer one replaces before a claim. A
     reader always gets the newest, and may miss frames but never waits for one. The buffer stays
-    the reader's until it releases it or claims anew, or until it has held it for ``limit`` clocks:
-    then it is ``lost``, and what was read of it may be of two frames.
+    the reader's until it releases it or claims anew, or until it has held it for ``limit`` clocks.
+    Then it is ``lost``, and the data read may be of two frames.
 
-    The first reader may follow the writer: with ``follow`` its claim is for the frame that is being
-    written, whatever becomes of it.
+    The first reader may start early: with ``follow`` its claim is for the frame that is being
+    written, good or bad.
 
-    Timing: what is asked for in one clock holds in the next. The writer's ``buffer`` holds while
+    Timing: a request takes effect in the next clock. The writer's ``buffer`` holds while
     ``busy``, a reader's while ``held``.
 
     Parameters
@@ -45,14 +45,14 @@ class FrameStore(wiring.Component):
     begins : ``In(1)``
         The writer begins a frame; it does not while it is ``busy``.
     ends, good : ``In(1)``, ``In(1)``
-        It ends the frame, which is complete and right if ``good``.
+        The writer ends the frame, which is complete and correct if ``good``.
     about : ``In(FRAME)``
-        Kept with the frame that begins.
+        Stored with the frame that begins.
     busy, buffer : ``Out(1)``, ``Out(range(buffers))``
     newest, some : ``Out(range(buffers))``, ``Out(1)``
         The newest complete frame, if there is one.
     came : ``Out(1)``
-        High for one clock: ``newest`` has changed.
+        High for one clock when ``newest`` has changed.
     readers : array of reader
         ``claim`` and ``release`` last for one clock; ``held`` says that the claimed ``buffer`` is
         this reader's, ``lost`` that it was taken away, until the next claim or release.
@@ -61,7 +61,7 @@ class FrameStore(wiring.Component):
     limit : ``In(32)``
         Clocks that a reader may hold a buffer; 0: for ever.
     looks : array of look
-        ``frame`` is what was kept with the frame begun last in ``buffer``, one clock later.
+        ``frame`` was stored with the frame begun last in ``buffer``; one clock later.
     begun, bad, taken : ``Out(32)``, ``Out(32)``, ``Out(32)``
         Frames begun, ended as bad, and buffers taken from readers since the reset.
     """
@@ -82,7 +82,7 @@ class FrameStore(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        free = Signal(self.buffers)             # a bit for each buffer that nobody has
+        free = Signal(self.buffers)             # a bit for each free buffer
         first = Signal(range(self.buffers))     # the first of them
         used = [(self.some, self.newest), (self.busy, self.buffer),
                 *((self._has(one, k), one.buffer) for k, one in enumerate(self.readers))]
@@ -142,7 +142,7 @@ class FrameStore(wiring.Component):
         return newest
 
     def _frames(self, m, begun, first):
-        """Keep what there is to know of the frame in each buffer."""
+        """Store number and time of the frame in each buffer."""
         m.submodules.frames = frames = Memory(shape=FRAME, depth=self.buffers, init=[])
         write = frames.write_port()
         m.d.comb += [write.addr.eq(first), write.en.eq(begun), write.data.eq(self.about)]

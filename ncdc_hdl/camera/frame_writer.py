@@ -10,27 +10,27 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.camera.layouts import ENTRY, REPORT, SAMPLES, SIZE_BITS, Kind
 from ncdc_hdl.lib.pipeline import register
 
-__all__ = ["COUNTS", "FrameWriter", "PLACE"]
+__all__ = ["COUNTS", "FrameWriter", "AREA"]
 
-PLACE = data.StructLayout({"base": ADDRESS_BITS, "limit": ADDRESS_BITS, "pitch": SIZE_BITS,
+AREA = data.StructLayout({"base": ADDRESS_BITS, "limit": ADDRESS_BITS, "pitch": SIZE_BITS,
                            "width": SIZE_BITS, "height": SIZE_BITS})
-"""Byte address of a frame, of what is behind its place, and bytes from row to row, multiples of a
+"""Byte address of a frame, of the end of its area, and bytes from row to row, multiples of a
 word; bytes of a row; rows."""
 
 COUNTS = data.StructLayout({"lines": 32, "cut": 32, "overflows": 32, "missed": 32, "stopped": 32})
-"""Since the reset: rows of a wrong length, frames with a wrong number of rows, frames of which the
-queue was too full for samples or for their beginning, frames whose clock stopped."""
+"""Counts since the reset: rows of a wrong length, frames with a wrong number of rows, frames whose
+samples or beginning met a full queue, frames whose clock stopped."""
 
 
 class FrameWriter(wiring.Component):
-    """Writes each frame to its place, row by row, and says whether it is good.
+    """Writes each frame to its area, row by row, and reports whether it is good.
 
-    Nothing is written outside the place, whatever comes: words of a row beyond ``width`` and rows
+    Nothing is ever written outside the area: words of a row beyond ``width`` and rows
     beyond ``height`` or ``limit`` are dropped. A frame is over when the memory has taken its last
-    word; it is good if its report is clean and each row was as long as it should be, and in its
-    place, and no longer than the pitch. If no entry comes for
-    ``limit`` clocks in a frame, its clock has stopped: the frame is over, and bad, and what comes
-    of it later is dropped.
+    word. It is good if its report is clean and each row had the right length, was in the area
+    and no longer than the pitch. If no entry comes for
+    ``limit`` clocks in a frame, its clock has stopped. The frame is over, and bad, and later
+    entries of it are dropped.
 
     Parameters
     ----------
@@ -40,12 +40,12 @@ class FrameWriter(wiring.Component):
     Members
     -------
     i : ``In(stream.Signature(ENTRY))``
-    place : ``In(PLACE)``
+    area : ``In(AREA)``
         Valid from the clock after ``begins`` until ``ends``.
     limit : ``In(32)``
         Clocks without an entry, in a frame; 0: any number.
     begins, ends, good : ``Out(1)``, ``Out(1)``, ``Out(1)``
-        High for one clock: a frame begins; it is over, and good or not.
+        High for one clock: a frame begins; it is over; it is good.
     o : ``Out(stream.Signature(word_layout(data_width)))``
         To a burst writer; each row's last word is an ``end`` and a ``last``.
     done : ``In(1)``
@@ -59,7 +59,7 @@ class FrameWriter(wiring.Component):
     def __init__(self, data_width):
         self.data_width = data_width
         super().__init__({
-            "i": In(stream.Signature(ENTRY)), "place": In(PLACE), "limit": In(32),
+            "i": In(stream.Signature(ENTRY)), "area": In(AREA), "limit": In(32),
             "begins": Out(1), "ends": Out(1), "good": Out(1),
             "o": Out(stream.Signature(word_layout(data_width))), "done": In(1), "failed": In(1),
             "rows": Out(SIZE_BITS), "counts": Out(COUNTS),
@@ -67,91 +67,91 @@ class FrameWriter(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        i, o, place = self.i, self.o, self.place
+        i, o, area = self.i, self.o, self.area
         report = data.View(REPORT, i.p.data)
-        rows = Signal(SIZE_BITS)        # that have ended
+        rows = Signal(SIZE_BITS)        # rows that have ended
         column = Signal(SIZE_BITS + 1)  # byte of the row at which the next entry begins
-        closings = Signal(SIZE_BITS)    # last words of rows that were handed on
-        wrong = Signal()                # a row was not as long as it should be
+        closings = Signal(SIZE_BITS)    # last words of rows that were passed on
+        wrong = Signal()                # a row had a wrong length
         clean = Signal()                # no fault is reported, and the clock did not stop
         idle = Signal(32)               # clocks without an entry
-        word_room = Signal()            # a word may be handed on
+        word_space = Signal()           # a word may be passed on
         samples, row_end, frame_end, stopped, close = (Signal() for _ in range(5))
-        row, fits, moved = Signal(ADDRESS_BITS), Signal(), Signal()     # see _place
+        row, fits, moved = Signal(ADDRESS_BITS), Signal(), Signal()     # see _address
         new = i.valid & (i.p.kind == Kind.BEGIN)        # a frame begins as soon as it is taken
-        m.d.comb += [word_room.eq(~o.valid | o.ready), frame_end.eq(i.p.kind == Kind.END)]
+        m.d.comb += [word_space.eq(~o.valid | o.ready), frame_end.eq(i.p.kind == Kind.END)]
         m.d.sync += [idle.eq(Mux(i.valid, 0, idle + 1)), self.rows.eq(self.rows + self.done)]
         with m.FSM():
             with m.State("BETWEEN"):
                 m.d.comb += [i.ready.eq(1), self.begins.eq(new)]
                 with m.If(self.begins):
                     m.d.sync += [rows.eq(0), self.rows.eq(0), closings.eq(0), wrong.eq(0)]
-                    m.next = "PLACE"
-            with m.State("PLACE"):
+                    m.next = "AREA"
+            with m.State("AREA"):
                 m.next = "ROWS"
             with m.State("ROWS"):
                 m.d.comb += [
-                    i.ready.eq(word_room & ~new & ~moved),
+                    i.ready.eq(word_space & ~new & ~moved),
                     samples.eq(i.valid & i.ready & (i.p.kind != Kind.ALIVE) & ~frame_end),
                     row_end.eq(i.p.kind == Kind.ROW_END),
                     stopped.eq((self.limit != 0) & (idle == self.limit)),
                 ]
                 with m.If(samples & row_end):
-                    in_rows = rows < place.height
-                    as_long = (column < place.width) & (column + SAMPLES >= place.width)
+                    in_rows = rows < area.height
+                    as_long = (column < area.width) & (column + SAMPLES >= area.width)
                     m.d.sync += [rows.eq(rows + ~rows.all()),
                                  wrong.eq(wrong | ~as_long | in_rows & ~fits)]
-                # A frame that a reset has cut off has no end.
+                # A frame interrupted by a reset has no end.
                 with m.If(i.valid & i.ready & frame_end | new | stopped):
                     faults = Cat(report.rows, report.overflow, report.lines)
                     m.d.sync += clean.eq(frame_end & ~stopped & ~faults.any())
                     m.next = "CLOSE"
             with m.State("CLOSE"):
                 # A row that was begun is ended, for the bursts of the next frame.
-                with m.If(word_room):
+                with m.If(word_space):
                     m.d.comb += close.eq(column != 0)
                     m.next = "WAIT"
             with m.State("WAIT"):
                 with m.If(~o.valid & (self.rows == closings)):
                     m.d.comb += [self.ends.eq(1),
-                                 self.good.eq(clean & ~wrong & (rows == place.height))]
+                                 self.good.eq(clean & ~wrong & (rows == area.height))]
                     m.next = "BETWEEN"
         with m.If(self.failed):
             m.d.sync += wrong.eq(1)
-        last = samples & row_end & (rows < place.height) & fits | close
-        self._words(m, samples & (rows < place.height) & fits, last, column, row)
-        self._place(m, last, column, row, fits, moved)
+        last = samples & row_end & (rows < area.height) & fits | close
+        self._words(m, samples & (rows < area.height) & fits, last, column, row)
+        self._address(m, last, column, row, fits, moved)
         with m.If(last):
             m.d.sync += closings.eq(closings + 1)
         self._count(m, i.valid & i.ready & frame_end, report, stopped)
         return m
 
-    def _place(self, m, last, column, row, fits, moved):
-        """Where the next entry goes: address of its ``row``, and whether that ``fits`` the place;
-        it has just ``moved``, which `fits` does not know."""
-        place, word_bits = self.place, exact_log2(self.data_width // 8)
-        started = Signal()                          # the place of a new frame is known
-        row_bytes = Signal(SIZE_BITS + 1)           # of a row, in whole words
-        end = Signal(ADDRESS_BITS + 1)              # of the row in memory
+    def _address(self, m, last, column, row, fits, moved):
+        """Address of the ``row`` of the next entry, and whether that ``fits`` the area;
+        if it has just ``moved``, `fits` is not yet valid."""
+        area, word_bits = self.area, exact_log2(self.data_width // 8)
+        started = Signal()                          # the area of a new frame is known
+        row_bytes = Signal(SIZE_BITS + 1)           # bytes of a row, in whole words
+        end = Signal(ADDRESS_BITS + 1)              # end of the row in memory
         changed = Signal()                          # `row` is new
-        whole = (place.width + (self.data_width // 8 - 1))[word_bits:]
+        whole = (area.width + (self.data_width // 8 - 1))[word_bits:]
         m.d.sync += [
             row_bytes.eq(Cat(Const(0, word_bits), whole)), end.eq(row + row_bytes),
-            fits.eq((end <= place.limit) & (row_bytes <= place.pitch)),
+            fits.eq((end <= area.limit) & (row_bytes <= area.pitch)),
             changed.eq(last | started),
         ]
         m.d.comb += moved.eq(changed | register(m, "changed_before", changed, reset_less=False))
         with m.If(last):
-            m.d.sync += [column.eq(0), row.eq(row + place.pitch)]
+            m.d.sync += [column.eq(0), row.eq(row + area.pitch)]
         with m.If(self.begins):
             m.d.sync += [column.eq(0), started.eq(1)]
         with m.If(started):
-            m.d.sync += [started.eq(0), row.eq(place.base)]
+            m.d.sync += [started.eq(0), row.eq(area.base)]
 
     def _words(self, m, samples, last, column, row):
         """Gather entries to words, each with its address."""
         i, o = self.i, self.o
-        place = self.place
+        area = self.area
         entries = self.data_width // (8 * SAMPLES)
         word_bits, entry_bits = exact_log2(self.data_width // 8), exact_log2(SAMPLES)
         gathered, enable = Signal(self.data_width), Signal(entries)
@@ -159,7 +159,7 @@ class FrameWriter(wiring.Component):
         inside, complete = Signal(), Signal()
         m.d.comb += [
             slot.eq(column[entry_bits:word_bits]),
-            inside.eq(samples & (column < place.width)),
+            inside.eq(samples & (column < area.width)),
             complete.eq(inside & (slot == entries - 1) | last),
         ]
         word, enabled = Signal.like(gathered), Signal.like(enable)
@@ -172,7 +172,7 @@ class FrameWriter(wiring.Component):
         with m.If(o.ready):
             m.d.sync += o.valid.eq(0)
         with m.If(complete):
-            begun = Cat(Const(0, word_bits), column[word_bits:])     # where the word begins
+            begun = Cat(Const(0, word_bits), column[word_bits:])     # first byte of the word
             m.d.sync += [
                 o.valid.eq(1), o.p.data.eq(word), o.p.address.eq(row + begun),
                 o.p.enable.eq(Cat(bit.replicate(SAMPLES) for bit in enabled)),
@@ -180,7 +180,7 @@ class FrameWriter(wiring.Component):
             ]
 
     def _count(self, m, ended, report, stopped):
-        """Add what a frame's end tells to the counters."""
+        """Add the report at a frame's end to the counters."""
         counts, missed = self.counts, Signal(16)        # missed frames that are counted
         m.d.sync += counts.stopped.eq(counts.stopped + stopped)
         with m.If(ended):

@@ -16,7 +16,7 @@ _START, _BYTE, _ACKNOWLEDGE, _STOP, _IDLE = 0, 1, 9, 10, 11      # steps of a co
 
 
 def quarter_clocks(clock_hz, rate_hz):
-    """Clocks of a quarter of a bit: the fastest that is no faster than ``rate_hz``.
+    """Clocks of a quarter of a bit: for the highest rate up to ``rate_hz``.
 
     In fast mode (above 100 kHz) the low half of a bit is at least 1.3 us, so that a rate of 400 kHz
     is 385 kHz at most.
@@ -28,16 +28,16 @@ def quarter_clocks(clock_hz, rate_hz):
 
 
 class I2cController(wiring.Component):
-    """Controls an I2C bus: START, a byte with its acknowledge, STOP, each if a command says so.
+    """Controls an I2C bus: START, a byte with its acknowledge, STOP, each as the command requests.
 
-    A line is pulled low or let go, never driven high. START, STOP and a bit are alike four
-    quarters: in the second SDA takes its value while SCL is low, with the third SCL is let go,
-    with the fourth SDA takes the value that makes a START or a STOP of it. A target may hold SCL
-    low (clock stretching); what the lines are is seen three equal clocks and two of
-    synchronisation later, which is the filter against spikes.
+    A line is pulled low or released, never driven high. START, STOP and a bit each have four
+    quarters. In the second SDA takes its value while SCL is low, in the third SCL is released.
+    In the fourth SDA takes the value that makes it a START or a STOP. A target may hold SCL
+    low (clock stretching). The lines are seen after three equal clocks and two of
+    synchronisation, which filters spikes.
 
     A command with ``read`` and ``nack`` and ``stop`` and no ``start`` lets a target that holds SDA
-    send the rest of its byte: so a bus is freed that a reset has left stuck.
+    send the rest of its byte. This frees a bus that a reset has left stuck.
 
     Members
     -------
@@ -46,19 +46,19 @@ class I2cController(wiring.Component):
     limit : ``In(32)``
         Clocks for which a target may hold SCL.
     i : ``In(stream.Signature(COMMAND))``
-        Ready when the command before is over. ``write`` sends ``data``; ``read``, which goes
-        without ``write``, receives a byte and acknowledges it unless ``nack``. SCL stays low
-        behind a command without ``stop``.
+        Ready when the command before is over. ``write`` sends ``data``; ``read``, which excludes
+        ``write``, receives a byte and acknowledges it unless ``nack``. SCL stays low
+        after a command without ``stop``.
     done : ``Out(1)``
         High for one clock when a command is over.
     result : ``Out(RESULT)``
-        Of the last command: the byte that was received; whether the target did not acknowledge the
-        one sent; whether the bus was not free or another controller took it (``lost``); whether SCL
-        was held too long. The last two end a command at once, with both lines let go.
+        Result of the last command: the byte received; whether the target did not acknowledge the
+        one sent; whether the bus was busy or another controller took it (``lost``); whether SCL
+        was held too long. The last two end a command at once, with both lines released.
     scl_low, sda_low : ``Out(1)``
         Pull the line low.
     scl, sda : ``In(1)``
-        The lines, of no clock.
+        The lines, asynchronous.
     """
     def __init__(self):
         super().__init__({
@@ -71,15 +71,15 @@ class I2cController(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         scl, sda = (_filtered(m, name, getattr(self, name)) for name in ("scl", "sda"))
-        command = Signal(COMMAND)                       # its data move left, bit by bit
-        step = Signal(range(_IDLE + 1), init=_IDLE)     # of the command
-        quarter = Signal(2)                             # of the step
+        command = Signal(COMMAND)                       # its data shift left, bit by bit
+        step = Signal(range(_IDLE + 1), init=_IDLE)     # step of the command
+        quarter = Signal(2)                             # quarter of the step
         left = Signal(16)                               # clocks of the quarter to come
         held = Signal(32)                               # clocks for which SCL was held
-        waits = Signal()                                # SCL is let go, and held
+        waits = Signal()                                # SCL is released and and a target holds it
         ends = Signal()                                 # the quarter ends
         late = Signal()                                 # SCL was held too long
-        lost = Signal()                                 # SDA is held by somebody else
+        lost = Signal()                                 # another device holds SDA
         m.d.comb += [
             self.i.ready.eq(step == _IDLE),
             waits.eq((quarter == 2) & ~scl),
@@ -92,7 +92,7 @@ class I2cController(wiring.Component):
         self._lines(m, command, step, quarter, ends, sda, lost)
         self._bits(m, command, step, quarter, ends, sda)
 
-        following = Signal.like(step)                   # the step behind this one
+        following = Signal.like(step)                   # the step after this one
         after_byte = Mux(command.stop, _STOP, _IDLE)
         with m.Switch(step):
             with m.Case(_START):
@@ -120,10 +120,10 @@ class I2cController(wiring.Component):
         return m
 
     def _lines(self, m, command, step, quarter, ends, sda, lost):
-        """Move SDA and SCL with the quarters; find out whether SDA is ours."""
+        """Drive SDA and SCL in the quarters, and detect arbitration loss on SDA."""
         early = Signal()        # SDA while SCL rises
         late = Signal()         # and in the last quarter
-        ours = Signal()         # nobody else may pull SDA low
+        ours = Signal()         # no other device may pull SDA low
         with m.Switch(step):
             with m.Case(_START):
                 m.d.comb += [early.eq(1), late.eq(0), ours.eq(1)]
@@ -159,10 +159,10 @@ class I2cController(wiring.Component):
 
 
 def _filtered(m, name, line):
-    """A line of the bus in this clock domain, without what is shorter than three clocks."""
+    """A line of the bus in this clock domain, without pulses shorter than three clocks."""
     seen = Signal(name=f"{name}_seen", init=1)
     steady = Signal(name=f"{name}_steady", init=1)
-    last = Signal(2, name=f"{name}_last", init=3)       # what was seen in the clocks before
+    last = Signal(2, name=f"{name}_last", init=3)       # values seen in the clocks before
     m.submodules[f"{name}_cdc"] = FFSynchronizer(line, seen, init=1)
     m.d.sync += last.eq(Cat(seen, last))
     with m.If((last == 3) & seen):

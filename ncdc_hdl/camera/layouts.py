@@ -1,4 +1,4 @@
-"""What the parts of the camera hand each other."""
+"""Layouts between the parts of the camera."""
 
 from amaranth.lib import data, enum, wiring
 from amaranth.lib.wiring import In, Out
@@ -8,22 +8,22 @@ from ncdc_hdl.camera.level import LEVEL
 from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.sensors.level import SAMPLE_BITS
 
-__all__ = ["ENTRY", "GRID", "Kind", "PINS", "REPORT", "ROWS", "RUN", "RUN_PLACES", "SAMPLES",
+__all__ = ["ENTRY", "GRID", "Kind", "PINS", "REPORT", "ROWS", "RUN", "RUN_BUFFERS", "SAMPLES",
            "SETTINGS", "SIZE_BITS"]
 
 SIZE_BITS = MAX_SIZE.bit_length()
-SAMPLES = 4                             # of an entry
+SAMPLES = 4                             # samples of an entry
 
 PINS = wiring.Signature({"frame_valid": Out(1), "line_valid": Out(1), "data": Out(SAMPLE_BITS)})
-"""A parallel sensor's signals, high when valid; fewer bits of a sample lie at the top."""
+"""A parallel sensor's signals, high when valid; shorter samples are in the upper bits."""
 
 ROWS = wiring.Signature({"frame": Out(1), "valid": Out(1), "row_end": Out(1),
                          "sample": Out(SAMPLE_BITS)})
-"""Frames on their way. ``frame`` is high during one, and low between two; ``row_end`` is high for
+"""A stream of frames. ``frame`` is high during one, and low between two. ``row_end`` is high for
 the clock after the last sample of a row, in which ``frame`` may be low already."""
 
 GRID = data.StructLayout({"weight": 2, "binning": 1})
-"""How samples become an even grid: see ``ncdc_spec.sensors.grid``."""
+"""Settings for an even grid of samples: see ``ncdc_spec.sensors.grid``."""
 
 SETTINGS = data.StructLayout({
     "sent_width": SIZE_BITS, "sent_height": SIZE_BITS,      # what the sensor sends, exactly
@@ -34,7 +34,7 @@ SETTINGS = data.StructLayout({
 
 
 class Kind(enum.Enum, shape=3):
-    """What an :data:`ENTRY` is."""
+    """Kind of an :data:`ENTRY`."""
     WORD = 0        # samples
     ROW_END = 1     # the last samples of a row
     BEGIN = 2       # a frame begins
@@ -45,28 +45,28 @@ class Kind(enum.Enum, shape=3):
 ENTRY = data.StructLayout({"data": 8 * SAMPLES, "kind": Kind})
 
 REPORT = data.StructLayout({
-    "rows": 1,                  # more or fewer rows than the sensor is to send
+    "rows": 1,                  # more or fewer rows than the sensor should send
     "overflow": 1,              # the queue was full
     "lines": 14,                # rows of a wrong length; this many or more
-    "missed": 16,               # frames before that were not captured at all, modulo 65536
+    "missed": 16,               # earlier frames that were not captured at all, modulo 65536
 })
 
-RUN_PLACES = data.StructLayout({
+RUN_BUFFERS = data.StructLayout({
     "source": ADDRESS_BITS, "source_limit": ADDRESS_BITS, "pitch": SIZE_BITS,
     "width": SIZE_BITS, "height": SIZE_BITS,
     "target": ADDRESS_BITS, "target_limit": ADDRESS_BITS, "follow": 1,
 })
-"""Byte addresses of a raw and a corrected frame and of what is behind their places; of the raw
+"""Byte addresses of a raw and a corrected frame and of the ends of their areas. For the raw
 frame bytes from row to row, samples of a row, rows, and whether it is still being written."""
 
 RUN = wiring.Signature({
-    "active": Out(1),           # the corrector is run: the host does not start it
+    "active": Out(1),           # the corrector runs by itself: the host does not start it
     "start": Out(1),            # for one clock: begin a frame
-    "placed": Out(1),           # that frame lies at `places`; constant from `start` to `over`
-    "places": Out(RUN_PLACES),
+    "assigned": Out(1),         # that frame uses `buffers`; constant from `start` to `over`
+    "buffers": Out(RUN_BUFFERS),
     "idle": In(1),              # the corrector has no frame, and none waits
     "over": In(1),              # for one clock: its frame is over
     "cut": In(1),               # it lacks pixels, when it is over
-    "fault": In(1),             # something is wrong with it
+    "fault": In(1),             # it has a fault
 })
-"""From who runs a corrector to the corrector."""
+"""From the :class:`RunControl` to the corrector."""

@@ -1,4 +1,4 @@
-"""Samples of a sensor made bytes: black level, and a curve of straight pieces."""
+"""Converts samples of a sensor to bytes: black level, and a curve of straight pieces."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -44,10 +44,11 @@ class Level(wiring.Component):
         piece, nodes = d[_PIECE_BITS:], [self.level.curve[k] for k in range(PIECES + 1)]
         left = register(m, "left", Array(nodes[:-1])[piece])
         right = register(m, "right", Array(nodes[1:])[piece])
-        place = register(m, "place", d[:_PIECE_BITS])
-        # The rise from the left node on, with the registers of a multiplier before and behind.
+        position = register(m, "position", d[:_PIECE_BITS])
+        # The rise from the left node, with the registers of a multiplier before and after it.
         slope = register(m, "slope", right - left)
-        rise = register(m, "rise", register(m, "product", slope * delay(m, place, 1, "place")))
+        late = delay(m, position, 1, "position")
+        rise = register(m, "rise", register(m, "product", slope * late))
         left = delay(m, left, 3, "left")
         # The byte: not negative, as it lies between two nodes.
         value = (Cat(Const(128, _PIECE_BITS), left) + rise)[_PIECE_BITS:_PIECE_BITS + CURVE_BITS]

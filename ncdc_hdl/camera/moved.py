@@ -41,17 +41,17 @@ class Moved(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         newest, newer, middle, older, oldest = (self.taps[k] for k in range(5))
-        # In the direction of the move, as the golden model has them.
-        ahead, before, far, beyond = (
+        # In the direction of the move, as in the golden model.
+        near, before, far, beyond = (
             register(m, name, Mux(self.odd, rising, falling)) for name, rising, falling in (
-                ("ahead", newer, older), ("before", older, newer), ("far", newest, oldest),
+                ("near", newer, older), ("before", older, newer), ("far", newest, oldest),
                 ("beyond", oldest, newest)))
         own = register(m, "own", middle)
-        slope = register(m, "slope", ahead - before)
+        slope = register(m, "slope", near - before)
         wide = register(m, "wide", far - beyond)
-        behind = register(m, "behind", own - beyond)
+        trailing = register(m, "trailing", own - beyond)
         sums = register(m, "sums", 4 * slope + wide)
-        move = register(m, "move", sums + 2 * register(m, "behind_d", behind))
+        move = register(m, "move", sums + 2 * register(m, "trailing_d", trailing))
         weight = delay(m, self.weight, 4, "weight")
         product = register(m, "product", Mux(weight[0], move, 0) + Mux(weight[1], 2 * move, 0))
         half = Const(1 << _SHIFT - 1, _SHIFT)

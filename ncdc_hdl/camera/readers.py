@@ -1,4 +1,4 @@
-"""Readers of both frame stores, by registers."""
+"""Readers of both frame stores, controlled by registers."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 __all__ = ["READER_STATE", "StoreReader"]
 
 READER_STATE = data.StructLayout({"held": 1, "lost": 1, "corrected": 1, "buffer": 4})
-"""What a reader knows: whether ``buffer`` is its, or was taken away; which store it is of."""
+"""State of a reader: whether it holds ``buffer``, or lost it, and the buffer's store."""
 
 
 class StoreReader(wiring.Component):
@@ -16,9 +16,9 @@ class StoreReader(wiring.Component):
     Members
     -------
     claim_raw, claim_corrected, release : ``In(1)``
-        For one clock; of several the first counts.
+        High for one clock; the first of several wins.
     stores : array of store
-        Claim and release at the raw store and that of corrected frames, and what they answer.
+        Claim and release at the raw store and that of corrected frames, and their answers.
     state : ``Out(READER_STATE)``
     """
     def __init__(self, index_bits):
@@ -35,9 +35,9 @@ class StoreReader(wiring.Component):
         m.d.comb += claim.eq(Cat(self.claim_raw, self.claim_corrected & ~self.claim_raw))
         with m.If(claim.any()):
             m.d.sync += which.eq(claim[1])
-        asked = claim.any() | self.release
+        any_request = claim.any() | self.release
         for k, store in enumerate(self.stores):
-            m.d.comb += [store.claim.eq(claim[k]), store.release.eq(asked & ~claim[k])]
+            m.d.comb += [store.claim.eq(claim[k]), store.release.eq(any_request & ~claim[k])]
         m.d.comb += [
             self.state.corrected.eq(which),
             self.state.held.eq(Mux(which, corrected.held, raw.held)),

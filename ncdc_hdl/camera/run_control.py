@@ -1,4 +1,4 @@
-"""Starts the corrector by itself, on raw frames of one store, into buffers of another."""
+"""Starts the corrector for raw frames of one store, with targets in another."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -11,14 +11,14 @@ from ncdc_hdl.camera.layouts import RUN, SIZE_BITS
 __all__ = ["RunControl"]
 
 class RunControl(wiring.Component):
-    """Corrects every new raw frame while ``run`` is high, or the newest if it is too slow for all.
+    """Corrects every new raw frame while ``run`` is high, or the newest one if it is too slow.
 
     Without ``follow`` it claims a raw frame when that is complete. With ``follow`` it claims the
-    one that has just been begun; the corrected frame is over when the raw frame has ended as well,
-    which says whether it was good. A frame that began while the corrector was busy is skipped.
+    one that has just begun. The corrected frame is over when the raw frame has ended as well,
+    which shows whether it was good. A frame that began while the corrector was busy is skipped.
 
-    A corrected frame is good if the corrector made it whole and without a fault, and its raw frame
-    was good and this reader's to the end.
+    A corrected frame is good if the corrector completed it without a fault, and its raw frame
+    was good and held to the end.
 
     Timing: the corrector starts ``latency`` clocks after the raw frame's end, or beginning.
 
@@ -26,20 +26,20 @@ class RunControl(wiring.Component):
     -------
     run, follow : ``In(1)``
     raw_pitch, raw_width, raw_height : ``In(SIZE_BITS)``
-        Of raw frames.
+        Sizes of raw frames.
     raw_bytes, corrected_bytes : ``In(32)``
-        Bytes of the place of each frame.
+        Bytes of the area of each frame.
 
     came, begun : ``In(1)``
-        Of the raw store: its newest frame has changed, a frame has been begun.
+        From the raw store: its newest frame has changed; a frame has begun.
     ended, good : ``In(1)``
         The writer of raw frames ends one.
     claim, claim_follow, release : ``Out(1)``
         To the raw store, as its first reader.
     held : ``In(1)``
-        Of the raw store.
+        From the raw store: this reader holds its buffer.
     raw_base, about : ``In(32)``, ``In(FRAME)``
-        Base address of the claimed buffer; what the store knows of its frame, one clock later.
+        Base address of the claimed buffer; the store's data on its frame, one clock later.
 
     target_begins, target_ends, target_good : ``Out(1)``
         To the store of corrected frames, as its writer.
@@ -48,7 +48,7 @@ class RunControl(wiring.Component):
 
     corrector : ``Out(RUN)``
     number : ``Out(32)``
-        Of the raw frame that the last corrected frame, which is over, was made of.
+        Number of the raw frame from which the last complete corrected frame was made.
     begun_count, bad_count, skipped : ``Out(32)``
         Corrected frames begun, and ended as bad; raw frames that were not corrected while ``run``
         was high.
@@ -74,17 +74,17 @@ class RunControl(wiring.Component):
         m = Module()
         fresh = Signal()            # the newest raw frame has not been claimed
         bad = Signal()              # something was wrong with this frame
-        written = Signal()          # its raw frame is no longer being written
+        written = Signal()          # its raw frame is complete
         corrected = Signal()        # the corrector has ended it
         waits = Signal()            # no frame is under way
         ready = Signal()            # one may begin
-        new = Signal()              # one is there
-        corrector, places = self.corrector, self.corrector.places
+        new = Signal()              # a raw frame is there
+        corrector, buffers = self.corrector, self.corrector.buffers
         m.d.comb += [
             ready.eq(waits & self.run & corrector.idle),
             new.eq(Mux(self.follow, self.begun, fresh | self.came)),
             self.claim.eq(ready & new), self.claim_follow.eq(self.follow),
-            corrector.active.eq(self.run | ~waits), corrector.placed.eq(~waits),
+            corrector.active.eq(self.run | ~waits), corrector.assigned.eq(~waits),
         ]
         self._count(m, fresh, ready)
         with m.If(self.claim):
@@ -102,20 +102,20 @@ class RunControl(wiring.Component):
                 m.d.comb += waits.eq(1)
                 m.d.sync += [bad.eq(0), corrected.eq(0), written.eq(~self.follow)]
                 with m.If(self.claim):
-                    m.d.sync += places.follow.eq(self.follow)
+                    m.d.sync += buffers.follow.eq(self.follow)
                     m.next = "CLAIMED"
             with m.State("CLAIMED"):
-                m.d.sync += [places.pitch.eq(self.raw_pitch), places.width.eq(self.raw_width),
-                             places.height.eq(self.raw_height),
-                             places.source.eq(self.raw_base),
-                             places.source_limit.eq(self.raw_base + self.raw_bytes)]
+                m.d.sync += [buffers.pitch.eq(self.raw_pitch), buffers.width.eq(self.raw_width),
+                             buffers.height.eq(self.raw_height),
+                             buffers.source.eq(self.raw_base),
+                             buffers.source_limit.eq(self.raw_base + self.raw_bytes)]
                 m.next = "BEGIN"
             with m.State("BEGIN"):
                 m.d.comb += self.target_begins.eq(1)
-                m.next = "PLACE"
-            with m.State("PLACE"):
-                m.d.sync += [places.target.eq(self.target_base),
-                             places.target_limit.eq(self.target_base + self.corrected_bytes)]
+                m.next = "TARGET"
+            with m.State("TARGET"):
+                m.d.sync += [buffers.target.eq(self.target_base),
+                             buffers.target_limit.eq(self.target_base + self.corrected_bytes)]
                 m.next = "START"
             with m.State("START"):
                 m.d.comb += corrector.start.eq(1)
@@ -132,13 +132,13 @@ class RunControl(wiring.Component):
         return m
 
     def _count(self, m, fresh, ready):
-        """Count what is begun, ends badly and is skipped; keep the number of what is over."""
-        number = Signal(32)             # of the raw frame that is corrected
+        """Count frames begun, bad and skipped; store the number of the last complete one."""
+        number = Signal(32)             # number of the raw frame that is corrected
         with m.If(self.target_begins):
             m.d.sync += number.eq(self.about.number)
         with m.If(self.target_ends):
             m.d.sync += self.number.eq(number)
-        # A frame that came behind the one that waits takes its place; one followed does not wait.
+        # A newer frame replaces the one that waits; with `follow` none waits.
         missed = Mux(self.follow, self.begun & ~ready, self.came & fresh)
         m.d.sync += self.skipped.eq(self.skipped + (self.run & missed))
         m.d.sync += [self.begun_count.eq(self.begun_count + self.target_begins),

@@ -25,20 +25,20 @@ class SensorPort(wiring.Component):
     """Captures the window of each frame that begins while it is enabled.
 
     A sample counts in each clock with both valid signals high. Every frame that begins is ended by
-    an entry with its REPORT, in which each fault shows: a row that is too short or too long, too
-    few or too many of them, a full queue. After a queue that was full the frame's samples are
-    dropped; its end waits for room, and a frame that begins before there is room is missed, and
-    counted. Each row outside of the window leaves an entry without samples, which tells that the
+    an entry with its REPORT, with each fault. Faults are a row that is too short or too long, too
+    few or too many of them, a full queue. After a full queue the frame's samples are
+    dropped. Its end waits for space, and a frame that begins before there is space is missed and
+    counted. Each row outside of the window leaves an entry without samples, which shows that the
     sensor's clock runs.
 
-    With ``grid`` the window counts in the frame that :func:`ncdc_spec.sensors.grid.gridded` makes
-    of the sensor's; faults are those of the sensor's rows, as without. A row longer than ``grid``
-    is one of them where samples are moved or binned.
+    With ``grid`` the window refers to the result of :func:`ncdc_spec.sensors.grid.gridded`;
+    faults are those of the sensor's rows, as without ``grid``. A row longer than ``grid``
+    is a fault if samples are moved or binned.
 
     Parameters
     ----------
     grid : int, optional
-        Samples of the longest row that a sensor sends; absent: samples stay where they are.
+        Samples of the longest row that a sensor sends; by default samples are not moved.
 
     Members
     -------
@@ -51,30 +51,30 @@ class SensorPort(wiring.Component):
     active : ``Out(1)``
         Enabled, or a frame is under way, or its end waits.
     entry, push : ``Out(ENTRY)``, ``Out(1)``
-        What is written into the queue, in the clocks in which ``push`` is high.
-    room : ``In(1)``
+        Entry for the queue; it is written while ``push`` is high.
+    space : ``In(1)``
         The queue takes an entry.
     """
     def __init__(self, grid=None):
         self.row = grid
         super().__init__({"pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
                           **({} if grid is None else {"grid": In(GRID)}),
-                          "active": Out(1), "entry": Out(ENTRY), "push": Out(1), "room": In(1)})
+                          "active": Out(1), "entry": Out(ENTRY), "push": Out(1), "space": In(1)})
 
     def elaborate(self, platform):
         m = Module()
         settings = self.settings
-        # Into registers first; a sample counts if both are valid.
+        # Pins have registers; a sample counts if both are valid.
         frame = register(m, "frame", self.pins.frame_valid, reset_less=False)
         line = register(m, "line", self.pins.line_valid & self.pins.frame_valid, reset_less=False)
         sample = register(m, "sample", self.pins.data)
-        # A frame that was under way when the reset ended has not begun.
+        # A frame under way at the end of a reset is ignored.
         known = register(m, "known", Const(1), reset_less=False)
         enable, even = self.enable, None
         if self.row is not None:
             even = self._even(m, frame, line, sample)
-            # All that happens is as much later; a frame whose first samples came before `enable`,
-            # when settings were free, is none of ours.
+            # Control signals get the same delay. A frame whose first samples came before `enable`,
+            # when settings could change, is ignored.
             enable &= delay(m, enable, Grid.latency + 1 + Level.latency, "enable",
                             reset_less=False)
             frame, line, known = (delay(m, value, Grid.latency, name, reset_less=False)
@@ -88,7 +88,7 @@ class SensorPort(wiring.Component):
                                                                 reset_less=False)),
                      ends.eq(~frame & frame_before), row_ends.eq(~line & line_before)]
 
-        # Where the sample is; counters stop at their largest value.
+        # Position of the sample; counters stop at their largest value.
         x, y = Signal(SIZE_BITS), Signal(SIZE_BITS)
         with m.If(line):
             m.d.sync += x.eq(x + ~x.all())
@@ -102,7 +102,7 @@ class SensorPort(wiring.Component):
         ended = register(m, "ended", row_ends, reset_less=False)
         inside, row_last, outside = self._window(m, x, y, line, ended, even)
 
-        # Bytes, and with them what happens in their clock.
+        # Bytes, and the control signals of their clock.
         m.submodules.level = level = Level()
         m.d.comb += [level.level.eq(settings.level),
                      level.i.eq(delay(m, sample, 1, "sample"))]
@@ -122,7 +122,7 @@ class SensorPort(wiring.Component):
         return m
 
     def _even(self, m, frame, line, sample):
-        """What the grid stage makes of the samples."""
+        """The samples after the grid stage."""
         m.submodules.grid = grid = Grid(self.row)
         before = register(m, "line_sent", line, reset_less=False)
         m.d.comb += [grid.settings.eq(self.grid), grid.i.frame.eq(frame), grid.i.valid.eq(line),
@@ -130,12 +130,12 @@ class SensorPort(wiring.Component):
         return grid.o
 
     def _window(self, m, x, y, line, ended, even):
-        """Whether the sample is in the window; whether a row of the window ends with it or after
-        it, a clock later; whether a row of the sensor has ended outside of the window."""
+        """(The sample is in the window; a row of the window ends with it or after
+        it, a clock later; a row of the sensor has ended outside of the window)."""
         settings, sent_ended = self.settings, ended
         left, top = settings.left, settings.top
         if even is not None:
-            # Where it is in the binned frame; an evened one begins in its third column and row.
+            # Position in the binned frame; an evened one begins in its third column and row.
             x, y = (Mux(self.grid.binning, Cat(value[0] & value[1], value[2:]), value)
                     for value in (x, y))
             line = even.valid
@@ -144,7 +144,7 @@ class SensorPort(wiring.Component):
             left, top = register(m, "left", left + begin), register(m, "top", top + begin)
         right = register(m, "right", left + settings.width - 1)
         bottom = register(m, "bottom", top + settings.height)
-        # Compared in one clock, joined in the next.
+        # Comparisons in one clock, their AND in the next.
         in_rows = register(m, "in_rows", (y >= top) & (y < bottom))
         beyond_left = register(m, "beyond_left", x >= left)
         before_end = register(m, "before_end", x <= right)
@@ -158,14 +158,14 @@ class SensorPort(wiring.Component):
         return inside, row_last, outside
 
     def _entries(self, m, byte, now, enable, wrong_line, wrong_rows):
-        """Gather bytes, push entries, and keep account of what went wrong."""
-        capturing = Signal()            # a frame is under way of which the queue knows
-        full = Signal()                 # the queue was, in this frame
-        owed = Signal()                 # the END of a frame waits for room
+        """Collect bytes, push entries, and record faults."""
+        capturing = Signal()            # a frame is under way whose BEGIN is in the queue
+        full = Signal()                 # the queue was full in this frame
+        owed = Signal()                 # the END of a frame waits for space
         report, lines, missed = Signal(REPORT), Signal(14), Signal(16)
         gathered = Signal(8 * (SAMPLES - 1))
         count = Signal(range(SAMPLES))  # bytes gathered
-        taken = Signal()                # the byte is one of the frame
+        taken = Signal()                # the byte is part of the frame
         complete = Signal()             # an entry of samples is complete
         begin = Signal()
         m.d.comb += [
@@ -173,17 +173,17 @@ class SensorPort(wiring.Component):
             taken.eq(now["inside"] & (capturing & ~full | begin)),
             complete.eq(capturing & ~full
                         & (now["inside"] & (count == SAMPLES - 1) | now["row_last"])),
-            begin.eq(now["begins"] & enable & ~owed & self.room),
+            begin.eq(now["begins"] & enable & ~owed & self.space),
             self.active.eq(self.enable | capturing | owed),
         ]
         with m.If(complete):
             m.d.comb += [self.entry.kind.eq(Mux(now["row_last"], Kind.ROW_END, Kind.WORD)),
-                         self.push.eq(self.room)]
+                         self.push.eq(self.space)]
             with m.Switch(count):
                 for k in range(SAMPLES):
                     with m.Case(k):
                         m.d.comb += self.entry.data.eq(Cat(gathered[:8 * k], byte))
-            m.d.sync += [count.eq(0), full.eq(~self.room)]
+            m.d.sync += [count.eq(0), full.eq(~self.space)]
         with m.Else():
             with m.If(taken):
                 m.d.sync += [count.eq(count + 1),
@@ -191,13 +191,13 @@ class SensorPort(wiring.Component):
             with m.If(begin):
                 m.d.comb += [self.entry.kind.eq(Kind.BEGIN), self.push.eq(1)]
             with m.Elif(owed):
-                m.d.comb += [self.entry.kind.eq(Kind.END), self.push.eq(self.room),
+                m.d.comb += [self.entry.kind.eq(Kind.END), self.push.eq(self.space),
                              self.entry.data.eq(report)]
-                with m.If(self.room):
+                with m.If(self.space):
                     m.d.sync += owed.eq(0)
             with m.Elif(now["outside"] & capturing & ~full):
-                # Its loss does no harm: only that some come is of use.
-                m.d.comb += [self.entry.kind.eq(Kind.ALIVE), self.push.eq(self.room)]
+                # Its loss does no harm: some of them are enough.
+                m.d.comb += [self.entry.kind.eq(Kind.ALIVE), self.push.eq(self.space)]
         with m.If(capturing & wrong_line):
             m.d.sync += lines.eq(lines + ~lines.all())
         with m.If(now["begins"] & enable):
@@ -208,13 +208,13 @@ class SensorPort(wiring.Component):
         with m.Elif(now["ends"] & capturing):
             m.d.sync += [
                 capturing.eq(0), owed.eq(1), report.rows.eq(wrong_rows),
-                report.overflow.eq(self._overflow(full, complete & ~self.room)),
+                report.overflow.eq(self._overflow(full, complete & ~self.space)),
                 report.lines.eq(lines + (wrong_line & ~lines.all())), report.missed.eq(missed),
             ]
 
     @staticmethod
     def _overflow(full, now):
-        """Whether the queue was full in the frame, or is in its last clock.
+        """Whether the queue was full in the frame, or is full in its last clock.
 
         A method of its own only so that proofs can break it.
         """

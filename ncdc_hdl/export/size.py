@@ -1,4 +1,4 @@
-"""What a design is made of, counted before any technology mapping."""
+"""Size of a design before any technology mapping."""
 
 import re
 from collections import Counter
@@ -20,7 +20,7 @@ def design_size(component):
     -------
     dict
         ``flip_flops`` (bits), ``multipliers`` (of any width), ``memory_bits``. A synthesizer may
-        need fewer: it shares and drops what is not used.
+        need fewer: it shares logic and drops unused parts.
     """
     own, children, module, cell = {}, {}, None, None
     for line in rtlil.convert(component, name="top", emit_src=False).splitlines():

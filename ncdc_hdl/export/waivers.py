@@ -1,10 +1,10 @@
-"""Lint rules that the generated Verilog does not keep, and why that is harmless."""
+"""Lint rules that the generated Verilog violates, and the reasons why that is harmless."""
 
 __all__ = ["DEFAULT_WARNINGS", "SLANG", "SYSTEM_WAIVERS", "VERILATOR", "verilator_config"]
 
-# Amaranth's expressions have the width that holds their result; they are printed as Verilog
+# Amaranth's expressions have the width that holds their result. They are printed as Verilog
 # expressions whose width the context extends or cuts: the same bits, without a cast.
-_WIDTHS = "the width of an expression is made fit where it is assigned, as Amaranth means it"
+_WIDTHS = "an assignment adapts the width of an expression, as Amaranth intends"
 
 VERILATOR = {
     "WIDTHEXPAND": _WIDTHS,
@@ -14,7 +14,7 @@ VERILATOR = {
     "UNUSEDSIGNAL": "a record stays whole where a module uses some of its bits",
     "DECLFILENAME": "all modules are in one file",
 }
-# Those that Verilator gives without -Wall too.
+# Rules that Verilator also reports without -Wall.
 DEFAULT_WARNINGS = "WIDTHEXPAND", "WIDTHTRUNC", "CASEINCOMPLETE"
 SLANG = {
     "width-trunc": _WIDTHS,
@@ -23,8 +23,8 @@ SLANG = {
 
 
 SYSTEM_WAIVERS = {
-    "SYNCASYNCNET": "the reset is taken at clock edges, and reaches the sensor's clock at once"}
-"""Of ``ncdc_system.v`` besides."""
+    "SYNCASYNCNET": "the reset is synchronous, and asynchronous for the sensor's clock"}
+"""Further rules for ``ncdc_system.v``."""
 
 
 def verilator_config(top="ncdc", more=None):

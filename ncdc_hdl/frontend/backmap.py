@@ -21,36 +21,36 @@ from ncdc_spec.hardware import Hardware
 
 __all__ = ["BackMap", "pace"]
 
-_SLACK = 16     # groups by which the queue exceeds those under way: what the credits need, and some
+_SLACK = 16     # queue entries above those under way: for the credits, and a margin
 
 
 class BackMap(wiring.Component):
     """Scan, HN hidden neurons with their tan-sigmoids, two output neurons, queue (Figs. 8, 29).
 
     Equal bit for bit to ``ncdc_model.golden.network.coordinates`` in the order of :class:`Strips`,
-    whatever the hardware. Each of ``hardware.lanes`` neighbouring pixels has a network of its own;
+    for any hardware. Each of ``hardware.lanes`` neighbouring pixels has a network of its own;
     all have the same weights. Timing: the networks run free, one group of pixels every
     ``hardware.share`` clocks; ``latency`` clocks from a scanned group to the queue. Instead of
     gating the front end's clock while the back end is full, the scan issues a group only if the
-    queue has room for all that is under way (see :class:`CreditQueue`).
+    queue has space for all groups under way (see :class:`CreditQueue`).
 
     Parameters
     ----------
     hidden_neurons : int
         HN.
     formats : ncdc_spec.descriptor.Formats
-    variant : str
-        Of the tan-sigmoid.
+    Variant of the tan-sigmoid.
+        Variant of the tan-sigmoid.
     hardware : ncdc_spec.hardware.Hardware
-        Its hidden, share, multiplier_bits and lanes count.
+        Its hidden, share, multiplier_bits and lanes are used.
     queue : int, optional
-        Groups under way and queued together, 16 more than ``under_way`` at least; by default
-        the least power of two that is, and 128 at least.
+        Groups under way and queued together, at least 16 more than ``under_way``; by default
+        the next power of two, at least 128.
 
     Members
     -------
     start : ``In(1)``
-        Begins a frame; to be given only when the last one has left ``o``.
+        Begins a frame; allowed only when the last one has left ``o``.
     abort : ``In(1)``
         Ends the frame early, see :class:`Scan`.
     scan : ``In(scan_layout())``
@@ -60,9 +60,9 @@ class BackMap(wiring.Component):
         To the table of valid rows.
     o : ``Out(stream.Signature(coordinate_layout(formats, lanes)))``
     idle : ``Out(1)``
-        Nothing is under way in the network and no pixel enters it in this clock.
+        The network is empty and no pixel enters it in this clock.
     stalled : ``Out(1)``
-        A pixel waits for room in the queue.
+        A pixel waits for space in the queue.
     cut : ``Out(1)``
         The frame was ended early.
 
@@ -91,14 +91,14 @@ class BackMap(wiring.Component):
         self.output = [OutputLayer(hidden_neurons, formats, self.share,
                                    hardware.multiplier_bits)
                        for _ in range(lanes)]
-        # Groups that can be issued between the clock in which one is taken out of the queue and
-        # the arrival of the first one for which that makes room.
+        # Groups that can be issued between the clock in which the queue outputs one and
+        # the arrival of the first one in its slot.
         self.under_way = -(-(self.latency + CreditQueue.loop) // self.share)
-        least = self.under_way + _SLACK
-        self.queue = queue or max(128, 1 << (least - 1).bit_length())
-        if self.queue < least:
-            raise ValueError(f"queue is {queue}, the limit is {least}: the {self.under_way} groups "
-                             f"under way and {_SLACK}")
+        needed = self.under_way + _SLACK
+        self.queue = queue or max(128, 1 << (needed - 1).bit_length())
+        if self.queue < needed:
+            raise ValueError(f"queue is {queue}, the limit is {needed}: the {self.under_way} "
+                             f"groups under way and {_SLACK}")
         super().__init__({
             "start": In(1), "abort": In(1), "scan": In(scan_layout()),
             "table": Out(SpansRequest()),
@@ -118,7 +118,7 @@ class BackMap(wiring.Component):
 
     @property
     def lead(self):
-        """Clocks that coordinates are made ahead, at most, while others wait."""
+        """Most clocks that coordinates are computed before use while others wait."""
         return self.share * self.queue - self.latency - CreditQueue.loop
 
     @property
@@ -130,7 +130,7 @@ class BackMap(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.submodules.scan = scan = Scan(self.formats, self.lanes)
-        # At the restart level the queue holds what the consumer takes until the network is full
+        # At the restart level the queue holds the groups for the consumer until the network is full
         # again, so that it does not run dry.
         m.submodules.queue = queue = CreditQueue(
             coordinate_layout(self.formats, self.lanes), depth=self.queue,
@@ -142,7 +142,7 @@ class BackMap(wiring.Component):
         wiring.connect(m, scan.table, wiring.flipped(self.table))
 
         # All lanes are ready in the same clock.
-        issue, turn = pace(m, scan, self.share, queue.room & self.hidden[0].ready)
+        issue, turn = pace(m, scan, self.share, queue.space & self.hidden[0].ready)
         latency = self.output[0].latency
         activated = delay(m, issue, self.latency - latency, "issue", reset_less=False)
         arrived = delay(m, activated, latency, "output", reset_less=False)
@@ -170,14 +170,14 @@ class BackMap(wiring.Component):
             queue.issue.eq(issue), queue.arrive.eq(arrived),
             Value.cast(queue.i).eq(Cat(*coordinates, flags)),
             self.idle.eq(queue.drained & ~issue),
-            self.stalled.eq(scan.active & ~queue.room),
+            self.stalled.eq(scan.active & ~queue.space),
         ]
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m
 
 
 def pace(m, scan, share, may_issue):
-    """Take a pixel in the clock after ``may_issue``, and let it stay for ``share`` turns.
+    """Take a pixel in the clock after ``may_issue``, and hold it for ``share`` turns.
 
     Returns (a pixel enters the network in its turn 0, the turn).
     """
@@ -186,7 +186,7 @@ def pace(m, scan, share, may_issue):
         return scan.advance, Const(0, 1)
     issue = Signal()                # a pixel enters the network, in its turn 0
     may = Signal()                  # ``may_issue``, a clock ago
-    turn = Signal(range(share))     # of the pixel that stays
+    turn = Signal(range(share))     # turn of the pixel that is held
     m.d.sync += may.eq(may_issue)
     m.d.comb += [issue.eq(scan.active & may & (turn == 0)),
                  scan.go.eq(issue if share == 2 else turn == share - 2)]

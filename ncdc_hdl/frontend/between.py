@@ -1,4 +1,4 @@
-"""From nodes to coordinates: the block behind the network at nodes."""
+"""From nodes to coordinates: the block after the network at nodes."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -13,25 +13,25 @@ from ncdc_hdl.lib.pipeline import delay, register
 __all__ = ["NodesToCoordinates"]
 
 _HALVES = 2             # clocks from the low half of a sum to the high one
-_SUM_LATENCY = 2 + _HALVES      # of a sum: what is added, the low half, the high one
+_SUM_LATENCY = 2 + _HALVES      # latency of a sum: addend, low half, high half
 
 
 class NodesToCoordinates(wiring.Component):
     """Coordinates of the pixels between nodes, by adding second differences, ``lanes`` at a time.
 
-    4 S^2 times the coordinate is a whole number; from pixel to pixel it grows by ``slope``, which
+    4 S^2 times the coordinate is a whole number. From pixel to pixel it grows by ``slope``, which
     itself grows by twice the ``bend`` of :func:`segment_layout`. It is exact and rounded once.
     Equal bit for bit to ``ncdc_model.golden.network.coordinates``.
 
     Timing: one group per clock, ``latency`` clocks from ``advance`` to ``o``; free-running. What
-    ``begins`` a segment needs one from :class:`Segments`: ``ready`` says whether it will be there.
+    ``begins`` a segment needs one from :class:`Segments`: ``ready`` is high if it will be there.
 
     Parameters
     ----------
     formats : ncdc_spec.descriptor.Formats
-        At nodes.
+        Formats at nodes.
     coarse : ncdc_spec.fixed.Q
-        Of the coordinates.
+        Format of the coordinates.
     nodes, lanes : int
         Distance of the nodes; pixels of a group.
 
@@ -43,9 +43,9 @@ class NodesToCoordinates(wiring.Component):
     ready : ``Out(1)``
         A group that begins a segment may advance in the next clock.
     advance : ``In(1)``
-        The next group's coordinates are to be made.
+        The next group's coordinates are computed.
     begins : ``In(1)``
-        With ``advance`` only: it is the first one behind a node.
+        Only with ``advance``: it is the first group after a node.
     o : ``Out(ArrayLayout({x, y}, lanes))``
     """
 
@@ -54,7 +54,7 @@ class NodesToCoordinates(wiring.Component):
         self.segments = Segments(formats, coarse, nodes)
         self.scale = 2 + 2 * exact_log2(nodes)          # 4 S^2 as a shift
         self.drop = self.scale + formats.coordinate.f_bits - coarse.f_bits
-        # Between nodes the value may exceed them by a quarter of what they differ.
+        # Between nodes the value may exceed them by a quarter of their difference.
         self.shape = signed(formats.coordinate.width + 1 + self.scale)
         super().__init__({
             "i": In(stream.Signature(node_layout(formats))), "flush": In(1),
@@ -65,8 +65,8 @@ class NodesToCoordinates(wiring.Component):
 
     @property
     def latency(self):
-        """Clocks from ``advance`` to the coordinates: slope, what a group adds to it in two (4
-        lanes) or one (2 lanes), value, the lanes' values if there are several, rounding."""
+        """Clocks from ``advance`` to the coordinates: slope, its increment per group in two (4
+        lanes) or one (2 lanes), value, the lanes' values if several, rounding."""
         several = self.lanes > 1
         return _SUM_LATENCY + exact_log2(self.lanes) + _SUM_LATENCY + several + 1
 
@@ -89,9 +89,9 @@ class NodesToCoordinates(wiring.Component):
         """A sum that grows by ``step`` with each ``enable``, and is ``start`` with those that
         ``begins``, ``_SUM_LATENCY`` clocks later.
 
-        Its high half is added up two clocks behind the low one, so that no carry runs through both,
-        and has a clock for its way from one to the other. A sum that begins anew is cleared ahead,
-        which needs no multiplexer behind the adder; what leaves is therefore kept apart from it.
+        Its high half is added two clocks after the low one, so that no carry runs through both,
+        and has a clock for routing. A sum that begins anew is cleared before,
+        which needs no multiplexer after the adder; the output is therefore a register of its own.
         """
         width = Shape.cast(shape).width
         cut = width // 2
@@ -105,7 +105,7 @@ class NodesToCoordinates(wiring.Component):
         low_enable = register(m, f"{name}_low_enable", enable, reset_less=False)
         # Low half.
         low = signal("low", cut)                # the sum
-        seen = signal("seen", cut + 1)          # what leaves of it, and the carry
+        seen = signal("seen", cut + 1)          # its output, and the carry
         total = Signal(cut + 1, name=f"{name}_low_total")
         m.d.comb += total.eq(low + addend[:cut])
         with m.If(low_enable):
@@ -127,7 +127,7 @@ class NodesToCoordinates(wiring.Component):
     def _axis(self, m, name, valid, anew):
         segment, lanes = self.segments.o.p[name], self.lanes
 
-        def kept(what, value, clocks=1):
+        def later(what, value, clocks=1):
             return delay(m, value, clocks, f"{name}_{what}")
 
         bend = Signal.like(segment.bend, name=f"{name}_bend", reset_less=True)
@@ -137,23 +137,23 @@ class NodesToCoordinates(wiring.Component):
         # Slope: that of the group's first pixel.
         slope = self._sum(m, f"{name}_slope", segment.slope.shape(), self.advance, self.begins,
                           segment.slope, bend << exact_log2(2 * lanes))
-        bend, base = (kept(f"late_{what}", value, _SUM_LATENCY - 1)
+        bend, base = (later(f"late_{what}", value, _SUM_LATENCY - 1)
                       for what, value in (("bend", bend), ("base", base)))
-        # Parts: what the lanes' values are more than the first one's, and the next group's.
+        # Parts: differences of the lanes' values to the first one's, and the next group's.
         if lanes == 1:
             parts, growth, clocks = [], slope, 0
         elif lanes == 2:
-            parts, clocks = [kept("part1", slope)], 1
-            growth = kept("growth", slope + bend) << 1
+            parts, clocks = [later("part1", slope)], 1
+            growth = later("growth", slope + bend) << 1
         else:
-            one, two, three = (kept(f"sum{k}", slope + k * bend if k != 2 else slope + (bend << 1))
+            one, two, three = (later(f"sum{k}", slope + k * bend if k != 2 else slope + (bend << 1))
                                for k in (1, 2, 3))
-            parts = [kept("part1", slope, 2), kept("part2", one << 1),
-                     kept("part3", two + (two << 1))]
-            growth, clocks = kept("growth", three << 2), 2
+            parts = [later("part1", slope, 2), later("part2", one << 1),
+                     later("part3", two + (two << 1))]
+            growth, clocks = later("growth", three << 2), 2
         # Value: 4 S^2 times that of the group's first pixel.
         step = Signal.like(growth, name=f"{name}_step", reset_less=True)
-        begins, start = kept("anew", anew, clocks), kept("start", base, clocks)
+        begins, start = later("anew", anew, clocks), later("start", base, clocks)
         enable = delay(m, valid, clocks, f"{name}_valid", reset_less=False)
         with m.If(enable):
             m.d.sync += step.eq(growth)
@@ -162,9 +162,9 @@ class NodesToCoordinates(wiring.Component):
         values = [value]
         if lanes > 1:
             # Lanes: each one's value, when it is there.
-            parts = [kept(f"ready{k}", part, _SUM_LATENCY - 1) for k, part in enumerate(parts, 1)]
-            values = [kept("lane0", value)] + [
-                register(m, f"{name}_lane{k}", value + kept(f"ahead{k}", part), self.shape)
+            parts = [later(f"ready{k}", part, _SUM_LATENCY - 1) for k, part in enumerate(parts, 1)]
+            values = [later("lane0", value)] + [
+                register(m, f"{name}_lane{k}", value + later(f"late{k}", part), self.shape)
                 for k, part in enumerate(parts, 1)]
         # Rounding: the half is part of the nodes' values.
         for k, total in enumerate(values):

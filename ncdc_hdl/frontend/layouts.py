@@ -1,4 +1,4 @@
-"""Layouts that the front end shares with its neighbours."""
+"""Layouts of the front end's streams and ports."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -30,7 +30,7 @@ def scan_layout():
 
 
 def network_layout(hidden_neurons, formats, hardware):
-    """Weights and biases of the whole network, raw in ``formats``, but for those that
+    """Weights and biases of the whole network, raw in ``formats``, without those that
     ``hardware`` has in memories."""
     hidden = {} if hardware.in_memory("hidden") else {
         "hidden": hidden_layout(hidden_neurons, formats)}
@@ -44,14 +44,14 @@ def network_ports(hidden_neurons, formats, hardware):
     network : ``In(network_layout(...))``
         Constant during a frame.
     writes : ``In(BANK_WRITES)``
-        To the memories, if neurons share a unit.
+        Writes to the memories, if neurons share a unit.
     """
     writes = {"writes": In(BANK_WRITES)} if hardware.in_memory("output") else {}
     return {"network": In(network_layout(hidden_neurons, formats, hardware))} | writes
 
 
 def join_network(m, front_end, hidden, output):
-    """Give the layers ``hidden`` and ``output`` what :func:`network_ports` brings."""
+    """Connect :func:`network_ports` to the layers ``hidden`` and ``output``."""
     m.d.comb += output.neurons.eq(front_end.network.output)
     for layer in (hidden, output):
         if "writes" in layer.signature.members:

@@ -16,15 +16,15 @@ from ncdc_spec.hardware import Hardware
 
 __all__ = ["NodeBackMap"]
 
-_QUEUE = 64     # groups in the queue and on their way there
+_QUEUE = 64     # groups in the queue and on the way to it
 
 
 class NodeBackMap(wiring.Component):
-    """Network at nodes, coordinates between them, queue: the place of :class:`BackMap`.
+    """Network at nodes, coordinates between them, queue; replaces :class:`BackMap`.
 
     Equal bit for bit to ``ncdc_model.golden.network.coordinates`` of a descriptor with these nodes. The
-    nodes run ahead of the pixels, into a queue of their own; the scan of the pixels waits for a
-    node only where it is at one. Timing: one group of pixels per clock, as long as the network
+    nodes are computed earlier than the pixels, into their own queue. The scan of pixels waits for a
+    node only when it reaches one. Timing: one group of pixels per clock, as long as the network
     gives the nodes of a row in the clocks of its groups; ``start_latency`` to the first one.
 
     Parameters
@@ -32,15 +32,15 @@ class NodeBackMap(wiring.Component):
     hidden_neurons : int
         HN.
     formats : ncdc_spec.descriptor.Formats
-        The descriptor's.
+        Formats of the descriptor.
     nodes : int
         S, above 1.
     variant : str
-        Of the tan-sigmoid.
+        Variant of the tan-sigmoid.
     hardware : ncdc_spec.hardware.Hardware
-        Its share, multiplier_bits and lanes count; hidden is multiply.
+        Its share, multiplier_bits and lanes are used; hidden is multiply.
 
-    Members: as of :class:`BackMap`.
+    Members: as in :class:`BackMap`.
 
     Raises
     ------
@@ -76,7 +76,7 @@ class NodeBackMap(wiring.Component):
 
     @property
     def lead(self):
-        """Clocks that nodes are made ahead, at most, while coordinates wait."""
+        """Most clocks that nodes are computed before use while coordinates wait."""
         network = self.network_at_nodes
         return (self.interval * network.queued - network.latency - CreditQueue.loop + _QUEUE)
 
@@ -100,13 +100,13 @@ class NodeBackMap(wiring.Component):
         m.d.comb += [
             scan.start.eq(self.start), scan.abort.eq(self.abort), scan.parameters.eq(self.scan),
             network.scan.eq(self.scan), network.network.eq(self.network),
-            scan.go.eq(queue.room & (~scan.will_begin | between.ready)),
+            scan.go.eq(queue.space & (~scan.will_begin | between.ready)),
             between.advance.eq(scan.advance), between.begins.eq(scan.begins),
             queue.issue.eq(scan.advance),
             queue.arrive.eq(delay(m, scan.advance, latency, "advance", reset_less=False)),
             Value.cast(queue.i).eq(Cat(*coordinates, flags)),
             self.idle.eq(network.idle), self.cut.eq(scan.cut),
-            self.stalled.eq(scan.active & ~queue.room),
+            self.stalled.eq(scan.active & ~queue.space),
         ]
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m
@@ -115,7 +115,7 @@ class NodeBackMap(wiring.Component):
         """Begin the nodes of a frame, and drop those that an aborted one has left."""
         begun = Signal()                # the nodes of the frame that runs have begun
         waiting = Signal()              # they begin once those of the frame before are gone
-        runs = Signal()                 # the frame's last group is not made as yet
+        runs = Signal()                 # the frame's last group has not been computed
         m.d.comb += [network.start.eq((self.start | waiting) & network.quiet),
                      network.stop.eq(~runs), between.flush.eq(~begun)]
         with m.If(scan.advance & scan.last):

@@ -1,4 +1,4 @@
-"""The network at nodes: scan, shared pipelines, and the queue of nodes behind them."""
+"""The network at nodes: scan, shared pipelines, and the queue of nodes after them."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -14,11 +14,11 @@ from ncdc_spec.hardware import NODE_CLOCKS
 
 __all__ = ["NodeNetwork", "node_layout"]
 
-_SLACK = 16     # nodes by which the queue exceeds those under way: what the credits need, and some
+_SLACK = 16     # queue entries above those under way: for the credits, and a margin
 
 
 def node_layout(formats):
-    """A node's coordinate x', y' in pixels, and whether three nodes of its row stand before it.
+    """A node's coordinate x', y' in pixels, and whether three nodes of its row precede it.
 
     ``formats`` are those at nodes.
     """
@@ -37,24 +37,24 @@ class NodeNetwork(wiring.Component):
     ----------
     hidden_neurons : int
     formats : ncdc_spec.descriptor.Formats
-        At nodes.
+        Formats at nodes.
     nodes : int
-        Their distance S.
+        Distance S of the nodes.
     variant : str
-        Of the tan-sigmoid.
+        Variant of the tan-sigmoid.
     hardware : ncdc_spec.hardware.Hardware
-        Its share and multiplier_bits count.
+        Its share and multiplier_bits are used.
 
     Members
     -------
-    start, stop, scan : as of :class:`NodeScan`; ``stop`` is held until the next ``start``
+    start, stop, scan : as in :class:`NodeScan`; ``stop`` is held until the next ``start``
     network, writes : see :func:`network_ports`
     o : ``Out(stream.Signature(node_layout(formats)))``
     quiet : ``Out(1)``
-        No node is in the network or in the queue; some clocks late, but low from the first issue's
-        next clock on.
+        No node is in the network or in the queue; rises some clocks late, but is low from the clock
+        after the first issue.
     idle : ``Out(1)``
-        Nothing is under way in the network and no node enters it in this clock.
+        The network is empty and no node enters it in this clock.
     """
 
     def __init__(self, hidden_neurons, formats, nodes, variant, hardware):
@@ -89,7 +89,7 @@ class NodeNetwork(wiring.Component):
         activated = delay(m, scan.issue, before_output, "issue", reset_less=False)
         m.d.comb += [
             scan.start.eq(self.start), scan.stop.eq(self.stop), scan.parameters.eq(self.scan),
-            scan.room.eq(queue.room),
+            scan.space.eq(queue.space),
             hidden.pixel.x.eq(scan.x), hidden.pixel.y.eq(scan.y), hidden.turn.eq(scan.turn),
             output.first.eq(activated),
             queue.issue.eq(scan.issue),
@@ -112,7 +112,7 @@ class NodeNetwork(wiring.Component):
         return m
 
     def _count(self, m, issue):
-        """Whether any node is between its issue and its end in the queue."""
+        """Whether any node is between its issue and its output from the queue."""
         taken = register(m, "taken", self.o.valid & self.o.ready, reset_less=False)
         issued = register(m, "issued", issue, reset_less=False)
         claimed = Signal(range(self.queued + 1))        # nodes in the network and in the queue

@@ -12,14 +12,14 @@ from ncdc_spec.nodes import BEFORE, BEHIND
 
 __all__ = ["NodeScan"]
 
-_COUNT = range(-MAX_SIZE - 1, MAX_SIZE)     # of what is counted down to -1
+_COUNT = range(-MAX_SIZE - 1, MAX_SIZE)     # range of counts down to -1
 
 
 class NodeScan(wiring.Component):
     """The nodes of every row of every strip as normalised coordinates.
 
     The order is that of :class:`ncdc_hdl.frontend.strips.Strips`. A row of n segments of S pixels,
-    the last one what is left, has the n + 1 nodes at their ends, one before and one behind these::
+    the last one shorter, has the n + 1 nodes at their ends, one before and one after these::
 
         x = (origin_x + (left + k S) step_x + half) >> shift      k = -1 .. n + 1
         y = (origin_y + v step_y + half) >> shift                 shift = 31 - input.f_bits
@@ -33,29 +33,29 @@ class NodeScan(wiring.Component):
     Parameters
     ----------
     formats : ncdc_spec.descriptor.Formats
-        At nodes; ``input`` is used.
+        Formats at nodes; ``input`` is used.
     nodes : int
-        S, 8 at least.
+        S, at least 8.
     interval : int
-        Clocks that a node needs, 2 at least: the next one's coordinates are added up meanwhile.
+        Clocks per node, at least 2: the next one's coordinates are added up meanwhile.
 
     Members
     -------
     start : ``In(1)``
-        Begins a frame; to be given only while no node of the last one is under way.
+        Begins a frame; allowed only while no node of the last one is under way.
     stop : ``In(1)``
         No further node is issued.
     parameters : ``In(scan_layout())``
         Constant from ``start`` to the end of the frame. Its picture is wider than 4 S.
-    room : ``In(1)``
+    space : ``In(1)``
         A node may be issued in the next clock.
     issue : ``Out(1)``
         The node shown enters the network, in turn 0.
     turn : ``Out(range(interval))``
-        0 with ``issue``, and one more in each clock behind it.
+        0 with ``issue``, then incremented each clock.
     x, y : ``Out(signed(formats.input.width))``
     whole : ``Out(1)``
-        Three nodes of its row stand before the one shown: the four surround a segment.
+        Three nodes of its row precede the one shown: the four surround a segment.
 
     Raises
     ------
@@ -64,14 +64,14 @@ class NodeScan(wiring.Component):
     """
 
     latency = 5
-    """Clocks from ``start`` to the first node: how many its row has in 4, the node."""
+    """Clocks from ``start`` to the first node: number of nodes in 4, the node."""
 
     def __init__(self, formats, nodes, interval):
         if interval < 2:
-            raise ValueError(f"a node takes 2 clocks at least, not {interval}")
+            raise ValueError(f"interval is {interval} clocks, a node takes at least 2")
         self.q, self.nodes, self.interval = formats.input, nodes, interval
         super().__init__({
-            "start": In(1), "stop": In(1), "parameters": In(scan_layout()), "room": In(1),
+            "start": In(1), "stop": In(1), "parameters": In(scan_layout()), "space": In(1),
             "issue": Out(1), "turn": Out(range(interval)),
             "x": Out(signed(self.q.width)), "y": Out(signed(self.q.width)), "whole": Out(1),
         })
@@ -79,14 +79,14 @@ class NodeScan(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         active = Signal()               # a node is shown
-        advance = Signal()              # another node shows in the next clock
-        begin = Signal()                # the frame's first one does
-        column = Signal(_COUNT)         # nodes of the row behind the one shown, less one
-        row = Signal(_COUNT)            # rows of the strip behind the present one, less one
+        advance = Signal()              # another node is shown in the next clock
+        begin = Signal()                # it is the frame's first one
+        column = Signal(_COUNT)         # nodes of the row after the one shown, less one
+        row = Signal(_COUNT)            # rows of the strip after this one, less one
         rows = Signal(_COUNT)           # rows of the picture, less two
         row_ends = Signal()             # the node shown is left, the last of its row
         strip_ends = Signal()           # the node shown is left, the last of its strip
-        before = Signal(2)              # nodes of the row before the one shown, 3 at most
+        before = Signal(2)              # nodes of the row before the one shown, at most 3
         m.d.sync += rows.eq(self.parameters.height - 2)
         per_row, last_strip = self._strip(m, begin | strip_ends)
         m.d.comb += [
@@ -112,50 +112,50 @@ class NodeScan(wiring.Component):
         return m
 
     def _pace(self, m, active, advance):
-        """A node enters the network when there is room for it, and stays for ``interval`` turns."""
-        may = register(m, "may", self.room, reset_less=False)
+        """A node enters the network when there is space, and is held for ``interval`` turns."""
+        may = register(m, "may", self.space, reset_less=False)
         m.d.comb += [self.issue.eq(active & may & (self.turn == 0)),
                      advance.eq(self.turn == self.interval - 1)]
         with m.If(self.issue | (self.turn != 0)):
             m.d.sync += self.turn.eq(Mux(advance, 0, self.turn + 1))
 
     def _strip(self, m, taken):
-        """What ``column`` begins a row with, and whether the strip is the last one.
+        """Initial value of ``column`` in a row, and whether the strip is the last one.
 
-        The next strip's numbers are worked out in three clocks behind the one in which it is
-        ``taken``; those of a frame's first strip before it begins.
+        The next strip's numbers are computed in the three clocks after the one in which it is
+        ``taken``. Those of a frame's first strip before it begins.
         """
         p, unit = self.parameters, exact_log2(STRIP_UNIT)
         strip = Cat(Const(0, unit), p.strip[unit:])
         columns = Signal(_COUNT)        # columns from the strip to come to the right edge
-        beyond = Signal(_COUNT)         # those of the strip behind it, or none
+        beyond = Signal(_COUNT)         # those of the strip after it, or none
         is_last = Signal()              # the strip to come is the last one
         wide = Signal(_COUNT)           # its columns
-        ahead = Signal(_COUNT)          # what `column` begins its rows with
-        per_row = Signal(_COUNT)        # what it begins those of the present strip with
-        last_strip = Signal()           # the present strip is the last one
+        initial = Signal(_COUNT)        # initial value of `column` in its rows
+        per_row = Signal(_COUNT)        # initial value in rows of this strip
+        last_strip = Signal()           # this strip is the last one
         m.d.sync += [
-            # Cycle 1: take the strip's columns off those that are left.
+            # Cycle 1: subtract the strip's columns from the remaining ones.
             beyond.eq(columns - strip),
-            # Cycle 2: the last strip has what there is.
+            # Cycle 2: the last strip has the rest.
             is_last.eq((strip == 0) | (beyond <= 0)),
             wide.eq(Mux((strip == 0) | (beyond <= 0), columns, strip)),
             # Cycle 3: count the nodes, less the one shown, and down to -1.
-            ahead.eq(((wide + self.nodes - 1) >> exact_log2(self.nodes)) + (BEFORE + BEHIND - 2)),
+            initial.eq(((wide + self.nodes - 1) >> exact_log2(self.nodes)) + (BEFORE + BEHIND - 2)),
         ]
         with m.If(taken):
-            m.d.sync += [per_row.eq(ahead), last_strip.eq(is_last), columns.eq(beyond)]
+            m.d.sync += [per_row.eq(initial), last_strip.eq(is_last), columns.eq(beyond)]
         with m.If(self.start):
             m.d.sync += columns.eq(p.width)
         # With the node that ends a strip, the next strip's first row begins.
-        return Mux(taken, ahead, per_row), last_strip
+        return Mux(taken, initial, per_row), last_strip
 
     def _coordinates(self, m, begin, advance, row_ends, strip_ends, saves):
-        """Sums of origin, steps and the half that rounds; the next node's a clock ahead."""
+        """Sums of origin, steps and the half that rounds; the next node's is a clock early."""
         p, q = self.parameters, self.q
         shift = SCAN.f_bits - q.f_bits
         half, shape = 1 << (shift - 1), signed(q.width + shift)
-        stride = p.step_x << exact_log2(self.nodes)     # of x, from node to node
+        stride = p.step_x << exact_log2(self.nodes)     # step of x from node to node
         first_x = Signal(shape)         # x of the picture's first node, and the half
         first_y = Signal(shape)         # y of its first row, and the half
         base = Signal(shape)            # x of the strip's first node

@@ -14,12 +14,12 @@ _LOW = SCAN.width // 2
 class Ramp(wiring.Component):
     """``sum`` = ``first`` + k ``stride`` for the group shown, modulo 2**32, by addition only.
 
-    k is the number of steps since the base was taken. The sum is kept in two halves, the low one
-    a group ahead, so that no carry runs through all bits in one clock.
+    k is the number of steps since the base was taken. The sum has two halves, the low one
+    one group early, so that no carry runs through all bits in one clock.
 
-    Timing: ``sum`` is that of the group which the last ``take`` has made the one shown. ``step``,
-    ``restart`` and ``rebase`` tell with ``take`` how the sum of the group after that one is made. A
-    frame begins with ``load``, and a ``take`` with ``restart`` that shows nothing yet.
+    Timing: ``sum`` belongs to the group shown by the last ``take``. ``step``,
+    ``restart`` and ``rebase`` with ``take`` select the sum of the group after that one. A
+    frame begins with ``load``, then a ``take`` with ``restart`` before the first group is shown.
 
     Parameters
     ----------
@@ -37,12 +37,12 @@ class Ramp(wiring.Component):
     step : ``In(1)``
         The sum grows by ``stride``.
     restart : ``In(1)``
-        It is the base instead.
+        The sum is the base instead.
     rebase : ``In(1)``
-        It becomes the base; with ``step`` only.
+        The sum becomes the base; only with ``step``.
     sum : ``Out(signed(32))``
     carry : ``Out(1)``
-        What the addition carries into bit ``shift``, if the next sum is that of a ``step``.
+        Carry of the addition into bit ``shift``, if the next sum is that of a ``step``.
     """
 
     def __init__(self, shift):
@@ -57,15 +57,15 @@ class Ramp(wiring.Component):
         m = Module()
         low_bits = max(_LOW, self.shift + 1)
         high_bits = SCAN.width - low_bits
-        # The next group's sum, as far as it is known, and the base in its two halves.
+        # The next group's sum, as far as known, and the base in its two halves.
         low = Signal(low_bits)              # low half of the next group's sum
         base_low = Signal(low_bits)         # low half of the base
         base_high = Signal(high_bits)       # high half of the base
         # The sum of the group shown.
         low_shown = Signal(low_bits)        # its low half
         high = Signal(high_bits)            # its high half
-        # How the next group's sum was made: its high half is made when that group is taken.
-        carried = Signal()                  # what the addition in the low half carried
+        # Controls of the next group's sum: its high half is computed when that group is taken.
+        carried = Signal()                  # carry of the addition in the low half
         stepped = Signal()                  # `step`
         restarted = Signal()                # `restart`
         rebased = Signal()                  # `rebase`

@@ -27,13 +27,13 @@ class Scan(wiring.Component):
     Equal bit for bit to ``ncdc_model.golden.network.normalised_scan`` and ``ValidRows.mask``: the sums
     are exact, only the shift rounds.
 
-    Timing: the outputs show one group while ``active``; the next one follows ``advance`` at once,
-    also from row to row and from strip to strip, unless a row has fewer than 4 groups. ``blank``
-    is that of the group shown ``blank_latency`` clocks ago. ``start`` to ``active`` takes
-    ``latency`` clocks, more while the host reads the table.
+    Timing: the outputs show one group while ``active``. The next one follows ``advance`` at once,
+    also between rows and strips, unless a row has fewer than 4 groups. ``blank``
+    belongs to the group shown ``blank_latency`` clocks ago. ``start`` to ``active`` takes
+    ``latency`` clocks, more if the host reads the table.
 
-    ``abort`` ends the frame early: the group behind the one that is shown is blank and the last.
-    A picture without a pixel ends in the same way, with one blank group.
+    ``abort`` ends the frame early: the group after the one shown is blank and the last.
+    A picture without a pixel also ends with one blank group.
 
     Parameters
     ----------
@@ -42,43 +42,43 @@ class Scan(wiring.Component):
     lanes : int
         Pixels of a group: 1, 2 or 4.
     nodes : int
-        1, or the distance of the nodes between which other hardware makes the coordinates: then
-        the scan has none.
+        1, or the distance of the nodes; then other hardware computes the coordinates between them,
+        and the scan has none.
 
     Members
     -------
     start : ``In(1)``
-        Begins a frame; while ``active`` it must stay low.
+        Begins a frame; must be low while ``active``.
     abort : ``In(1)``
-        To be held until the frame has ended.
+        Held until the frame has ended.
     parameters : ``In(scan_layout())``
         Constant from ``start`` to the end of the frame.
     table : ``Out(SpansRequest())``
         To the table of valid rows.
     go : ``In(1)``
-        If a group is shown in the next clock, it may be left then.
+        A group shown in the next clock may advance then.
     advance : ``Out(1)``
-        The group shown is left: another one may be shown in the next clock.
+        The group shown ends: another one may be shown in the next clock.
     active : ``Out(1)``
         A group is shown.
     first, last : ``Out(1)``
         The group shown is the first, the last of the frame; valid while ``active``.
     blank : ``Out(lanes)``
-        Which pixels have no source, of the group shown ``blank_latency`` clocks ago.
+        Pixels without a source, of the group shown ``blank_latency`` clocks ago.
     pixels : ``Out(ArrayLayout(pixel_layout(formats, lanes), lanes))``
-        Coordinates of the group shown, and what the next group adds to them; valid while
+        Coordinates of the group shown, and their increments to the next group; valid while
         ``active`` (only without nodes).
     begins : ``Out(1)``
-        With ``advance`` only: the group that is left is the first one behind a node, and not one
+        Only with ``advance``: the group is the first one after a node, and not one
         that ends the frame early (only with nodes).
     will_begin : ``Out(1)``
-        The group in the next clock is, if one is shown then (only with nodes).
+        The group of the next clock, if shown, is the first one after a node (only with nodes).
     cut : ``Out(1)``
         The frame was ended early; valid from its end to the next ``start``.
     """
 
     blank_latency = 2
-    """Clocks from a group shown to its ``blank``: comparisons, and what they tell."""
+    """Clocks from a group shown to its ``blank``: comparisons, and their result."""
     latency = Strips.latency + 2
     """Clocks from ``start`` to ``active``: the first group, as the next one, as the one shown."""
 
@@ -97,23 +97,23 @@ class Scan(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.submodules.strips = strips = Strips(self.lanes)
-        # Three groups are known at a time: the one shown, the next one, and behind it the one that
-        # `strips` counts. A frame begins with a next group that is void: the one before its first.
+        # Three groups are known at a time: the one shown, the next one, and the one that
+        # `strips` counts. A frame begins with a void next group, before its first.
         next_void = Signal()            # the next group is void: it is not shown when it is taken
         next_first = Signal()           # it is the frame's first
         next_last = Signal()            # it is the frame's last
         next_column = Signal(SIZE)      # column of its leftmost pixel
         begins_row = Signal()           # it is the first of a row, whose spans are taken with it
         ends_row = Signal()             # it is the last of a row within its strip, or void
-        new_row = Signal()              # the group behind it is in another row of the same strip
-        new_strip = Signal()            # the group behind it is the first of another strip
-        to_top = Signal()               # the group behind it is in the picture's first row
-        shown_column = Signal(SIZE)     # of the group shown: column of its leftmost pixel
-        shown_new_row = Signal()        # the group behind the one shown is in another row
-        shown_new_strip = Signal()      # the group behind the one shown is in another strip
+        new_row = Signal()              # the group after it is in another row of the same strip
+        new_strip = Signal()            # the group after it is the first of another strip
+        to_top = Signal()               # the group after it is in the picture's first row
+        shown_column = Signal(SIZE)     # column of the shown group's leftmost pixel
+        shown_new_row = Signal()        # the group after the one shown is in another row
+        shown_new_strip = Signal()      # the group after the one shown is in another strip
         shown_cut = Signal()            # the group shown is blank, and ends the frame early
         end = Signal()                  # if the next group is taken, it is blank and ends the frame
-        final = Signal()                # if the next group is taken, no other one follows
+        final = Signal()                # if the next group is taken, it is the last
         take = Signal()                 # the next group becomes the one shown
         m.d.comb += [end.eq(self._ends(m)), final.eq(~next_void & (end | next_last))]
         # A group that begins a row waits until the spans of that row have been fetched.
@@ -157,14 +157,14 @@ class Scan(wiring.Component):
         return m
 
     def _to_come(self, m, new_row, new_strip):
-        """Tell with each pixel shown where the next one is."""
+        """Output the position of the next pixel with each pixel shown."""
         for pixel in self.pixels:
             m.d.comb += [pixel.new_row.eq(new_row), pixel.new_strip.eq(new_strip)]
 
     def _segments(self, m, take, shown, following):
-        """Whether the group in the next clock is the first behind a node, and not cut: of (column,
-        cut) of the group shown and of the next one. Strips begin on nodes, so that the column
-        tells."""
+        """Whether the group in the next clock is the first after a node, and not cut: of (column,
+        cut) of the group shown and of the next one. Strips begin on nodes, so that the column is
+        enough."""
         shown, following = (~Cat(cut, column[:exact_log2(self.nodes)]).any()
                             for column, cut in (shown, following))
         m.d.comb += self.will_begin.eq(Mux(take, following, shown))
@@ -176,10 +176,10 @@ class Scan(wiring.Component):
         return self.abort | empty
 
     def _pace(self, m, strips, take, next_void, final, may_take, may_follow):
-        """Decide when the next group is taken, and when the one shown is left.
+        """Decide when the next group is taken, and when the one shown ends.
 
-        Both are decided a clock ahead, since they reach registers all over the scan. ``may_take``:
-        the spans of the next group are there. ``may_follow``: so are those of the one behind it.
+        Both are decided a clock early, since they reach registers all over the scan. ``may_take``:
+        the spans of the next group are there. ``may_follow``: so are those of the group after it.
         """
         next_valid = Signal()           # there is a next group, void or not
         will_take = Signal()            # ``take`` in the next clock
@@ -211,14 +211,14 @@ class Scan(wiring.Component):
         """The spans of the row shown, and whether those of the next one can be taken.
 
         The spans of the next row have had a row's time to arrive. Only the host, if it reads the
-        table without a pause, or a very short row could hold them back.
+        table without a pause, or a very short row could delay them.
         """
         table = self.table
         spans = Signal(SPANS)           # of the row shown
-        following = Signal(SPANS)       # of the row behind it, once `fetched`
+        following = Signal(SPANS)       # of the row after it, once `fetched`
         fetched = Signal()              # `following` has come from the table
         bottom = Signal(SIZE)           # the number of the picture's last row
-        at_bottom = Signal()            # the row asked for is the last one; a clock late
+        at_bottom = Signal()            # the row requested is the last one; a clock late
         m.d.sync += [bottom.eq(self.parameters.height - 1), at_bottom.eq(table.row == bottom)]
         with m.If(~fetched):
             m.d.sync += [following.eq(table.spans), fetched.eq(table.fresh)]
@@ -230,15 +230,15 @@ class Scan(wiring.Component):
         return spans, fetched
 
     def _coordinates(self, m, load, take, new_row, new_strip, top):
-        """One ramp for y, and one for the x of each lane; the sums are rounded on the way out.
+        """One ramp for y, and one for the x of each lane; the sums are rounded at the output.
 
         The largest sum is 0.9999 + half a step of the input format: below one, it cannot wrap.
-        Beyond the last column it may, and is not used.
+        Beyond the last column it may wrap, and is not used.
         """
         p = self.parameters
         shift = SCAN.f_bits - self.q.f_bits
         half = 1 << (shift - 1)
-        stride = Signal(signed(SCAN.width + 2))     # of x, from a group to the next one
+        stride = Signal(signed(SCAN.width + 2))     # step of x from group to group
         first_x = Signal(signed(SCAN.width))        # x of the leftmost column, and the half
         first_y = Signal(signed(SCAN.width))        # y of the first row, and the half
         step_x3 = Signal(signed(SCAN.width))        # three steps of x
@@ -263,13 +263,13 @@ class Scan(wiring.Component):
             ]
 
     def _blank(self, m, column, spans, cut):
-        """``blank`` of the group at ``column``; all of it if the frame is ``cut`` with it."""
+        """``blank`` of the group at ``column``; all lanes if the frame is ``cut`` with it."""
         # Cycle 1: compare the columns of the group with the ends of both spans.
         cut_late = Signal()
         m.d.sync += cut_late.eq(cut)
         for k in range(self.lanes):
             u = column | k
-            inside = Signal(4, name=f"inside{k}")   # behind the start, before the stop; each span
+            inside = Signal(4, name=f"inside{k}")   # after the start, before the stop; each span
             m.d.sync += inside.eq(Cat(u >= spans.start0, u < spans.stop0,
                                       u >= spans.start1, u < spans.stop1))
             # Cycle 2: a pixel outside of both spans is blank.

@@ -1,4 +1,4 @@
-"""From the nodes of a row to what the coordinates between each two of them start with."""
+"""Computes the start of each segment between two nodes of a row."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -14,9 +14,9 @@ AXES = ("x", "y")
 
 
 def segment_layout(fine, nodes):
-    """Of each axis, where a segment between two nodes begins, and how it goes on.
+    """Start value and increments of a segment between two nodes, for each axis.
 
-    ``base`` is the value at its first pixel in the nodes' format ``fine``; 4 S^2 times the value
+    ``base`` is the value at its first pixel in the nodes' format ``fine``. 4 S^2 times the value
     grows by ``slope`` to the next pixel, and the growth itself by twice ``bend`` per pixel.
     """
     axis = data.StructLayout({
@@ -32,19 +32,19 @@ class Segments(wiring.Component):
         slope = 4 S (P2 - P1) - (S - 1) bend
         base  = P1 + half        half of a coordinate's last bit, for the rounding to come
 
-    All exact. Timing: stream stages, a segment every other clock, the first three nodes of a row
+    All exact. Timing: stream stages; a segment every other clock; the first three nodes of a row
     one per clock, ``latency`` clocks from a segment's last node. Up to four segments at a time are
-    worked on, so that the four nodes of a row's first one arrive while those before are still in
+    processed, so that the four nodes of a row's first one arrive while those before are still in
     use.
 
     Parameters
     ----------
     formats : ncdc_spec.descriptor.Formats
-        At nodes; ``coordinate`` is used.
+        Formats at nodes; ``coordinate`` is used.
     coarse : ncdc_spec.fixed.Q
-        Of the coordinates.
+        Format of the coordinates.
     nodes : int
-        Their distance S.
+        Distance S of the nodes.
 
     Members
     -------
@@ -69,8 +69,8 @@ class Segments(wiring.Component):
         m = Module()
         valid = [Signal(name=f"{name}_valid") for name in ("around", "bent", "sloped")]
         valid.append(self.o.valid)
-        # A stage takes what the one before it has when it is empty: no chain of conditions runs
-        # through all of them. The last one also while its segment is taken.
+        # A stage loads from the one before it only when it is empty: no chain of conditions runs
+        # through all of them. The last one also loads while its segment is taken.
         takes = [~own for own in valid[:-1]] + [~self.o.valid | self.o.ready]
         m.d.comb += self.i.ready.eq(takes[0] | self.flush)
         with m.If(takes[0]):
@@ -99,7 +99,7 @@ class Segments(wiring.Component):
                             signal("bend", bits + 2))
         next_base, next_bend = signal("next_base", bits + 1), signal("next_bend", bits + 2)
         rise = signal("rise", bits + 4)                 # 4 (P2 - P1) - bend
-        # Cycle 1: the nodes move on, and so do their differences.
+        # Cycle 1: shift the nodes and their differences.
         with m.If(takes[0] & self.i.valid):
             m.d.sync += [a.eq(b) for a, b in zip(p, [*p[1:], node])]
             m.d.sync += [a.eq(b) for a, b in zip(steps, [*steps[1:], node - p[2]])]
@@ -107,7 +107,7 @@ class Segments(wiring.Component):
         with m.If(takes[1]):
             m.d.sync += [base.eq(p[0] + self.half), step.eq(steps[1]),
                          bend.eq(steps[2] - steps[0])]
-        # Cycle 3: the slope is S times this, and a bend.
+        # Cycle 3: a part of the slope: S times this, and a bend.
         with m.If(takes[2]):
             m.d.sync += [rise.eq((step << 2) - bend), next_base.eq(base), next_bend.eq(bend)]
         # Cycle 4: the slope.

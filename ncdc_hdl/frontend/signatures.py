@@ -10,16 +10,16 @@ __all__ = ["SpansRequest", "TableAccess"]
 
 
 class SpansRequest(wiring.Signature):
-    """The scan asks for the valid spans of a row; directions are those of the scan.
+    """The scan requests the valid spans of a row; directions are those of the scan.
 
     Members
     -------
     row : ``Out(SIZE)``
-        The row that is asked for; to be held until ``fresh``.
+        The row requested; held until ``fresh``.
     spans : ``In(SPANS)``
         The answer, some clocks late.
     fresh : ``In(1)``
-        High while ``spans`` belongs to the present ``row``.
+        High while ``spans`` belongs to this ``row``.
     """
 
     def __init__(self):
@@ -32,13 +32,13 @@ class TableAccess(wiring.Signature):
     Members
     -------
     bank, row, span : ``Out``
-        Which span: its bank, its row, and whether it is the row's first or second one.
+        Bank and row of the span, and whether it is the row's first or second one.
     write : ``Out(1)``
         The span becomes ``start`` and ``stop``; nothing happens if the table has no such row.
     start, stop : ``Out(SIZE)``
-        First column of the span to be written, and the one behind its last column.
+        First column of the span to be written, and the one after its last column.
     read : ``Out(1)``
-        The span is to be read; in every other clock at most.
+        The span is read; at most in every other clock.
     read_start, read_stop : ``In(SIZE)``
         The span, ``ValidTable.latency`` clocks after ``read``; any value at other times.
     """

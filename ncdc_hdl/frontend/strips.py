@@ -14,28 +14,28 @@ __all__ = ["ORDER", "Strips"]
 # Columns and rows of a picture, and columns of a strip; 0 if the picture is one strip.
 ORDER = data.StructLayout({"width": SIZE, "height": SIZE, "strip": SIZE})
 
-_COUNT = range(-MAX_SIZE - 1, MAX_SIZE)     # of what is counted down to -1
+_COUNT = range(-MAX_SIZE - 1, MAX_SIZE)     # range of counts down to -1
 
 
 class Strips(wiring.Component):
     """Counts through a picture: strips left to right, rows top down, columns left to right.
 
-    A strip has ``order.strip`` columns, the last one what is left. A width of 0 makes the whole
+    A strip has ``order.strip`` columns, the last one the rest. A width of 0 makes the whole
     picture one strip: a raster. Equal to ``ncdc_spec.geometry.scan_order``.
 
-    Groups and rows are counted down to -1, so that the sign tells the last one without a
+    Groups and rows are counted down to -1, so that the sign marks the last one without a
     comparison.
 
-    Timing: all outputs but ``strip`` and ``raster`` are those of one group, and show another one
-    in the clock after ``advance``. The parent asks for a frame's first group by an ``advance`` in
-    the clock of ``begin``; it shows ``latency`` clocks after ``start``. The width of a picture is
-    not to be 0.
+    Timing: all outputs but ``strip`` and ``raster`` belong to one group, and change to the next one
+    in the clock after ``advance``. The parent requests a frame's first group by an ``advance`` in
+    the clock of ``begin``; it comes ``latency`` clocks after ``start``. A picture's width must
+    not be 0.
 
     Parameters
     ----------
     lanes : int
         Pixels of a group, counted together; a power of two, at most ``STRIP_UNIT / 8``. The width
-        of the picture is to be a multiple of it.
+        of the picture must be a multiple of it.
 
     Members
     -------
@@ -45,11 +45,11 @@ class Strips(wiring.Component):
     start : ``In(1)``
         Begins a frame.
     advance : ``In(1)``
-        Another group shows in the next clock.
+        Another group is output in the next clock.
     soon : ``Out(1)``
         High in the clock before ``begin``.
     begin : ``Out(1)``
-        High in the clock in which the parent is to ``advance`` for the first group.
+        High in the clock in which the parent must ``advance`` for the first group.
     u : ``Out(SIZE)``
         Column of the group's leftmost pixel.
     last_column : ``Out(1)``
@@ -88,11 +88,11 @@ class Strips(wiring.Component):
         order = self.order
         unit = exact_log2(STRIP_UNIT)
         left = Signal(SIZE)             # first column of the strip
-        column = Signal(_COUNT)         # groups of the row behind the present one, less one
-        row = Signal(_COUNT)            # rows of the strip behind the present one, less one
+        column = Signal(_COUNT)         # groups of the row after this one, less one
+        row = Signal(_COUNT)            # rows of the strip after this one, less one
         rows = Signal(_COUNT)           # rows of the picture, less two
         further = Signal(SIZE)          # `u` of the group on the right
-        next_strip = Signal()           # the strip's last group is left
+        next_strip = Signal()           # the strip's last group ends
         m.d.comb += [
             self.strip.eq(Cat(Const(0, unit), order.strip[unit:])),
             self.raster.eq(self.strip == 0),
@@ -114,15 +114,15 @@ class Strips(wiring.Component):
         with m.If(next_strip):
             m.d.sync += left.eq(further)
         with m.If(self.start):
-            # As at the end of a strip on the left of the picture.
+            # Same as at the end of a strip to the left of the picture.
             m.d.sync += [column.eq(-1), row.eq(-1), self.u.eq(-self.lanes)]
         return m
 
     def _strip_to_come(self, m, next_strip):
-        """Work out the strip behind the present one; return what ``column`` begins a row with.
+        """Compute the next strip; return the initial value of ``column`` in a row.
 
-        That takes three clocks from the columns right of the strip's first one, and a fourth for
-        the row: no strip but the last has a row of so few groups.
+        This takes three clocks from the columns right of the strip's first one, and a fourth for
+        the row. Only the last strip can have rows of so few groups.
         """
         group = exact_log2(self.lanes)
         columns = Signal(_COUNT)        # columns from the strip to come to the right edge, less one
@@ -133,9 +133,9 @@ class Strips(wiring.Component):
         less_two = Signal(_COUNT)       # groups in a row of the strip to come, less two
         row_groups = Signal(_COUNT)     # groups in the row to come, less two
         m.d.sync += [
-            # Cycle 1: take the strip's columns off those that are left.
+            # Cycle 1: subtract the strip's columns from the remaining ones.
             beyond.eq(columns - self.strip),
-            # Cycle 2: if none are left it is the last strip, which has what there was.
+            # Cycle 2: if none remain it is the last strip, with the columns before the subtraction.
             last.eq(self.raster | (beyond < 0)),
             less_one.eq(Mux(self.raster | (beyond < 0), columns, self.strip - 1) >> group),
             # Cycle 3: count down to -1, not to 0.

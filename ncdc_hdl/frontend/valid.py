@@ -1,4 +1,4 @@
-"""The table of valid rows: which corrected pixels have a source."""
+"""The table of valid rows: marks the corrected pixels with a source."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -17,14 +17,14 @@ __all__ = ["ValidTable"]
 class ValidTable(wiring.Component):
     """Two banks of valid spans, one entry per corrected row, for the scan and for the host.
 
-    Memory layout: entry ``bank * rows + row`` of memory k holds start and stop of span k, of as
-    many bits as ``columns`` needs; of other values the bits above are lost. One read port serves
+    Memory layout: entry ``bank * rows + row`` of memory k holds start and stop of span k, with as
+    many bits as ``columns`` needs. Further bits are dropped. One read port serves
     both sides, the host first, so that each memory is a simple dual-port RAM of one write enable,
-    which the narrow and deep shapes of block RAMs need. What the host writes to a row that the
-    table does not have is ignored.
+    which the narrow and deep shapes of block RAMs need. Writes of the host to a row that the
+    table does not have are ignored.
 
     Timing: ``scan.spans`` follow ``scan.row`` after ``latency`` clocks if the host does not read;
-    ``host.read_start`` and ``host.read_stop`` follow ``host.read`` after as many.
+    ``host.read_start`` and ``host.read_stop`` follow ``host.read`` likewise.
 
     Parameters
     ----------
@@ -40,12 +40,12 @@ class ValidTable(wiring.Component):
     bank : ``In(1)``
         The bank that the scan reads; constant during a frame.
     scan : ``In(SpansRequest())``
-        ``fresh`` tells whether the answer is that of the present ``bank`` and ``row``.
+        ``fresh`` is high if the answer is that of this ``bank`` and ``row``.
     host : ``In(TableAccess())``
     """
 
     latency = 2
-    """Clocks from a question of either side to its answer: the memory, its output register."""
+    """Clocks from a request of either side to its answer: the memory, its output register."""
 
     def __init__(self, valid, columns, rows):
         self.valid, self.row_bits = valid, ceil_log2(rows)
@@ -73,13 +73,13 @@ class ValidTable(wiring.Component):
         wanted = Cat(scan.row[:self.row_bits], self.bank)
         host_address = Cat(host.row[:self.row_bits], host.bank)
         host_row_exists = host.row[self.row_bits:] == 0
-        # M: a memory for each span of a row; what it puts out goes into its output register.
+        # M: a memory for each span of a row; followed by its output register.
         starts, stops = [], []
         for k in range(SPANS_PER_ROW):
             entries = [start | stop << bits
                        for start, stop in self.valid.spans[:, 2 * k:2 * k + 2].tolist()]
             entries += [0] * (rows - len(entries))
-            # A frame's bank is not written, and the host does one thing at a time: no word is used
+            # A frame's bank is not written, and the host does one access at a time. No word is used
             # that was read in the clock of its write.
             m.submodules[f"memory{k}"] = memory = block_memory(2 * bits, 2 * rows, entries * 2)
             write, read = memory.write_port(), memory.read_port()
@@ -92,7 +92,7 @@ class ValidTable(wiring.Component):
             entry = register(m, f"entry{k}", read.data)
             starts.append(entry[:bits])
             stops.append(entry[bits:])
-        # Whose question the output registers answer: the scan's or not, which, the host's span.
+        # Request in the output registers: whether the scan's, its row, the host's span.
         by_scan = delay(m, ~host.read, self.latency, "by_scan", reset_less=False)
         asked = delay(m, wanted, self.latency, "asked")
         host_span = delay(m, host.span, self.latency, "host_span")

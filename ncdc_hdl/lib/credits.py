@@ -9,39 +9,39 @@ from ncdc_hdl.lib.pipeline import register
 
 __all__ = ["CreditQueue"]
 
-# Items that may still be issued once ``claimed`` says that no more should be: one in the clock of
-# each of the two registers of ``room``, one in the producer's clock after them, and one in that of
+# Items that may still be issued after ``claimed`` reaches the limit: one in the clock of
+# each of the two registers of ``space``, one in the producer's clock after them, and one in that of
 # the register of ``issue``.
 _MARGIN = 4
 
 
 class CreditQueue(wiring.Component):
-    """Queue behind a free-running pipeline, with the credits that keep it from overflowing.
+    """Queue after a free-running pipeline, with credits that prevent its overflow.
 
-    A producer may put one item into the pipeline in the clock after each in which ``room`` is high,
-    and says so with ``issue``; the item arrives some clocks later with ``arrive``. ``room`` counts
-    what is in the pipeline and in the queue together, so that no stall has to reach into the
-    pipeline. Once all places but four are claimed, ``room`` goes low, until no more than
-    ``restart`` items are left: the paper's clock-gating controller as a rule on credits.
+    A producer may put one item into the pipeline, with ``issue``, in the clock after each in which
+    ``space`` is high. The item arrives some clocks later with ``arrive``. ``space`` counts the
+    items in pipeline and queue together, so that no stall has to reach into the
+    pipeline. Once all slots but four are claimed, ``space`` goes low, until at most
+    ``restart`` items are left. It is the paper's clock-gating controller as a rule on credits.
 
-    Timing: there are registers on every way between queue and pipeline, which may be far from each
-    other. ``room`` goes low 4 clocks after the issue that is the last one but four, an item leaves
-    4 clocks after its arrival at the earliest; one item per clock.
+    Timing: there are registers on all paths between queue and pipeline, which may be far from each
+    other. ``space`` goes low 4 clocks after the last issue but four. An item leaves at least
+    4 clocks after its arrival; one item per clock.
 
     Parameters
     ----------
     shape : ShapeLike
-        Of one item.
+        Shape of one item.
     depth : int
         Items in the pipeline and the queue together.
     restart : int
-        Level at which a full queue asks for more, the highest one unless given; at least the
+        Level at which a full queue accepts more, by default the highest one. It is at least the
         pipeline's latency and ``loop``, if the consumer must not wait for the pipeline to fill
         again.
 
     Members
     -------
-    room : ``Out(1)``
+    space : ``Out(1)``
         An item may be put into the pipeline in the next clock.
     issue : ``In(1)``
         An item is put into the pipeline in this clock.
@@ -49,7 +49,7 @@ class CreditQueue(wiring.Component):
         An item leaves the pipeline in this clock, and that item.
     o : ``Out(stream.Signature(shape))``
     drained : ``Out(1)``
-        Nothing is in the pipeline; some clocks late, but low from the first issue's next clock on.
+        The pipeline is empty; some clocks late, but low from the first issue's next clock on.
 
     Raises
     ------
@@ -61,11 +61,11 @@ class CreditQueue(wiring.Component):
     """Clocks from an item's arrival to its appearance at ``o``: a register, the queue."""
 
     loop = 9
-    """Clocks from an item taken to the next one that this makes room for, less the pipeline's."""
+    """Clocks from an item taken to the next one in its slot, less the pipeline's."""
 
     @classmethod
-    def least_depth(cls, latency):
-        """The least depth at which a pipeline of ``latency`` clocks is not waited for."""
+    def min_depth(cls, latency):
+        """The smallest depth with which a pipeline of ``latency`` clocks causes no wait."""
         return latency + cls.loop + _MARGIN + 1
 
     def __init__(self, shape, *, depth, restart=None):
@@ -74,7 +74,7 @@ class CreditQueue(wiring.Component):
             raise ValueError(f"restart is {restart}, the limits are 0 and {depth - _MARGIN - 1}")
         self.shape, self.depth, self.restart = shape, depth, restart
         super().__init__({
-            "room": Out(1, init=1), "issue": In(1), "arrive": In(1), "i": In(shape),
+            "space": Out(1, init=1), "issue": In(1), "arrive": In(1), "i": In(shape),
             "o": Out(stream.Signature(shape)), "drained": Out(1, init=1),
         })
 
@@ -94,10 +94,10 @@ class CreditQueue(wiring.Component):
             fifo.r_en.eq(self.o.ready),
         ]
 
-        claimed = Signal(range(self.depth + 1))      # in the pipeline or in the queue
-        in_flight = Signal(range(self.depth + 1))    # in the pipeline
-        more = Signal(init=1)                        # ``room``, a clock before
-        m.d.sync += [self.room.eq(more), self.drained.eq((in_flight == 0) & ~issued & ~self.issue)]
+        claimed = Signal(range(self.depth + 1))      # items in the pipeline or in the queue
+        in_flight = Signal(range(self.depth + 1))    # items in the pipeline
+        more = Signal(init=1)                        # ``space``, a clock before
+        m.d.sync += [self.space.eq(more), self.drained.eq((in_flight == 0) & ~issued & ~self.issue)]
         with m.If(issued != taken):
             m.d.sync += claimed.eq(claimed + Mux(taken, -1, 1))
         with m.If(issued != arrived):

@@ -8,7 +8,7 @@ __all__ = ["add_signed", "saturate"]
 def add_signed(a, b, subtract, carry):
     """a + b + carry, or a - b - carry if the one-bit ``subtract`` is set, in one carry chain.
 
-    ``carry`` is the bit that rounds b: b + carry is what is added or subtracted. A subtraction
+    ``carry`` is the bit that rounds b: b + carry is added or subtracted. A subtraction
     adds ~b and the inverted carry; both share the adder through one extra bit at the bottom.
     """
     flipped = (b ^ subtract.replicate(len(b)))[:len(b)].as_signed() if b.shape().signed else \
@@ -21,7 +21,7 @@ def saturate(value, q):
     """The signed ``value`` limited to the range of format ``q``, as a signed value of its width.
 
     A value fits if all bits above those of the format are copies of its sign; only these are
-    looked at. One that does not fit becomes the limit on its side, a constant.
+    compared. A value that does not fit becomes the limit on its side, a constant.
     """
     sign, above = value[-1], value[q.width - 1:]
     fits = ~(above ^ sign.replicate(len(above))).any()

@@ -1,4 +1,4 @@
-"""Groups of neighbouring pixels that go through the hardware together."""
+"""Groups of neighbouring pixels that are processed together."""
 
 from amaranth.lib import data
 
@@ -10,7 +10,7 @@ def grouped(fields, lanes):
     of the frame.
 
     A group is ``lanes`` neighbouring pixels of a row, the leftmost one in lane 0. A single pixel
-    has its fields beside the flags; more have them in an array ``lane``.
+    has its fields next to the flags; more have them in an array ``lane``.
     """
     if lanes > 1:
         fields = {"lane": data.ArrayLayout(data.StructLayout(fields), lanes)}

@@ -12,23 +12,23 @@ __all__ = ["Fifo", "block_memory"]
 def block_memory(shape, depth, init=()):
     """A memory of ``depth`` words of ``shape``; no word is used that is read when it is written.
 
-    A word that is read in the clock of its write is undefined in block RAM. Whoever takes this
-    memory promises not to use such a word. Without the promise synthesis puts logic behind the RAM
-    to give the old word, which puts the RAM's output register out of reach. In simulation the old
+    A word that is read in the clock of its write is undefined in block RAM. A user of this
+    memory must not use such a word. Without this guarantee synthesis puts logic after the RAM
+    to output the old word, and cannot use the RAM's output register. In simulation the old
     word is read.
     """
-    # The promise, as Yosys calls it and as Quartus does.
+    # The guarantee, as an attribute of Yosys and of Quartus.
     return Memory(shape=shape, depth=depth, init=list(init),
                   attrs={"no_rw_check": 1, "ramstyle": "no_rw_check"})
 
 
 class Fifo(wiring.Component):
-    """Queue in a memory that is read through two registers: its own output and one behind it.
+    """Queue in a memory that is read through two registers: its own output and one after it.
 
-    Both are the RAM's own on the usual devices, so that an item leaves early in its clock.
+    Both belong to the RAM on common devices, so that an item leaves early in its clock.
     ``amaranth.lib.fifo.SyncFIFOBuffered`` has only the first, and the same members.
 
-    Timing: an item can be taken ``latency`` clocks after it was written at the earliest; one item
+    Timing: an item can be taken at least ``latency`` clocks after it was written; one item
     per clock.
 
     Parameters
@@ -47,7 +47,7 @@ class Fifo(wiring.Component):
     r_data, r_rdy, r_en : ``Out(width)``, ``Out(1)``, ``In(1)``
         The oldest item, taken if both are high.
     level : ``Out(range(depth + 1))``
-        Items in the queue, those on their way to the output included.
+        Items in the queue, also those on the way to the output.
 
     Raises
     ------
@@ -70,28 +70,28 @@ class Fifo(wiring.Component):
 
     @property
     def words(self):
-        """Of the memory, a power of two if there is one: two items are in the registers whenever
+        """Words of the memory, a power of two if possible: two items are in the registers whenever
         two are in the memory."""
         return min(self.depth, 1 << ceil_log2(max(2, self.depth - 2)))
 
     def elaborate(self, platform):
         m = Module()
-        # A word is read a clock after its write at the earliest, as block_memory wants it.
+        # A word is read at least a clock after its write, as block_memory requires.
         words = self.words
         m.submodules.storage = storage = block_memory(self.width, words)
         write, read = storage.write_port(), storage.read_port()
-        produce = Signal(range(words))              # where the next item is written
-        consume = Signal(range(words))              # where the next item is read
-        kept = Signal(range(self.depth + 1))        # items in the memory that are not read as yet
-        some = Signal()                             # kept != 0
+        produce = Signal(range(words))              # write address of the next item
+        consume = Signal(range(words))              # read address of the next item
+        stored = Signal(range(self.depth + 1))      # items in the memory that are not yet read
+        some = Signal()                             # stored != 0
         full = Signal()                             # level == depth
         read_valid = Signal()                       # an item is in the memory's own output register
-        both = Signal()                             # in the one behind it as well
+        both = Signal()                             # also in the one after it
         oldest = Signal(self.width, reset_less=True)    # a RAM's register has no reset to share
         put = Signal()                              # an item is written
         pop = Signal()                              # an item leaves the memory
         load = Signal()                             # the memory's output register may be loaded
-        move = Signal()                             # the register behind it may be loaded
+        move = Signal()                             # the register after it may be loaded
         take = Signal()                             # the oldest item is taken
         m.d.comb += [
             self.r_data.eq(oldest),
@@ -108,7 +108,7 @@ class Fifo(wiring.Component):
             pop.eq(load & some),
         ]
         with m.If(put != pop):
-            m.d.sync += [kept.eq(kept + Mux(put, 1, -1)), some.eq(put | (kept != 1))]
+            m.d.sync += [stored.eq(stored + Mux(put, 1, -1)), some.eq(put | (stored != 1))]
         with m.If(put != take):
             m.d.sync += [self.level.eq(self.level + Mux(put, 1, -1)),
                          full.eq(put & (self.level == self.depth - 1))]

@@ -26,7 +26,7 @@ def delay(m, value, clocks, name, reset_less=True):
 
 
 class DelayMemory(wiring.Component):
-    """``i`` as it was ``clocks`` clocks ago, through a memory: for words long under way.
+    """``i`` as it was ``clocks`` clocks ago, through a memory: for long delays.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class DelayMemory(wiring.Component):
 
     def __init__(self, shape, clocks):
         if clocks < 2:
-            raise ValueError(f"a memory delays by 2 clocks at least, not by {clocks}")
+            raise ValueError(f"clocks is {clocks}, a memory delays by at least 2")
         self.clocks = clocks
         super().__init__({"i": In(shape), "o": Out(shape)})
 
@@ -55,12 +55,12 @@ class DelayMemory(wiring.Component):
         i, o = Value.cast(self.i), Value.cast(self.o)
         m.submodules.memory = memory = Memory(shape=len(i), depth=self.clocks, init=[])
         write, read = memory.write_port(), memory.read_port()
-        place = Signal(range(self.clocks))          # where the present word is written
-        following = Signal(range(self.clocks))      # where the next one will be: the oldest word
-        m.d.sync += place.eq(following)
+        index = Signal(range(self.clocks))          # address at which this word is written
+        following = Signal(range(self.clocks))      # address of the next one: the oldest word
+        m.d.sync += index.eq(following)
         m.d.comb += [
-            following.eq(Mux(place == self.clocks - 1, 0, place + 1)),
-            write.addr.eq(place), write.data.eq(i), write.en.eq(1),
+            following.eq(Mux(index == self.clocks - 1, 0, index + 1)),
+            write.addr.eq(index), write.data.eq(i), write.en.eq(1),
             read.addr.eq(following), o.eq(read.data),
         ]
         return m

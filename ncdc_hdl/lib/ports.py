@@ -14,7 +14,7 @@ def flat(prefix, signature, flow):
 def join(m, component, prefix, interface):
     """Connect the ports prefix_member of ``component`` with the members of ``interface``.
 
-    Seen from inside the component: what is an output of it is driven by the interface, which has
+    Used inside the component: its outputs are driven by the interface, which has
     the same directions.
     """
     for name, member in interface.signature.members.items():

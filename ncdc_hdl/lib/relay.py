@@ -1,4 +1,4 @@
-"""A stream stage that keeps a long chain of ``ready`` signals short."""
+"""A stream stage that breaks a long chain of ``ready`` signals."""
 
 from amaranth import *
 from amaranth.lib import stream, wiring
@@ -8,9 +8,9 @@ __all__ = ["Relay"]
 
 
 class Relay(wiring.Component):
-    """Two places for items, so that ``i.ready`` is a register and does not depend on ``o.ready``.
+    """Two slots for items, so that ``i.ready`` is a register and does not depend on ``o.ready``.
 
-    An item that comes in a clock in which ``o`` stalls is kept aside; while an item is aside, no
+    An item that comes in a clock in which ``o`` stalls is put aside; while an item is aside, no
     other one is accepted.
 
     Timing: latency 1, one item per clock.
@@ -18,7 +18,7 @@ class Relay(wiring.Component):
     Parameters
     ----------
     shape : ShapeLike
-        Of an item.
+        Shape of an item.
 
     Members
     -------
@@ -36,7 +36,7 @@ class Relay(wiring.Component):
         m = Module()
         i = Value.cast(self.i.payload)
         o = Signal(len(i), reset_less=True)         # the item that is offered
-        aside = Signal(len(i), reset_less=True)     # the item kept aside, unless `free`
+        aside = Signal(len(i), reset_less=True)     # the item put aside, unless `free`
         free = Signal(init=1)                       # nothing is aside
         m.d.comb += [self.i.ready.eq(free), Value.cast(self.o.payload).eq(o)]
         with m.If(free):

@@ -13,7 +13,7 @@ _BITS = 10      # start, eight of data, stop
 class UartReceiver(wiring.Component):
     """Receives bytes.
 
-    The line is looked at in the middle of each bit, counted from the edge of the start bit. A
+    The line is sampled in the middle of each bit, counted from the edge of the start bit. A
     start bit that is over by its middle, and a byte without a stop bit, count as noise.
 
     Parameters
@@ -24,7 +24,7 @@ class UartReceiver(wiring.Component):
     Members
     -------
     line : ``In(1)``
-        Of no clock.
+        Asynchronous.
     valid, byte : ``Out(1)``, ``Out(8)``
         A byte has come; for one clock.
 
@@ -45,8 +45,8 @@ class UartReceiver(wiring.Component):
         line = Signal(init=1)
         m.submodules.line = FFSynchronizer(self.line, line, init=1)
         left = Signal(range(self.divisor))      # clocks to the middle of the next bit
-        bits = Signal(range(_BITS + 1))         # bits that are still to come; 0: the line rests
-        broken = Signal()                       # there was no stop bit: the line is to rest first
+        bits = Signal(range(_BITS + 1))         # bits that are still to come; 0: the line is idle
+        broken = Signal()                       # there was no stop bit: the line must be idle first
         m.d.sync += self.valid.eq(0)
         with m.If(bits == 0):
             with m.If(~line):
@@ -87,7 +87,7 @@ class UartTransmitter(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         left = Signal(range(self.divisor))
-        bits = Signal(range(_BITS + 1))         # that are still to be sent, the present one too
+        bits = Signal(range(_BITS + 1))         # bits still to be sent, with this one
         shift = Signal(_BITS - 1)
         m.d.comb += self.i.ready.eq(bits == 0)
         with m.If(self.i.ready):

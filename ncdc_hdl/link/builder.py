@@ -15,7 +15,7 @@ TEMPLATE_ADDRESS_BITS = 3 + exact_log2(TEMPLATE_WORDS)      # bank, template, wo
 
 
 class Builder(wiring.Component):
-    """Makes the beats of each job's packet: the bytes of its header, those of its payload behind.
+    """Makes the beats of each job's packet: the bytes of its header, then those of its payload.
 
     A job without a byte of header or payload is ``skipped``: there is no such packet.
 
@@ -24,23 +24,23 @@ class Builder(wiring.Component):
     Members
     -------
     i : ``In(stream.Signature(JOB))``
-        Taken when its packet is made.
+        Taken when its packet is complete.
     field_byte, field_bytes : ``In(8)``, ``In(3)``
-        Where the packet's number stands in the header, big endian.
+        Position and length of the packet's number in the header, big endian.
     address, data, write : ``In(TEMPLATE_ADDRESS_BITS)``, ``In(32)``, ``In(1)``
         Write a word of a header: its length in bytes, then the bytes, the first in the lowest.
     bare : ``Out(1)``
-        The job is that of a leader or a trailer: it has no payload.
+        The job is a leader or a trailer, without payload.
     open : ``Out(1)``
-        The header is made; words of the payload may come.
+        The header is complete; words of the payload may come.
     valid, word : ``In(1)``, ``In(32)``
-        Four bytes of it have come.
+        Four bytes of the payload have come.
     last : ``Out(1)``
         They are its last ones.
     put, entry : ``Out(1)``, ``Out(ENTRY)``
-        A beat, which cannot be refused.
+        A beat; there is no back-pressure.
     skipped : ``Out(1)``
-        For one clock.
+        High for one clock.
     """
 
     def __init__(self):
@@ -58,11 +58,11 @@ class Builder(wiring.Component):
         write, read = headers.write_port(), headers.read_port()
         at, following = Signal(8), Signal(8)    # byte of the header, and the next one
         length = Signal(8)                      # bytes of the header
-        word = Signal(range(TEMPLATE_WORDS))    # of the header: that of the next byte
+        word = Signal(range(TEMPLATE_WORDS))    # word of the header with the next byte
         count = Signal(len(job.last) - 2)       # words of the payload that have come
         ends, last = Signal(), Signal()         # the header's last byte, the packet's last beat
-        over = Signal()                         # bytes are left behind the last whole beat
-        lane = at[:2]                           # of the byte, and then of the payload's first one
+        over = Signal()                         # bytes are left after the last whole beat
+        lane = at[:2]                           # lane of the byte, then of the payload's first one
         filled = Signal(3)                      # lanes of the last beat, less one
         m.d.comb += [
             write.addr.eq(self.address), write.data.eq(self.data), write.en.eq(self.write),
@@ -111,9 +111,9 @@ class Builder(wiring.Component):
         return m
 
     def _lanes(self, m, header, lane, following):
-        """Bytes to the lanes in which they are sent; those of a beat that is not whole are kept."""
+        """Bytes to the lanes in which they are sent; those of an incomplete beat are held."""
         inside, digit = self._number(m, following)
-        kept = [Signal(8, name=f"kept{k}") for k in range(3)]
+        held = [Signal(8, name=f"held{k}") for k in range(3)]
         turned = [Signal(8, name=f"turned{k}") for k in range(4)]
         given = [Signal(8, name=f"given{k}") for k in range(4)]
         turns = Mux(self.open, lane, 0)
@@ -123,15 +123,15 @@ class Builder(wiring.Component):
                                 Mux(inside, digit, header.word_select(k, 8)))),
                 turned[k].eq(Array(given[k - turn] for turn in range(4))[turns]),
                 self.entry.beat.data.word_select(k, 8).eq(
-                    Mux(k < lane, kept[k], turned[k]) if k < 3 else turned[k]),
+                    Mux(k < lane, held[k], turned[k]) if k < 3 else turned[k]),
             ]
             if k < 3:
                 with m.If(Mux(self.open, self.valid, lane == k)):
-                    m.d.sync += kept[k].eq(turned[k])
+                    m.d.sync += held[k].eq(turned[k])
 
     def _number(self, m, following):
-        """Whether a byte of the number stands at the byte of the header, and which."""
-        left = Signal(3)                        # bytes of it that follow, once it has begun
+        """Whether the byte of the header is one of the number, and that byte."""
+        left = Signal(3)                        # bytes left of it, once it has begun
         now = Mux(following == self.field_byte, self.field_bytes, left)
         inside, digit = Signal(), Signal(8)
         m.d.sync += [left.eq(now - (now != 0)), inside.eq(now != 0),

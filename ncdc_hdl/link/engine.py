@@ -1,4 +1,4 @@
-"""An accumulator with a memory of words, and the program that it works off."""
+"""An accumulator with a memory of words, and its program."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -9,32 +9,32 @@ from ncdc_hdl.link.program import CONDITIONS, ORDERS, STEP, WORDS, Index, assemb
 
 __all__ = ["Engine"]
 
-_OWN = ("always", "zero", "negative", "borrow", "uneven")     # conditions: the sum's
+_OWN = ("always", "zero", "negative", "borrow", "uneven")     # conditions of the sum
 
 
 class Engine(wiring.Component):
-    """Works off the program of :mod:`ncdc_hdl.link.program`, from its beginning after a reset.
+    """Executes the program of :mod:`ncdc_hdl.link.program`, from its beginning after a reset.
 
-    Timing: two clocks for a step. In the first one the step's word is read, in the second one all
-    of the step is done.
+    Timing: two clocks for a step. The first one reads the step's word, the second one
+    executes the step.
 
     Parameters
     ----------
     constants : dict
-        Words by name that hold a value from the beginning, and never another one.
+        Constant words by name.
 
     Members
     -------
     conditions : ``In(StructLayout)``
-        A bit for each of ``CONDITIONS``, but for those of the sum.
+        A bit for each of ``CONDITIONS``, without those of the sum.
     orders : ``Out(StructLayout)``
         A bit for each of ``ORDERS``, high for one clock.
     again, bank, host, steps : ``In(1)``, ``In(1)``, ``In(4)``, ``In(4)``
-        What ``Index`` puts into addresses.
+        Parts of addresses, selected by ``Index``.
     stamp, word, waited : ``In(32)``, ``In(32)``, ``In(8)``
-        What ``Source`` names beside the memory.
+        Operands of ``Source`` other than the memory.
     mask : ``In(32)``
-        Bits of ``word`` that count.
+        Bits of ``word`` that are used.
     sum : ``Out(32)``
     """
 
@@ -57,10 +57,10 @@ class Engine(wiring.Component):
         m.submodules.words = words = block_memory(32, len(init), init)
         fetch, read, write = rom.read_port(), words.read_port(), words.write_port()
         read_step, step = data.View(STEP, fetch.data), Signal(STEP)
-        place = Signal(5)                       # of the step's word
-        done = Signal(init=1)                   # the step is, in this clock
+        index = Signal(5)                       # address of the step's word
+        done = Signal(init=1)                   # the step is done in this clock
         begun = Signal()                        # there is a step
-        at, following = Signal(8, init=255), Signal(8)      # where it is, and the next one
+        at, following = Signal(8, init=255), Signal(8)      # its address, and the next one's
         borrow = Signal()
         own = {"always": 1, "zero": self.sum == 0, "negative": self.sum[-1], "borrow": borrow,
                "uneven": self.sum[:4] != 0}
@@ -70,15 +70,15 @@ class Engine(wiring.Component):
         m.d.comb += [
             following.eq(Mux(begun & (holds ^ step.inverted), step.target, at + 1)),
             fetch.en.eq(done), fetch.addr.eq(following), read.en.eq(~done),
-            read.addr.eq(self._address(read_step)), write.addr.eq(place), write.data.eq(self.sum),
+            read.addr.eq(self._address(read_step)), write.addr.eq(index), write.data.eq(self.sum),
             write.en.eq(done & begun & step.stores),
         ]
         with m.If(done):
             m.d.sync += at.eq(following)
         with m.Else():
             # Block RAM gives its word late in a clock.
-            m.d.sync += [step.eq(read_step), place.eq(read.addr)]
-        # The lowest bit carries what a subtraction adds.
+            m.d.sync += [step.eq(read_step), index.eq(read.addr)]
+        # The carry into the lowest bit completes a subtraction.
         total = Signal(34)
         m.d.comb += total.eq(Cat(1, self.sum) + Cat(step.subtracts, self._operand(step, read)))
         with m.If(done & begun & step.clears):
@@ -97,10 +97,10 @@ class Engine(wiring.Component):
                            step.address[:4] | pairs)), step.address[4])
 
     def _operand(self, step, read):
-        """What is added: for a subtraction, with all bits inverted."""
+        """The operand; for a subtraction, with all bits inverted."""
         bits = []
         for k in range(32):
-            # Bits of the host's word that no register has are none.
+            # Bits of the host's word that the register lacks are 0.
             given = [read.data[k], self.stamp[k], self.word[k] & self.mask[k],
                      self.waited[k] if k < 8 else 0]
             bits.append(Array(given)[step.source])

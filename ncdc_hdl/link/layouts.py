@@ -1,4 +1,4 @@
-"""What the parts of the packetiser hand each other."""
+"""Layouts between the parts of the packetiser."""
 
 from amaranth.lib import data, enum
 
@@ -8,7 +8,7 @@ __all__ = ["BEAT", "ENTRY", "JOB", "Template"]
 
 
 class Template(enum.Enum, shape=2):
-    """The headers, in the order in which they lie in memory."""
+    """The headers, in the order in memory."""
     LEADER = 0
     PAYLOAD = 1
     LAST = 2
@@ -16,9 +16,9 @@ class Template(enum.Enum, shape=2):
 
 
 JOB = data.StructLayout({
-    "template": Template, "bank": 1,    # the header
-    "number": NUMBER_BITS,              # of the packet
-    "last": PAYLOAD_BITS,               # bytes of its payload, less one: known a little later
+    "template": Template, "bank": 1,    # set of headers
+    "number": NUMBER_BITS,              # number of the packet
+    "last": PAYLOAD_BITS,               # bytes of its payload, less one: valid a little later
     "again": 1,                         # it was sent before
 })
 """A packet to be made."""
@@ -28,4 +28,4 @@ BEAT = data.StructLayout({"data": 32, "empty": 2, "last": 1})
 highest ones."""
 
 ENTRY = data.StructLayout({"beat": BEAT, "again": 1})
-"""A beat of a packet, and whether this was sent before."""
+"""A beat of a packet, and whether the packet was sent before."""

@@ -1,4 +1,4 @@
-"""A queue that lets packets go as wholes."""
+"""A queue that sends only complete packets."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -11,18 +11,18 @@ __all__ = ["PacketQueue"]
 
 
 class PacketQueue(wiring.Component):
-    """Keeps the beats of packets, and sends a packet once all of its beats are there.
+    """Stores the beats of packets, and sends a packet once it is complete.
 
-    So no packet that has begun waits for a beat, whatever happens on the other side. Whoever puts
-    beats knows that there is room.
+    So no packet that has begun waits for a beat. The writer must put
+    beats only while there is space.
 
-    Timing: a beat leaves two clocks after the last one of its packet came, at the earliest; two
+    Timing: a beat leaves at least two clocks after the last one of its packet came; two
     clocks between two packets.
 
     Parameters
     ----------
     depth, packets : int
-        Beats, and whole packets, that are kept at most.
+        Most beats, and most complete packets, in the queue.
 
     Members
     -------
@@ -31,9 +31,9 @@ class PacketQueue(wiring.Component):
         No packet may begin.
     o : ``Out(stream.Signature(BEAT))``
     ended, ended_again : ``Out(1)``
-        ``ended`` for one clock: a packet has gone; with it ``ended_again``: it was sent before.
+        ``ended`` for one clock: a packet was sent; with it ``ended_again``: it was sent before.
     idle : ``Out(1)``
-        No packet is going, and none waits.
+        No packet is being sent, and none waits.
     """
 
     def __init__(self, depth, packets):
@@ -67,5 +67,5 @@ class PacketQueue(wiring.Component):
         return m
 
     def _may_begin(self, whole):
-        """Whether a packet is there. A method of its own only so that tests can break it."""
+        """Whether a packet is complete. A method of its own only so that tests can break it."""
         return whole != 0

@@ -28,32 +28,32 @@ from ncdc_spec.registers.link_map import (
 __all__ = ["Packetiser"]
 
 _BURST = 16         # words of a read
-_PACKETS = 2        # that are made, or wait, at a time
+_PACKETS = 2        # most packets being built or waiting
 _DEFAULT = 1456     # bytes of a payload, after a reset
 _AT = {register.name: register.address for register in LINK}
 _STATE = data.StructLayout({
-    "sending": 1, "resending": 1,       # packets are to be sent, or on their way
-    "busy": 1, "ranging": 1,            # there are packets to be made
-    "bank": 1, "range_bank": 1,         # of the headers of the last frame, and of the range's
-    "frames": 2,                        # that were begun, at most two
-    "done": 1, "resent": 1, "refused": 1,       # what LINK_STATUS tells until it is cleared
+    "sending": 1, "resending": 1,       # packets wait or are being sent
+    "busy": 1, "ranging": 1,            # there are packets to build
+    "bank": 1, "range_bank": 1,         # set of headers of the last frame, and of the range
+    "frames": 2,                        # frames begun, at most two
+    "done": 1, "resent": 1, "rejected": 1,      # flags of LINK_STATUS until cleared
 })
 
 
 class Packetiser(wiring.Component):
     """Sends frames from memory as packets, and any of them again.
 
-    A packet is a header that the host has written, with the packet's number put into it, and a
-    part of the frame behind it; what the header says is nothing to the hardware. There are four:
-    of the leader, of payload packets, of the last of them, and of the trailer; one without bytes is
+    A packet is a header that the host has written, with the packet's number in it, and a
+    part of the frame after it. The hardware does not interpret the header. There are four:
+    leader, payload packets, the last of these, trailer; one without bytes is
     not sent. There are two sets, and two bases, so that packets of the frame before can be sent
-    again while a frame is sent: the host writes the set of the next frame.
+    again while a frame is sent. The host writes the set of the next frame.
 
-    Nobody protects the frame in memory: the host releases its buffer when neither it nor a resend
+    The frame in memory is not protected: the host releases its buffer when neither it nor a resend
     needs it. Registers: :mod:`ncdc_spec.registers.link_map`.
 
-    Timing: an access to a register takes some 25 clocks, and up to 150 beside other work; to
-    LINK_STATUS and to headers 3. A burst is asked for every 18 clocks. A packet of 64 bytes of
+    Timing: an access to a register takes some 25 clocks, and up to 150 during other work; to
+    LINK_STATUS and to headers 3. A burst is requested every 18 clocks. A packet of 64 bytes of
     payload takes 242, if the memory answers after 60.
 
     Parameters
@@ -61,23 +61,23 @@ class Packetiser(wiring.Component):
     data_width : int
         Bits of a word of the memory: 32, 64 or 128.
     capacity : int
-        Bytes of payload that a packet may have, a multiple of 4. The queue has room for them and
-        the longest header; if it has room for two packets, there is no pause between them.
+        Bytes of payload that a packet may have, a multiple of 4. The queue has space for them and
+        the longest header; if it has space for two packets, there is no pause between them.
 
     Members
     -------
     csr : ``In(Agent(LINK_WORDS_BITS))``
     o : ``Out(stream.Signature(BEAT))``
-        Ethernet frames without their check sequence; none has a pause in it.
+        Ethernet frames without their check sequence; without pauses in them.
     memory_rst, bus :
-        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
+        As in :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     irq : ``Out(1)``
-        A frame or a range has been sent, until its bit in LINK_STATUS is cleared.
+        A frame or a range has been sent; high until its bit in LINK_STATUS is cleared.
 
     Raises
     ------
     ValueError
-        If a word is longer than the multiples of which payloads are.
+        If a word is longer than the unit of payloads.
     """
 
     def __init__(self, data_width, *, capacity=3840):
@@ -114,33 +114,35 @@ class Packetiser(wiring.Component):
         return m
 
     def _pair(self):
-        """Bytes of payload with which two packets with the longest headers fit into the queue.
+        """Most bytes of payload with which two packets with the longest headers fit into the queue.
 
         A method of its own only so that tests can break it.
         """
         return 4 * max(0, self.depth // _PACKETS - TEMPLATE_WORDS)
 
     def _bus(self, m, engine, builder, state):
-        """Accesses to registers, which the program answers but for the status, and to headers."""
+        """Accesses to registers, answered by the program except for the status, and to headers."""
         csr, conditions, orders = self.csr, engine.conditions, engine.orders
         register = csr.address[:4]
         page = csr.address[4:] == 0
         header = csr.address[-1] & csr.write
         status = page & (register == _AT["LINK_STATUS"])
-        taken, told = Signal(), Signal()        # without the program; a status that was read
+        taken, status_read = Signal(), Signal()     # without the program; the status was read
         settings = [_AT[name] for name in LINK_SETTINGS]
         written, read = ([r.address for r in LINK if r.access in kinds]
                          for kinds in (("rw",), ("rw", "ro")))
-        m.d.sync += [taken.eq((header | status & csr.read) & ~taken), told.eq(taken & csr.read)]
+        m.d.sync += [taken.eq((header | status & csr.read) & ~taken),
+                     status_read.eq(taken & csr.read)]
         m.d.comb += [
             csr.waitrequest.eq(~(orders.accept | taken)),
-            csr.readdata.eq(Mux(told, Cat(state.sending, state.done, state.resending, state.resent,
-                                          state.refused), engine.sum)),
-            csr.readdatavalid.eq(told | orders.answer),
+            csr.readdata.eq(Mux(status_read, Cat(
+                state.sending, state.done, state.resending, state.resent,
+                                          state.rejected), engine.sum)),
+            csr.readdatavalid.eq(status_read | orders.answer),
             engine.word.eq(csr.writedata), engine.host.eq(register),
             conditions.host.eq(csr.read & ~status | csr.write & ~header),
             conditions.reads.eq(csr.read),
-            conditions.kept.eq(page & Mux(csr.read, _any(register, read),
+            conditions.stored.eq(page & Mux(csr.read, _any(register, read),
                                           _any(register, written))),
             conditions.locked.eq(page & _any(register, settings)
                                  & (state.sending | state.resending)),
@@ -155,7 +157,7 @@ class Packetiser(wiring.Component):
         ]
         with m.If(orders.set & (register == _AT["LINK_NUMBER_FIELD"])):
             m.d.sync += Cat(builder.field_byte, builder.field_bytes).eq(engine.sum)
-        # Bits that the registers have.
+        # Bits of the registers.
         low = {"LINK_BASE": exact_log2(self.data_width // 8)}
         wide = {r.name: r.shape.width for r in LINK if r.access == "rw"} | {
             "LINK_RESEND_LAST": NUMBER_BITS}
@@ -165,18 +167,18 @@ class Packetiser(wiring.Component):
 
     @staticmethod
     def _header_free(state):
-        """The set of the next frame is that of the one before."""
+        """Whether the set of the next frame is that of the one before."""
         return ~(state.resending & (state.range_bank != state.bank))
 
     def _packets(self, m, engine, builder, queue, state):
-        """Which packets are made, and which have gone."""
+        """Choose the packets to build, and count those sent."""
         conditions, orders, word = engine.conditions, engine.orders, self.csr.writedata
         job = builder.i.p
         flying, gone = ([Signal(range(_PACKETS + 1), name=f"{name}{kind}") for kind in range(2)]
-                        for name in ("flying", "gone"))     # of frames, of ranges
+                        for name in ("flying", "gone"))     # counts for frames, for ranges
         pair = Signal()                     # the queue holds two packets
-        steps = Signal(5, init=16)          # of the product, or of the program's beginning
-        ranging = state.ranging & (steps == 0)              # the next one is of a range
+        steps = Signal(5, init=16)          # steps of the product, or of the program's beginning
+        ranging = state.ranging & (steps == 0)              # the next packet belongs to a range
         for kind in range(2):
             counted = orders.counted & (engine.again == kind)
             m.d.sync += [
@@ -186,12 +188,12 @@ class Packetiser(wiring.Component):
             ]
         uncounted = (gone[0] != 0) | (gone[1] != 0)
         some = [(count != 0) for count in flying]
-        room = ~some[0] & ~some[1] | pair & (flying[0] + flying[1] == 1)
+        space = ~some[0] & ~some[1] | pair & (flying[0] + flying[1] == 1)
         m.d.comb += [
             engine.steps.eq(steps), engine.bank.eq(Mux(engine.again, state.range_bank, state.bank)),
             conditions.steps.eq(steps != 0), conditions.again.eq(engine.again),
             conditions.gone.eq(uncounted), conditions.held.eq(queue.held & ~uncounted),
-            conditions.job.eq(~builder.i.valid & room & (ranging | state.busy)),
+            conditions.job.eq(~builder.i.valid & space & (ranging | state.busy)),
             conditions.resending.eq(state.resending),
             conditions.active.eq(state.sending | state.resending),
             conditions.unknown.eq(Mux((word & RESEND_BEFORE).any(), state.frames != 2,
@@ -211,7 +213,7 @@ class Packetiser(wiring.Component):
         self._frames(m, engine, state, some)
 
     def _jobs(self, m, engine, builder):
-        """The packet that is made."""
+        """The packet being built."""
         orders, job = engine.orders, builder.i
         m.d.comb += [engine.conditions.short.eq(job.p.template == Template.LAST),
                      engine.conditions.bare.eq(builder.bare)]
@@ -248,13 +250,13 @@ class Packetiser(wiring.Component):
             m.d.sync += state.sending.eq(0)
         with m.If(resent):
             m.d.sync += state.resending.eq(0)
-        self._tell(m, engine, state, sent, resent)
+        self._status(m, engine, state, sent, resent)
 
     def _commands(self, m, engine, builder, words):
-        """Reads of the payload, behind its header."""
+        """Reads of the payload, after its header."""
         orders, i, word_bits = engine.orders, words.i, exact_log2(self.data_width // 8)
-        asking = Signal()                       # words are to be asked for
-        final = Signal()                        # by this command
+        asking = Signal()                       # words remain to be requested
+        final = Signal()                        # all of them, by this command
         count = Signal(range(_BURST))           # words of the command, less one
         left = engine.sum[word_bits:len(builder.i.p.last)]
         m.d.comb += [
@@ -269,14 +271,14 @@ class Packetiser(wiring.Component):
         with m.If(orders.ask & final):
             m.d.sync += asking.eq(0)
 
-    def _tell(self, m, engine, state, sent, resent):
+    def _status(self, m, engine, state, sent, resent):
         """LINK_STATUS and the interrupt."""
         orders, word = engine.orders, self.csr.writedata
-        refused = orders.refuse | (~self.csr.waitrequest & self.csr.address[-1] & self.csr.write
+        rejected = orders.reject | (~self.csr.waitrequest & self.csr.address[-1] & self.csr.write
                                    & ~self._header_free(state))
         for event, mask, happens in ((state.done, STATUS_DONE, sent),
                                      (state.resent, STATUS_RESENT, resent),
-                                     (state.refused, STATUS_REFUSED, refused)):
+                                     (state.rejected, STATUS_REFUSED, rejected)):
             with m.If(orders.clear_status & (word & mask).any()):
                 m.d.sync += event.eq(0)
             with m.If(happens):
@@ -284,17 +286,17 @@ class Packetiser(wiring.Component):
         m.d.comb += self.irq.eq(state.done | state.resent)
 
     def _times(self, m, engine, builder, queue):
-        """The clock, the pause between packets, and how long packets wait for their bytes."""
+        """The time counter, the pause between packets, and the waiting time of packets."""
         conditions, orders = engine.conditions, engine.orders
         now = Signal(32)
         delayed = Signal()                  # LINK_DELAY != 0
-        held = Signal()                     # it is not over
+        held = Signal()                     # the pause is not over
         waits = builder.open & queue.idle & ~held
-        waited = Signal(8)                  # clocks that are not counted as yet
+        waited = Signal(8)                  # clocks not yet counted
         m.d.sync += [now.eq(now + 1), waited.eq(Mux(orders.take_waited, 0, waited) + waits)]
         m.d.comb += [
             queue.held.eq(held), engine.waited.eq(waited),
-            # Often enough, though not in each clock.
+            # Often enough, but not in each clock.
             conditions.waited.eq(waited[6] | ~waits & (waited != 0)),
         ]
         with m.If(queue.ended | orders.begin | orders.look):
@@ -308,5 +310,5 @@ class Packetiser(wiring.Component):
 
 
 def _any(register, addresses):
-    """Whether it is one of them."""
+    """Whether the register is one of ``addresses``."""
     return register.matches(*addresses) if addresses else Const(0)

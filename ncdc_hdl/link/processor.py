@@ -1,4 +1,4 @@
-"""What a processor with an Ethernet MAC needs of the camera system: registers, frames, packets."""
+"""Ports of the camera system for a processor with an Ethernet MAC: registers, frames, packets."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -14,19 +14,19 @@ from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
 __all__ = ["ADDRESS_BITS", "FRAMES_BITS", "LINK_BASE", "READERS", "ProcessorLink", "ProcessorPort"]
 
-ADDRESS_BITS = SYSTEM_WORDS_BITS + 1    # of a register, in words
-LINK_BASE = 1 << SYSTEM_WORDS_BITS      # word address of the packetiser's
-FRAMES_BITS = 26                        # of a word's address in the memory of frames: 256 MB
-READERS = 3                             # of frames: two for streams, one for MRAW packages
+ADDRESS_BITS = SYSTEM_WORDS_BITS + 1    # bits of a register's word address
+LINK_BASE = 1 << SYSTEM_WORDS_BITS      # word address of the packetiser's registers
+FRAMES_BITS = 26                        # bits of a word's address in the memory of frames: 256 MB
+READERS = 3                             # readers of frames: two for streams, one for MRAW packages
 _WORD = 32                              # bits of the processor, and of the memory ports
 
 
 class ProcessorPort(wiring.Signature):
-    """What goes between the processor and the system, as the processor sees it.
+    """Signals between the processor and the system, from the processor's side.
 
-    ``registers``: of the system, and from ``LINK_BASE`` on those of the packetiser. ``frames``: the
-    memory of the frames, to be read a word at a time; what is written is lost. ``packet_*``:
-    Ethernet frames without check sequence, as of :class:`Packetiser`.
+    ``registers``: the system's, and from ``LINK_BASE`` on the packetiser's. ``frames``: the
+    memory of the frames, read a word at a time; writes are ignored. ``packet_*``:
+    Ethernet frames without check sequence, as in :class:`Packetiser`.
     """
 
     def __init__(self):
@@ -44,7 +44,7 @@ class ProcessorLink(wiring.Component):
     data_width : int
         Bits of the memory ports.
     capacity : int
-        Bytes of a packet's payload, at most: as of :class:`Packetiser`.
+        Most bytes of a packet's payload, as in :class:`Packetiser`.
 
     Members
     -------
@@ -52,9 +52,9 @@ class ProcessorLink(wiring.Component):
     system : ``Out(Agent(SYSTEM_WORDS_BITS))``
         The system's registers.
     irq : ``In(1)``
-        Of the system; the packetiser's joins it.
+        Interrupt of the system; the packetiser's is ORed with it.
     packets, window : ``Out(ReadHost(..))``
-        What the packetiser reads; what the processor does.
+        Reads of the packetiser; reads of the processor.
 
     Raises
     ------
@@ -86,11 +86,11 @@ class ProcessorLink(wiring.Component):
         return m
 
     def _registers(self, m):
-        """Two agents behind the bus; one access is under way at a time."""
+        """Two agents on the bus; one access is under way at a time."""
         m.submodules.bridge = bridge = WishboneAgent(ADDRESS_BITS)
         connect(m, flipped(self.processor.registers), bridge.host)
         system, link, agent = self.system, self.packetiser.csr, bridge.agent
-        there = agent.address[-1]               # it is the packetiser's
+        there = agent.address[-1]               # the address is the packetiser's
         m.d.comb += [
             system.address.eq(agent.address), link.address.eq(agent.address[:LINK_WORDS_BITS]),
             system.writedata.eq(agent.writedata), link.writedata.eq(agent.writedata),

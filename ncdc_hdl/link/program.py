@@ -1,4 +1,4 @@
-"""The packetiser's program: what it works out between and during packets."""
+"""The packetiser's program: its computations between and during packets."""
 
 from amaranth.lib import data, enum
 
@@ -8,7 +8,7 @@ __all__ = ["CONDITIONS", "ORDERS", "STEP", "WORDS", "Index", "Source", "assemble
 
 
 class Source(enum.Enum, shape=2):
-    """What is added or subtracted."""
+    """The operand of an addition or subtraction."""
     MEMORY = 0
     STAMP = 1
     WORD = 2
@@ -16,7 +16,7 @@ class Source(enum.Enum, shape=2):
 
 
 class Index(enum.Enum, shape=3):
-    """What is put into the lowest bits of a word's address."""
+    """The part that goes into the lowest bits of a word's address."""
     NONE = 0
     AGAIN = 1
     BANK = 2
@@ -24,19 +24,19 @@ class Index(enum.Enum, shape=3):
     STEPS = 4
 
 
-_PAIRS = {"PLACE": Index.AGAIN, "OFFSET": Index.AGAIN, "END": Index.AGAIN, "BASES": Index.BANK}
+_PAIRS = {"POSITION": Index.AGAIN, "OFFSET": Index.AGAIN, "END": Index.AGAIN, "BASES": Index.BANK}
 _REGISTERS = {register.name.removeprefix("LINK_"): register.address for register in LINK}
 WORDS = _REGISTERS | {
-    # Registers that are no words of the memory: their places are free.
-    "ADDRESS": _REGISTERS["CONTROL"],       # of the bytes that are to be asked for
-    "LEFT": _REGISTERS["STATUS"],           # how many they are, less one
-    "FACTOR": _REGISTERS["RESEND_LAST"],    # what is left of it, highest bits first
+    # Addresses of registers that are not in the memory are free for other words.
+    "ADDRESS": _REGISTERS["CONTROL"],       # address of the bytes to be requested
+    "LEFT": _REGISTERS["STATUS"],           # their number, less one
+    "FACTOR": _REGISTERS["RESEND_LAST"],    # rest of the factor, highest bits first
     "ENDED": 15,                            # clock of the last packet's end
-    # Of the frame, and of the range that is sent again.
-    "PLACE": 16,                            # of the next packet, 0 for the leader
-    "OFFSET": 18,                           # that place times LINK_PAYLOAD
-    "END": 20,                              # place behind the last packet
-    "BASES": 22,                            # of the frame of each set of headers
+    # For the frame, and for the range that is sent again.
+    "POSITION": 16,                         # of the next packet, 0 for the leader
+    "OFFSET": 18,                           # that position times LINK_PAYLOAD
+    "END": 20,                              # position after the last packet
+    "BASES": 22,                            # base of the frame of each set of headers
     "BEGAN": 24,                            # clock of SEND
     # Constants.
     "ONE": 25, "TWO": 26, "BURST": 27, "ABOVE": 28, "PAIR": 29, "DEFAULT": 30,
@@ -44,34 +44,34 @@ WORDS = _REGISTERS | {
 """Addresses of words by name: those of registers are the registers' own."""
 
 CONDITIONS = (
-    "always",       # so is one that is not given
+    "always",       # the default condition
     "zero", "negative",     # the sum is
     "borrow",       # of the last subtraction
     "uneven",       # the sum is no multiple of 16
     "steps",        # of the product are left
     "host",         # a register is accessed, other than to read LINK_STATUS
     "reads",        # it is read
-    "kept",         # it is a word that the host may read, or write
+    "stored",       # it is a word that the host may read, or write
     "locked",       # it is a setting, and packets are being sent
     "status", "control", "range",   # it is this register
-    "send",         # the word that is written asks for a frame
+    "send",         # the word that is written requests a frame
     "active",       # packets are being sent
     "resending",    # packets are being sent again
-    "unknown",      # the frame was never sent of which the word asks for packets
-    "gone",         # a packet has ended that is not counted as yet
-    "again",        # it was one that was sent before
-    "more",         # bytes are to be asked for, and the memory takes a command
+    "unknown",      # the word requests packets of a frame that was never sent
+    "gone",         # a packet has ended and is not yet counted
+    "again",        # it was sent before
+    "more",         # bytes are to be requested, and the memory takes a command
     "held",         # no packet may begin until LINK_DELAY is over, and all are counted
-    "waited",       # there are clocks of waiting that are not counted as yet
-    "job",          # there is a packet to be made, and room for it
-    "bare", "short",        # it has no payload; it is the last one that has
+    "waited",       # there are clocks of waiting not yet counted
+    "job",          # there is a packet to build, and space for it
+    "bare", "short",        # it has no payload; it is the last one with payload
 )
 
 ORDERS = (
     "none",
     "accept", "answer",         # the access; the answer of a read is the sum
     "set",                      # a register; the sum is its word
-    "refuse",
+    "reject",
     "clear_status", "abort",    # bits of the word that is written
     "begin",                    # a frame
     "pair",                     # the sum is negative if the queue holds two packets
@@ -79,16 +79,16 @@ ORDERS = (
     "multiply", "step",         # set and count the steps of the product
     "count",                    # take a packet that has ended
     "counted",
-    "look",                     # at the clock
-    "release",                  # a packet may begin
+    "look",                     # read the time counter
+    "release",                  # allow a packet to begin
     "take_waited",
     "take_job",
-    "leader", "payload", "last", "trailer",     # which header
-    "make",                     # the sum is its number
+    "leader", "payload", "last", "trailer",     # the packet's header
+    "make",                     # build it; the sum is its number
     "finish",                   # it is the last packet of the frame, or of the range
     "bytes",                    # the sum is its payload, less one
     "ask",                      # the sum is the address of a command
-    "size",                     # the sum is what is left behind that, less one
+    "size",                     # the sum is the rest after that, less one
 )
 
 _TEXT = """
@@ -107,7 +107,7 @@ _TEXT = """
 
             # The next packet: which header it has, and its number.
     JOB:    do take_job
-            add PLACE
+            add POSITION
             if zero: LEADER, sub PACKETS
             if negative: MIDDLE
             if zero: LAST
@@ -119,10 +119,10 @@ _TEXT = """
             add FIRST_NUMBER
             sub ONE
             do make, clear
-            # While its header is made: is it the last one, and where are its bytes?
-            add PLACE
+            # While its header is built: is it the last one, and what is its address?
+            add POSITION
             add ONE
-            store PLACE
+            store POSITION
             sub END
             if not zero: OFFSET, clear
             do finish
@@ -175,7 +175,7 @@ _TEXT = """
             add WAITED, do take_waited
             store STALLS, clear, goto REST
 
-            # The range's first place times LINK_PAYLOAD, a bit of the place after the other.
+            # The range's first position times LINK_PAYLOAD, bit by bit.
     PRODUCT: add FACTOR
             add FACTOR
             store FACTOR
@@ -188,19 +188,19 @@ _TEXT = """
 
             # An access of the host.
     HOST:   if not reads: WRITE
-            if not kept: ANSWER
+            if not stored: ANSWER
             add HOST
     ANSWER: do accept
             do answer, clear, goto WORK
-    WRITE:  if locked: REFUSE
-            if not kept: ACTION
+    WRITE:  if locked: REJECT
+            if not stored: ACTION
             add WORD
             store HOST, do set, goto ACCEPT
     ACTION: if range: RANGE
             if control: CONTROL
             if not status: ACCEPT
             do clear_status, goto ACCEPT
-    REFUSE: do refuse
+    REJECT: do reject
     ACCEPT: do accept, clear, goto WORK
 
     CONTROL: if not send: ABORT
@@ -221,19 +221,19 @@ _TEXT = """
             do begin
             add BASE
             store BASES, clear
-            store PLACE
+            store POSITION
             store OFFSET
             add STAMP
             store BEGAN, clear
             add PACKETS
             add TWO
             store END, goto ABORT
-    DENY:   do refuse
+    DENY:   do reject
     ABORT:  do abort, goto ACCEPT
 
-            # Places of the range, as far as the frame has them.
-    RANGE:  if resending: REFUSE
-            if unknown: REFUSE
+            # Positions of the range, limited to those of the frame.
+    RANGE:  if resending: REJECT
+            if unknown: REJECT
             do range
             add WORD
             add TWO, do accept
@@ -248,9 +248,9 @@ _TEXT = """
     FIRST:  add RESEND_FIRST
             add ONE
             sub FIRST_NUMBER
-            if not negative: PLACE
+            if not negative: BEGIN
             clear
-    PLACE:  store PLACE
+    BEGIN:  store POSITION
             store FACTOR
             sub END
             if not negative: EMPTY, clear
@@ -260,22 +260,22 @@ _TEXT = """
 
 
 STEP = data.StructLayout({
-    "address": 5, "index": Index,           # of the word
+    "address": 5, "index": Index,           # address of the word
     "source": Source, "adds": 1, "subtracts": 1,
-    "stores": 1,                            # the sum
-    "clears": 1,                            # the sum, once it is stored
+    "stores": 1,                            # store the sum
+    "clears": 1,                            # clear the sum, once it is stored
     "order": 5,
-    "condition": 5, "inverted": 1,          # looked at before the sum changes
-    "target": 8,                            # of the jump
+    "condition": 5, "inverted": 1,          # evaluated before the sum changes
+    "target": 8,                            # target of the jump
 })
-"""A step: a sum, an order to the other parts, and a jump; all of it is done in any case."""
+"""A step: a sum, an order to the other parts, and a jump; each part is always executed."""
 
 
 def assembled():
     """The program as values of STEP.
 
     A line of the text is a step: ``add``, ``sub`` or ``store`` and a word, ``clear``, ``do`` and an
-    order, ``goto`` or ``if`` (``not``) and where to.
+    order, ``goto`` or ``if`` (``not``) and a label.
     """
     lines = [line.split("#")[0].strip() for line in _TEXT.splitlines()]
     labels, steps = {"START": 0}, []
@@ -303,7 +303,7 @@ def _step(parts, labels):
             *inverted, condition, target = ["always", *rest] if verb == "goto" else rest
             step |= {"condition": CONDITIONS.index(condition), "inverted": bool(inverted),
                      "target": labels[target]}
-    # A step that does not jump has a condition that does not hold.
+    # A step without a jump has a condition that is false.
     return {"condition": 0, "inverted": "target" not in step} | step
 
 

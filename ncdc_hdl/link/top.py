@@ -20,15 +20,15 @@ class PacketiserTop(wiring.Component):
     Parameters
     ----------
     data_width, capacity : int
-        As of :class:`Packetiser`.
+        As in :class:`Packetiser`.
 
     Members
     -------
     csr_* : Avalon-MM agent
     read_* : Avalon-MM read host
-    stream_* : Avalon-ST source, 32 bits, the first byte highest as MACs have it, with ``empty``
+    stream_* : Avalon-ST source, 32 bits, the first byte highest as in MACs, with ``empty``
     memory_rst, irq :
-        As of the packetiser.
+        As in the packetiser.
     """
 
     def __init__(self, data_width=32, capacity=3840):

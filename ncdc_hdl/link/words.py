@@ -12,26 +12,26 @@ __all__ = ["WordReader"]
 
 
 class WordReader(wiring.Component):
-    """Reads bursts, and gives them in words of 32 bits, the lowest first.
+    """Reads bursts, and outputs them in words of 32 bits, the lowest first.
 
     Parameters
     ----------
     data_width : int
         Bits of a word of the memory: 32, 64 or 128.
     burst : int
-        Words of a command, at most.
+        Most words of a command.
     limit : int
-        As of :class:`ReadCommands`.
+        As in :class:`ReadCommands`.
 
     Members
     -------
     i : ``In(stream.Signature(command_layout(burst)))``
     valid, word : ``Out(1)``, ``Out(32)``
-        A word has come, which cannot be refused.
+        A word has come; there is no back-pressure.
     last : ``In(1)``
-        With a word: what follows it in its word of the memory is not wanted.
+        With a word: the rest of its word of the memory is dropped.
     memory_rst, bus :
-        As of :class:`ReadCommands`.
+        As in :class:`ReadCommands`.
     """
 
     def __init__(self, data_width, burst, limit):
@@ -55,19 +55,19 @@ class WordReader(wiring.Component):
         return m
 
     def _parts(self, m, commands):
-        """Long words come faster than they go: two bursts of them wait."""
+        """Long words come faster than they leave: two bursts of them wait."""
         m.submodules.queue = queue = Fifo(width=self.data_width, depth=2 * self.burst,
                                           checked=False)
         parts = self.data_width // 32
         part = Signal(range(parts))
-        claimed = Signal(range(2 * self.burst + 1))     # words asked for and not taken
-        room = Signal()                                 # for a burst, beside those
+        claimed = Signal(range(2 * self.burst + 1))     # words requested and not taken
+        space = Signal()                                # space for a burst, in addition to those
         asked = self.i.valid & self.i.ready
         following = claimed + Mux(asked, self.i.p.words, 0) - (queue.r_rdy & queue.r_en)
-        m.d.sync += [claimed.eq(following), room.eq(following <= self.burst)]
+        m.d.sync += [claimed.eq(following), space.eq(following <= self.burst)]
         m.d.comb += [
-            commands.i.payload.eq(self.i.payload), commands.i.valid.eq(self.i.valid & room),
-            self.i.ready.eq(commands.i.ready & room),
+            commands.i.payload.eq(self.i.payload), commands.i.valid.eq(self.i.valid & space),
+            self.i.ready.eq(commands.i.ready & space),
             queue.w_data.eq(commands.word), queue.w_en.eq(commands.valid),
             self.valid.eq(queue.r_rdy), self.word.eq(queue.r_data.word_select(part, 32)),
             queue.r_en.eq(self.last | (part == parts - 1)),

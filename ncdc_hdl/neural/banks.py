@@ -7,18 +7,18 @@ from amaranth.utils import ceil_log2
 
 from ncdc_hdl.lib.memory import block_memory
 
-__all__ = ["BANK_WRITES", "PLACE", "WeightBanks"]
+__all__ = ["BANK_WRITES", "POSITION", "WeightBanks"]
 
-# Which word of the network it is, as in its register's address. `role` of a hidden neuron's word: 0
-# for the weight of x, 1 for that of y, 2 for the bias; in the output layer it is the output neuron,
+# Position of a word in the network, as in its register's address. `role` of a hidden neuron: 0
+# for the weight of x, 1 for that of y, 2 for the bias. In the output layer it is the output neuron,
 # 0 for x', 1 for y', and the word the weight of the hidden `neuron`. Units may serve a few neurons
 # more than the 32 of the largest network.
-PLACE = data.StructLayout({"role": 2, "neuron": 6, "output": 1})
+POSITION = data.StructLayout({"role": 2, "neuron": 6, "output": 1})
 
 BANK_WRITES = wiring.Signature({
     "write": Out(1),            # ``word`` is written
     "bank": Out(1),             # to this bank
-    "place": Out(PLACE),
+    "position": Out(POSITION),
     "word": Out(signed(32)),
     "active": Out(1),           # the bank that frames use; constant while one runs
 })
@@ -29,7 +29,7 @@ class WeightBanks(wiring.Component):
     """One word of each neuron that a unit serves, twice: a bank for frames, one for the host.
 
     The unit's neurons are ``unit * share`` to ``unit * share + share - 1``, also where the network
-    has fewer: their words are to be written as well, with zeros.
+    has fewer: their words must also be written, with zeros.
 
     Timing: ``o`` is the word of ``turn`` a clock later; a word is written in the clock of
     ``writes.write``.
@@ -37,11 +37,11 @@ class WeightBanks(wiring.Component):
     Parameters
     ----------
     shape : Shape
-        Of a word, whose lowest bits are kept.
+        Shape of a word; its lowest bits are stored.
     unit, share : int
         The neurons, see :func:`ncdc_hdl.neural.layers.served`.
     output, role : int
-        Which of the neurons' words it is, as in :data:`PLACE`.
+        Position of the neurons' word, as in :data:`POSITION`.
 
     Members
     -------
@@ -60,18 +60,18 @@ class WeightBanks(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        writes, place = self.writes, self.writes.place
+        writes, position = self.writes, self.writes.position
         m.submodules.memory = memory = block_memory(self.o.shape(), 2 << ceil_log2(self.share))
         write, read = memory.write_port(), memory.read_port()
-        slot = Signal.like(place.neuron)        # turn of the neuron whose word is written
+        slot = Signal.like(position.neuron)        # turn of the neuron whose word is written
         # No word is read when it is written: reads are of one bank and writes of the other, unless
         # no frame runs.
         m.d.comb += [
-            slot.eq(place.neuron - self.first),
+            slot.eq(position.neuron - self.first),
             write.addr.eq(Cat(slot[:ceil_log2(self.share)], writes.bank)),
             write.data.eq(writes.word),
-            write.en.eq(writes.write & (slot < self.share) & (place.output == self.output)
-                        & (place.role == self.role)),
+            write.en.eq(writes.write & (slot < self.share) & (position.output == self.output)
+                        & (position.role == self.role)),
             read.addr.eq(Cat(self.turn, writes.active)), self.o.eq(read.data),
         ]
         return m

@@ -38,7 +38,7 @@ class Classic(wiring.Component):
 
     def __init__(self, design):
         self.design = design
-        # Signed factors of blocks of 18 bits, which every FPGA has.
+        # Signed factors for blocks of 18 bits, which all FPGAs support.
         self.product = Product(design.width + 2, design.width + 2, 18)
         self.quotient = Quotient(design.width, design.digits)
         super().__init__({"i": In(design.input.width - 1), "o": Out(design.fraction_bits)})

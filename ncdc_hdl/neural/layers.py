@@ -14,7 +14,7 @@ __all__ = ["MultiplyLayer", "OutputLayer", "hidden_layer_ports", "served"]
 
 
 def served(unit, hidden_neurons, share):
-    """Numbers of the hidden neurons that tan-sigmoid ``unit`` serves, in turn."""
+    """Numbers of the hidden neurons that tan-sigmoid ``unit`` serves in turn."""
     return range(unit * share, min((unit + 1) * share, hidden_neurons))
 
 
@@ -25,15 +25,15 @@ def hidden_layer_ports(hidden_neurons, formats, share, lanes=1, in_memory=False)
     start : ``In(1)``
         Begins a frame, whose parameters are ready.
     active, pixel : ``In(1)``, ``In(pixel_layout(formats, lanes))``
-        The pixel that the scan shows in the layer's lane. Each stays for ``share`` clocks or more.
+        The pixel of the scan in the layer's lane. Each is held for at least ``share`` clocks.
     turn : ``In``
-        0 in the first of those clocks, and one more in each after it.
+        0 in the first of those clocks, then incremented each clock.
     advance : ``In(1)``
-        The pixel is left for the next one.
+        The next pixel follows.
     neurons : ``In(hidden_layout(...))``
         Constant in a frame.
     writes : ``In(BANK_WRITES)``
-        To the memories of weights and biases.
+        Writes to the memories of weights and biases.
     ready : ``Out(1)``
         The pixel of the next clock may be taken then.
     o : ``Out(ArrayLayout(signed(net), units))``
@@ -49,7 +49,7 @@ def hidden_layer_ports(hidden_neurons, formats, share, lanes=1, in_memory=False)
 
 
 class MultiplyLayer(wiring.Component):
-    """Hidden neurons with two multipliers per tan-sigmoid, whatever the order of the pixels.
+    """Hidden neurons with two multipliers per tan-sigmoid, for any order of the pixels.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class MultiplyLayer(wiring.Component):
         Neurons that one multiply-accumulate pipeline computes in turn, their weights in memories
         if there are several.
     multiplier_bits : int
-        Of the multiplier blocks, 27 or 18.
+        Width of the multiplier blocks, 27 or 18.
     lanes : int
         Pixels of the scan's groups, one of which the layer takes.
 
@@ -78,7 +78,7 @@ class MultiplyLayer(wiring.Component):
 
     @property
     def latency(self):
-        """Clocks from a pixel's first turn to that turn's nets: 1 on the way to all units."""
+        """Clocks from a pixel's first turn to that turn's nets: 1 for routing to all units."""
         return 1 + self.units[0].latency
 
     def elaborate(self, platform):
@@ -96,9 +96,9 @@ class MultiplyLayer(wiring.Component):
         return m
 
     def _banks(self, m):
-        """Give each unit the words of its present neuron, in the clocks in which it uses them."""
+        """Connect each unit to the words of its neuron, in the clocks in which it uses them."""
         unit = self.units[0]
-        # One clock is that of the inputs on their way to all units, one more the memory's.
+        # One clock is for the inputs' routing to all units, one for the memory.
         of_weights = delay(m, self.turn, 1 + unit.weights_clock - WeightBanks.latency, "turn_w")
         of_bias = delay(m, of_weights, unit.bias_clock - unit.weights_clock, "turn_b")
         for k, unit in enumerate(self.units):
@@ -122,12 +122,12 @@ class OutputLayer(wiring.Component):
     share : int
         Turns; 2 ceil(HN / share) products. The weights are in memories if there are several.
     multiplier_bits : int
-        Of the multiplier blocks, 27 or 18.
+        Width of the multiplier blocks, 27 or 18.
 
     Members
     -------
     first : ``In(1)``
-        With the activations of turn 0; the others follow clock by clock.
+        High with the activations of turn 0; the others follow clock by clock.
     i : ``In(ArrayLayout(signed(tansig), units))``
         In turn t the activation of neuron ``unit * share + t``; any value if there is none.
     inputs : ``In(ArrayLayout(signed(input), 2))``
@@ -135,7 +135,7 @@ class OutputLayer(wiring.Component):
     neurons : ``In(output_layout(...))``
         Constant in a frame.
     writes : ``In(BANK_WRITES)``
-        To the memories of weights (only with several turns).
+        Writes to the memories of weights (only with several turns).
     o : ``Out(ArrayLayout(signed(coordinate), 2))``
         x', y'; ``latency`` clocks after ``first``.
     """
@@ -179,8 +179,8 @@ class OutputLayer(wiring.Component):
         return m
 
     def _banks(self, m):
-        """Give both neurons the weights of the present turn, a clock after its activations."""
-        turn = Signal(range(self.share))                # of the activations
+        """Connect both neurons to the weights of each turn, a clock after its activations."""
+        turn = Signal(range(self.share))                # turn of the activations
         before = register(m, "before", turn)
         m.d.comb += turn.eq(Mux(self.first, 0, before + 1))
         for k, output in enumerate(self.outputs):

@@ -1,4 +1,4 @@
-"""Layouts that the layers of the network share with the front end."""
+"""Layouts between the layers of the network and the front end."""
 
 from amaranth import *
 from amaranth.lib import data
@@ -29,12 +29,12 @@ def output_layout(hidden_neurons, formats, in_memory=False):
 
 
 def pixel_layout(formats, lanes=1):
-    """A scanned pixel: its normalised coordinates ``x``, ``y``, and how the next one in its lane,
-    ``lanes`` pixels on, differs.
+    """A scanned pixel: its normalised coordinates ``x``, ``y``, and the difference of the next one
+    in its lane, ``lanes`` pixels further.
 
     Within a row x grows by ``x_step + x_carry``. If ``new_row``, y grows by ``y_step + y_carry``
     and x is again that of the row's first pixel; if ``new_strip``, both are new. The steps are
-    constant in a frame, the carries come from the fraction that the coordinates' rounding drops.
+    constant in a frame, the carries come from the fraction dropped by the coordinates' rounding.
     """
     number = signed(formats.input.width)
     # Groups of a narrow picture are more than half the range apart.

@@ -9,16 +9,16 @@ from ncdc_hdl.lib.pipeline import delay, register
 
 __all__ = ["Lookup"]
 
-_ENTRIES = 6        # log2 of those that a table of six inputs holds, the usual one
-_CHOICES = 2        # log2 of those among which one of six inputs can choose
-_BLOCKS = 1         # log2 of the blocks that share an index: of more, logic would share too much
+_ENTRIES = 6        # log2 of the entries of a six-input LUT
+_CHOICES = 2        # log2 of the inputs of a multiplexer in a six-input LUT
+_BLOCKS = 1         # log2 of the blocks that share an index; more would share too much logic
 
 
 class Lookup(wiring.Component):
-    """``o`` = ``table[i]``, for a table that would fill block RAMs badly.
+    """``o`` = ``table[i]``, for a table that would use block RAMs badly.
 
-    Entries in blocks of 64, of each of which one is looked up; then the block is chosen, of pairs,
-    and the pair, among four in each clock. Pairs take ``i`` one after the other, a clock apart, so
+    Entries are in blocks of 64, each of which looks up one. Then a block of each pair is chosen,
+    and the pair, among four in each clock. Pairs get ``i`` one after the other, a clock apart, so
     that no register drives the whole table. Bits in which all entries of a block agree cost
     nothing.
     Timing: free-running, one value per clock, ``latency`` clocks.
@@ -26,7 +26,7 @@ class Lookup(wiring.Component):
     Parameters
     ----------
     table : sequence of int
-        Filled up with zeros to a power of two, 64 at least.
+        Filled with zeros to a power of two, at least 64.
     width : int
         Bits of an entry.
 
@@ -82,7 +82,7 @@ class Lookup(wiring.Component):
         return values[0]
 
     def _block(self, entries, index):
-        """One of ``entries``, each bit by itself: as a memory it would become block RAM again."""
+        """One of ``entries``, bit by bit: as a memory it would become block RAM again."""
         columns = [sum((entry >> k & 1) << j for j, entry in enumerate(entries))
                    for k in range(self.width)]
         return Cat(Const(column, len(entries)).bit_select(index, 1) for column in columns)

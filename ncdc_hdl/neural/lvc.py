@@ -28,7 +28,7 @@ class Quotient(wiring.Component):
     Members
     -------
     i : ``In(width + 1)``
-        u, raw with ``width`` fraction bits; a few units above 1.0 at most.
+        u, raw with ``width`` fraction bits; at most a few units above 1.0.
     o : ``Out(digits - 1)``
         The quotient's bits above the last.
     """
@@ -52,7 +52,7 @@ class Quotient(wiring.Component):
         remainder = register("n_remainder", (1 << width) - self.i, signed(width + 2))
         divisor = register("n_divisor", Cat(self.i[:width], ~self.i[width], self.i[width]))
 
-        # L: after digit i the remainder is at most divisor >> i, give or take the roundings, so
+        # L: after digit i the remainder is at most divisor >> i, up to the rounding errors, so
         # that the adders shrink. The first digit is always positive, the last needs no remainder.
         digits = Signal(0)
         for i in range(1, self.digits):

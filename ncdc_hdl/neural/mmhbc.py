@@ -47,7 +47,7 @@ class Mmhbc(wiring.Component):
         design = self.design
         width, fine = design.width, design.fine_bits
 
-        # T: region table. In logic: of a RAM of 512 x 20 bits it would fill one and a quarter.
+        # T: region table. In logic: it would take one and a quarter RAMs of 512 x 20 bits.
         m.submodules.table = table = self.table
         m.d.comb += table.i.eq(self.i[fine:])
         u = table.o

@@ -21,14 +21,14 @@ __all__ = ["HiddenNeuron", "OutputNeuron", "WeightedSum", "hidden_sum", "output_
 class WeightedSum:
     """Formats of a neuron's sum: products ``xq`` x ``wq``, a bias, one rounding to ``yq``.
 
-    The sum has the fraction bits of the products, the finer ones if there is a skip path.
+    The sum has the fraction bits of the products; with a skip path, those of the finer ones.
 
     Parameters
     ----------
     terms : int
         Products in the sum.
     xq, wq, bq, yq : ncdc_spec.fixed.Q
-        Of the inputs, the weights, the bias, the result.
+        Formats of the inputs, the weights, the bias, the result.
     skip : (Q, Q) or None
         Inputs and weights of the two further products of a skip path.
 
@@ -46,7 +46,7 @@ class WeightedSum:
 
     def __post_init__(self):
         if self.shift < 1:
-            raise ValueError(f"{self.yq} keeps every fraction bit of the products "
+            raise ValueError(f"{self.yq} has all fraction bits of the products "
                              f"{self.xq} x {self.wq}")
         if self.bias_shift < 0:
             raise ValueError(f"bias {self.bq} is finer than the products {self.xq} x {self.wq}")
@@ -73,7 +73,7 @@ class WeightedSum:
 
     @property
     def half(self):
-        """What rounding adds to the sum before it drops the bits."""
+        """Value that rounding adds to the sum before it drops the bits."""
         return 1 << (self.shift - 1)
 
     @property
@@ -106,8 +106,8 @@ def output_sum(hidden_neurons, formats):
 class _Accumulator(wiring.Component):
     """Shared pipeline: products of inputs and weights, adder tree, bias, rounding, saturation.
 
-    A register more stands before each :class:`Product`, whose blocks have ``multiplier_bits`` bits,
-    and behind each adder of the tree, for the way to the next one. Of several turns, each brings
+    There is one more register before each :class:`Product`, of ``multiplier_bits`` blocks,
+    and after each adder of the tree, for routing. Of several turns, each adds
     ``inputs`` more terms of the same sum; ``first`` marks the one that begins it. The two products
     of a skip path are added to the bias.
     """
@@ -169,7 +169,7 @@ class _Accumulator(wiring.Component):
             terms = [delay(m, sum(pair[1:], start=pair[0]), 2, f"s{level}_{k}")
                      for k, pair in enumerate(pairs)]
             level += 1
-        # B: the bias carries the half that rounds, which is a static sum, off the data path.
+        # B: the bias includes the half for rounding, a static sum outside the data path.
         biased = register("b_bias", (self.bias << q.bias_shift) + q.half, q.shape)
         # K: the products of a skip path are added to the bias.
         for k, product in enumerate(self.skip_products):
@@ -179,7 +179,7 @@ class _Accumulator(wiring.Component):
         if self.skip_products:
             skipped = register("k_sum", self.skip_products[0].o + self.skip_products[1].o)
             biased = register("k_bias", biased + (skipped << q.skip_shift), q.shape)
-        # A: add the bias in the first turn, what the turns before gave in the others.
+        # A: add the bias in the first turn, the sum of the turns before in the others.
         total = Signal(q.shape, name="a_total", reset_less=True)
         before = biased
         if self.turns > 1:
@@ -198,14 +198,14 @@ class HiddenNeuron(_Accumulator):
         o   = sat((acc + 2**(shift-1)) >> shift)
 
     Equal bit for bit to ``ncdc_model.golden.network.hidden_neuron``. Timing: free-running, one net per
-    clock, ``latency`` clocks. Weights and bias may change between frames only.
+    clock, ``latency`` clocks. Weights and bias may change only between frames.
 
     Parameters
     ----------
     formats : ncdc_spec.descriptor.Formats
         ``input``, ``hidden_weight``, ``hidden_bias`` and ``net`` are used.
     multiplier_bits : int
-        Of the multiplier blocks, 27 or 18.
+        Width of the multiplier blocks, 27 or 18.
 
     Members
     -------
@@ -241,11 +241,11 @@ class OutputNeuron(_Accumulator):
         Clocks over which the activations of one coordinate arrive. The weights of each turn
         follow its activations after ``weights_clock`` clocks.
     multiplier_bits : int
-        As of :class:`HiddenNeuron`.
+        As in :class:`HiddenNeuron`.
 
-    Members, Raises: as :class:`HiddenNeuron`, with ``inputs`` in place of 2, and
+    Members, Raises: as :class:`HiddenNeuron`, with ``inputs`` instead of 2, and
     first : ``In(1)``
-        With the activations of the first turn (``turns`` above 1 only).
+        High with the activations of the first turn (only with ``turns`` above 1).
     inputs, skip : ``In(ArrayLayout(signed(n), 2))``
         The hidden neurons' x and y, ``inputs_clock`` clocks after the first turn's activations,
         and their weights (only if ``formats`` has a skip path).

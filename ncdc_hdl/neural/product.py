@@ -1,4 +1,4 @@
-"""Pipelined signed product, split by hand where multiplier blocks are narrower than it."""
+"""Pipelined signed product, split if multiplier blocks are narrower."""
 
 from functools import partial
 
@@ -10,20 +10,20 @@ from ncdc_hdl.lib import pipeline
 
 __all__ = ["Product"]
 
-_LOW = 17       # unsigned bits that a signed input of an 18-bit block holds
+_LOW = 17       # unsigned bits in a signed input of an 18-bit block
 
 
 class Product(wiring.Component):
     """``o = a b``, exact, for blocks of 27 x 27 or of 18 x 18 bits.
 
-    One register stands before and two after each multiplication, which the multiplier blocks of
-    the usual FPGAs take into themselves. For blocks of 18 bits, a factor wider than that is cut
+    Each multiplication has one register before and two after it, which the multiplier blocks of
+    common FPGAs absorb. For blocks of 18 bits, a factor wider than that is cut
     into a signed high and an unsigned low part of 17 bits::
 
         a b = ah bh 2**34 + (ah bl + al bh) 2**17 + al bl
 
-    The first and the last product do not overlap: they lie side by side in one word, and two
-    adders in two stages make the sum, a register behind those of the blocks. Timing: free-running,
+    The first and the last product do not overlap. They are concatenated in one word, and two
+    adders in two stages make the sum, a register after those of the blocks. Timing: free-running,
     one product per clock, ``latency`` clocks.
 
     Parameters
@@ -54,7 +54,7 @@ class Product(wiring.Component):
 
     @property
     def latency(self):
-        """Clocks from the factors to ``o``: 1 in, 2 products; of parts 1 more, 1 for each sum."""
+        """Clocks from the factors to ``o``: 1 in, 2 products; with parts 1 more, 1 for each sum."""
         cut = sum(len(_parts(factor, self.multiplier_bits)) - 1 for factor in (self.a, self.b))
         return 1 + 2 + (1 + cut if cut else 0)
 
@@ -69,9 +69,9 @@ class Product(wiring.Component):
         # Cycles 2 and 3: multiply. The products are keyed by the weight of the parts, 0 or 1 each.
         p = {(j, k): register(f"p1_{j}{k}", register(f"p0_{j}{k}", x * y))
              for j, x in enumerate(a) for k, y in enumerate(b)}
-        # Cycle 4, of parts: the way from the blocks to the adders.
+        # Cycle 4, with parts: routing from the blocks to the adders.
         if len(p) > 1:
-            p = {place: register("p2_{}{}".format(*place), part) for place, part in p.items()}
+            p = {weight: register("p2_{}{}".format(*weight), part) for weight, part in p.items()}
         # Cycle 5, if both factors are cut: add the two products in the middle.
         if len(a) == len(b) == 2:
             cross = register("s0_cross", p[0, 1] + p[1, 0])

@@ -1,4 +1,4 @@
-"""Hidden neurons that follow the scan by addition, without a multiplier."""
+"""Hidden neurons that track the scan by additions, without a multiplier."""
 
 from amaranth import *
 from amaranth.lib import data, enum, wiring
@@ -14,7 +14,7 @@ __all__ = ["RasterControl", "RasterLayer", "RasterNeuron"]
 
 
 class Operand(enum.IntEnum, shape=4):
-    """What a neuron adds; of the first four, bit 0 is the carry and bit 1 a new row."""
+    """Operand of a neuron's addition; in the first four, bit 0 is the carry and bit 1 a new row."""
     X0 = 0
     X1 = 1
     Y0 = 2
@@ -26,14 +26,14 @@ class Operand(enum.IntEnum, shape=4):
     ZERO = 8
 
 
-# What becomes of the addition in a clock. `step`: its result becomes the sum. `double`: the operand
+# Use of the addition in a clock. `step`: its result becomes the sum. `double`: the operand
 # was added to twice the sum before. `row`: it was added to the row's first sum instead. `save`: the
 # result is the first sum of a row. `keep`: the result is the next of the four increments.
 ADD = data.StructLayout({"step": 1, "double": 1, "row": 1, "save": 1, "keep": 1})
 
 
 class RasterNeuron(wiring.Component):
-    """Exact weighted sum of a hidden neuron, kept up to date from pixel to pixel by one adder.
+    """Exact weighted sum of a hidden neuron, updated from pixel to pixel by one adder.
 
     The rounded coordinate x grows by d or d + 1 from pixel to pixel, so that the sum of equation
     (15) grows by one of two constants of the frame::
@@ -53,9 +53,9 @@ class RasterNeuron(wiring.Component):
     choice : ``In(Operand)``
         Operand of the addition in the next clock.
     add : ``In(ADD)``
-        What becomes of the addition in this clock.
+        Use of the addition in this clock.
     weights, bias : ``In``
-        As of :class:`HiddenNeuron`.
+        As in :class:`HiddenNeuron`.
     o : ``Out``
         Sum plus half a unit of the net, exact.
     """
@@ -103,7 +103,7 @@ class RasterNeuron(wiring.Component):
 
 
 class RasterControl(wiring.Component):
-    """Tells all raster neurons what to add: products at a frame's start, then increments.
+    """Controls the additions of all raster neurons: products at a frame's start, then increments.
 
     A product with a coordinate takes one doubling and addition per digit, highest first. The
     coordinate is extended to the sum's n bits, so that its sign needs no subtraction and what
@@ -120,7 +120,7 @@ class RasterControl(wiring.Component):
     Members
     -------
     start, active, advance, pixel, ready :
-        As of :func:`ncdc_hdl.neural.layers.hidden_layer_ports`.
+        As in :func:`ncdc_hdl.neural.layers.hidden_layer_ports`.
     choice, add : ``Out(Operand)``, ``Out(ADD)``
         To the neurons.
     """
@@ -148,7 +148,7 @@ class RasterControl(wiring.Component):
         bits = self.bits
         choice = Signal(Operand)                        # ``choice`` of the next clock
         add = Signal(ADD)                               # ``add``, two clocks before
-        digit = Signal(range(bits), init=bits - 1)      # of the coordinate, highest first
+        digit = Signal(range(bits), init=bits - 1)      # digit of the coordinate, highest first
         with m.FSM():
             with m.State("IDLE"):
                 with m.If(self.start):
@@ -166,7 +166,7 @@ class RasterControl(wiring.Component):
         return m
 
     def _add_digit(self, m, choice, add, digit, value, weight):
-        """Add ``weight`` if the present digit of ``value`` is one."""
+        """Add ``weight`` if this digit of ``value`` is one."""
         extended = Cat(value, value[-1].replicate(self.bits - len(value)))
         m.d.comb += [choice.eq(Mux(extended.bit_select(digit, 1), weight, Operand.ZERO)),
                      add.step.eq(1)]
@@ -223,14 +223,14 @@ class RasterControl(wiring.Component):
         with m.If(self.start):
             m.next = "WAIT"
         with m.Elif(self.advance & pixel.new_strip):
-            # What the sum becomes now is shifted out.
+            # The sum computed now is shifted out later.
             m.next = "FIRST_X"
 
 
 class RasterLayer(wiring.Component):
     """Hidden neurons without a multiplier; the pixels must come in the order of the scan.
 
-    Equal bit for bit to :class:`ncdc_hdl.neural.layers.MultiplyLayer`, provided the scan stays
+    Equal bit for bit to :class:`ncdc_hdl.neural.layers.MultiplyLayer`, if the scan stays
     within the range of its coordinates. One pixel per clock, also from row to row; each strip
     begins with the ``restart`` clocks of :class:`RasterControl`.
 

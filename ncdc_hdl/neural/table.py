@@ -12,8 +12,8 @@ from ncdc_hdl.neural.lookup import Lookup
 
 __all__ = ["Table"]
 
-_LOW = 18       # bits of a factor's low part at most: an unsigned input of an 18-bit block
-_PRODUCT = 4    # clocks: 1 before a multiplication and 2 after, which blocks take in; 1 for the way
+_LOW = 18       # most bits of a factor's low part: an unsigned input of an 18-bit block
+_PRODUCT = 4    # clocks: 1 before a multiplication and 2 after, which blocks absorb; 1 for routing
 
 
 class Table(wiring.Component):
@@ -21,7 +21,7 @@ class Table(wiring.Component):
 
     Equal bit for bit to ``TableDesign.magnitude``, but for its constant last bit: floored to the
     result's bits, at most all ones. In each of the two products one factor is cut into its low 18
-    bits and the others, so that each part fits a multiplier block of 18 x 18 bits; two of these
+    bits and the others, so that each part fits a multiplier block of 18 x 18 bits. Two of these
     fit one of 27 x 27. Timing: free-running, one value per clock, ``latency`` clocks.
 
     Parameters
@@ -56,8 +56,8 @@ class Table(wiring.Component):
 
         register = partial(pipeline.register, m)
 
-        # A: segment and position in it; the two top bits tell the range. The number of a range's
-        # first segment is a multiple of how many there are in it.
+        # A: segment and position in it; the two top bits select the range. The number of a range's
+        # first segment is a multiple of their number in it.
         segment = Signal(range(design.entries), name="a_segment", reset_less=True)
         position = Signal(bits, name="a_position", reset_less=True)
         top = len(self.i) - 2
@@ -77,13 +77,13 @@ class Table(wiring.Component):
         ]
         position = delay(m, position, table, "t_position")
 
-        # S: the slope at the position. Below the cut a product's low part has nothing to add to.
+        # S: the slope at the position. Below the cut nothing is added to a product's low part.
         cut = min(_LOW, bits)
         low, high = self._product(m, "s", self.curvature.o, position, cut)
         product = register("s_product", (low >> cut) + high)
         slope = register("s_slope", self.slope.o - (product >> (bits - cut)), len(self.slope.o))
 
-        # V: the value, floored; what the approximation puts above the last result is that.
+        # V: the value, floored; values above the largest result become the largest result.
         below = design.slope_bits + bits
         cut = min(_LOW, below - design.offset_bits)
         low, high = self._product(m, "v", slope, delay(m, position, summed + 1, "v_position"), cut)

@@ -49,7 +49,7 @@ class Tansig(wiring.Component):
         design = self.design
         m.submodules.variant = variant = self.variant
 
-        # A: sign and magnitude. The most negative n has none: a zero beside its sign stands for it.
+        # A: sign and magnitude. The most negative n has none: its sign with a zero represents it.
         bits = design.input.width - 1
         magnitude = Signal(bits, name="a_magnitude", reset_less=True)
         sign = Signal(name="a_sign", reset_less=True)
@@ -59,7 +59,7 @@ class Tansig(wiring.Component):
         m.d.comb += variant.i.eq(magnitude)
         negative, zero = delay(m, Cat(sign, magnitude == 0), variant.latency, "sign_zero")
 
-        # S: -q is ~q below the constant last bit, so that restoring the sign needs no carry.
+        # S: -q is ~q below the constant last bit, so restoring the sign needs no carry.
         q = Cat(variant.o, 0)
         o = Signal.like(self.o, name="s_o", reset_less=True)
         m.d.sync += o.eq(Mux(zero, Mux(negative, -design.largest, 0),

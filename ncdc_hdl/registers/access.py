@@ -12,7 +12,7 @@ __all__ = ["Access", "RegisterAccess"]
 class Access(wiring.Signature):
     """One register access at a time.
 
-    ``valid`` and what is asked for stay until ``done``, which is high for one clock, with the
+    ``valid`` and the request are held until ``done``, which is high for one clock, with the
     ``answer`` of a read.
 
     Parameters: ``address_bits`` of a word address.
@@ -69,7 +69,7 @@ class RegisterAccess(wiring.Component):
                 m.d.comb += done.eq(bus.readdatavalid)
                 with m.If(done):
                     m.next = "DONE"
-            with m.State("DONE"):           # its host sees ``done`` and may ask anew
+            with m.State("DONE"):           # its host sees ``done`` and may make another access
                 m.next = "IDLE"
         answers = Signal(32)
         m.d.sync += answers.eq(bus.readdata)

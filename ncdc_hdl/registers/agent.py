@@ -29,19 +29,19 @@ class Registers(wiring.Component):
 
     The host writes "shadow" registers one by one; a commit marks the set complete. At the next
     frame boundary, which is at once if no frame runs, the whole set is copied to ``active`` in one
-    clock. Until then writes to the set, and to the bank of valid rows that it names, are refused;
-    so are, at any time, writes to the bank that a running or waiting frame uses. A refused write
-    changes nothing and is remembered in STATUS, so that no frame ever sees half a set.
-    A start while a frame runs is kept, one deep; without a commit it uses the set in use. An
-    abort concerns the frame that runs, not the one that waits.
+    clock. Until then writes to the set, and to the bank of valid rows that it names, are rejected.
+    So are always writes to the bank that a running or waiting frame uses. A rejected write
+    changes nothing and sets a flag in STATUS, so that no frame ever uses half a set.
+    One start while a frame runs is queued; without a commit it uses the set in use. An
+    abort applies to the frame that runs, not the one that waits.
 
     Weights of neurons that share a unit are not in ``active`` but in memories, see
-    :class:`WeightStore`, which has copying to do after a commit and after a reset.
+    :class:`WeightStore`, which copies them after a commit and after a reset.
 
-    Timing: one access at a time; it is accepted after 5 clocks of waiting, when all that it changes
-    has changed, and data follow a clock later. What begins while weights are copied waits until
-    they are. The clock after ``ended`` is that of the next ``begin``, with or without a commit;
-    only a commit that comes before the last one's weights are copied waits, and its frame.
+    Timing: one access at a time; it is accepted after 5 clocks of waiting, when all changes
+    are complete, and data follow a clock later. An access during a copy of weights waits until
+    its end. The clock after ``ended`` is that of the next ``begin``, with or without a commit.
+    Only a commit during the copy of the last one's weights waits, with its frame.
 
     Parameters
     ----------
@@ -57,18 +57,18 @@ class Registers(wiring.Component):
     nodes : int
         Distance of the nodes, read back as NODES if ``table`` has that register.
     in_memory : sequence of Register
-        Those of ``table`` that lie in memories: of each hidden neuron the same.
+        Registers of ``table`` that are in memories, the same for each hidden neuron.
     neurons : int
-        That the network's units could serve, if there are any ``in_memory``.
+        Neurons that the network's units could serve, if there are any ``in_memory``.
 
     Members
     -------
     bus : ``In(Agent(14))``
     active : ``Out(StructLayout)``
-        The "shadow" registers by name, as the present frame sees them; constant while one runs.
+        The "shadow" registers by name, for the present frame; constant while one runs.
         Without those in memories.
     writes : ``Out(BANK_WRITES)``
-        To the memories, if there are any.
+        Writes to the memories, if there are any.
     valid_table : ``Out(TableAccess())``
         To the host's side of the table of valid rows, which answers two clocks after ``read``.
     begin : ``Out(1)``
@@ -76,17 +76,17 @@ class Registers(wiring.Component):
     ended : ``In(1)``
         The frame is complete.
     abort : ``Out(1)``
-        The frame is to end early; until it has ``ended``.
+        The frame must end early; high until it has ``ended``.
     cut : ``In(1)``
-        The frame lacks pixels; when it has ``ended``.
+        The frame lacks pixels; valid when it has ``ended``.
     counters : ``In(StructLayout)``
-        Of the frame, by name, with its last clock two clocks after ``ended``, when they are copied.
+        Counters of the frame by name; copied two clocks after ``ended``, when they are complete.
     running, start : ``In(1)``
-        While ``running`` the host's START is refused, and ``start`` takes its place.
+        While ``running`` the host's START is rejected, and ``start`` replaces it.
     idle : ``Out(1)``
         No frame runs, and none waits.
     faults : ``In(StructLayout)``
-        Each bit of FAULT by its name in small letters: it is to be set.
+        Sets each bit of FAULT, by its name in lower case.
     irq : ``Out(1)``
     """
 
@@ -96,7 +96,7 @@ class Registers(wiring.Component):
     def __init__(self, table, values, *, digest, hidden_neurons, capabilities, nodes=1,
                  in_memory=(), neurons=0):
         self.table, self.values = table, values
-        self.rows = [r for r in table if r not in in_memory]    # with a register of their own
+        self.rows = [r for r in table if r not in in_memory]    # rows with a register of their own
         self.store = WeightStore(in_memory, values, neurons) if in_memory else None
         self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, "NODES": nodes,
                           **capabilities}
@@ -118,7 +118,7 @@ class Registers(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        kept = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(),
+        held = {r.name: Signal(Shape(r.shape.width, r.shape.signed), name=r.name.lower(),
                                init=self.values.get(r.name, 0))
                 for r in self.rows if r.access in ("rw", "shadow")}
         counted = {name: Signal(32, name=name.lower()) for name in (*self.counting, "FRAMES")}
@@ -140,7 +140,7 @@ class Registers(wiring.Component):
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
                  for r in self.rows}
         self._read(m, address, meant, stored, {
-            **self.constants, **kept, **counted, "CTRL": 0,
+            **self.constants, **held, **counted, "CTRL": 0,
             "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags),
             "FAULT": Cat(fault[flag.name] for flag in action["FAULT"].flags),
             "ALTERED": altered})
@@ -155,21 +155,21 @@ class Registers(wiring.Component):
         for flag in action["FAULT"].flags:
             with m.If(self.faults[flag.name.lower()]):
                 m.d.sync += fault[flag.name].eq(1)
-        self._keep(m, written, word, kept, status["COMMITTED"])
-        self._table(m, address, read[2], in_table, word, kept, status)
-        table_refused = in_table & ~self.valid_table.write
+        self._keep(m, written, word, held, status["COMMITTED"])
+        self._table(m, address, read[2], in_table, word, held, status)
+        table_rejected = in_table & ~self.valid_table.write
         of_set = Cat(store_written, *(written[r.name] for r in self.rows
                                       if r.access == "shadow")).any()
-        with m.If(self._refused(m, of_set, table_refused, status["COMMITTED"])):
+        with m.If(self._rejected(m, of_set, table_rejected, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
         control = {flag.name: written["CTRL"] & word[flag.bit] for flag in action["CTRL"].flags}
         with m.If(control["START"] & self.running):
             m.d.sync += status["REFUSED"].eq(1)
         control["START"] = control["START"] & ~self.running | self.start
-        self._frames(m, take, copying, control, kept, status)
+        self._frames(m, take, copying, control, held, status)
         self._count(m, counted)
         self._altered(m, written, store_written, altered)
-        m.d.comb += [self.irq.eq(status["DONE"] & kept["IRQ_ENABLE"]),
+        m.d.comb += [self.irq.eq(status["DONE"] & held["IRQ_ENABLE"]),
                      status["BANK"].eq(self.active.VALID_BANK),
                      status["FAULT"].eq(Cat(fault.values()).any())]
         return m
@@ -177,11 +177,11 @@ class Registers(wiring.Component):
     def _accesses(self, m, copying):
         """Take one access of the bus at a time, none while ``copying``.
 
-        It goes into registers first, then to the register that it concerns: address and word rest
-        until it is over. Returns both, whether an access is under way, and its clocks as flags.
+        It is registered first, then goes to its register: address and word are held
+        until its end. Returns both, whether an access is under way, and its clocks as flags.
         """
         bus = self.bus
-        address = Signal(ADDRESS_WORDS_BITS)        # of the word that is accessed
+        address = Signal(ADDRESS_WORDS_BITS)        # address of the word that is accessed
         word = Signal(32)                           # the word to be written
         under_way = Signal()                        # an access has begun and is not over
         accept = Signal()                           # the bus may end the access
@@ -199,21 +199,21 @@ class Registers(wiring.Component):
 
     @staticmethod
     def _steps(m, name, begun):
-        """The clocks of an access, as flags: that behind ``begun`` and five more."""
+        """The clocks of an access, as flags: that after ``begun`` and five more."""
         steps = [begun]
         for k in range(6):
             steps.append(register(m, f"{name}{k}", steps[-1], reset_less=False))
         return steps[1:]
 
     def _store(self, m, write, committed):
-        """Join the weights in memories; what they read, and whether one is to be written."""
+        """Connect the weights in memories; return their read data, and whether one is written."""
         m.submodules.store = store = self.store
         wiring.connect(m, store.writes, wiring.flipped(self.writes))
         m.d.comb += store.write.eq(write & ~committed)
         return store.read, write & store.mine
 
     def _read(self, m, address, meant, stored, readable):
-        """Gather the word that is meant: all but one are masked, ``stored`` has been already."""
+        """Select the word addressed: all others are masked, ``stored`` already is."""
         words = [Mux(meant[r.name], readable[r.name], 0) for r in self.rows] + [stored]
         fours = [register(m, f"word{k}", reduce(or_, words[k:k + 4]), signed(32))
                  for k in range(0, len(words), 4)]
@@ -222,18 +222,18 @@ class Registers(wiring.Component):
         span = Cat(table.read_start, Const(0, 3), table.read_stop, Const(0, 3))
         m.d.sync += self.bus.readdata.eq(Mux(address >= TABLE, span, value))
 
-    def _keep(self, m, written, word, kept, committed):
-        """Take what is written, unless it is of a committed set."""
+    def _keep(self, m, written, word, held, committed):
+        """Write registers, unless the set is committed."""
         for r in self.rows:
-            if r.name in kept:
+            if r.name in held:
                 with m.If(written[r.name] & ~(committed & (r.access == "shadow"))):
-                    m.d.sync += kept[r.name].eq(word)
+                    m.d.sync += held[r.name].eq(word)
 
-    def _table(self, m, address, read, written, word, kept, status):
-        """The host's side of the table of valid rows, of which frames hold up to both banks."""
-        window = kept["VALID_WINDOW"]
+    def _table(self, m, address, read, written, word, held, status):
+        """The host's side of the table of valid rows, of which frames may use both banks."""
+        window = held["VALID_WINDOW"]
         held = ((status["BUSY"] | status["PENDING"]) & (window == self.active.VALID_BANK)
-                | status["COMMITTED"] & (window == kept["VALID_BANK"]))
+                | status["COMMITTED"] & (window == held["VALID_BANK"]))
         table = self.valid_table
         m.d.comb += [
             table.bank.eq(window),
@@ -245,12 +245,12 @@ class Registers(wiring.Component):
         ]
 
     def _altered(self, m, written, store_written, altered):
-        """Whether the lens may be another one than DIGEST says; a reset keeps the valid rows."""
+        """Whether the lens may be another one than DIGEST's; a reset keeps the valid rows."""
         of_lens = Cat(store_written, *(
             written[r.name] for r in self.rows
             if r.access == "shadow" and r.name not in OUTSIDE_DIGEST))
         set_altered = Signal()                      # a register of the lens was written
-        rows_altered = Signal(2, reset_less=True)   # a valid row was, of each bank
+        rows_altered = Signal(2, reset_less=True)   # a valid row was written, for each bank
         with m.If(of_lens.any()):
             m.d.sync += set_altered.eq(1)
         with m.If(self.valid_table.write):
@@ -258,21 +258,21 @@ class Registers(wiring.Component):
         m.d.comb += altered.eq(
             set_altered | rows_altered.bit_select(self.active.VALID_BANK, 1))
 
-    def _refused(self, m, of_set, of_table, committed):
+    def _rejected(self, m, of_set, of_table, committed):
         """Whether a write was ignored, two clocks later."""
         of_set = register(m, "shadow_written", of_set, reset_less=False)
         was_committed = register(m, "was_committed", committed, reset_less=False)
         return register(m, "ignored", of_set & was_committed, reset_less=False) \
             | delay(m, of_table, 2, "table_ignored", reset_less=False)
 
-    def _frames(self, m, take, copying, control, kept, status):
-        """Begin and end frames; a committed set is taken over between two of them."""
+    def _frames(self, m, take, copying, control, held, status):
+        """Begin and end frames; a committed set becomes active between two of them."""
         busy, pending, committed = (status[name] for name in ("BUSY", "PENDING", "COMMITTED"))
-        asked = Signal()        # an abort was asked for while a frame ran or waited
-        # A frame may begin, or a set be taken over, in the next clock.
+        asked = Signal()        # an abort was requested while a frame ran or waited
+        # A frame may begin, or a set become active, in the next clock.
         boundary = (~busy | self.ended) & ~self.begin & ~(committed & copying)
         m.d.sync += [self.begin.eq(pending & boundary), take.eq(committed & boundary & ~take)]
-        self._take_over(m, take, kept)
+        self._take_over(m, take, held)
         m.d.comb += [self.abort.eq(asked & busy), self.idle.eq(~busy & ~pending)]
         with m.If(take):
             m.d.sync += committed.eq(0)
@@ -289,13 +289,13 @@ class Registers(wiring.Component):
                          status["ABORTED"].eq(self.cut)]
 
     def _count(self, m, counted):
-        """Keep the counters of the frame that has ended."""
+        """Store the counters of the frame that has ended."""
         ended = delay(m, self.ended, 2, "ended", reset_less=False)
         with m.If(ended):
             m.d.sync += counted["FRAMES"].eq(counted["FRAMES"] + 1)
             m.d.sync += [counted[name].eq(self.counters[name]) for name in self.counting]
 
-    def _take_over(self, m, when, kept):
+    def _take_over(self, m, when, held):
         """Copy the whole set to ``active`` in the clocks in which ``when`` is high."""
         with m.If(when):
-            m.d.sync += [self.active[name].eq(kept[name]) for name, _ in self.active.shape()]
+            m.d.sync += [self.active[name].eq(held[name]) for name, _ in self.active.shape()]

@@ -1,4 +1,4 @@
-"""A bus' agent as one of several hosts of registers."""
+"""Connects a bus agent as one of several hosts of registers."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -11,14 +11,14 @@ __all__ = ["AgentAccess"]
 
 
 class AgentAccess(wiring.Component):
-    """Hands what comes at an Avalon-MM agent on, an access at a time.
+    """Passes accesses at an Avalon-MM agent on, one at a time.
 
     Timing: the data of a read follow one clock after ``waitrequest`` has fallen.
 
     Parameters
     ----------
     address_bits : int
-        Of a word address.
+        Bits of a word address.
 
     Members
     -------

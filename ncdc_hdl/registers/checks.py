@@ -1,4 +1,4 @@
-"""What a set of registers is refused for, before a frame begins with it."""
+"""Checks of a set of registers before a frame begins with it."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -16,10 +16,10 @@ FAULTS = data.StructLayout({"alignment": 1, "size": 1, "format": 1})
 
 
 class Checks(wiring.Component):
-    """Holds the active set against what the hardware can do.
+    """Compares the active set with the limits of the hardware.
 
-    Only what it is checked for here keeps the counters of the scan, of the writer and of the
-    fetcher within their ranges; the places in memory are kept by fences of their own.
+    Only these checks keep the counters of the scan, of the writer and of the
+    fetcher within their ranges. Areas in memory have their own fences.
 
     Timing: ``faults`` follow ``active`` after ``latency`` clocks.
 
@@ -28,7 +28,7 @@ class Checks(wiring.Component):
     hardware : ncdc_spec.hardware.Hardware
         Made for a camera.
     max_width, max_height : int
-        Of a corrected image, what the table of valid rows holds.
+        Largest corrected image for which the table of valid rows has entries.
     active : StructLayout
         The registers by name.
 
@@ -36,8 +36,8 @@ class Checks(wiring.Component):
     -------
     active : ``In(active)``
     faults : ``Out(FAULTS)``
-        A base or the pitch is no multiple of the memory word; a size is outside its limits; the
-        format of pixels in memory is none, or loses colours.
+        A base or the pitch is no multiple of the memory word. A size is outside its limits. The
+        format of pixels in memory is unknown, or loses colours.
     """
 
     latency = 1
@@ -78,7 +78,7 @@ class Checks(wiring.Component):
         """Whether the pixels in memory would not be the corrected ones."""
         grey = (active.BAYER_PHASE & BAYER_MONO).any()
         if not (self.hardware.cached and self.hardware.cache.interpolation == GRADIENT):
-            grey = Const(0)     # the fast interpolation takes no notice of that bit
+            grey = Const(0)     # the fast interpolation ignores that bit
         form = active.OUTPUT_FORMAT
         known = Cat(form == one.code for one in OUTPUT_FORMATS.values()).any()
         return ~known | (form == MONO8.code) & ~grey

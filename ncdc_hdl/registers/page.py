@@ -14,23 +14,23 @@ __all__ = ["Page"]
 
 
 class Page(wiring.Component):
-    """Avalon-MM agent of the registers of a table, of which nothing is shadowed.
+    """Avalon-MM agent of the registers of a table, without shadowing.
 
-    Timing: one access at a time; what is written holds two clocks after the write is accepted, and
+    Timing: one access at a time; a written value is valid two clocks after its acceptance, and
     data follow a read after ``latency`` clocks.
 
     Parameters
     ----------
     table : sequence of Register
-        With the access "rw", "ro" and "action".
+        Registers with the access "rw", "ro" and "action".
     address_bits : int
-        Of the word address that the page looks at.
+        Bits of the word address that the page decodes.
     values : dict
-        After a reset, by name; zero where absent.
+        Values after a reset, by name; zero by default.
     locked : sequence of str
         Registers that are not written while ``lock`` is high.
     aligned : dict
-        Lowest bits that a register, by name, does not keep: they read as zero.
+        Lowest bits that a register, by name, does not store: they read as zero.
 
     Members
     -------
@@ -38,14 +38,14 @@ class Page(wiring.Component):
     values : ``Out(StructLayout)``
         The "rw" registers by name.
     read : ``In(StructLayout)``
-        The others by name, "action" registers whole; ``looked`` is the word address that is read,
-        one clock before the value of a register that is read must be there.
+        The others by name, "action" registers whole. ``looked`` is the word address that is read,
+        one clock before the value of the register must be valid.
     looked : ``Out(address_bits)``
     written : ``Out(StructLayout)``
         A bit for each "action" register by name, high for one clock; the word is ``word``.
     word : ``Out(32)``
-    lock, refused : ``In(1)``, ``Out(1)``
-        ``refused`` is high for one clock when a write is ignored.
+    lock, rejected : ``In(1)``, ``Out(1)``
+        ``rejected`` is high for one clock when a write is ignored.
     """
 
     latency = 4
@@ -53,15 +53,15 @@ class Page(wiring.Component):
 
     def __init__(self, table, address_bits, values, locked=(), aligned=None):
         self.table, self.locked, self.aligned = table, locked, aligned or {}
-        kept = {r.name: r.shape.width for r in table if r.access == "rw"}
+        stored = {r.name: r.shape.width for r in table if r.access == "rw"}
         other = {r.name: r.shape.width for r in table if r.access != "rw"}
         super().__init__({
             "bus": In(Agent(address_bits)),
-            "values": Out(data.StructLayout(kept),
-                          init={name: values.get(name, 0) for name in kept}),
+            "values": Out(data.StructLayout(stored),
+                          init={name: values.get(name, 0) for name in stored}),
             "read": In(data.StructLayout(other)), "looked": Out(address_bits),
             "written": Out(data.StructLayout({r.name: 1 for r in table if r.access == "action"})),
-            "word": Out(32), "lock": In(1), "refused": Out(1),
+            "word": Out(32), "lock": In(1), "rejected": Out(1),
         })
 
     def elaborate(self, platform):
@@ -93,7 +93,7 @@ class Page(wiring.Component):
                     m.d.comb += ignored.eq(1)
             elif r.access == "action":
                 m.d.comb += self.written[r.name].eq(written)
-        m.d.sync += self.refused.eq(ignored)
+        m.d.sync += self.rejected.eq(ignored)
         # A register that is read a clock after its address is known.
         words = [Mux(meant[r.name], self.values[r.name] if r.access == "rw" else self.read[r.name],
                      0) for r in self.table]

@@ -1,4 +1,4 @@
-"""Programs of register accesses, in a memory: set-up without a host."""
+"""Programs of register accesses, in a memory: configuration without a host."""
 
 from amaranth import *
 from amaranth.lib import data, enum, wiring
@@ -11,11 +11,11 @@ __all__ = ["Op", "ProgramRunner", "Step"]
 
 
 class Op(enum.Enum, shape=3):
-    """What a step of a program does with its address and word."""
+    """Operation of a step with its address and word."""
     END = 0             # the program is over
     WRITE = 1           # write the word
-    PAUSE = 2           # wait for so many clocks
-    LOOK = 3            # remember whether any bit of the register under the word is one
+    PAUSE = 2           # wait for as many clocks as the word
+    LOOK = 3            # record whether any bit of the register under the word is one
     WRITE_NOT = 4       # write 1 if the last LOOK found none, else 0
     UNTIL_ZERO = 5      # read until no bit of the register under the word is one
     GUARD = 6           # the same once; if any bit is one, the program begins anew
@@ -27,7 +27,7 @@ class Step:
     Parameters
     ----------
     address_bits : int
-        Of a word address.
+        Bits of a word address.
     """
 
     def __init__(self, address_bits):
@@ -40,34 +40,34 @@ class Step:
 
 
 class ProgramRunner(wiring.Component):
-    """Carries out one of several programs at a time.
+    """Executes one of several programs at a time.
 
-    Program 0 runs after a reset. A program that a GUARD begins anew does so for ever: it counts
-    in ``failures``, and waits for ``patience`` clocks before.
+    Program 0 runs after a reset. A GUARD may restart a program without limit: it counts
+    in ``failures``, and first waits for ``retry_clocks`` clocks .
 
     Timing: a step takes 3 clocks, and an access as long as its bus takes.
 
     Parameters
     ----------
     programs : sequence of sequence of (Op, address, word)
-        Each without its END.
+        Each program without its END.
     address_bits : int
-        Of a word address.
-    patience : int
-        Clocks.
+        Bits of a word address.
+    retry_clocks : int
+        Clocks before a restart.
 
     Members
     -------
     access : ``Out(Access(address_bits))``
     start, which : ``In(1)``, ``In(range(len(programs)))``
-        For one clock: begin this program; not taken while ``busy``.
+        High for one clock: begin this program; ignored while ``busy``.
     busy : ``Out(1)``
     failures : ``Out(8)``
         Times that a program was begun anew since the reset; stays at 255.
     """
 
-    def __init__(self, programs, address_bits, *, patience):
-        self.patience = patience
+    def __init__(self, programs, address_bits, *, retry_clocks):
+        self.retry_clocks = retry_clocks
         step = Step(address_bits)
         self.layout = step.layout
         self.words, self.starts = [], []
@@ -85,14 +85,14 @@ class ProgramRunner(wiring.Component):
         m.submodules.memory = memory = block_memory(
             self.layout.size, depth, self.words + [0] * (depth - len(self.words)))
         read = memory.read_port()
-        place = Signal(range(depth))            # of the next step
-        begun = Signal(range(depth))            # of the first step of the program
+        index = Signal(range(depth))            # address of the next step
+        begun = Signal(range(depth))            # address of the first step of the program
         left = Signal(32)                       # clocks of a pause
-        found = Signal()                        # what the last LOOK found
+        found = Signal()                        # result of the last LOOK
         step = Signal(self.layout)
         access = self.access
         m.d.comb += [
-            read.addr.eq(place),
+            read.addr.eq(index),
             access.address.eq(step.address),
             access.write.eq((step.op == Op.WRITE) | (step.op == Op.WRITE_NOT)),
             access.word.eq(Mux(step.op == Op.WRITE_NOT, ~found, step.word)),
@@ -102,14 +102,14 @@ class ProgramRunner(wiring.Component):
         with m.FSM(init="READ"):
             with m.State("REST"):
                 begins = Array(self.starts)[self.which]
-                m.d.sync += [place.eq(begins), begun.eq(begins)]
+                m.d.sync += [index.eq(begins), begun.eq(begins)]
                 with m.If(self.start):
                     m.d.sync += self.busy.eq(1)
                     m.next = "READ"
             with m.State("READ"):
                 m.next = "TAKE"
             with m.State("TAKE"):
-                m.d.sync += [step.eq(read.data), place.eq(place + 1)]
+                m.d.sync += [step.eq(read.data), index.eq(index + 1)]
                 m.next = "DO"
             with m.State("DO"):
                 m.d.sync += left.eq(step.word)
@@ -132,7 +132,7 @@ class ProgramRunner(wiring.Component):
                     with m.If((step.op == Op.UNTIL_ZERO) & some):
                         m.next = "ASK"
                     with m.If((step.op == Op.GUARD) & some):
-                        m.d.sync += [place.eq(begun), left.eq(self.patience),
+                        m.d.sync += [index.eq(begun), left.eq(self.retry_clocks),
                                      self.failures.eq(self.failures + (self.failures != 255))]
                         m.next = "PAUSE"
         return m

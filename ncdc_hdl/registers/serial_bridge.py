@@ -11,12 +11,12 @@ from ncdc_spec.protocols.serial_link import BAD, CRC, READ, READ_DONE, WRITE, WR
 
 __all__ = ["ByteBridge", "SerialBridge"]
 
-_READ_BYTES, _WRITE_BYTES = 4, 8        # of a request, the check included
-_GAP_BYTES = 100                        # times of a byte without one, after which a request ends
+_READ_BYTES, _WRITE_BYTES = 4, 8        # of a request, with the check
+_GAP_BYTES = 100                        # byte times of silence after which a request ends
 
 
 def _check():
-    """A generator of checks, as :mod:`ncdc_spec.protocols.serial_link` has them."""
+    """A generator of checks as in :mod:`ncdc_spec.protocols.serial_link`."""
     return Algorithm(crc_width=8, polynomial=CRC["polynomial"], initial_crc=CRC["initial"],
                      reflect_input=False, reflect_output=False, xor_output=0)(8).create()
 
@@ -24,16 +24,16 @@ def _check():
 class ByteBridge(wiring.Component):
     """Answers requests of :mod:`ncdc_spec.protocols.serial_link`.
 
-    A request whose check is wrong is answered by ``BAD``. What is no letter of a request is
-    dropped between requests; one that stops for ``gap`` clocks is forgotten, so that a host that
-    has lost step is in step again after a pause.
+    A request whose check is wrong is answered by ``BAD``. A byte that is no letter of a request is
+    dropped between requests. A request that stops for ``gap`` clocks is dropped, so that a host
+    is synchronised again after a pause.
 
     Parameters
     ----------
     gap : int
         Clocks.
     address_bits : int
-        Of a word address, at most 16.
+        Bits of a word address, at most 16.
 
     Members
     -------
@@ -55,7 +55,7 @@ class ByteBridge(wiring.Component):
         m = Module()
         m.submodules.check = check = _check()
         gap = self.gap
-        request = Signal(8 * (_WRITE_BYTES - 1))    # what has come but for the letter
+        request = Signal(8 * (_WRITE_BYTES - 1))    # bytes received after the letter
         writes = Signal()                           # it is a write
         left = Signal(range(_WRITE_BYTES))          # bytes to come, or to be sent
         idle = Signal(range(gap + 1))               # clocks since the last byte
@@ -89,7 +89,7 @@ class ByteBridge(wiring.Component):
                 with m.Elif(idle == gap):
                     m.next = "DROP"
             with m.State("CHECK"):
-                # The check of a message with its check behind it is zero.
+                # The check of a message followed by its check is zero.
                 m.d.sync += [left.eq(1), answer[-8:].eq(BAD)]
                 m.next = "ACCESS"
                 with m.If(check.crc != 0):
@@ -109,7 +109,7 @@ class ByteBridge(wiring.Component):
         return m
 
     def _answer(self, m, answer, left, check):
-        """Send ``left`` bytes of ``answer``, and their check behind them."""
+        """Send ``left`` bytes of ``answer``, and then their check."""
         m.d.comb += [self.o.valid.eq(1), self.last.eq(left == 0),
                      self.o.payload.eq(Mux(left == 0, check.crc, answer[-8:]))]
         with m.If(self.o.ready):
@@ -127,7 +127,7 @@ class SerialBridge(wiring.Component):
     divisor : int
         Clocks of a bit.
     address_bits : int
-        Of a word address, at most 16.
+        Bits of a word address, at most 16.
 
     Members
     -------
@@ -149,7 +149,7 @@ class SerialBridge(wiring.Component):
                                                   self.address_bits)
         wiring.connect(m, bridge.o, transmitter.i)
         wiring.connect(m, bridge.access, wiring.flipped(self.access))
-        # A byte that comes while a request is answered is lost: nobody asks twice at a time.
+        # A byte that comes while a request is answered is lost: hosts have one request at a time.
         m.d.comb += [receiver.line.eq(self.receive), self.send.eq(transmitter.line),
                      bridge.i.payload.eq(receiver.byte), bridge.i.valid.eq(receiver.valid)]
         return m

@@ -1,4 +1,4 @@
-"""The host's side of weights that lie in memories: its set, and the copies of that set."""
+"""The host's side of weights in memories: its set, and the copies of that set."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -12,10 +12,10 @@ from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS
 
 __all__ = ["WeightStore", "in_memory"]
 
-# Of the address of a network's register: the bit that tells the output layer from the hidden one,
+# Bits of the address of a network's register: the one that is high for the output layer,
 # and those of the neuron's number.
 _OUTPUT, _NEURON = 0x200, 31 << 2
-_READ = 2               # clocks from an address to what the memory's output register has
+_READ = 2               # clocks from an address to the memory's output register
 
 
 def in_memory(rows, hardware):
@@ -25,34 +25,33 @@ def in_memory(rows, hardware):
 
 
 class WeightStore(wiring.Component):
-    """The weights that a host reads and writes word by word, ahead of the network's two banks.
+    """The weights that a host reads and writes word by word, before the network's two banks.
 
-    What a host writes goes into the set and into the bank that no frame uses. ``take`` makes that
-    bank the active one, in one clock, whole; then the set is copied into the other bank, word by
-    word, so that it is again what the set is. After a reset the set and the active bank are first
-    given the values of configuration, which the memory of the set holds too and nothing writes.
+    Writes of a host go into the set and into the bank that no frame uses. ``take`` makes that
+    whole bank active in one clock. Then the set is copied into the other bank, word by
+    word, so that both are equal again. After a reset the set and the active bank first
+    get the values of configuration, which are in the set's memory too and never written.
 
-    Timing: ``read`` follows ``address`` after 2 clocks while ``held`` is high. What is written is
-    in the bank 2 clocks after ``write``, which follows ``address`` and ``word`` by one at least. A
+    Timing: ``read`` follows ``address`` after 2 clocks while ``held`` is high. A written word is
+    in the bank 2 clocks after ``write``, which follows ``address`` and ``word`` by at least one. A
     copy takes ``words`` clocks, the reset's ``2 * words``, in all of which ``busy`` is high; it
-    waits while ``held`` is high. Neither ``write`` nor a read is to come while it is under way, nor
-    ``take``.
+    waits while ``held`` is high. ``write``, reads and ``take`` must not come while it is under way.
 
     Parameters
     ----------
     rows : sequence of ncdc_spec.registers.register_map.Register
-        Of the network, those that lie here.
+        Registers of the network that are in memories.
     values : dict
-        After configuration, by name; zero where absent.
+        Values after configuration, by name; zero by default.
     neurons : int
-        That the network's units could serve: its own or some more.
+        Neurons that the network's units could serve: at least its own.
 
     Members
     -------
     address : ``In(14)``
-        Of a word of the bus; rests during an access.
+        Word address on the bus; constant during an access.
     word : ``In(32)``
-        To be written.
+        The word to be written.
     held : ``In(1)``
         An access is under way.
     write : ``In(1)``
@@ -60,7 +59,7 @@ class WeightStore(wiring.Component):
     mine : ``Out(1)``
         ``address`` is that of a row, a clock later.
     read : ``Out(signed(32))``
-        What the set holds there; zero if the address is not ``mine``.
+        Content of the set there; zero if the address is not ``mine``.
     take : ``In(1)``
     busy : ``Out(1)``
     writes : ``Out(BANK_WRITES)``
@@ -82,7 +81,7 @@ class WeightStore(wiring.Component):
         return address & ((1 << low) - 1) | (address // _OUTPUT & 1) << low
 
     def _contents(self):
-        """Of the memory: the set, and behind it the values after configuration."""
+        """Content of the memory: the set, then the values after configuration."""
         contents = [0] * (2 * self.words)
         for r in self.rows:
             contents[self.words + self._index(r.address)] = self.values.get(r.name, 0)
@@ -92,19 +91,19 @@ class WeightStore(wiring.Component):
         m = Module()
         m.submodules.memory = memory = block_memory(signed(32), 2 * self.words, self._contents())
         write, read = memory.write_port(), memory.read_port()
-        kept = self._decode(m)                      # ``word`` as its row keeps it
+        value = self._decode(m)                     # ``word`` in the format of its row
         index = Signal(range(self.words))           # number of the accessed word in the set
-        count = Signal(range(self.words))           # of the word that the copy reads
+        count = Signal(range(self.words))           # number of the word that the copy reads
         configured = Signal()                       # the set has the values of configuration
         step = Signal()                             # the copy reads a word
-        came = Signal(signed(32), reset_less=True)  # what was read
+        came = Signal(signed(32), reset_less=True)  # the word read
         m.d.comb += [
             index.eq(Cat(self.address[:2 + self.neuron_bits], self.address[exact_log2(_OUTPUT)])),
             step.eq(self.busy & ~self.held),
             read.addr.eq(Mux(self.held, index, Cat(count, ~configured))),
             self.read.eq(Mux(self.mine, came, 0)),
         ]
-        # The RAM's own output register: what it gives without takes half a period and more.
+        # The RAM's own output register: without it the output takes half a period and more.
         m.d.sync += came.eq(read.data)
         with m.If(step):
             m.d.sync += count.eq(count + 1)
@@ -114,20 +113,20 @@ class WeightStore(wiring.Component):
             m.d.sync += [self.writes.active.eq(~self.writes.active), self.busy.eq(1)]
         # The copy writes a word when it has come.
         copied = delay(m, step, _READ, "copied", reset_less=False)
-        place = delay(m, count, _READ, "place")
+        position = delay(m, count, _READ, "position")
         restored = copied & ~delay(m, configured, _READ, "of_set")  # from those of configuration
         of_host = self.write & self.mine
-        target = Signal(range(self.words))          # of the word that is written
-        m.d.comb += [target.eq(Mux(copied, place, index)), write.addr.eq(target),
-                     write.data.eq(Mux(copied, came, kept)),
+        target = Signal(range(self.words))          # number of the word that is written
+        m.d.comb += [target.eq(Mux(copied, position, index)), write.addr.eq(target),
+                     write.data.eq(Mux(copied, came, value)),
                      write.en.eq(of_host | restored)]
         # The values of configuration go to the active bank first, as no frame runs.
         writes = self.writes
         m.d.sync += [
             writes.write.eq(of_host | copied), writes.word.eq(write.data),
             writes.bank.eq(writes.active ^ ~restored),
-            writes.place.role.eq(target[:2]), writes.place.neuron.eq(target[2:-1]),
-            writes.place.output.eq(target[-1]),
+            writes.position.role.eq(target[:2]), writes.position.neuron.eq(target[2:-1]),
+            writes.position.output.eq(target[-1]),
         ]
         return m
 
@@ -136,12 +135,12 @@ class WeightStore(wiring.Component):
         clock later."""
         neuron = self.address[2:7]
         kinds = {r.address & ~_NEURON: r.shape for r in self.rows}
-        known = Signal()                            # the address is that of a kind of row
-        kept = Signal(signed(32), reset_less=True)
+        known = Signal()                            # the address is that of a row
+        value = Signal(signed(32), reset_less=True)
         with m.Switch(self.address & ~_NEURON):
             for kind, shape in kinds.items():
                 with m.Case(kind):
                     m.d.comb += known.eq(1)
-                    m.d.sync += kept.eq(self.word[:shape.width].as_signed())
+                    m.d.sync += value.eq(self.word[:shape.width].as_signed())
         m.d.sync += self.mine.eq(known & (neuron < len(self.rows) // len(kinds)))
-        return kept
+        return value

@@ -22,23 +22,23 @@ AREA = data.StructLayout({
 
 
 class AreaReader(wiring.Component):
-    """Reads the bytes of an area, row behind row.
+    """Reads the bytes of an area, row after row.
 
     Timing: a piece per clock as long as the memory keeps up.
 
     Parameters
     ----------
     data_width, depth, burst : int
-        As of :class:`PayloadReader`.
+        As in :class:`PayloadReader`.
 
     Members
     -------
     i : ``In(stream.Signature(AREA))``
-        Taken when its last piece is.
+        Taken with its last piece.
     o : ``Out(stream.Signature(PIECE))``
-        Four bytes, but fewer at the end of a row; ``last`` is that of the area.
+        Four bytes, fewer at the end of a row; ``last`` marks that of the area.
     memory_rst, bus :
-        As of :class:`PayloadReader`.
+        As in :class:`PayloadReader`.
     """
 
     def __init__(self, data_width, *, depth, burst):
@@ -53,14 +53,14 @@ class AreaReader(wiring.Component):
                                                        burst=self.burst)
         connect(m, payload.bus, flipped(self.bus))
         area, o, job = self.i.p, self.o, payload.i
-        asked = Signal(len(area.rows))              # rows that were asked for
-        address = Signal(ADDRESS_BITS)              # of the next of them
-        sent = Signal(len(area.rows))               # rows that have gone
+        asked = Signal(len(area.rows))              # rows requested
+        address = Signal(ADDRESS_BITS)              # address of the next of them
+        sent = Signal(len(area.rows))               # rows sent
         begun = Signal()                            # a row is under way
         rest = Signal(PAYLOAD_BITS)                 # bytes of it, once it is
         left = Signal(PAYLOAD_BITS)                 # bytes of it from this piece on
         whole = Signal(PAYLOAD_BITS)                # bytes of the row
-        part = Signal(range(max(2, self.data_width // 32)))     # of the word
+        part = Signal(range(max(2, self.data_width // 32)))     # part of the word
         final, short, done = Signal(), Signal(), Signal()
         pieces = self.data_width // 32
         m.d.comb += [

@@ -1,4 +1,4 @@
-"""What a host sends as bytes, and what it is answered."""
+"""Requests of a host as bytes, and their answers."""
 
 from amaranth import *
 from amaranth.lib import stream, wiring
@@ -15,28 +15,28 @@ from ncdc_spec.protocols import serial_link, table_one
 
 __all__ = ["ByteCommands"]
 
-_GAP_US = 100_000       # between two bytes of a request, after which it is forgotten
+_GAP_US = 100_000       # longest time between two bytes of a request
 
 
 class ByteCommands(wiring.Component):
     """Table I and II, and registers, over one stream of bytes and without a processor.
 
-    The first byte says what a request is: those of :mod:`ncdc_spec.protocols.table_one`, or the
-    letters of :mod:`ncdc_spec.protocols.serial_link`, which are other ones. Any other byte is
-    answered by 0xFF and itself; there is no connection that could be closed. Requests are answered
-    one after the other. One that stops for 100 ms is forgotten, so that a host that has lost step
-    is in step again after a pause.
+    The first byte selects the request: those of :mod:`ncdc_spec.protocols.table_one`, or the
+    letters of :mod:`ncdc_spec.protocols.serial_link`, which differ. Any other byte is
+    answered by 0xFF and itself; there is no connection to close. Requests are answered
+    one after the other. One that stops for 100 ms is dropped, so that a host
+    is synchronised again after a pause.
 
     Parameters
     ----------
     view : SystemView
     sensor : Sensor
     data_width, burst : int
-        Of the memory port.
+        Parameters of the memory port.
     address_bits : int
-        Of a word address.
+        Bits of a word address.
     gap_us : int
-        Microseconds between two bytes of a request after which it is forgotten.
+        Microseconds between two bytes of a request after which it is dropped.
 
     Members
     -------
@@ -45,7 +45,7 @@ class ByteCommands(wiring.Component):
         ``last``: the end of an answer.
     accesses : ``Out(Access(address_bits)).array(3)``
     memory_rst, bus :
-        As of :class:`MrawSender`.
+        As in :class:`MrawSender`.
     """
 
     def __init__(self, view, sensor, data_width, burst, address_bits, gap_us=_GAP_US):
@@ -68,7 +68,7 @@ class ByteCommands(wiring.Component):
             connect(m, one.access, flipped(access))
         connect(m, mraw.bus, flipped(self.bus))
         connect(m, joiner.o, flipped(self.o))
-        request, left = Signal(40), Signal(range(5))    # so far, and bytes to come
+        request, left = Signal(40), Signal(range(5))    # bytes so far, and number of bytes to come
         idle = Signal(range(self.gap + 1))              # clocks since the last byte
         m.d.comb += [mraw.memory_rst.eq(self.memory_rst), mraw.corrected.eq(table.source),
                      table.number.eq(mraw.number), table.request.eq(request),
@@ -103,7 +103,7 @@ class ByteCommands(wiring.Component):
                 with m.If(~mraw.busy):
                     m.next = "CODE"
             with m.State("BRIDGE"):
-                # It has taken its letter, and rests again behind its answer.
+                # It has taken its letter, and is idle again after its answer.
                 m.d.comb += [bridge.i.valid.eq(i.valid & ~bridge.rests),
                              i.ready.eq(bridge.i.ready & ~bridge.rests)]
                 self._give(m, joiner, self._pieces(m))
@@ -117,7 +117,7 @@ class ByteCommands(wiring.Component):
         return m
 
     def _code(self, m, request, left):
-        """What the first byte of a request begins."""
+        """Decode the first byte of a request."""
         i, bridge = self.i, self.bridge
         m.d.comb += i.ready.eq(1)
         m.d.sync += [request.eq(i.payload), left.eq(4)]
@@ -146,6 +146,6 @@ class ByteCommands(wiring.Component):
 
     @staticmethod
     def _give(m, joiner, pieces):
-        """Pieces to the joiner."""
+        """Connect pieces to the joiner."""
         m.d.comb += [joiner.i.valid.eq(pieces.valid), joiner.i.payload.eq(pieces.payload),
                      pieces.ready.eq(joiner.i.ready)]

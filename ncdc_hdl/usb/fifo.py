@@ -11,11 +11,11 @@ from ncdc_hdl.usb.layouts import ChipPins, word_layout
 
 __all__ = ["UsbFifo"]
 
-_SPARE = 8          # words that may still come when the queue says that it is full
+_SPARE = 8          # words that may still come when the queue is full
 
 
 class UsbFifo(wiring.Component):
-    """Hands words from the core's clock to the chip's, and back.
+    """Passes words from the core's clock to the chip's, and back.
 
     The core needs no clock above the chip's to keep its bus full, but none below it either.
 
@@ -25,7 +25,7 @@ class UsbFifo(wiring.Component):
     depth : int
         Words of each queue, a power of two.
     turn : int
-        As of :class:`FifoBus`.
+        As in :class:`FifoBus`.
 
     Members
     -------
@@ -65,7 +65,7 @@ class UsbFifo(wiring.Component):
             ours, theirs = getattr(self.pins, name), getattr(bus.pins, name)
             if name != "clock":
                 m.d.comb += ours.eq(theirs) if member.flow is Out else theirs.eq(ours)
-        m.d.usb += bus.room.eq(from_host.w_level <= self.depth - _SPARE)
+        m.d.usb += bus.space.eq(from_host.w_level <= self.depth - _SPARE)
         m.d.comb += [
             to_host.w_data.eq(self.i.payload), to_host.w_en.eq(self.i.valid),
             self.i.ready.eq(to_host.w_rdy),

@@ -14,12 +14,12 @@ class FifoBus(wiring.Component):
 
     A word goes to the chip in each clock in which WR# and TXE# are low, and comes from it in each
     in which RD# and RXF# are low (FTDI, "FT232H", version 2.1, 4.4). Every pin that the FPGA drives
-    comes from a register, and so are set-up times the pins' alone; TXE# and RXF# are looked at in
-    the clock in which they count, so that no word is lost or doubled when they rise.
+    comes from a register, so setup times are only those of the pins. TXE# and RXF# are evaluated in
+    the clock in which they are valid, so that no word is lost or doubled when they rise.
 
-    OE# is low a clock before RD#. Between the two directions the bus rests for a clock. WR# falls
-    only if TXE# was low, RD# only if RXF# was; they stay low when those rise, so that a pause of
-    the chip costs no more than itself.
+    OE# is low a clock before RD#. Between the two directions the bus is idle for a clock. WR# falls
+    only if TXE# was low, RD# only if RXF# was. They stay low when those rise, so that a pause of
+    the chip costs no further clocks.
 
     Timing: one word per clock; a change of direction takes 3 clocks to reads and 2 to writes.
 
@@ -28,7 +28,7 @@ class FifoBus(wiring.Component):
     lanes : int
         Bytes of a word.
     turn : int
-        Clocks after which a direction gives way, if the other one has something to move.
+        Clocks after which a direction gives way, if the other one has words to move.
 
     Members
     -------
@@ -37,8 +37,8 @@ class FifoBus(wiring.Component):
     to_host : ``In(stream.Signature(word_layout(lanes)))``
     from_host, push : ``Out(word_layout(lanes))``, ``Out(1)``
         A word has come, for one clock.
-    room : ``In(1)``
-        There is room for two words more than those that have come.
+    space : ``In(1)``
+        There is space for two more words.
     """
 
     def __init__(self, lanes, turn=512):
@@ -46,21 +46,21 @@ class FifoBus(wiring.Component):
         word = word_layout(lanes)
         super().__init__({
             "pins": Out(ChipPins(lanes)), "to_host": In(stream.Signature(word)),
-            "from_host": Out(word), "push": Out(1), "room": In(1)})
+            "from_host": Out(word), "push": Out(1), "space": In(1)})
 
     def elaborate(self, platform):
         m = Module()
         pins = self.pins
-        there = Signal()                # a word waits at the pins to be taken by the chip
+        there = Signal()                # a word at the pins waits for the chip
         accepted = Signal()             # the chip takes it in this clock
         load = Signal()                 # the next word goes to the pins
         wants_read, wants_write = Signal(), Signal()
-        clocks = Signal(range(self.turn + 1))       # left for this direction
-        over = Signal()                 # none is
+        clocks = Signal(range(self.turn + 1))       # clocks left for this direction
+        over = Signal()                 # none are left
         wrote = Signal()                # the last direction was to the host
         m.d.comb += [
             accepted.eq(self._accepted(pins)),
-            wants_read.eq(~pins.rxf_n & self.room),
+            wants_read.eq(~pins.rxf_n & self.space),
             wants_write.eq(~pins.txe_n & (there & ~accepted | self.to_host.valid)),
             over.eq(clocks == 0), self.to_host.ready.eq(load),
         ]
@@ -89,12 +89,12 @@ class FifoBus(wiring.Component):
                     m.d.sync += pins.oe_n.eq(1)
                     m.next = "REST"
             with m.State("READ"):
-                m.d.sync += pins.rd_n.eq(~(self.room & (~pins.rd_n | ~pins.rxf_n)))
+                m.d.sync += pins.rd_n.eq(~(self.space & (~pins.rd_n | ~pins.rxf_n)))
                 with m.If(wants_write & (over | ~wants_read)):
                     m.d.sync += [pins.rd_n.eq(1), pins.oe_n.eq(1)]
                     m.next = "REST"
             with m.State("WRITE"):
-                following = load | there & ~accepted        # of ``there``
+                following = load | there & ~accepted        # next value of ``there``
                 with m.If(wants_read & (over | ~wants_write)):
                     m.d.sync += [pins.wr_n.eq(1), pins.data_oe.eq(0)]
                     m.next = "REST"

@@ -1,4 +1,4 @@
-"""Pieces of answers, one behind the other, as beats."""
+"""Joins pieces of answers to beats."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -16,7 +16,7 @@ _DEPTH = 8          # beats that wait
 
 
 class Joiner(wiring.Component):
-    """Moves the bytes of pieces together to beats of four.
+    """Packs the bytes of pieces into beats of four.
 
     Members
     -------
@@ -32,24 +32,24 @@ class Joiner(wiring.Component):
         i = self.i
         m.submodules.queue = queue = SyncFIFOBuffered(width=BEAT.size, depth=_DEPTH)
         new = Signal(BEAT)
-        kept = Signal(24)               # bytes that no beat has as yet
-        count = Signal(2)               # how many
+        held = Signal(24)               # bytes that are in no beat yet
+        count = Signal(2)               # their number
         rest = Signal()                 # they are an answer's last ones
-        piece = Signal(32)              # the bytes of the piece, zeros behind them
-        joined = Signal(56)             # they, behind those that are kept
+        piece = Signal(32)              # the bytes of the piece, then zeros
+        joined = Signal(56)             # the held bytes, then these
         length = Signal(3)              # bytes that are joined
         m.d.comb += [
             piece.eq(Cat(Mux(k < i.p.bytes, i.p.data.word_select(k, 8), 0) for k in range(4))),
-            joined.eq(kept | piece << (count << 3)), length.eq(count + i.p.bytes),
+            joined.eq(held | piece << (count << 3)), length.eq(count + i.p.bytes),
             queue.w_data.eq(new), i.ready.eq(queue.w_rdy & ~rest),
             self.o.valid.eq(queue.r_rdy), self.o.payload.eq(queue.r_data),
             queue.r_en.eq(self.o.ready),
         ]
         with m.If(rest):
-            m.d.comb += [queue.w_en.eq(queue.w_rdy), new.data.eq(kept), new.last.eq(1),
+            m.d.comb += [queue.w_en.eq(queue.w_rdy), new.data.eq(held), new.last.eq(1),
                          new.empty.eq(-count)]
             with m.If(queue.w_rdy):
-                m.d.sync += [rest.eq(0), count.eq(0), kept.eq(0)]
+                m.d.sync += [rest.eq(0), count.eq(0), held.eq(0)]
         with m.Elif(i.valid & i.ready):
             over = i.p.last & (length <= 4)
             m.d.comb += [
@@ -57,5 +57,5 @@ class Joiner(wiring.Component):
                 new.last.eq(over), new.empty.eq(Mux(length <= 4, -length[:2], 0)),
             ]
             m.d.sync += [rest.eq(i.p.last & ~over), count.eq(Mux(over, 0, length[:2])),
-                         kept.eq(Mux(over, 0, Mux(length >= 4, joined[32:], joined[:24])))]
+                         held.eq(Mux(over, 0, Mux(length >= 4, joined[32:], joined[:24])))]
         return m

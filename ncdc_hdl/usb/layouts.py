@@ -1,4 +1,4 @@
-"""What the parts of the USB side hand each other."""
+"""Layouts between the parts of the USB side."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ __all__ = ["CHIPS", "Chip", "ChipPins", "FT232H", "FT601", "word_layout"]
 
 @dataclass(frozen=True)
 class Chip:
-    """A chip that has the 245 synchronous FIFO mode.
+    """A chip with the 245 synchronous FIFO mode.
 
     Parameters
     ----------
@@ -18,7 +18,7 @@ class Chip:
     lanes : int
         Bytes of a word on its bus.
     clock_hz : int
-        Of the clock that it sends.
+        Frequency of the clock that it sends.
     """
     name: str
     lanes: int
@@ -36,13 +36,13 @@ CHIPS = {chip.name: chip for chip in (FT232H, FT601)}
 
 
 def word_layout(lanes):
-    """A word on the bus: ``enable`` has a bit for each byte of ``data`` that counts, and these are
-    the lowest ones; the lowest byte is the first."""
+    """A word on the bus: ``enable`` has a bit for each valid byte of ``data``, and these are
+    the lowest ones. The lowest byte is the first."""
     return data.StructLayout({"data": 8 * lanes, "enable": lanes})
 
 
 class ChipPins(wiring.Signature):
-    """Pins as the FPGA has them; ``_n``: active low.
+    """Pins from the FPGA's side; ``_n``: active low.
 
     ``clock`` comes from the chip. The FPGA drives ``data_o`` and ``be_o`` while ``data_oe``. A chip
     of one lane has no ``be``: its ``be_i`` is 1.

@@ -14,7 +14,7 @@ __all__ = ["Splitter", "UsbLink"]
 
 
 class Splitter(wiring.Component):
-    """Takes words apart into bytes, the lowest first.
+    """Splits words into bytes, the lowest first.
 
     Timing: one byte per clock.
 
@@ -36,18 +36,18 @@ class Splitter(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        place = Signal(range(max(2, self.lanes)))
-        ends = Signal()                     # it is the word's last byte
+        index = Signal(range(max(2, self.lanes)))
+        ends = Signal()                     # the byte is the word's last
         enable = Cat(self.i.p.enable, Const(0, 1))
         m.d.comb += [
-            ends.eq(~enable.bit_select(place + 1, 1)),
-            self.o.payload.eq(self.i.p.data.word_select(place, 8)),
-            # A word without a byte leaves none behind.
+            ends.eq(~enable.bit_select(index + 1, 1)),
+            self.o.payload.eq(self.i.p.data.word_select(index, 8)),
+            # A word without bytes outputs none.
             self.o.valid.eq(self.i.valid & self.i.p.enable[0]),
             self.i.ready.eq(self.i.valid & (~self.i.p.enable[0] | self.o.ready & ends)),
         ]
         with m.If(self.o.valid & self.o.ready):
-            m.d.sync += place.eq(Mux(ends, 0, place + 1))
+            m.d.sync += index.eq(Mux(ends, 0, index + 1))
         return m
 
 
@@ -60,15 +60,15 @@ class UsbLink(wiring.Component):
     view : SystemView
     sensor : Sensor
     data_width, burst : int
-        Of the memory port.
+        Parameters of the memory port.
     address_bits : int
-        Of a word address.
+        Bits of a word address.
 
     Members
     -------
     pins : ``Out(ChipPins(chip.lanes))``
     accesses, memory_rst, bus :
-        As of :class:`ByteCommands`.
+        As in :class:`ByteCommands`.
     """
 
     def __init__(self, chip, view, sensor, data_width, burst, address_bits):

@@ -1,4 +1,4 @@
-"""MRAW packages: the newest frame of a store, with the header of Table II in front."""
+"""MRAW packages: the newest frame of a store, after the header of Table II."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -13,48 +13,48 @@ from ncdc_spec.protocols.table_two import HEADER_BYTES
 
 __all__ = ["MrawSender"]
 
-_CLAIM, _RELEASE, _HELD = (1, 2), 4, 0x100      # of READERk
-_PART = 1024            # bytes of a corrected picture that are asked for at a time
-_DEPTH = 256            # words that are read ahead
+_CLAIM, _RELEASE, _HELD = (1, 2), 4, 0x100      # bits of READERk
+_PART = 1024            # bytes of a corrected picture requested at a time
+_DEPTH = 256            # words that are prefetched
 _FRAME = data.StructLayout({
-    "corrected": 1, "buffer": 4,        # which frame
-    "address": 32,                      # of its first byte
+    "corrected": 1, "buffer": 4,        # store and buffer of the frame
+    "address": 32,                      # address of its first byte
     "width": 16, "height": 16,          # pixels
-    "left": 1, "top": 1,                # lowest bits of the window's corner, of a raw frame
+    "left": 1, "top": 1,                # lowest bits of the window's corner, for a raw frame
     "bytes": 32,
-    "time": 64,                         # of its beginning, clocks and then microseconds
-    "rest": 16,                         # of the division
+    "time": 64,                         # time of its beginning, in clocks, then microseconds
+    "rest": 16,                         # remainder of the division
 })
 
 
 class MrawSender(wiring.Component):
-    """Claims the newest frame, sends it behind its header, and releases it.
+    """Claims the newest frame, sends it after its header, and releases it.
 
-    All that it knows of the frame it reads from the system's registers, as a host does. If there is
-    no frame as yet it waits for one, until ``give_up``.
+    It reads all data on the frame from the system's registers, as a host does. If there is
+    no frame yet it waits for one, until ``give_up``.
 
-    The header (Table II) says width, height, formation, size, address and port 0, and microseconds
+    The header (Table II) has width, height, formation, size, address and port 0, and microseconds
     from the reset to the beginning of the raw frame, modulo 2**32.
 
     Parameters
     ----------
     view : SystemView
     data_width, burst : int
-        Of the memory port.
+        Parameters of the memory port.
 
     Members
     -------
     start, corrected : ``In(1)``
-        Begin; ``corrected``: a corrected picture, else a raw one. Not taken while ``busy``.
+        Begin; ``corrected``: a corrected picture, else a raw one. Ignored while ``busy``.
     give_up : ``In(1)``
         End without an answer, if no frame is there.
     busy : ``Out(1)``
     number : ``Out(32)``
-        Of the frame that was sent last.
+        Number of the frame that was sent last.
     access : ``Out(Access(address_bits))``
     o : ``Out(stream.Signature(PIECE))``
     memory_rst, bus :
-        As of :class:`AreaReader`.
+        As in :class:`AreaReader`.
     """
 
     def __init__(self, view, data_width, burst, address_bits):
@@ -73,7 +73,7 @@ class MrawSender(wiring.Component):
         frame = Signal(_FRAME)
         m.d.comb += reader.i.p.address.eq(frame.address)
         step, word = Signal(range(16)), Signal(range(HEADER_BYTES // 4 + 1))
-        bits = Signal(range(65))            # of the quotient, that are left
+        bits = Signal(range(65))            # bits of the quotient left
         with m.FSM():
             with m.State("REST"):
                 m.d.comb += self.busy.eq(0)
@@ -127,13 +127,13 @@ class MrawSender(wiring.Component):
                 m.next = "CLAIM"
 
     def _ask(self, m, frame, area, step):
-        """Read what there is to know of the frame."""
+        """Read the data on the frame."""
         at, access = self.view.addresses, self.access
         buffers = Mux(frame.corrected, at.get("CORRECTED0_BASE", 0), at["RAW0_BASE"])
-        place = buffers + (frame.buffer << 2)
-        asked = [   # word address, and where the word goes
-            (place, frame.address), (place + 1, self.number), (place + 2, frame.time[:32]),
-            (place + 3, frame.time[32:]), (at["WINDOW_WIDTH"], frame.width),
+        entry = buffers + (frame.buffer << 2)
+        asked = [   # word address, target of the word
+            (entry, frame.address), (entry + 1, self.number), (entry + 2, frame.time[:32]),
+            (entry + 3, frame.time[32:]), (at["WINDOW_WIDTH"], frame.width),
             (at["WINDOW_HEIGHT"], frame.height), (at["WINDOW_LEFT"], frame.left),
             (at["WINDOW_TOP"], frame.top), (at["RAW_PITCH"], area.pitch)]
         m.d.comb += access.valid.eq(1)
@@ -159,7 +159,7 @@ class MrawSender(wiring.Component):
             m.next = "HEADER"
 
     def _sizes(self, m, frame, area):
-        """How the frame lies in memory: a corrected one has no gaps between its rows."""
+        """Layout of the frame in memory: a corrected one has no gaps between its rows."""
         view = self.view
         size = view.corrected_pixel * view.corrected[0] * view.corrected[1]
         parts = -(-size // _PART)
@@ -173,7 +173,7 @@ class MrawSender(wiring.Component):
                          area.last.eq(frame.width), area.rows.eq(frame.height)]
 
     def _write(self, m, address, word, following):
-        """Write a register, and go on."""
+        """Write a register, and continue."""
         m.d.comb += [self.access.valid.eq(1), self.access.write.eq(1),
                      self.access.address.eq(address), self.access.word.eq(word)]
         with m.If(self.access.done):

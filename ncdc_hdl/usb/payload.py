@@ -1,4 +1,4 @@
-"""Bytes from memory, read ahead."""
+"""Prefetches bytes from memory."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -13,13 +13,13 @@ from ncdc_spec.registers.link_map import PAYLOAD_BITS
 __all__ = ["PART", "PayloadReader"]
 
 PART = data.StructLayout({"address": ADDRESS_BITS, "bytes": PAYLOAD_BITS})
-"""Bytes in memory, from a multiple of a word on."""
+"""Bytes in memory, starting at a multiple of a word."""
 
 
 class PayloadReader(wiring.Component):
-    """Asks the memory for the bytes of each part, and queues the words that come, in order.
+    """Requests the bytes of each part from the memory, and queues the words in order.
 
-    Words are asked for only as far as the queue has room for them.
+    Words are requested only if the queue has space for them.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class PayloadReader(wiring.Component):
     depth : int
         Words that the queue holds.
     burst : int
-        Words of a read, at most.
+        Most words of a read.
 
     Members
     -------
@@ -36,7 +36,7 @@ class PayloadReader(wiring.Component):
     words : ``Out(stream.Signature(data_width))``
         The parts; each begins with a word of its own.
     memory_rst, bus :
-        As of :class:`ReadCommands`.
+        As in :class:`ReadCommands`.
     """
 
     def __init__(self, data_width, *, depth, burst):
@@ -59,23 +59,23 @@ class PayloadReader(wiring.Component):
             self.words.payload.eq(queue.r_data), self.words.valid.eq(queue.r_rdy),
             queue.r_en.eq(self.words.ready),
         ]
-        left = Signal(len(self.i.p.bytes) - word_bits + 1)  # words that are not asked for
-        address = Signal(ADDRESS_BITS)                  # of the first of them
-        claimed = Signal(range(self.depth + 1))         # words asked for and not taken
-        room = Signal()                                 # for a burst, beside those
+        left = Signal(len(self.i.p.bytes) - word_bits + 1)  # words not yet requested
+        address = Signal(ADDRESS_BITS)                  # address of the first of them
+        claimed = Signal(range(self.depth + 1))         # words requested and not taken
+        space = Signal()                                # space for a burst, in addition to those
         asked = Signal()
-        words = Signal(range(self.burst + 1))           # of the next command
+        words = Signal(range(self.burst + 1))           # words of the next command
         whole = self.i.p.bytes + (self.data_width // 8 - 1)
         with m.If(self.i.valid & self.i.ready):
             m.d.sync += [left.eq(whole >> word_bits), address.eq(self.i.p.address)]
         m.d.comb += [
             self.i.ready.eq(left == 0), words.eq(Mux(left < self.burst, left, self.burst)),
-            commands.i.valid.eq((left != 0) & room),
+            commands.i.valid.eq((left != 0) & space),
             commands.i.p.address.eq(address), commands.i.p.words.eq(words),
             asked.eq(commands.i.valid & commands.i.ready),
         ]
         with m.If(asked):
             m.d.sync += [left.eq(left - words), address.eq(address + (words << word_bits))]
         following = claimed + Mux(asked, words, 0) - (self.words.valid & self.words.ready)
-        m.d.sync += [claimed.eq(following), room.eq(following <= self.depth - self.burst)]
+        m.d.sync += [claimed.eq(following), space.eq(following <= self.depth - self.burst)]
         return m

@@ -19,24 +19,24 @@ _PREFIX = "usb"
 
 
 class UsbSystem(wiring.Component):
-    """A :class:`System` beside a :class:`UsbLink`, whose frames are those of one of its readers.
+    """A :class:`System` with a :class:`UsbLink`, whose frames are those of one of its readers.
 
     Parameters
     ----------
     system : System
     chip : Chip
     sensor : Sensor
-        That the I2C bus has, for Table I.
+        Sensor on the I2C bus, for Table I.
     reader : int
-        Which reader of the system's is the link's.
+        Number of the link's reader.
     clock_mhz : int
-        Of the system.
+        Clock of the system in MHz.
 
     Members
     -------
-    Those of the system, and
+    All members of the system, and
     usb_* : of :class:`ChipPins`
-    read<n>_* : Avalon-MM read host of the link, behind those of the corrector
+    read<n>_* : Avalon-MM read host of the link, after those of the corrector
     """
 
     def __init__(self, system, chip, sensor, reader=1, clock_mhz=100):
@@ -78,5 +78,5 @@ class UsbSystem(wiring.Component):
 
 
 def _burst_of(system):
-    """Words of a burst at the memory's read ports, at most."""
+    """Most words of a burst at the memory's read ports."""
     return system.corrector.fetch.bus0.signature.max_burst

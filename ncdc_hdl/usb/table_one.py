@@ -14,12 +14,12 @@ from ncdc_spec.registers.system_map import I2C_COMMAND_FLAGS
 __all__ = ["NO_SENSOR", "TableOne"]
 
 NO_SENSOR = 0xFFFF
-"""What is read of a sensor that does not answer."""
+"""Value read from a sensor that does not answer."""
 
 _FLAGS = {name: mask for name, mask, _ in I2C_COMMAND_FLAGS}
-_BUSY, _NACK, _FAILED = 0x100, 0x200, 0xC00     # of I2C_RESULT
+_BUSY, _NACK, _FAILED = 0x100, 0x200, 0xC00     # bits of I2C_RESULT
 _WORDS = {word.name: word.address for word in SYSTEM_WORDS}
-# Of the system's page: the register that has the word, and how far up in it.
+# For the system's page: the register that has the word, and the word's lowest bit in it.
 _REGISTERS = {
     "WIDTH_MAX": ("SENT_WIDTH", 0), "HEIGHT_MAX": ("SENT_HEIGHT", 0),
     "OFFSET_X": ("WINDOW_LEFT", 0), "OFFSET_Y": ("WINDOW_TOP", 0),
@@ -30,15 +30,15 @@ _REGISTERS = {
 
 @dataclass(frozen=True)
 class _Step:
-    """A command on the I2C bus: its flags; ``byte``, a constant or the name of one of the
-    request's bytes; ``keeps``: what comes is shifted into the value."""
+    """A command on the I2C bus: its flags. ``byte``, a constant or the name of one of the
+    request's bytes; ``keeps``: the byte received is shifted into the value."""
     flags: int
     byte: object
     keeps: bool = False
 
 
 def _steps(sensor):
-    """Steps of a read of a register, of a write, and of what frees the bus behind a failure."""
+    """Steps that read a register, write one, and free the bus after a failure."""
     start, write, read, nack, stop = (_FLAGS[name]
                                       for name in ("START", "WRITE", "READ", "NACK", "STOP"))
     pointer = [_Step(write, f"address{k}") for k in reversed(range(sensor.pointer_bits // 8))]
@@ -57,27 +57,27 @@ class TableOne(wiring.Component):
     """Answers a request of Table I that reads or writes a word.
 
     Addresses below the system's page are registers of the sensor, which are read and written by
-    I2C; what is written is read back. Of the system's page SOURCE can be written; what this system
-    does not have reads as zero.
+    I2C; written values are read back. In the system's page only SOURCE can be written; what this
+    system lacks reads as zero.
 
     Parameters
     ----------
     view : SystemView
     sensor : Sensor
     address_bits : int
-        Of a word address.
+        Bits of a word address.
 
     Members
     -------
     start : ``In(1)``
-        A request is there; not taken while ``busy``.
+        Start a request; ignored while ``busy``.
     request : ``In(40)``
         Its five bytes, the last one lowest; constant while ``busy``.
     busy : ``Out(1)``
     source : ``Out(1)``
         1: corrected pictures.
     number : ``In(32)``
-        Of the frame that was sent last.
+        Number of the frame that was sent last.
     access : ``Out(Access(address_bits))``
     o : ``Out(stream.Signature(PIECE))``
     """
@@ -98,7 +98,7 @@ class TableOne(wiring.Component):
         programs = _steps(self.sensor)
         steps = [step for program in programs for step in program]
         reads, frees = len(programs[0]), len(programs[0]) + len(programs[1])
-        place = Signal(range(len(steps) + 1))
+        index = Signal(range(len(steps) + 1))
         rest = Signal()                             # the second piece of the answer
         with m.FSM():
             with m.State("REST"):
@@ -106,7 +106,7 @@ class TableOne(wiring.Component):
                 with m.If(self.start):
                     m.next = "BEGIN"
             with m.State("BEGIN"):
-                m.d.sync += [place.eq(Mux(writes, 0, reads)), value.eq(0), rest.eq(0)]
+                m.d.sync += [index.eq(Mux(writes, 0, reads)), value.eq(0), rest.eq(0)]
                 m.next = "SEND"
                 with m.If(address >= SYSTEM_PAGE):
                     with m.If(writes & (address == _WORDS["SOURCE"])):
@@ -115,11 +115,11 @@ class TableOne(wiring.Component):
             with m.State("SYSTEM"):
                 self._system(m, address, value)
             with m.State("SEND"):
-                self._command(m, steps, place)
+                self._command(m, steps, index)
                 with m.If(access.done):
                     m.next = "RESULT"
             with m.State("RESULT"):
-                self._result(m, steps, place, value, (frees, len(steps)))
+                self._result(m, steps, index, value, (frees, len(steps)))
             with m.State("ANSWER"):
                 o, request = self.o, self.request
                 m.d.comb += [
@@ -132,40 +132,40 @@ class TableOne(wiring.Component):
                         m.next = "REST"
         return m
 
-    def _result(self, m, steps, place, value, ends):
-        """Wait for the end of a step's command, and go on: behind the ends of a read and of what
-        frees the bus there is the answer."""
+    def _result(self, m, steps, index, value, ends):
+        """Wait for the end of a step's command, and continue. After the steps of a read, and of
+        freeing the bus, comes the answer."""
         access = self.access
         m.d.comb += [access.valid.eq(1), access.address.eq(self.view.addresses["I2C_RESULT"])]
         answer, frees = access.answer, ends[0]
-        sends, keeps = Signal(), Signal()           # the step sends a byte; it keeps one
-        with m.Switch(place):
+        sends, keeps = Signal(), Signal()           # the step sends a byte; it stores one
+        with m.Switch(index):
             for k, step in enumerate(steps):
                 with m.Case(k):
                     m.d.comb += [sends.eq(bool(step.flags & _FLAGS["WRITE"])),
                                  keeps.eq(step.keeps)]
         failed = (answer & _FAILED).any() | sends & (answer & _NACK).any()
         with m.If(access.done & ~(answer & _BUSY).any()):
-            m.d.sync += place.eq(place + 1)
+            m.d.sync += index.eq(index + 1)
             m.next = "SEND"
             with m.If(keeps):
                 m.d.sync += value.eq(Cat(answer[:8], value))
-            with m.If(place == ends[1] - 1):
+            with m.If(index == ends[1] - 1):
                 m.d.sync += value.eq(NO_SENSOR)
                 m.next = "ANSWER"
             with m.Elif(failed):
-                m.d.sync += place.eq(frees)
-            with m.Elif(place == frees - 1):
+                m.d.sync += index.eq(frees)
+            with m.Elif(index == frees - 1):
                 m.next = "ANSWER"
 
-    def _command(self, m, steps, place):
+    def _command(self, m, steps, index):
         """Write the command of a step."""
         request, access = self.request, self.access
         named = {"value0": request[:8], "value1": request[8:16],
                  "address0": request[16:24], "address1": request[24:32]}
         m.d.comb += [access.valid.eq(1), access.write.eq(1),
                      access.address.eq(self.view.addresses["I2C_COMMAND"])]
-        with m.Switch(place):
+        with m.Switch(index):
             for k, step in enumerate(steps):
                 with m.Case(k):
                     byte = named.get(step.byte, step.byte)
@@ -195,7 +195,7 @@ class TableOne(wiring.Component):
                     self._register(m, at[register], shift, value, 1)
 
     def _register(self, m, address, shift, value, asked):
-        """The word that lies ``shift`` bits up in a register."""
+        """The word at bit ``shift`` of a register."""
         access = self.access
         m.d.comb += [access.valid.eq(asked), access.address.eq(address)]
         with m.If(access.done):

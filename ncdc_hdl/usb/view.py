@@ -1,4 +1,4 @@
-"""What a system is to a host that speaks Table I: its registers and its pictures."""
+"""View of a system for a host that uses Table I: its registers and its pictures."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ __all__ = ["SystemView"]
 
 @dataclass(frozen=True)
 class SystemView:
-    """Where the gateware finds what it tells a host.
+    """Registers and sizes from which the gateware answers a host.
 
     Parameters
     ----------
@@ -19,13 +19,13 @@ class SystemView:
     corrected : (int, int)
         Width and height of a corrected picture; (0, 0) if none is in memory.
     raw_formation, corrected_formation : int
-        Bytes of Table II; of the raw one bit 0 and bit 1 change with an odd window's corner.
+        Bytes of Table II; in the raw one bit 0 and bit 1 change with an odd corner of the window.
     corrected_pixel : int
         Bytes of a corrected pixel.
     reader : int
-        Which reader of the frame stores it is.
+        Number of its reader of the frame stores.
     clock_mhz : int
-        Of the system's clock.
+        Clock of the system in MHz.
     """
     addresses: dict
     corrected: tuple
@@ -37,7 +37,7 @@ class SystemView:
 
     @classmethod
     def of(cls, system, reader, clock_mhz):
-        """Of a :class:`ncdc_hdl.system.System`."""
+        """View of a :class:`ncdc_hdl.system.System`."""
         geometry, hardware = system.descriptor.geometry, system.hardware
         table = (*system.corrector.registers.table, *system.table)
         sent = output_format(hardware.format).sent

@@ -8,9 +8,9 @@ __all__ = ["Beam"]
 
 
 class Beam(wiring.Component):
-    """Where the beam of a screen is, in the domain ``pixel``.
+    """Position of a screen's beam, in the domain ``pixel``.
 
-    Timing: all outputs are of the same pixel, and combinational of the counters.
+    Timing: all outputs belong to the same pixel, and are combinational functions of the counters.
 
     Parameters
     ----------
@@ -50,6 +50,6 @@ class Beam(wiring.Component):
         return m
 
     def _pulse(self, count, lengths):
-        """Level of a sync signal; the pulse lies behind the front porch."""
+        """Level of a sync signal; the pulse is after the front porch."""
         start = lengths[0] + lengths[1]
         return ((count >= start) & (count < start + lengths[2])) ^ (not self.mode.high)

@@ -17,9 +17,9 @@ CLOCK_WORD = 0b0000011111
 class Serialiser(wiring.Component):
     """Sends words of ten bits, two bits a clock of ``shift``, the lowest bits first.
 
-    ``shift`` has five clocks to one of ``pixel``, from the same source. A bit that turns over with
-    each pixel tells, through two flip-flops, once after a reset, when words are constant; from
-    then on a counter keeps that time, so that the two clocks may have any constant phase.
+    ``shift`` has five clocks to one of ``pixel``, from the same source. A bit that toggles with
+    each pixel shows, through two flip-flops, once after a reset, when words are constant. From
+    then on a counter tracks that time, so that the two clocks may have any constant phase.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Serialiser(wiring.Component):
         m.d.pixel += turns.eq(~turns)
         m.submodules.turns = FFSynchronizer(turns, seen, o_domain="shift")
         m.d.shift += before.eq(seen)
-        known = Signal()                # the counter keeps the time of the words
+        known = Signal()                # the counter is synchronised to the words
         count = Signal(range(5))
         load = Signal()
         m.d.comb += load.eq(Mux(known, count == 4, seen != before))

@@ -24,13 +24,13 @@ def marked(data_width):
 
 
 class FrameReader(wiring.Component):
-    """Streams the words of the newest frame, claimed anew each time the screen is about to begin.
+    """Streams the words of the newest frame, claimed each time the screen is about to begin.
 
-    A frame that has not been handed on whole by then is given up: what was asked for is still
-    handed on, so that its reader has to look for the next first word. The claim keeps the frame's
+    A frame that is not complete by then is abandoned. Words requested are still
+    passed on, so that its reader must search for the next first word. The claim holds the frame's
     buffer until the next claim, so that no frame is torn.
 
-    Timing: the first word of a frame is asked for 4 clocks after ``begin`` at the earliest.
+    Timing: the first word of a frame is requested at least 4 clocks after ``begin``.
 
     Parameters
     ----------
@@ -39,18 +39,18 @@ class FrameReader(wiring.Component):
     words : int
         Words of a frame.
     depth, max_burst : int
-        As of :class:`BurstReader`; the latter a power of two.
+        As in :class:`BurstReader`; the latter a power of two.
 
     Members
     -------
     begin : ``In(1)``
-        For one clock: the screen is about to begin a frame.
+        High for one clock: the screen is about to begin a frame.
     some : ``Out(1)``
-        There is a frame to be shown; changes within some clocks of ``begin`` only.
+        There is a frame to be shown; changes only within some clocks of ``begin``.
     screen : ``Out(SCREEN)``
     o : ``Out(stream.Signature(marked(data_width)))``
     memory_rst : ``In(1)``
-        As of :class:`ReadCommands`.
+        As in :class:`ReadCommands`.
     bus : ``Out(ReadHost(data_width, max_burst))``
     """
 
@@ -67,14 +67,14 @@ class FrameReader(wiring.Component):
         m.submodules.reader = reader = BurstReader(self.data_width, depth=self.depth,
                                                    max_burst=self.max_burst)
         wiring.connect(m, reader.bus, wiring.flipped(self.bus))
-        address = Signal(ADDRESS_BITS)          # of the next command
+        address = Signal(ADDRESS_BITS)          # address of the next command
         left = Signal(range(self.words + 1))    # words of the frame not yet in a command
-        owed = Signal(range(self.depth + 1))    # words asked for and not yet handed on
-        first = Signal()                        # the next word that is handed on is the first
-        waiting = Signal()                      # a frame is to begin when nothing is owed
-        claimed = Signal()                      # the claim's answer is there in this clock
+        owed = Signal(range(self.depth + 1))    # words requested and not yet passed on
+        first = Signal()                        # the next word passed on is the first
+        waiting = Signal()                      # a frame is to begin when no word is due
+        claimed = Signal()                      # the claim's answer is valid in this clock
         pending = Signal()                      # there is a command
-        words = Signal(range(self.max_burst + 1))       # of the next command
+        words = Signal(range(self.max_burst + 1))       # words of the next command
         command, asked = reader.i, reader.i.valid & reader.i.ready
         handed = self.o.valid & self.o.ready
         burst = exact_log2(self.max_burst)
@@ -87,7 +87,7 @@ class FrameReader(wiring.Component):
         ]
         m.d.sync += [owed.eq(owed + Mux(asked, command.p.words, 0) - handed),
                      claimed.eq(self.screen.claim)]
-        # A command is made in one clock and offered in the next: the sums are short.
+        # A command is computed in one clock and offered in the next: the sums are short.
         with m.If(asked):
             m.d.sync += pending.eq(0)
         with m.Elif(~pending & ~waiting & (left != 0)):

@@ -1,4 +1,4 @@
-"""Video modes that the boards put out: those of VESA's "Display Monitor Timing", and slow ones."""
+"""Video modes of the boards: those of VESA's "Display Monitor Timing", and slow ones."""
 
 from dataclasses import dataclass
 
@@ -18,10 +18,10 @@ class VideoMode:
     high : bool
         Whether the sync pulses are high.
     ratio : (int, int)
-        Pixel clock over 50 MHz, within 0.15 % of the standard's, with an oscillator of the
+        Ratio of pixel clock to 50 MHz, within 0.15 % of the standard's, with an oscillator of the
         phase-locked loop below 1.3 GHz.
     suffix : str
-        Of the name, if it is not the mode of its size with about 60 pictures a second.
+        Suffix of the name, if it is not the mode of its size with about 60 frames per second.
     """
     horizontal: tuple
     vertical: tuple
@@ -36,7 +36,7 @@ class VideoMode:
 
     @property
     def name(self):
-        """As on the command line."""
+        """Name on the command line."""
         return f"{self.size[0]}x{self.size[1]}{self.suffix}"
 
     def holds(self, width, height):
@@ -54,8 +54,8 @@ MODES = (
     VideoMode((800, 40, 128, 88), (600, 1, 4, 23), True, (4, 5)),
     VideoMode((1024, 24, 136, 160), (768, 3, 6, 29), False, (13, 10)),
     VideoMode((1280, 110, 40, 220), (720, 5, 5, 20), True, (89, 60)),
-    # Nobody's standard: what a memory of 16 bits carries, line by line, with a pixel clock just
-    # above DVI's least, 25 MHz. Pulses and lines are those of VESA's reduced blanking.
+    # No standard: a mode that a memory of 16 bits carries line by line, with a pixel clock just
+    # above DVI's minimum, 25 MHz. Pulses and lines are those of VESA's reduced blanking.
     VideoMode((1280, 48, 32, 340), (720, 3, 5, 6), True, (101, 200), "@20"),
     VideoMode((1280, 48, 112, 248), (1024, 1, 3, 38), True, (54, 25)),
     VideoMode((1920, 88, 44, 148), (1080, 4, 5, 36), True, (89, 30)),

@@ -12,10 +12,10 @@ _WORD = 32      # bits of a memory word
 class PixelWords(wiring.Component):
     """Cuts words of 32 bits into pixels of 3 or 4 bytes, whose lowest three are blue, green, red.
 
-    The first pixel behind ``align`` begins with a word's lowest byte. Pixels of 3 bytes lie in
+    The first pixel after ``align`` begins with a word's lowest byte. Pixels of 3 bytes are in
     memory without a gap: four of them in three words.
 
-    Timing: latency 0; a pixel per clock. It lives in the domain ``pixel``.
+    Timing: latency 0; a pixel per clock. Domain: ``pixel``.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ class PixelWords(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        rest = Signal(24)           # bytes of the last word that no pixel has had, lowest first
-        bytes_left = Signal(2)      # how many of them there are
+        rest = Signal(24)           # unused bytes of the last word, lowest first
+        bytes_left = Signal(2)      # their number
         left = Signal(2)            # the same, 0 while ``align`` is high
         word, o = self.i.payload, self.o
         m.d.comb += left.eq(Mux(self.align, 0, bytes_left))
@@ -59,7 +59,7 @@ class PixelWords(wiring.Component):
         if self.pixel_bytes == 4:
             return m
         with m.If(o.valid & o.ready):
-            # A word of 4 bytes came, or none; 3 bytes went.
+            # A word of 4 bytes came, or none; 3 bytes left.
             m.d.pixel += bytes_left.eq(left + 1)
             with m.Switch(left):
                 for count in range(3):

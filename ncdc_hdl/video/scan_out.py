@@ -14,20 +14,20 @@ from ncdc_hdl.video.pixel_words import PixelWords
 __all__ = ["PICTURE", "ScanOut"]
 
 PICTURE = data.StructLayout({"b": 8, "g": 8, "r": 8, "visible": 1, "hsync": 1, "vsync": 1})
-"""What a screen gets with each pixel clock."""
+"""Signals to a screen for each pixel clock."""
 
 _WORD = 32
-_READ_AHEAD = 128       # words asked for and not yet there, at least
+_READ_AHEAD = 128       # fewest words requested and not yet received
 
 
 class ScanOut(wiring.Component):
     """Shows the newest corrected frame, centred, black around it.
 
-    Below each picture the store's newest frame is claimed; it stays claimed, and so whole, until
-    the next picture has been shown. If no new one has come the old one is shown again. Words go
-    ahead of the beam through a queue from the domain ``sync`` to ``pixel``. If the queue runs dry
-    within a picture, its rest is black, and ``underruns`` counts; the next one is in step again.
-    Before there is any frame the screen is black.
+    After each picture the store's newest frame is claimed. It stays claimed, and so intact, until
+    the next picture has been shown. Without a new one the old one is shown again. Words are
+    prefetched through a queue from the domain ``sync`` to ``pixel``. If the queue runs dry
+    within a picture, its rest is black, and ``underruns`` counts; the next one is right again.
+    Before the first frame the screen is black.
 
     Timing: a pixel is at ``picture`` 1 clock of ``pixel`` after the beam's counters reach it.
 
@@ -35,9 +35,9 @@ class ScanOut(wiring.Component):
     ----------
     mode : ncdc_hdl.video.modes.VideoMode
     width, height : int
-        Of the frames; not larger than the mode.
+        Size of the frames; not larger than the mode.
     pixel_bytes : int
-        Of a pixel in memory: 3 (BGR8) or 4 (BGRX8).
+        Bytes of a pixel in memory: 3 (BGR8) or 4 (BGRX8).
     depth : int
         Words that the queue holds, a power of two.
     max_burst : int
@@ -51,7 +51,7 @@ class ScanOut(wiring.Component):
     picture : ``Out(PICTURE)``
         In the domain ``pixel``.
     shown, underruns : ``Out(32)``, ``Out(32)``
-        Pictures begun since the reset, those with a frame; those of which words came too late.
+        Pictures with a frame begun since the reset; pictures whose words came too late.
 
     Raises
     ------
@@ -60,7 +60,7 @@ class ScanOut(wiring.Component):
     """
 
     latency = 1
-    """Clocks of ``pixel`` from the beam's place to ``picture``."""
+    """Clocks of ``pixel`` from the beam's position to ``picture``."""
 
     def __init__(self, mode, width, height, *, pixel_bytes=3, depth=1024, max_burst=32):
         if width > mode.size[0] or height > mode.size[1]:
@@ -82,7 +82,7 @@ class ScanOut(wiring.Component):
         m.submodules.beam = beam = Beam(self.mode)
         m.submodules.begin = begin = PulseSynchronizer("pixel", "sync")
         m.submodules.late = late = PulseSynchronizer("pixel", "sync")
-        some = Signal()             # ``reader.some``; it changes below the picture only
+        some = Signal()             # ``reader.some``; it changes only in the vertical blanking
         m.submodules.some = FFSynchronizer(reader.some, some, o_domain="pixel")
         wiring.connect(m, reader.screen, wiring.flipped(self.screen))
         wiring.connect(m, reader.bus, wiring.flipped(self.bus))
@@ -100,16 +100,16 @@ class ScanOut(wiring.Component):
         return m
 
     def _show(self, m, queue, beam, some, late):
-        """The side of the domain ``pixel``: pixels out of the queue, in step with the beam."""
+        """The side of the domain ``pixel``: pixels out of the queue, synchronous to the beam."""
         m.submodules.pixels = pixels = PixelWords(self.pixel_bytes)
         top = data.View(marked(_WORD), queue.r_data)
         left, above = ((all_ - size) // 2 for all_, size in zip(self.mode.size,
                                                                 (self.width, self.height)))
         inside = Signal()           # the beam is in the frame
-        first = Signal()            # on its first pixel
-        last = Signal()             # on its last one
+        first = Signal()            # the beam is on its first pixel
+        last = Signal()             # the beam is on its last one
         going = Signal()            # the frame is shown, up to the last pixel
-        lit = Signal()              # so is this pixel
+        lit = Signal()              # this pixel is shown
         m.d.comb += [
             inside.eq((beam.x >= left) & (beam.x < left + self.width)
                       & (beam.y >= above) & (beam.y < above + self.height)),
@@ -120,7 +120,7 @@ class ScanOut(wiring.Component):
             pixels.i.valid.eq(queue.r_rdy & (top.first == first)),
             pixels.o.ready.eq(inside & (first | going)),
             lit.eq(pixels.o.ready & pixels.o.valid),
-            # Out of step, words are dropped up to the next frame's first one.
+            # Without synchronisation, words are dropped up to the next frame's first one.
             queue.r_en.eq(pixels.i.ready & pixels.i.valid
                           | queue.r_rdy & ~top.first & ~going & ~first),
             late.i.eq(some & last & ~lit),

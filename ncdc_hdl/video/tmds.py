@@ -13,9 +13,9 @@ CONTROL = (0b1101010100, 0b0010101011, 0b0101010100, 0b1010101011)
 class TmdsEncoder(wiring.Component):
     """Encodes a byte of a colour, or two control bits, into a word of ten bits.
 
-    The first step chains the bits by exclusive or, or its complement where a byte has more than
-    four ones, which leaves few transitions; the second one inverts the word where that brings
-    the sum of what was sent so far nearer to as many ones as zeros. Digital Visual Interface 1.0
+    The first step chains the bits by XOR, or XNOR if a byte has more than
+    four ones, which leaves few transitions. The second one inverts the word if that brings
+    the sum of the bits sent nearer to as many ones as zeros. Digital Visual Interface 1.0
     (Digital Display Working Group), figure 3-5.
 
     Timing: latency 2 clocks of ``pixel``.
@@ -59,7 +59,7 @@ class TmdsEncoder(wiring.Component):
         with m.If(q_visible):
             m.d.pixel += [
                 self.word.eq(Cat(q[:8] ^ invert.replicate(8), q[8], invert)),
-                # Bits 8 and 9 count too: both one, both zero, or one of each.
+                # Bits 8 and 9 also count: both one, both zero, or one of each.
                 sent.eq(sent + Mux(invert, -excess, excess)
                         + Mux(even, 0, Mux(invert, Cat(q[8]), -Cat(~q[8])))),
             ]

@@ -1,4 +1,4 @@
-"""Avalon-ST video packets, as Intel's Video and Image Processing Suite has them."""
+"""Avalon-ST video packets, as in Intel's Video and Image Processing Suite."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -14,8 +14,8 @@ VIDEO = wiring.Signature({"valid": Out(1), "ready": In(1), "data": Out(24),
 """Avalon-ST with packets and a ready latency of one clock."""
 
 _CONTROL, _PICTURE = 15, 0      # types of packets
-_PROGRESSIVE = 0b0011           # of the control packet's last symbol
-_SYMBOLS = 3                    # of a beat, of eight bits each
+_PROGRESSIVE = 0b0011           # value of the control packet's last symbol
+_SYMBOLS = 3                    # symbols of a beat, of eight bits each
 _HEADER = 5                     # beats before a frame's pixels
 
 
@@ -24,11 +24,11 @@ class VipPackets(wiring.Component):
 
     The lowest four bits of a packet's first beat are its type: 15 of a control packet, 0 of
     pixels. A control packet has nine symbols, each with four bits in its lowest ones: width and
-    height, the upper bits first, and the scan, which is progressive; the lowest symbol of a beat is
+    height, the upper bits first, and the scan, which is progressive. The lowest symbol of a beat is
     the first. (Intel, "Video and Image Processing Suite User Guide", Avalon Streaming Video.)
 
-    ``ready`` is for the clock behind it, as that suite's cores have it: a beat is offered only a
-    clock after ``ready``, and has gone then.
+    ``ready`` is for the clock after it, as in that suite's cores: a beat is offered only a
+    clock after ``ready``, and is then taken.
 
     Timing: latency 0; five beats more per frame.
 
@@ -36,7 +36,7 @@ class VipPackets(wiring.Component):
     -------
     i : ``In(stream.Signature(PIXEL))``
     width, height : ``In(16)``
-        Of the frame whose first pixel waits.
+        Size of the frame whose first pixel waits.
     o : ``Out(VIDEO)``
     """
 
@@ -48,7 +48,7 @@ class VipPackets(wiring.Component):
         m = Module()
         i, o = self.i, self.o
         may = Signal()                      # ``ready`` was high in the clock before
-        step = Signal(range(_HEADER + 1))   # beats of the header that have gone
+        step = Signal(range(_HEADER + 1))   # beats of the header sent
         m.d.sync += may.eq(o.ready)
         number = Cat(Const(_PROGRESSIVE, 4), self.height, self.width)
         count = len(number) // 4

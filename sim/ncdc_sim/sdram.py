@@ -78,7 +78,7 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     SimulationError
         If it does not compile, or ends without a result.
     """
-    place = controller.place
+    place = controller.mapping
     parameters = chip_parameters(place.chip, clock_hz, KEPT=_KEPT)
     defines = {"NCDC_READS": controller.count, "NCDC_DATA": place.data_width,
                "NCDC_BURST": place.max_burst, "NCDC_COLUMNS": place.column_bits,
@@ -125,7 +125,7 @@ def _results(program, plusargs, hosts):
 
 def _dut(controller, parameters):
     """Verilog of ``sdram_dut``: the controller, its ports as vectors, and the chip."""
-    place, reads = controller.place, controller.count
+    place, reads = controller.mapping, controller.count
     data, bits = place.data_width, place.max_burst.bit_length()
     lanes, chip = data // 8, place.chip
     ports = "".join(f"""

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from ncdc_boards.sdram.chips import AS4C16M16SA_6, IS42S16320D_7, beside
+from ncdc_boards.sdram.chips import AS4C16M16SA_6, IS42S16320D_7, in_parallel
 from ncdc_boards.sdram.controller import SdramController
 from ncdc_sim.sdram import ALONE, ANYWHERE, CORRECTOR, ONWARDS, SILENT, Host, run_sdram
 from ncdc_sim.tools import SimulationError
@@ -26,7 +26,7 @@ SHARES = {
 # Who waits while all others ask for whole bursts.
 WAITS = {"video": (2, [_FULL, _FULL, _ALONE, _FULL]), "write": (3, [_FULL, _FULL, _FULL, _ALONE]),
          "read": (0, [_ALONE, _FULL, _FULL, _FULL])}
-_CHIPS = ((AS4C16M16SA_6, 133e6, 32), (beside(IS42S16320D_7, 2), 100e6, 32),
+_CHIPS = ((AS4C16M16SA_6, 133e6, 32), (in_parallel(IS42S16320D_7, 2), 100e6, 32),
           (IS42S16320D_7, 100e6, 64))
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
-from ncdc_boards.camera_board.set_up import I2C_HZ
+from ncdc_boards.camera_board.programs import I2C_HZ
 from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.link.processor import LINK_BASE
 from ncdc_model.needs import check_programs

@@ -122,5 +122,5 @@ def test_what_does_not_fit_is_refused(tmp_path, capsys, sizes, options, said):
 def test_an_interpolation_without_room_is_refused(tmp_path, capsys):
     path = tmp_path / "net.toml"
     barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, interpolation=GRADIENT).save(path)
-    assert "has room for fast: ncdc train --interpolation fast" in refused(
+    assert "has space for fast: ncdc train --interpolation fast" in refused(
         capsys, path, "-o", tmp_path / "out")

@@ -239,7 +239,7 @@ def test_frames_lie_apart_in_the_memory_kept_for_them(host, project):
     for (base, name), (after, _) in zip(bases, bases[1:] + [
             (settings["frames"] + settings["frame_bytes"], "")]):
         assert base % 4096 == 0 and base + sizes[name[0]] <= after
-    with pytest.raises(MemoryError, match="frames take 102400 bytes, 102399 are kept for them"):
+    with pytest.raises(MemoryError, match="frames take 102400 bytes, 102399 are reserved for them"):
         started(host, project, frame_bytes=102399)
 
 

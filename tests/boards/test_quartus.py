@@ -169,9 +169,9 @@ def quartus(folder, tmp_path, slack, clocks, skew="0.2"):
 def test_the_script_fails_on_negative_slack_and_on_skew(whole, tmp_path):
     clocks = "clk50_0__io sensor sdram_pin sensor_reference_pin vga_pin altera_reserved_tck"
     good = quartus(whole, tmp_path, "0.1", clocks)
-    assert good.returncode == 0 and "the least slack is 0.1 ns" in good.stdout, good.stdout
+    assert good.returncode == 0 and "the minimum slack is 0.1 ns" in good.stdout, good.stdout
     bad = quartus(whole, tmp_path, "-0.25", clocks)
-    assert bad.returncode and "the design misses its timing by 0.25 ns" in bad.stdout
+    assert bad.returncode and "the design does not meet timing by 0.25 ns" in bad.stdout
     for source, sink in GRAY_COUNTERS:
         assert f"skew from {source} to {sink}: 0.25" in good.stdout
     apart = quartus(whole, tmp_path, "0.1", clocks, skew="10.75")
@@ -198,7 +198,7 @@ def test_the_users_file_is_never_written_again(whole, capsys):
     ((1024, 768), ["--board", "de1-soc"], "needs 99 % of the clocks of the memory of de1-soc"),
     ((1920, 1080), ["--board", "de2-115"], "pixel clock of 148.3 MHz, the board's converter takes "
      "140 MHz at most"),
-    ((64, 24), ["--board", "de1-soc", "--pixel-clock-mhz", "96"], "behind it: 64 MHz fit"),
+    ((64, 24), ["--board", "de1-soc", "--pixel-clock-mhz", "96"], "after it: 64 MHz fit"),
     ((64, 24), ["--board", "faka2"], "faka2 has no design of ours"),
     ((64, 24), ["--board", "none"], "board is 'none', one of colorlight-i9, de0-cv, "
      "de1-soc, de10-nano, de2-115, faka2, ulx3s is needed"),
@@ -219,7 +219,7 @@ def the_sentence(capsys):
 
 @pytest.mark.parametrize("size,options,said", [
     ((1024, 768), ["--board", "de1-soc"], "needs 99 % of the clocks of the memory of de1-soc"),
-    pytest.param((1280, 1024), ["--board", "de2-115"], "1280x1024, and can have 59 %: whole "
+    pytest.param((1280, 1024), ["--board", "de2-115"], "1280x1024, and can have 59 %: "
                  "pictures of the modes 640x480, 800x600, 1024x768, 1280x720, 1280x720@20 fit",
                  marks=pytest.mark.longer),
     ((64, 24), ["--board", "de0-cv", "--mode", "1280x720"], "takes 65 MHz at most: a smaller"),

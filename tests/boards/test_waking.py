@@ -21,7 +21,7 @@ class Bench:
 
     def __init__(self, monkeypatch):
         monkeypatch.setattr("ncdc_boards.camera_board.waking._DEAD_CLOCKS", DEAD)
-        monkeypatch.setattr("ncdc_boards.camera_board.waking._PATIENCE", 5)
+        monkeypatch.setattr("ncdc_boards.camera_board.waking._MAX_WATCHES", 5)
         self.waker = Waker(TIMES, CLOCK_HZ)
         self.frame, self.frames_are, self.there = 200, "came", True     # clocks of a frame
         self.log, self.now, self.busy = [], 0, False    # (clock, name, value) of what changes

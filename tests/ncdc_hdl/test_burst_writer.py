@@ -322,7 +322,7 @@ def test_the_packer_itself_keeps_a_wrong_frame_from_memory(kind):
         ctx.set(dut.o.ready, 1)
         await begin(ctx, Bench, 64 + 2 * (kind == "misaligned"), size, 0, BGRX8)
         if kind == "refused":
-            ctx.set(dut.refuse, 1)
+            ctx.set(dut.reject, 1)
             await ctx.tick()
         if kind == "outside once":
             ctx.set(dut.limit, 64)

@@ -23,7 +23,7 @@ def edge(first, size, needs):
     """What the window address says of a window in a frame of ``size`` columns, or rows."""
     before = max(needs.margin - first, 0)
     behind = max(first + needs.after - (size - 1), 0)
-    return {"missing": max(before, behind), "behind": int(behind > 0)}
+    return {"missing": max(before, behind), "after": int(behind > 0)}
 
 
 def parts(x0, y0, blank, lanes, needs, size, word):
@@ -143,7 +143,7 @@ def test_windows_are_cut_from_the_samples(needs, word_bytes):
 
     def inside(k, edge):
         """Row or column k of the window, or that which stands for it."""
-        first, last = ((edge["missing"], 99) if not edge["behind"] else
+        first, last = ((edge["missing"], 99) if not edge["after"] else
                        (0, needs.window - 1 - edge["missing"]))
         return 2 * first - k if k < first else 2 * last - k if k > last else k
 
@@ -155,7 +155,7 @@ def test_windows_are_cut_from_the_samples(needs, word_bytes):
             ctx.set(align.x, x)
             ctx.set(align.y, y)
             edges = {name: {"missing": int(rng.integers(0, needs.margin + 1)),
-                            "behind": int(rng.integers(0, 2))} for name in "xy"}
+                            "after": int(rng.integers(0, 2))} for name in "xy"}
             for name, edge in edges.items() if needs.margin else ():
                 ctx.set(getattr(align, f"edge_{name}"), edge)
             await ctx.tick().repeat(align.latency)

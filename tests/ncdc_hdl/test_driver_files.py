@@ -3,6 +3,9 @@
 import json
 import subprocess
 import sys
+from importlib.resources import files
+from types import ModuleType
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -148,7 +151,7 @@ def test_a_lens_of_odd_width():
 
 
 def test_two_lenses_of_one_name(corrector):
-    with pytest.raises(InputError, match="the lenses a/x.toml and b/x.toml would both be called x"):
+    with pytest.raises(InputError, match="the lenses a/x.toml and b/x.toml both have the name x"):
         driver_files(corrector, [("a/x.toml", WIDE), ("b/x.toml", TELE)])
 
 
@@ -165,3 +168,17 @@ def test_command_writes_them_all(corrector, folder, tmp_path):
                  "--cache-bytes", str(corrector.hardware.cache.bytes)]) == 0
     for name in driver_files(corrector, [("wide.toml", WIDE)]):
         assert (tmp_path / name).read_text() == (folder / name).read_text(), name
+
+
+@pytest.mark.parametrize("module,old,new", [("ncdc_backends", "ScanChain", "JtagChain"),
+                                            ("ncdc_camera", "Camera", "CameraSystem")])
+def test_classes_have_their_old_names_with_a_warning(monkeypatch, module, old, new):
+    if module == "ncdc_camera":
+        monkeypatch.setitem(sys.modules, "ncdc_registers", MagicMock(CAMERA_STATUS_RAW_FRAME=256))
+    host = files("ncdc_hdl.export.drivers") / "host" / f"{module}.py"
+    loaded = ModuleType(module)
+    exec(compile(host.read_text(), module, "exec"), vars(loaded))
+    with pytest.warns(FutureWarning, match=f"{old} is called {new}"):
+        assert getattr(loaded, old) is getattr(loaded, new)
+    with pytest.raises(AttributeError, match="nothing"):
+        loaded.nothing

@@ -185,15 +185,15 @@ def test_python_driver_names_errors(folder):
         "0 no frame is complete after 4 polls",
         "0 a commit waits for its frame boundary: nothing was written",
         "0 a commit waits for its frame boundary: nothing was written",
-        "5 the corrector refused a write",
-        "2 the corrector refused: SOURCE, ALIGNMENT",
+        "5 the corrector rejected a write",
+        "2 the corrector rejected: SOURCE, ALIGNMENT",
         "1 the frame was aborted"]
 
 
 BACKENDS = """
-from ncdc_backends import Mapped, ScanChain, SystemConsole
+from ncdc_backends import Mapped, JtagChain, SystemConsole
 for backend in (Mapped("registers.bin"), SystemConsole(command=("tclsh", "{tcl}")),
-                ScanChain(command=("tclsh", "{tcl}"))):
+                JtagChain(command=("tclsh", "{tcl}"))):
     read, write = backend
     write(0x10, 0xFFFFFFFE)
     write(0xFFFC, 7)
@@ -202,10 +202,10 @@ for backend in (Mapped("registers.bin"), SystemConsole(command=("tclsh", "{tcl}"
         backend.close()
 for options in ({{"device": "MAX"}}, {{"cable": 3}}):
     try:
-        ScanChain(command=("tclsh", "{tcl}"), **options)
+        JtagChain(command=("tclsh", "{tcl}"), **options)
     except OSError as error:
         print(error)
-chain = ScanChain(command=("tclsh", "{tcl}"))
+chain = JtagChain(command=("tclsh", "{tcl}"))
 try:
     chain.read(0x20000)
 except OSError as error:
@@ -221,7 +221,7 @@ def test_back_ends_reach_the_registers(folder):
                           cwd=folder, text=True, capture_output=True, timeout=60)
     assert done.stdout.splitlines() == [
         *[f"{0xFFFFFFFE} 7 0"] * 3, "no such device is in the chain", "no such cable",
-        "no answer came from the scan chain in 50 scans"], done.stderr
+        "no answer came from the JTAG chain in 50 scans"], done.stderr
     assert (folder / "registers.bin").read_bytes()[0x10:0x14] == b"\xfe\xff\xff\xff"
 
 

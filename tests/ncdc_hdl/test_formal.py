@@ -20,10 +20,10 @@ from formal.sdram_commands import Commands as SdramCommands
 from formal.sdram_hosts import BurstsCut, TurnsCome
 from formal.sdram_words import WordsRead
 from formal.stores import Store
+from ncdc_boards.sdram.arbiter import SdramArbiter
 from ncdc_boards.sdram.banks import Banks
 from ncdc_boards.sdram.segments import Segments
 from ncdc_boards.sdram.sequencer import Sequencer
-from ncdc_boards.sdram.turns import Turns
 from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.avalon.write_arbiter import WriteArbiter
@@ -158,7 +158,7 @@ class ReadTooFar(ReadFence):
         return (number >= first) & (number <= end)
 
 
-class Greedy(Turns):
+class Greedy(SdramArbiter):
     """Lets the video reader and the writer have as many turns in a row as they like."""
 
     def _enough(self, run):

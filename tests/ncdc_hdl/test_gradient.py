@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ncdc_hdl.backend.bilinear import Bilinear
-from ncdc_hdl.backend.gradient import GradientPlaces
+from ncdc_hdl.backend.gradient import GradientPoints
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_model.golden.picture import bilinear, gradient_colours, grey_places
 from ncdc_spec.interpolation import GRADIENT
@@ -31,7 +31,7 @@ def extremes(column, row):
 @pytest.mark.parametrize("row", range(2))
 def test_places_equal_model_in_every_phase(column, row):
     windows = extremes(column, row)
-    dut = GradientPlaces()
+    dut = GradientPoints()
 
     def drive(ctx, window):
         ctx.set(dut.samples, window[ROWS, COLUMNS].tolist())
@@ -55,7 +55,7 @@ def test_places_equal_model_in_every_phase(column, row):
 def test_green_of_a_grey_sensor_is_each_sample_wherever_it_lies():
     windows = extremes(0, 0)
     for parity in range(4):
-        dut = GradientPlaces()
+        dut = GradientPoints()
 
         def drive(ctx, window):
             ctx.set(dut.samples, window[ROWS, COLUMNS].tolist())
@@ -81,7 +81,7 @@ def test_bilinear_equals_model_and_clamps():
     fractions = rng.integers(0, 1 << F, (400, 2))
     fractions[:5] = [[0, 0], [0, 0], [1023, 1023], [1023, 0], [0, 1023]]
     turned = rng.integers(0, 4, 400)
-    dut = Bilinear(F, GRADIENT, GradientPlaces().signature.members["o"].shape)
+    dut = Bilinear(F, GRADIENT, GradientPoints().signature.members["o"].shape)
 
     def drive(ctx, k):
         shown = places[..., k].copy()

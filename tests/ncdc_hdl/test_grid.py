@@ -95,7 +95,7 @@ class Port:
             ctx.set(dut.settings.level.curve, [16 * k for k in range(17)])
             ctx.set(dut.grid, {"weight": weight, "binning": binning})
             ctx.set(dut.enable, enable)
-            ctx.set(dut.room, 1)
+            ctx.set(dut.space, 1)
             await ctx.tick().repeat(Grid.latency + 8)
             for number, (frame, line, sample) in enumerate([*clocks, *[(0, 0, 0)] * 60]):
                 for at, name, value in events:
@@ -114,7 +114,7 @@ class Port:
     def _look(self, ctx):
         """Take the entry of this clock."""
         dut = self.dut
-        if not ctx.get(dut.push) or not ctx.get(dut.room):
+        if not ctx.get(dut.push) or not ctx.get(dut.space):
             return
         kind, word = ctx.get(dut.entry.kind), ctx.get(dut.entry.data)
         if kind == Kind.BEGIN:
@@ -222,7 +222,7 @@ def test_a_queue_that_is_full_is_reported():
     frames = random_frames(size, 2)
     port = Port(size, grid_size(size, *mode), (0, 0), mode)
     clocks = [*pins_of(frames[0], FAST), *pins_of(frames[1], SLOW)]
-    found = port.run(clocks, [(160, "room", 0), (170, "room", 1)])
+    found = port.run(clocks, [(160, "space", 0), (170, "space", 1)])
     assert [report["overflow"] for _, report in found] == [1, 0]
     assert found[1][0] == whole(port, frames[1])
 

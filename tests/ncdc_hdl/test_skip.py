@@ -148,7 +148,7 @@ def test_delay_memory(clocks):
     items = rng.integers(0, 512, 150).tolist()
     got = run_pipeline(dut, items, lambda ctx, item: ctx.set(dut.i, item), lambda: [dut.o])
     np.testing.assert_array_equal(np.ravel(got), items)
-    with pytest.raises(ValueError, match="delays by 2 clocks at least, not by 1"):
+    with pytest.raises(ValueError, match="clocks is 1, a memory delays by at least 2"):
         DelayMemory(9, 1)
 
 

@@ -23,7 +23,7 @@ class NoRoom(NativeWriter):
     """Does not ask whether there is room for the word."""
 
     @staticmethod
-    def _room(for_command, for_word):
+    def _space(for_command, for_word):
         return for_command
 
 

@@ -64,7 +64,7 @@ def test_equals_model(needs, gap, stall):
                                       (out.edge_y, y0[k], G.distorted_height)
                                       ) if needs.margin else ():
                 count, behind = missing(int(first), size, needs)
-                assert edge.missing == count and (not count or edge.behind == behind), item
+                assert edge.missing == count and (not count or edge.after == behind), item
     assert 100 < inside.sum() < len(items) - 100
 
 

@@ -18,12 +18,12 @@ from ncdc_boards.sdram.chips import (
     IS42S16320D_7,
     MT48LC16M16A2_75,
     ULX3S_32MB,
-    beside,
     clocks_of,
+    in_parallel,
 )
 from ncdc_boards.sdram.controller import SdramController
+from ncdc_boards.sdram.init_refresh import InitRefresh
 from ncdc_boards.sdram.segments import Segments
-from ncdc_boards.sdram.upkeep import Upkeep
 from ncdc_boards.sdram.write_words import WriteWords
 from ncdc_sim.builds import built, key_of
 from ncdc_sim.runner import HDL, build, command_of, run
@@ -44,7 +44,7 @@ BUSY = [Host(ANYWHERE, 60, 1, 8), Host(CORRECTOR, 60, 2, 4), Host(ONWARDS, 150, 
         Host(ONWARDS, 150, 1, 16)]
 # Name: chip, Hz, bits of a word.
 CONTROLLERS = {"16 bits": (AS4C16M16SA_6, 133e6, 32),
-               "two beside each other": (beside(IS42S16320D_7, 2), 100e6, 32),
+               "two beside each other": (in_parallel(IS42S16320D_7, 2), 100e6, 32),
                "words of four beats": (IS42S16320D_7, 142e6, 64),
                "any chip": (ULX3S_32MB, 100e6, 16)}
 
@@ -195,7 +195,7 @@ PLANTED = {
     "written before it is read": (SdramController, "_owed", lambda self, bursts, written: 0,
                                   "wrong"),
     "queue of words": (WriteWords, "_full", lambda self, level: 0, "wrong"),
-    "refresh": (Upkeep, "elaborate", None, "refresh-gap")}
+    "refresh": (InitRefresh, "elaborate", None, "refresh-gap")}
 QUICK = ("tRCD", "turn of DQ", "another row", "written before it is read")
 
 
@@ -206,7 +206,7 @@ def test_planted_error_is_seen(kind, attribute, wrong, seen, monkeypatch):
     made, clock_hz = controller("words of four beats" if attribute == "times" and seen == "cut"
                                 else "16 bits")
     if wrong is None:
-        made.sequencer.upkeep.period += made.sequencer.delay
+        made.sequencer.init_refresh.period += made.sequencer.delay
     else:
         monkeypatch.setattr(kind, attribute, wrong)
     hosts = [Host(ANYWHERE, 0, 1, 2)] * 3 + [Host(ANYWHERE, 0, 1, 16)]

@@ -19,7 +19,7 @@ def write_word(ctx, writes, words):
     place, word = next(words, (None, None))
     ctx.set(writes.write, place is not None)
     if place is not None:
-        ctx.set(writes.place, place)
+        ctx.set(writes.position, place)
         ctx.set(writes.word, word)
         ctx.set(writes.bank, 1 - ctx.get(writes.active))
     return place is not None

@@ -28,7 +28,7 @@ class Pauses:
 def _edge(first, size, needs):
     """How much of a window is outside of a frame of ``size`` columns, or rows."""
     before, behind = needs.margin - first, first + needs.after - (size - 1)
-    return {"missing": max(before, behind, 0), "behind": int(behind > 0)}
+    return {"missing": max(before, behind, 0), "after": int(behind > 0)}
 
 
 def check_windows(dut, raw, places, rng, pauses, *, margin=64, needs=FAST, width=None, **controls):

@@ -57,7 +57,7 @@ def _sdram_clock(path):
     _window(axes, 1, out, out + period, "command")
     _clock(axes, 2, late + out - period, period, end)
     first, last = (late + out + back + SDRAM_NS["access"],
-                   late + period + out + back + SDRAM_NS["kept"])
+                   late + period + out + back + SDRAM_NS["output_hold"])
     _window(axes, 0, first, last, "word that answers")
     for x, rows, text in ((late + out, (1, 2.8), "sampled"), (2 * period, (0, 3.8), "taken")):
         axes.plot((x, x), rows, color="#a03030", linewidth=1, linestyle="--")

@@ -7,7 +7,7 @@ import numpy as np
 
 from ncdc_bench.synth.board import board_core
 from ncdc_bench.synth.camera import CameraBlocks
-from ncdc_boards.sdram.chips import IS42S16320D_7, ULX3S_32MB, beside
+from ncdc_boards.sdram.chips import IS42S16320D_7, ULX3S_32MB, in_parallel
 from ncdc_boards.sdram.controller import SdramController
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.colour import Colour
@@ -134,7 +134,7 @@ BLOCKS = {
                "sensor port, grid of 1296": lambda bits: SensorPort(1296)},
     "colour": {"gains and tone": lambda bits: Colour()},
     "SDRAM controller": {"16 bits": _sdram(ULX3S_32MB, 32),
-                         "32 bits": _sdram(beside(IS42S16320D_7, 2), 32),
+                         "32 bits": _sdram(in_parallel(IS42S16320D_7, 2), 32),
                          "16 bits, words of 64": _sdram(IS42S16320D_7, 64)},
     "core": {"HN 4": _core(4), "HN 4 table": _core(4, "table"),
              "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),

@@ -1,1 +1,1 @@
-"""What every board with a camera and a screen has in common, whatever its device and its pins."""
+"""Common parts of all boards with a camera and a screen, for any device and any pins."""

@@ -12,22 +12,22 @@ _SAMPLES_HZ = 100       # a button that bounces for less than 10 ms counts once
 class Chooser(wiring.Component):
     """From buttons to the number of the program that loads what they choose.
 
-    Program 0 is the set-up, program k the lens k - 1, the last one the raw picture. Each press of
-    ``following`` or ``previous`` goes to another lens, the first one behind the last; a press of
-    ``raw`` shows the raw picture instead of the lens, and the next press the lens again.
+    Program 0 configures the board, program k loads the lens k - 1, the last one shows the raw
+    picture. A press of ``following`` or ``previous`` goes to another lens; the first one is
+    after the last. A press of ``raw`` shows the raw picture; the next press shows the lens again.
 
     Parameters
     ----------
     lenses : int
-        Without the raw picture; at least 1.
+        Number of lenses, without the raw picture; at least 1.
     clock_hz : int
 
     Members
     -------
     following, previous, raw : ``In(1)``
-        Buttons, high while pressed, of this clock.
+        Buttons, high while pressed, synchronised to this domain.
     busy : ``In(1)``
-        A program runs: what is chosen meanwhile is started when it ends.
+        A program runs; a choice made meanwhile starts when it ends.
     start, which : ``Out(1)``, ``Out(range(lenses + 2))``
     lens : ``Out(range(lenses))``
         The chosen lens.
@@ -52,7 +52,7 @@ class Chooser(wiring.Component):
         with m.If(look):
             m.d.sync += before.eq(now)
         shows_raw = Signal()
-        changed = Signal()              # what is chosen has not been started
+        changed = Signal()              # the choice has not been started
         m.d.comb += [self.start.eq(changed & ~self.busy),
                      self.which.eq(Mux(shows_raw, self.lenses + 1, self.lens + 1))]
         with m.If(self.start):

@@ -1,4 +1,4 @@
-"""Camera in, straight picture out: all of a board but its clocks and its pins."""
+"""Camera in, straight picture out: a board without its clocks and pins."""
 
 from dataclasses import dataclass
 
@@ -25,18 +25,18 @@ from ncdc_hdl.system import System
 from ncdc_hdl.video.scan_out import PICTURE, ScanOut
 from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
-__all__ = ["BUTTONS", "CAPACITY", "LIGHTS", "BoardCore", "Design"]
+__all__ = ["BUTTONS", "CAPACITY", "LEDS", "BoardCore", "Design"]
 
 BUTTONS = ("following", "previous", "raw")
-LIGHTS = 8
-CAPACITY = 3840         # bytes of a packet's payload, at most
-_BURST = 16             # words that hosts of the memory other than the screen move at once, at most
+LEDS = 8
+CAPACITY = 3840         # most bytes of a packet's payload
+_BURST = 16             # most words per burst of hosts other than the screen
 _WIRES_LATE = 2         # a register each in the pins' cells, on the way to the SDRAM and back
 
 
 @dataclass(frozen=True)
 class Design:
-    """What a board's core is made of.
+    """Parameters of a board's core.
 
     Parameters
     ----------
@@ -46,21 +46,21 @@ class Design:
     mode : VideoMode or None
         None: without a screen.
     pixel_bytes : int
-        Of a pixel in memory.
+        Bytes of a pixel in memory.
     clocks : object
         The board's clocks, as its ``clock_plan`` makes them.
     programs : tuple
-        Of :class:`ProgramRunner`: the set-up first; with a screen, then one for each lens, the raw
-        picture's last.
+        Programs of :class:`ProgramRunner`: the configuration first. With a screen, one for each
+        lens comes next; the raw picture's is the last.
     lenses : int
-        That the buttons choose from, without the raw picture.
+        Number of lenses that the buttons choose from, without the raw picture.
     screen_burst : int
-        Words that the screen reads at once, at most; 0 without one.
+        Most words per burst of the screen; 0 without one.
     times : Times
-        Of the sensor's reset, its rest, and the watch over its frames.
+        Times of the sensor's reset, its rest, and the watch over its frames.
     time_scale : int
-        So many times faster pass the reset, the rest, and the pause before the sensor is asked
-        again: 1, more in simulations. The watch is as given.
+        The reset, the rest and the pause before another attempt are so many times shorter: 1,
+        or more in simulations. The watch is unchanged.
     processor : bool
         There is a processor with Ethernet.
     """
@@ -78,15 +78,15 @@ class Design:
 
     @property
     def core_hz(self):
-        """Of the core's clock."""
+        """Frequency of the core's clock in Hz."""
         return round(self.clocks.core_mhz * 1e6)
 
 
 class BoardCore(wiring.Component):
-    """Joins sensor, memory, corrector, screen, buttons, a serial port, a scan chain, a processor.
+    """Joins sensor, memory, corrector, screen, buttons, a serial port, JTAG, a processor.
 
-    What the board or the design has not is left out; buttons are the screen's. It lives in the
-    domain ``sync``, its picture in ``pixel``, its scan chain in ``jtag``.
+    Parts that the board or the design lacks are left out; buttons come with the screen. The
+    core is in the domain ``sync``, its picture in ``pixel``, its JTAG register in ``jtag``.
 
     Parameters
     ----------
@@ -98,24 +98,24 @@ class BoardCore(wiring.Component):
         At the sensor's pins.
     sensor_reset_n : ``Out(1)``
     scl, sda, scl_low, sda_low : ``In(1)``, ``Out(1)``
-        The I2C bus to the sensor: its lines; pull them low.
+        Lines of the I2C bus to the sensor, and outputs that pull them low.
     sdram : ``Out(SdramPins(chip))``
-        To registers in the pins' cells, and from such.
+        Connected to registers in the pins' cells.
     picture : ``Out(PICTURE)``
         With a screen.
     receive, send : ``In(1)``, ``Out(1)``
         A serial port.
     scan : ``In(Scan())``
-        If the board has ``jtag``.
+        Present if the board has ``jtag``.
     processor : ``In(ProcessorPort())``
-        If the design has a ``processor``.
+        Present if the design has a ``processor``.
     following, previous, raw : ``In(1)``
         Buttons, high while pressed, at any time; with a screen.
     again : ``In(1)``
         A button, likewise, that wakes the sensor and sets it up anew.
-    lights : ``Out(8)``
-        The memory is ready; the set-up is over; the sensor does not answer, or is set up anew as no
-        good frame came; with a screen: the memory was too slow for it; the number of the lens.
+    leds : ``Out(8)``
+        From bit 0: the memory is ready; the configuration is over; the sensor does not answer, or
+        is configured again as no good frame came. With a screen: it ran dry; the lens's number.
     """
 
     def __init__(self, design):
@@ -133,12 +133,12 @@ class BoardCore(wiring.Component):
             "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1), "again": In(1),
             "sdram": Out(SdramPins(board.chip)), "receive": In(1), "send": Out(1),
             **({"picture": Out(PICTURE), **dict.fromkeys(BUTTONS, In(1))} if screen else {}),
-            "lights": Out(LIGHTS), **({"scan": In(Scan())} if board.jtag else {}),
+            "leds": Out(LEDS), **({"scan": In(Scan())} if board.jtag else {}),
             **({"processor": In(ProcessorPort())} if design.processor else {})})
 
     @property
     def _width(self):
-        """Bits of the memory ports."""
+        """Width of the memory ports in bits."""
         return self.design.system.hardware.data_width
 
     def elaborate(self, platform):
@@ -158,7 +158,7 @@ class BoardCore(wiring.Component):
         if self.screen:
             self._screen(m)
             shown = Cat(self.screen.underruns != 0, self._buttons(m, programs))
-        m.d.comb += self.lights.eq(Cat(self.memory.ready, ~programs.busy, waker.trouble, shown))
+        m.d.comb += self.leds.eq(Cat(self.memory.ready, ~programs.busy, waker.trouble, shown))
         return m
 
     def _screen(self, m):
@@ -173,8 +173,10 @@ class BoardCore(wiring.Component):
         ]
 
     def _ports(self, m):
-        """System, processor and screen at the controller's ports; the screen's is the last, and
-        without one that of the processor's window, which has a word at a time."""
+        """System, processor and screen at the controller's ports; the screen's is the last.
+
+        Without a screen the last one is the processor's window, which reads a word at a time.
+        """
         memory, system = self.memory, self.design.system
         readers = [ports_as(system, "read0", system.corrector.fetch.bus0.signature)]
         readers += [self.link.packets, self.link.window] if self.link else []
@@ -191,7 +193,7 @@ class BoardCore(wiring.Component):
             port.byteenable.eq(bus.byteenable), bus.waitrequest.eq(port.waitrequest)]
 
     def _sensor(self, m):
-        """The sensor, and what wakes it."""
+        """The sensor and its :class:`Waker`."""
         system = self.design.system
         m.d.comb += [
             system.sensor_clock.eq(self.sensor_clock),
@@ -204,7 +206,7 @@ class BoardCore(wiring.Component):
         times, time_scale = self.design.times, self.design.time_scale
         times = Times(times.reset_us // time_scale, times.rest_us // time_scale, times.watch_us)
         m.submodules.waker = waker = Waker(times, self.design.core_hz)
-        # The pixel clock, slow enough to be looked at.
+        # The pixel clock, divided so that the core's clock can sample it.
         m.domains.pixel_clock = ClockDomain(local=True, reset_less=True)
         m.d.comb += ClockSignal("pixel_clock").eq(self.sensor_clock)
         count = Signal(4, name="pixel_clocks")
@@ -218,18 +220,19 @@ class BoardCore(wiring.Component):
         return waker
 
     def _registers(self, m, ready):
-        """Who writes registers: the programs, hosts at the serial port and at the chain, and the
-        processor."""
+        """Hosts of the registers: the programs, the serial port, JTAG, and the processor.
+        """
         design, system = self.design, self.design.system
         m.submodules.access = access = RegisterAccess(
             SYSTEM_WORDS_BITS, 2 + design.board.jtag + design.processor)
         m.submodules.bridge = bridge = SerialBridge(design.core_hz // design.board.baud,
                                                     SYSTEM_WORDS_BITS)
-        # Until the sensor may be talked to the programs are in reset.
+        # The programs are in reset until the sensor accepts accesses.
         hold = Signal(init=1)
         m.d.sync += hold.eq(~(ready & self.memory.ready))
         m.submodules.programs = programs = ResetInserter(hold)(ProgramRunner(
-            design.programs, SYSTEM_WORDS_BITS, patience=design.core_hz // 10 // design.time_scale))
+            design.programs, SYSTEM_WORDS_BITS,
+            retry_clocks=design.core_hz // 10 // design.time_scale))
         connect(m, programs.access, access.hosts[0])
         connect(m, bridge.access, access.hosts[1])
         if design.board.jtag:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from ncdc_boards.camera_board.budget import screen_burst
 from ncdc_boards.camera_board.core import Design
-from ncdc_boards.camera_board.set_up import I2C_HZ, lens_program, set_up_program
+from ncdc_boards.camera_board.programs import I2C_HZ, configuration_program, lens_program
 from ncdc_boards.camera_board.waking import Times
 from ncdc_hdl.export.drivers.lenses import check_lens
 from ncdc_hdl.link.processor import READERS
@@ -20,7 +20,7 @@ __all__ = ["READER_OF_HOST", "design_of", "hardware_for", "sensor_for", "times_f
 
 _DATA_WIDTH = 32        # of the memory ports
 _SENSOR_CLOCK_HZ = 25_000_000
-READER_OF_HOST = 0      # by registers: of a host at the serial port; a processor's come behind it
+READER_OF_HOST = 0      # for a host at the serial port; the processor's readers come after it
 
 
 def hardware_for(board, lanes=1):
@@ -31,40 +31,39 @@ def hardware_for(board, lanes=1):
 
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
     """:func:`~ncdc_spec.sensors.framing.setup_around` with the boards' clock to the sensor, which
-    is the pixel clock too unless ``pixel_clock_hz`` asks for another; ``settings``: ``field``, and
-    those of the sensor."""
+    is by default also the pixel clock. ``settings``: ``field``, and those of the sensor."""
     return setup_around(name, geometry, clock_hz=_SENSOR_CLOCK_HZ,
                         pixel_clock_hz=pixel_clock_hz or _SENSOR_CLOCK_HZ, **settings)
 
 
 def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, processor=False,
               **more):
-    """The :class:`Design` that shows the first lens, and the others by push button; without a
-    screen it has one lens, which clients of the network change.
+    """The :class:`Design` that shows the first lens, and the others by push button.
+    Without a screen it has one lens, which clients of the network change.
 
     Parameters
     ----------
     board : Board
     named : sequence of (path, Descriptor)
     sensor : (Setup, Crop)
-        As of :func:`sensor_for`.
+        As in :func:`sensor_for`.
     mode : VideoMode or None
         None if the board has no screen.
     hardware : Hardware, optional
-        That of :func:`hardware_for` if absent.
+        By default that of :func:`hardware_for`.
     core_mhz : number, optional
-        The board's if absent.
+        By default the board's.
     processor : bool
         With a processor and Ethernet.
     more :
-        Of :class:`Design`; ``waits`` of :func:`set_up_program`.
+        Other fields of :class:`Design`; ``waits`` of :func:`configuration_program`.
 
     Raises
     ------
     InputError
         If the board has no block RAM for the lens's interpolation; if another lens does not fit
-        the first one's corrector, or shows another size; if the board has no
-        Ethernet for a processor, or no screen and more than a lens; if rows of frames are no whole
+        the first one's corrector, or shows another size. If the board has no
+        Ethernet for a processor, or no screen and more than a lens. If rows of frames are no whole
         words of a memory that writes whole words only.
     """
     if processor and not board.ethernet:
@@ -78,7 +77,7 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
     interpolation = descriptor.geometry.interpolation.name
     if interpolation not in board.interpolations:
         raise InputError(f"the interpolation is {interpolation}, the block RAM of {board.name} has "
-                         f"room for {' and '.join(board.interpolations)}: ncdc train "
+                         f"space for {' and '.join(board.interpolations)}: ncdc train "
                          f"--interpolation {board.interpolations[0]}")
     _check_rows(board, descriptor.geometry, hardware)
     core_mhz, waits = core_mhz or board.core_mhz, more.pop("waits", True)
@@ -96,7 +95,7 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
                 raise InputError(f"{path}: the {what} picture has {sizes[1][0]}x{sizes[1][1]} "
                                  f"pixels, that of {named[0][0]} {sizes[0][0]}x{sizes[0][1]}")
     lenses = [one for _, one in named] + [raw_lens(descriptor)] if mode else []
-    programs = [set_up_program(system, *sensor, round(core_mhz * 1e6), waits, i2c_hz),
+    programs = [configuration_program(system, *sensor, round(core_mhz * 1e6), waits, i2c_hz),
                 *(lens_program(system, lens) for lens in lenses)]
     pixel_bytes = output_format(hardware.format).pixel_bytes
     design = Design(board, system, mode, pixel_bytes, clocks, tuple(programs), len(named),
@@ -107,8 +106,10 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
 
 
 def times_for(setup):
-    """The :class:`Times` for a sensor's :class:`Setup`: its data's with a margin, and a watch of a
-    second, or of four frames if those are longer."""
+    """The :class:`Times` for a sensor's :class:`Setup`: those of its data with a margin.
+    
+    The watch is a second, or four frames if those are longer.
+    """
     reset, rest = wake_times(setup.sensor.waking, setup.settings.clock_hz)
     return Times(reset, rest, max(1_000_000, round(4e6 / setup.timing.frames_per_second)))
 

@@ -1,4 +1,4 @@
-"""The Ethernet chip of a board, at the processor's module."""
+"""The Ethernet chip of a board, connected to the processor's module."""
 
 from amaranth import *
 from amaranth.build import Clock, Pins, Resource, Subsignal
@@ -33,9 +33,9 @@ def join_processor(m, platform, core, chip, *, reset=None, received=None):
     ----------
     chip : EthernetChip
     reset : Value, optional
-        Of the processor; that of the core's domain if absent.
+        Reset of the processor; by default that of the core's domain.
     received : callable, optional
-        From the module, a name and the pins to what the processor's input cells take.
+        Function of module, name and pins; returns what the processor's input cells take.
     """
     pins = request(platform, "eth_rgmii", RGMII)
     mdio = buffer(m, pins.mdio)

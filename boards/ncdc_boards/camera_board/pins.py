@@ -1,8 +1,8 @@
-"""A board's core at the pins that boards name alike."""
+"""Connects a board's core to the pins that boards name alike."""
 
 from amaranth.lib import io
 
-__all__ = ["buffer", "join_buttons", "join_camera", "join_lights", "join_sdram",
+__all__ = ["buffer", "join_buttons", "join_camera", "join_leds", "join_sdram",
            "join_uart", "request"]
 
 
@@ -19,8 +19,10 @@ def request(platform, name, signals, number=0):
 
 
 def join_sdram(m, platform, core, domain="sync"):
-    """Registers in the pins' cells, of a ``domain`` that has the core's clock and no reset; the
-    port of the chip's clock, which is the board's matter."""
+    """Registers in the pins' cells, of a ``domain`` that has the core's clock and no reset.
+
+    Returns the port of the chip's clock, which the board drives.
+    """
     there = tuple(part.name for part in platform.lookup("sdram").ios)
     pins, ports = core.sdram, request(platform, "sdram", there)
     for name, value in (("clk_en", pins.cke), ("cs", ~pins.cs_n), ("we", ~pins.we_n),
@@ -37,7 +39,7 @@ def join_sdram(m, platform, core, domain="sync"):
 
 
 def join_camera(m, platform, core):
-    """The sensor; the port of the clock to it, which is the board's matter."""
+    """The sensor; the port of the clock to it, which the board connects."""
     there = tuple(part.name for part in platform.lookup("camera").ios)
     wires = request(platform, "camera", there)
     m.d.comb += [
@@ -69,7 +71,7 @@ def join_buttons(m, platform, core, buttons):
             buffer(m, platform.request(resource, number, dir="-")).i)
 
 
-def join_lights(m, platform, lights):
-    """The lowest lights of the board; ``lights`` is a value."""
-    for k in range(len(lights)):
-        m.d.comb += buffer(m, platform.request("led", k, dir="-")).o.eq(lights[k])
+def join_leds(m, platform, leds):
+    """Drive the first LEDs of the board with the value ``leds``."""
+    for k in range(len(leds)):
+        m.d.comb += buffer(m, platform.request("led", k, dir="-")).o.eq(leds[k])

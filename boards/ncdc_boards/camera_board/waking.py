@@ -1,4 +1,4 @@
-"""Wakes the sensor, and wakes it anew when it does not answer or no good frame comes."""
+"""Starts the sensor, and again if it does not answer or no good frame comes."""
 
 from dataclasses import dataclass
 
@@ -8,21 +8,21 @@ from amaranth.lib.wiring import In, Out
 
 __all__ = ["Times", "Waker"]
 
-_DEAD_CLOCKS = 1 << 14      # of the core, without an edge of the sensor's pixel clock
-_PATIENCE = 60              # watches without a good frame, whatever else happens
+_DEAD_CLOCKS = 1 << 14      # clocks of the core without an edge of the sensor's pixel clock
+_MAX_WATCHES = 60              # most watches without a good frame
 
 
 @dataclass(frozen=True)
 class Times:
-    """Of the sensor, in microseconds.
+    """Times of the sensor in microseconds.
 
     Parameters
     ----------
     reset_us, rest_us : int
-        Its reset, and from there until the set-up begins: see
+        Its reset; from there until the configuration begins, see
         :func:`ncdc_spec.sensors.waking.wake_times`.
     watch_us : int
-        Without a good frame, until it is woken anew; longer than a frame.
+        Longest time without a good frame before a restart; longer than a frame.
     """
     reset_us: int
     rest_us: int
@@ -30,13 +30,13 @@ class Times:
 
 
 class Waker(wiring.Component):
-    """Holds the sensor in reset, lets it rest, and does both again when it does not answer: no
-    access comes without a reset and a rest before it. Likewise when no good frame comes.
+    """Holds the sensor in reset, waits for its rest, and repeats both when it does not answer.
+    It also does so when no good frame comes. Each access has a reset and a rest before it.
 
-    After a watch (a second) without a good frame the sensor is woken anew if its pixel clock stands
-    or a frame ended badly: it was unplugged, or lost its registers. One whose clock runs without a
-    bad frame exposes for long: it gets :data:`_PATIENCE` watches. Nothing is watched while no frame
-    is asked for, and no program but the set-up is cut off.
+    After a watch (a second) without a good frame the sensor is restarted if its pixel clock stands
+    or a frame ended badly. It was unplugged, or lost its registers. If the clock runs without a
+    bad frame, its exposure is long: the limit is :data:`_MAX_WATCHES` watches. No time counts
+    while capture is disabled. The only program that a restart interrupts is the configuration.
 
     Parameters
     ----------
@@ -46,19 +46,19 @@ class Waker(wiring.Component):
     Members
     -------
     came, bad : ``In(1)``
-        For one clock: a frame ended, as it has to be or not.
+        High for one clock: a good or a bad frame ended.
     edge : ``In(1)``
-        A level that changes with the pixel clock, in this domain.
+        Level that changes with the pixel clock, synchronised to this domain.
     enabled : ``In(1)``
         Frames are captured.
     again : ``In(1)``
-        A button, high while pressed, of this clock.
+        Button, high while pressed, synchronised to this domain.
     busy, failed : ``In(1)``
-        A program runs, the set-up at first; it got no answer from the sensor.
+        A program runs, first the configuration; it got no answer from the sensor.
     reset_n, ready : ``Out(1)``
-        The sensor's reset; it may be talked to. Programs are in reset until then.
+        The sensor's reset; it accepts accesses. Programs are in reset until then.
     trouble : ``Out(1)``
-        The sensor did not answer, or is woken anew; low again when the set-up ends.
+        The sensor did not answer, or is restarted; low again when the configuration ends.
     """
 
     def __init__(self, times, clock_hz):
@@ -77,7 +77,7 @@ class Waker(wiring.Component):
             self.times.reset_us, self.times.rest_us, self.times.watch_us))
         waited = Signal(range(reset + rest + 1))
         restart = Signal()
-        setting = Signal(init=1)            # the set-up is not over
+        setting = Signal(init=1)            # the configuration is not over
         with m.If(restart):
             m.d.sync += waited.eq(0)
         with m.Elif(~self.ready):
@@ -88,21 +88,21 @@ class Waker(wiring.Component):
 
         dead = self._dead(m)
         left = Signal(range(watch))         # clocks of the watch
-        watches = Signal(range(_PATIENCE))  # that have ended without a good frame
-        odd, due = Signal(), Signal()       # a frame ended badly; the watch has seen enough
+        watches = Signal(range(_MAX_WATCHES))  # that have ended without a good frame
+        odd, due = Signal(), Signal()       # a frame ended badly; a restart is due
         over = Signal()
         m.d.comb += over.eq((left == 0) & self.ready & (setting | self.enabled))
         with m.If(self.bad):
             m.d.sync += odd.eq(1)
         started = Signal()                  # the programs are out of their reset, and busy
-        ends = Signal()                     # the set-up does
+        ends = Signal()                     # the configuration ends
         m.d.sync += started.eq(self.ready & ~restart)
         m.d.comb += ends.eq(started & setting & ~self.busy & ~restart)
         with m.If(self.came | ~self.ready | ends):
             m.d.sync += [left.eq(watch - 1), watches.eq(0), odd.eq(0), due.eq(0)]
         with m.Elif(over):
             m.d.sync += [left.eq(watch - 1), watches.eq(watches + 1),
-                         due.eq(setting | odd | dead | (watches == _PATIENCE - 1))]
+                         due.eq(setting | odd | dead | (watches == _MAX_WATCHES - 1))]
         with m.Elif(setting | self.enabled):
             m.d.sync += left.eq(left - 1)
 
@@ -110,7 +110,7 @@ class Waker(wiring.Component):
         m.d.sync += before.eq(self.again)
         with m.If(self.again & ~before):
             m.d.sync += pressed.eq(1)
-        silent = Signal()                   # the set-up got no answer
+        silent = Signal()                   # the configuration got no answer
         m.d.comb += [silent.eq(setting & self.failed),
                      restart.eq((due | pressed | silent) & self.ready & (setting | ~self.busy))]
         with m.If(restart):

@@ -8,15 +8,15 @@ from amaranth import *
 from ncdc_boards.ecp5.pll import Pll, gate, loop
 from ncdc_spec.errors import InputError
 
-__all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "Clocks", "clock_plan"]
+__all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "ColorlightI9Clocks", "clock_plan"]
 
-REFERENCE_MHZ = 25                  # the module's oscillator, and the sensor's clock
+REFERENCE_MHZ = 25                  # the module's oscillator, also the sensor's clock
 CORE_MHZ = 50
-ETHERNET_MHZ = 125                  # of RGMII, whatever the line's speed
+ETHERNET_MHZ = 125                  # clock of RGMII at any speed of the line
 DOMAINS = ("sync", "memory", "sensor_reference", "ethernet")
-_OSCILLATOR_MHZ = 500               # of which each of these clocks is a part
-_LATE = Fraction(3, 4)              # of a period: the clock at the SDRAM's pin
-_RESET_CLOCKS = 64                  # that the processor's reset takes
+_OSCILLATOR_MHZ = 500               # divided by integers for each of these clocks
+_LATE = Fraction(3, 4)              # periods by which the clock at the SDRAM's pin is late
+_RESET_CLOCKS = 64                  # length of the processor's reset
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ class ClockPlan:
 def clock_plan(mode, core_mhz=CORE_MHZ):
     """The :class:`ClockPlan`; ``mode`` is None, as there is no screen.
 
-    The clock at the SDRAM's pin is three quarters of a period late, or as little more as the
-    loop's phases have: see docs/reference/colorlight_i9.md.
+    The clock at the SDRAM's pin is three quarters of a period late, or slightly more, by the
+    phase steps of the loop: see docs/reference/colorlight_i9.md.
 
     Raises
     ------
@@ -55,11 +55,11 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
                          (0, -int(-divider * _LATE // 1), 0, 0)))
 
 
-class Clocks(Elaboratable):
+class ColorlightI9Clocks(Elaboratable):
     """Drives the clocks of the :data:`DOMAINS`, which its parent defines.
 
-    They have no resets; the first clocks come once the loop is locked. The processor has one, as
-    its registers need it.
+    The domains have no resets; their clocks start when the loop is locked. The processor has a
+    reset, which its registers need.
 
     Parameters
     ----------

@@ -11,8 +11,8 @@ __all__ = ["CAMERA_WIRES", "ColorlightI9Platform"]
 CAMERA_WIRES = {
     "d": (11, 12, 9, 10, 7, 8, 13, 14, 17, 18, 23, 24), "fval": (26,), "lval": (27,), "scl": (28,),
     "sda": (29,), "xclk": (30,), "reset_n": (5,), "pixclk": (25,)}
-"""Pins of the header P2 for the camera, D0 first; 25 leads to a clock network. What keeps a sensor
-working (TRIGGER, PWDN) is wired to ground."""
+"""Pins of the header P2 for the camera, D0 first; 25 leads to a clock network. Pins that stop a
+sensor (TRIGGER, PWDN) are wired to ground."""
 
 _PIXEL_CLOCK_HZ = 96e6          # the fastest of the sensors
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o"}
@@ -35,7 +35,7 @@ def _camera():
 class ColorlightI9Platform(LatticeECP5Platform):
     """The Colorlight i9, which amaranth-boards lacks, and a camera.
 
-    Of the SDRAM CKE, CS and DQM are wired to their levels on the module.
+    CKE, CS and DQM of the SDRAM are wired to constant levels on the module.
     """
     device = "LFE5U-45F"
     package = "BG381"
@@ -51,7 +51,7 @@ class ColorlightI9Platform(LatticeECP5Platform):
             a="B13 C14 A16 A17 B16 B15 A14 A13 A12 A11 B12",
             dq="B6 A5 A6 A7 C7 B8 B5 A8 D8 D7 E8 D6 C6 D5 E7 C5 "
                "C10 D9 E11 D11 C11 D12 E9 C12 E14 C15 E13 D15 E12 B17 D14 D13", attrs=_FAST),
-        # Of two chips the one whose management registers are at address 0.
+        # One of two chips: its management registers are at address 0.
         rgmii(_FAST, rst="P4", mdc="N5", mdio="P5", tx_clk="G1", tx_ctl="K1", tx_data="G2 H1 J1 J3",
               rx_clk="H2", rx_ctl="P2", rx_data="K2 L1 N1 P1"),
         _camera(),

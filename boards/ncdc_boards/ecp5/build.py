@@ -29,7 +29,7 @@ def prepared(design):
 
 
 def clock_cells(design):
-    """Cell and output of the device that drives each clock, by the clock's name."""
+    """(Cell of the device, output) that drives each clock, by the clock's name."""
     gates = {domain: (f"clocks.{domain}_gate", "CLKO") for domain in design.clocks.targets()}
     inputs = {"sensor": "camera_0__pixclk"} | (
         {"ethernet_received": "eth_rgmii_0__rx_clk"} if design.processor else {})

@@ -8,7 +8,7 @@ __all__ = ["clock_out", "delayed"]
 
 
 def clock_out(m, domain, port):
-    """A clock at a pin, through the pin's cell, as late as what its registers send."""
+    """Drive a pin with a clock through a DDR register, as late as the pins' registers."""
     pin = buffer(m, port)
     m.submodules[f"{domain}_clock"] = Instance(
         "ODDRX1F", i_SCLK=ClockSignal(domain), i_RST=Const(0), i_D0=Const(1), i_D1=Const(0),
@@ -16,10 +16,10 @@ def clock_out(m, domain, port):
 
 
 def delayed(m, name, pins):
-    """Inputs whose clock has its edges in the middle of them, on the way to their registers.
+    """Delay inputs, which change in the middle between clock edges, before their registers.
 
-    The clock takes longer to the registers than the data would; the cells at the pins make up for
-    it, so that set-up and hold times at the pins are 0.52 ns each (Lattice, FPGA-DS-02012,
+    The clock takes longer to the registers than the data would. The delay cells compensate for
+    it: setup and hold times at the pins are 0.52 ns each (Lattice, FPGA-DS-02012,
     GDDRX1_RX.SCLK.Centered).
     """
     late = Signal.like(pins, name=f"{name}_delayed")

@@ -22,9 +22,9 @@ class Pll:
     source : int
         Which output is fed back.
     dividers : tuple of int
-        Of the oscillator, for each output.
+        Dividers of the oscillator for each output.
     phases : tuple of int
-        By how many periods of the oscillator each output is late.
+        Delay of each output in periods of the oscillator.
     """
     input_mhz: float
     reference: int
@@ -35,16 +35,16 @@ class Pll:
 
     @property
     def oscillator_mhz(self):
-        """Of the voltage-controlled oscillator."""
+        """Frequency of the voltage-controlled oscillator in MHz."""
         return (self.input_mhz * self.feedback * self.dividers[self.source] / self.reference)
 
     @property
     def outputs_mhz(self):
-        """Of each output."""
+        """Frequency of each output in MHz."""
         return tuple(self.oscillator_mhz / divider for divider in self.dividers)
 
     def parameters(self):
-        """Of the cell, by name."""
+        """Parameters of the cell, by name."""
         names = ("OP", "OS", "OS2", "OS3")
         values = {"CLKI_DIV": self.reference, "CLKFB_DIV": self.feedback,
                   "FEEDBK_PATH": f"INT_{names[self.source]}", "OUTDIVIDER_MUXA": "DIVA",
@@ -58,7 +58,7 @@ class Pll:
 
 
 def loop(m, name, pll, clock, reset=Const(0)):
-    """A :class:`Pll`'s outputs, and whether it is locked."""
+    """Outputs of a :class:`Pll`, and a signal that is high when it is locked."""
     outputs = [Signal(name=f"{name}_output{k}") for k in range(len(pll.dividers))]
     locked, fed_back = Signal(name=f"{name}_locked"), Signal(name=f"{name}_fed_back")
     m.submodules[f"{name}_loop"] = Instance(
@@ -72,10 +72,10 @@ def loop(m, name, pll, clock, reset=Const(0)):
 
 
 def gate(m, domain, output, open_):
-    """Drive a domain from a loop's output while ``open_``; it has no reset.
+    """Drive a domain's clock from a loop's output while ``open_``; it has no reset.
 
-    Registers begin with what the bitstream gives them. A reset would be a net to every register of
-    the device, slower than all others.
+    The bitstream initialises the registers. A reset would be a net to every register of
+    the device, and the slowest net.
     """
     clock = Signal(name=f"{domain}_gated")
     m.submodules[f"{domain}_gate"] = Instance("DCCA", i_CLKI=output, i_CE=open_, o_CLKO=clock)

@@ -1,4 +1,4 @@
-"""The set-up of the HDMI transmitter ADV7513, as writes over I2C."""
+"""Configuration of the HDMI transmitter ADV7513, as writes over I2C."""
 
 __all__ = ["I2C_ADDRESS", "WRITES"]
 
@@ -14,4 +14,4 @@ WRITES = (
     (0xAF, 0x04, "DVI, not encrypted: a picture without sound"),
 )
 """(register, value, meaning). Analog Devices, ADV7513 Programming Guide, revision B, quick start
-guide and register map: "fixed" are values that it wants without saying what for."""
+guide and register map: "fixed" are values that it requires without an explanation."""

@@ -1,4 +1,4 @@
-"""What a board with a hard processor tells of itself."""
+"""Description of a board with a hard processor."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ __all__ = ["HpsBoard"]
 
 @dataclass(frozen=True)
 class HpsBoard:
-    """A board that ``ncdc build`` writes a project for, with the processor's memory for frames.
+    """A board with a project by ``ncdc build``, whose frames are in the processor's memory.
 
     Parameters
     ----------
     name, title : str
-        As given on the command line; for people.
+        As given on the command line; the name for people.
     family, device : str
         As Quartus names them.
     platform : type
@@ -21,7 +21,7 @@ class HpsBoard:
     core_mhz : float
         Clock of the core and of the ports to the memory.
     clock_plan : callable
-        As of :class:`~ncdc_boards.board.Board`.
+        As in :class:`~ncdc_boards.board.Board`.
     memory : dict
         Parameters of the processor in Platform Designer: its DDR3.
     frames : (int, int)

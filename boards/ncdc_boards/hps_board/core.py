@@ -1,4 +1,4 @@
-"""Camera in, straight picture out, on ports to a processor's memory: all but clocks and pins."""
+"""Camera in, straight picture out, with a processor's memory: a board without clocks and pins."""
 
 from dataclasses import dataclass
 
@@ -14,19 +14,19 @@ from ncdc_hdl.system import System
 from ncdc_hdl.video.scan_out import PICTURE, ScanOut
 from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
-__all__ = ["HpsCore", "HpsDesign", "LIGHTS", "READ", "SCREEN_READ", "WRITE"]
+__all__ = ["HpsCore", "HpsDesign", "LEDS", "READ", "SCREEN_READ", "WRITE"]
 
-LIGHTS = 8
+LEDS = 8
 _BURST = 16             # words
 READ = ReadHost(DATA_WIDTH, _BURST)
 WRITE = WriteHost(DATA_WIDTH, _BURST)
 SCREEN_READ = ReadHost(SCREEN_WIDTH, BURST_WORDS)
-"""Hosts at the processor's ports; addresses are of bytes."""
+"""Hosts of the processor's ports; addresses count bytes."""
 
 
 @dataclass(frozen=True)
 class HpsDesign:
-    """What a board's core is made of.
+    """Parameters of a board's core.
 
     Parameters
     ----------
@@ -35,11 +35,11 @@ class HpsDesign:
         With a screen and ports of 64 bits.
     mode : VideoMode
     pixel_bytes : int
-        Of a pixel in memory.
+        Bytes of a pixel in memory.
     clocks : ClockPlan
     reset_us : int
-        Microseconds from the clocks' lock until the sensor's reset ends. Linux, which sets the
-        sensor up, begins long after its rest.
+        Microseconds from the clocks' lock until the sensor's reset ends. Linux configures the
+        sensor long after its rest.
     """
     board: object
     system: System
@@ -50,10 +50,10 @@ class HpsDesign:
 
 
 class HpsCore(wiring.Component):
-    """Joins sensor, corrector and screen to ports of a processor, who sets all of it up.
+    """Joins sensor, corrector and screen to ports of a processor, which configures them.
 
-    It lives in the domain ``sync``, its picture in ``pixel``. Its reset is that of the ports too:
-    what was asked of them before is forgotten.
+    The core is in the domain ``sync``, its picture in ``pixel``. Its reset is also that of the
+    ports, which drop earlier requests.
 
     Parameters
     ----------
@@ -62,19 +62,19 @@ class HpsCore(wiring.Component):
     Members
     -------
     csr : ``In(Agent(...))``
-        Registers, by words.
+        Registers, with word addresses.
     read0, write, screen : ``Out(READ)``, ``Out(WRITE)``, ``Out(SCREEN_READ)``
     irq : ``Out(1)``
     sensor_clock, sensor : ``In(1)``, ``In(PINS)``
     sensor_reset_n : ``Out(1)``
     scl, sda, scl_low, sda_low : ``In(1)``, ``Out(1)``
-        The I2C bus to the sensor.
+        Lines of the I2C bus to the sensor, and outputs that pull them low.
     hdmi_scl, hdmi_sda : ``In(1)``
         Lines to the HDMI transmitter, which are pulled low with the others.
     picture : ``Out(PICTURE)``
-    lights : ``Out(8)``
-        The clocks run and the processor is out of its reset; so is the sensor; the memory was too
-        slow for the screen.
+    leds : ``Out(8)``
+        Bit 0: the clocks run and the processor is out of its reset. Bit 1: the sensor is out of its
+        reset. Bit 2: the memory was too slow for the screen.
     """
 
     def __init__(self, design):
@@ -86,7 +86,7 @@ class HpsCore(wiring.Component):
             "screen": Out(SCREEN_READ), "irq": Out(1),
             "sensor_clock": In(1), "sensor": In(PINS), "sensor_reset_n": Out(1),
             "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1),
-            "hdmi_scl": In(1), "hdmi_sda": In(1), "picture": Out(PICTURE), "lights": Out(LIGHTS)})
+            "hdmi_scl": In(1), "hdmi_sda": In(1), "picture": Out(PICTURE), "leds": Out(LEDS)})
 
     def elaborate(self, platform):
         m = Module()
@@ -110,29 +110,29 @@ class HpsCore(wiring.Component):
 
     @staticmethod
     def _join(m, inner, outer):
-        """A port of a submodule is one of ours."""
+        """Connect a port of a submodule to one of the core."""
         for name, member in outer.signature.members.items():
             ours, theirs = getattr(outer, name), getattr(inner, name)
             m.d.comb += ours.eq(theirs) if member.flow is Out else theirs.eq(ours)
 
     def _sensor(self, m):
-        """The sensor, its reset, and lights."""
+        """The sensor, its reset, and the LEDs."""
         system, design = self.design.system, self.design
         m.d.comb += [
             system.sensor_clock.eq(self.sensor_clock),
             system.sensor_frame_valid.eq(self.sensor.frame_valid),
             system.sensor_line_valid.eq(self.sensor.line_valid),
             system.sensor_data.eq(self.sensor.data),
-            # Two buses as one: each line is as low as the lower of both. Who is not addressed does
-            # not care that it misses what the other bus's targets say.
+            # Two buses as one: a line is low if either one's is. A target without its address does
+            # not need what targets of the other bus send.
             system.scl.eq(self.scl & self.hdmi_scl), system.sda.eq(self.sda & self.hdmi_sda),
             self.scl_low.eq(system.scl_low), self.sda_low.eq(system.sda_low),
         ]
         wait = round(design.reset_us * design.clocks.core_mhz)
         waited = Signal(range(wait + 1))
-        running = Signal()          # low in the reset only
+        running = Signal()          # low only in reset
         with m.If(waited != wait):
             m.d.sync += waited.eq(waited + 1)
         # A register: a pin with logic before it could end the sensor's reset too early.
         m.d.sync += [self.sensor_reset_n.eq(waited == wait), running.eq(1)]
-        m.d.comb += self.lights.eq(Cat(running, self.sensor_reset_n, self.scan.underruns != 0))
+        m.d.comb += self.leds.eq(Cat(running, self.sensor_reset_n, self.scan.underruns != 0))

@@ -29,7 +29,7 @@ def _way(name):
 
 
 # Columns of the transmitter's 24 data inputs: blue is lowest (ADV7513, RGB 4:4:4), red in
-# amaranth-boards, which has the two the other way round.
+# amaranth-boards, which swaps the two.
 _HDMI = Resource(
     "hdmi", 0,
     Subsignal("b", Pins("AD12 AE12 W8 Y8 AD11 AD10 AE11 Y5", dir="o")),
@@ -56,8 +56,8 @@ class De10NanoPlatform(DE10NanoPlatform):
     ]
 
 
-# Two DDR3 chips of 16 bits, 400 MHz; as in apache/tvm, vta/hardware/intel, whose system is this
-# board's.
+# Two DDR3 chips of 16 bits, 400 MHz; as in apache/tvm, vta/hardware/intel, whose system is for this
+# board.
 _MEMORY = {
     "HPS_PROTOCOL": "DDR3", "MEM_VENDOR": "Other", "MEM_FORMAT": "DISCRETE",
     "MEM_CLK_FREQ": 400.0, "MEM_CLK_FREQ_MAX": 800.0, "MEM_VOLTAGE": "{1.5V DDR3}",
@@ -75,7 +75,7 @@ _MEMORY = {
 BOARD = HpsBoard(
     name="de10-nano", title="Terasic DE10-Nano", family=CYCLONE_V, device="5CSEBA6U23I7",
     platform=De10NanoPlatform, core_mhz=_CORE_MHZ,
-    clock_plan=partial(clock_plan, family=CYCLONE_V, most_mhz=165, sdram=False),
+    clock_plan=partial(clock_plan, family=CYCLONE_V, max_mhz=165, sdram=False),
     memory=_MEMORY, frames=(0x3800_0000, 0x0800_0000), multiplier_bits=27,
     sources=("amaranth-boards, de10_nano.py", "MiSTer, sys.tcl",
              "apache/tvm, vta/hardware/intel/scripts/soc_system_hw.tcl: the memory's times",

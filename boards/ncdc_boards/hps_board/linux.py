@@ -4,11 +4,11 @@ import json
 from dataclasses import asdict
 from importlib.resources import files
 
-from ncdc_boards.camera_board.set_up import camera_values
+from ncdc_boards.camera_board.programs import camera_values
 from ncdc_boards.hps_board.adv7513 import I2C_ADDRESS, WRITES
 from ncdc_boards.hps_board.ports import PORT_RESETS, PORT_RESETS_ALL, port_resets
 from ncdc_boards.quartus.project import project_name
-from ncdc_hdl.export.ip.axi.device_tree import Place, device_tree
+from ncdc_hdl.export.ip.axi.device_tree import ModuleResources, device_tree
 from ncdc_spec.frames import output_format
 from ncdc_spec.pixel_formats import raw_format
 from ncdc_spec.protocols.table_one import SYSTEM_PAGE, SYSTEM_WORDS, TCP_PORT, server_settings
@@ -18,15 +18,15 @@ from ncdc_spec.sensors.framing import Crop, field_values
 __all__ = ["REGISTERS", "host_files"]
 
 REGISTERS = 0xFF20_0000         # where the ARM has the lightweight bridge (HPS manual, address map)
-_INTERRUPT = 40                 # of f2h_irq0, among the shared ones (number 72 of all)
-_SILENT = 0xFFFF                # read of a sensor that does not answer, as over USB
+_INTERRUPT = 40                 # f2h_irq0 among the shared interrupts (number 72 of all)
+_SILENT = 0xFFFF                # value read if the sensor does not answer, as over USB
 _HOST = ("ncdc_board.py", "ncdc_server.py")
 
 
 def host_files(design, setup, corner):
     """``ncdc_<board>.dtsi``, ``ncdc_board.json``, and the programs, by name.
 
-    Parameters: as of :func:`ncdc_boards.hps_board.project.project_files`.
+    Parameters: as in :func:`ncdc_boards.hps_board.project.project_files`.
     """
     board = design.board
     base, size = board.frames
@@ -45,7 +45,7 @@ def host_files(design, setup, corner):
             "writes": [{"register": register, "value": value, "meaning": meaning}
                        for register, value, meaning in WRITES]}}
     return {
-        f"{name}.dtsi": device_tree(name, Place(
+        f"{name}.dtsi": device_tree(name, ModuleResources(
             REGISTERS, 4 << SYSTEM_WORDS_BITS, base, size, _INTERRUPT, fixed=True)),
         "ncdc_board.json": json.dumps(settings, indent=1) + "\n",
         "ncdc_table_users.py": (files("ncdc_spec.protocols") / "table_users.py").read_text(),
@@ -53,7 +53,7 @@ def host_files(design, setup, corner):
 
 
 def _pictures(system):
-    """What the server says of pictures."""
+    """Description of the pictures for the server."""
     form = output_format(system.hardware.format)
     raw = raw_format(system.descriptor.geometry)
     return {"pixel_bytes": form.pixel_bytes, "formats": {"raw": raw.mraw,

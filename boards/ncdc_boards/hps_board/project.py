@@ -31,13 +31,13 @@ def project_files(design, setup, corner):
     """Text of each file of the project, by name, without Linux's drivers.
 
     Those of :func:`ncdc_boards.quartus.project.project_files`, ``ncdc_qsys.tcl``, and what
-    :func:`~ncdc_boards.hps_board.linux.host_files` has.
+    :func:`~ncdc_boards.hps_board.linux.host_files` returns.
 
     Parameters
     ----------
     design : ncdc_boards.hps_board.core.HpsDesign
     setup : Setup
-        Of the sensor.
+        Configuration of the sensor.
     corner : Crop
         Column and row of the sensor's frame where the raw frame begins.
     """
@@ -51,7 +51,7 @@ def project_files(design, setup, corner):
 
 
 def _hdmi():
-    """The transmitter."""
+    """Constraints of the transmitter's pins."""
     outputs = ports_like(f"hdmi_0__{name}__io*" for name in ("de", "hs", "vs", "r", "g", "b"))
     return [
         "# HDMI transmitter; the processor's memory has constraints of its own, in the .qip",

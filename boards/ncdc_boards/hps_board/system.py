@@ -19,7 +19,7 @@ def system_tcl(board):
     """Text of ``ncdc_qsys.tcl``: the processor, its ports to the memory, its bridge to registers.
 
     The registers are at the beginning of the lightweight bridge. The processor's own pins
-    (Ethernet, card, serial port) are left out: whoever boots it, U-Boot, has set them up.
+    (Ethernet, card, serial port) are left out: U-Boot configures them.
     """
     lines = header(SYSTEM, board.family, board.device)
     lines += instance("clk_0", "clock_source", {

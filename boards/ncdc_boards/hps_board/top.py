@@ -3,10 +3,10 @@
 from amaranth import *
 from amaranth.lib import io
 
-from ncdc_boards.camera_board.pins import buffer, join_camera, join_lights, request
+from ncdc_boards.camera_board.pins import buffer, join_camera, join_leds, request
 from ncdc_boards.hps_board.core import HpsCore
 from ncdc_boards.hps_board.ports import AGENT, BURST_BITS, HOST, MEMORY_PINS, PORTS, SYSTEM
-from ncdc_boards.quartus.plls import Clocks
+from ncdc_boards.quartus.plls import QuartusClocks
 from ncdc_boards.quartus.top import clock_out, user
 
 __all__ = ["HDMI", "HpsTop"]
@@ -15,8 +15,8 @@ HDMI = ("clk", "de", "hs", "vs", "r", "g", "b", "scl", "sda")
 
 
 class HpsTop(Elaboratable):
-    """Joins the core to the pins of the board and to the processor; its picture goes, through the
-    user's module, to the HDMI transmitter.
+    """Joins the core to the pins of the board and to the processor; its picture goes through the
+    user's module to the HDMI transmitter.
 
     Parameters
     ----------
@@ -32,12 +32,12 @@ class HpsTop(Elaboratable):
         oscillator = buffer(m, platform.request("clk50", 0, dir="-"))
         hps_reset_n = Signal()
         m.domains += (ClockDomain(name) for name in self.design.clocks.targets())
-        m.submodules.clocks = Clocks(self.design.clocks, oscillator.i, ~hps_reset_n)
+        m.submodules.clocks = QuartusClocks(self.design.clocks, oscillator.i, ~hps_reset_n)
         m.submodules.core = self.core
         clock_out(m, "sensor_reference", join_camera(m, platform, self.core))
-        picture, lights = user(m, self.core.picture, self.core.lights)
+        picture, leds = user(m, self.core.picture, self.core.leds)
         self._hdmi(m, platform, picture)
-        join_lights(m, platform, lights)
+        join_leds(m, platform, leds)
         m.submodules.processor = Instance(
             SYSTEM, i_clk_clk=ClockSignal(), i_reset_reset_n=~ResetSignal(),
             o_hps_reset_reset_n=hps_reset_n, i_irq_irq=Cat(self.core.irq, C(0, 31)),
@@ -46,14 +46,14 @@ class HpsTop(Elaboratable):
 
     @staticmethod
     def _memory_pins(platform):
-        """The processor's memory, at pins that are its own."""
+        """The processor's memory, at its dedicated pins."""
         pins = request(platform, "hps_ddr3", (*MEMORY_PINS, "rzq"))
         ways = {name: "io" if name.startswith("dq") else "o" for name in MEMORY_PINS}
         return {f"{way}_memory_mem_{name}": getattr(pins, name).io for name, way in ways.items()} \
             | {"i_memory_oct_rzqin": pins.rzq.io}
 
     def _ports(self, m):
-        """The ports to the memory, whose agents want more signals than a host of one way has."""
+        """The ports to the memory, whose agents have more signals than a host of one direction."""
         found = {}
         for prefix, (width, _) in PORTS.items():
             bus = getattr(self.core, prefix)
@@ -72,7 +72,7 @@ class HpsTop(Elaboratable):
         return found
 
     def _registers(self, m):
-        """The lightweight bridge's host: words of bytes' addresses; one access at a time."""
+        """The lightweight bridge's host: words with byte addresses; one access at a time."""
         csr = self.core.csr
         address = Signal(len(csr.address) + 2, name="csr_byte_address")
         m.d.comb += csr.address.eq(address[2:])

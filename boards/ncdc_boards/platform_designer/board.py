@@ -1,4 +1,4 @@
-"""What a board without a memory controller of ours tells of itself."""
+"""Description of a board without a memory controller of this project."""
 
 from dataclasses import dataclass, field
 
@@ -7,12 +7,12 @@ __all__ = ["DesignerBoard"]
 
 @dataclass(frozen=True)
 class DesignerBoard:
-    """A board that ``ncdc generate --board`` writes a project for Platform Designer for.
+    """A board for which ``ncdc generate --board`` writes a project for Platform Designer.
 
     Parameters
     ----------
     name, title : str
-        As given on the command line; for people.
+        As given on the command line; the name for people.
     family, device : str
         As Quartus names them.
     core_mhz : float
@@ -24,7 +24,7 @@ class DesignerBoard:
     sources : tuple of str
         Where the board is described.
     left_to_user : dict
-        What the project does not hold: {what: why}.
+        Parts that the project lacks: {what: why}.
     """
     name: str
     title: str

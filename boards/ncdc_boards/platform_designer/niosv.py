@@ -15,8 +15,8 @@ BASES = {
     "receive_0.response": 0x0012_0440, "send_0.csr": 0x0012_0460,
     "send_0.descriptor_slave": 0x0012_0480, "packets_0.csr": 0x0013_0000,
     "ncdc_0.csr": 0x0014_0000, "memory_0.s0": 0x4000_0000}
-"""Byte addresses, as the processor sees them; the memory's other hosts see it at 0."""
-_CODE = "ram_0.s1", "cpu_0.dm_agent", "memory_0.s0"       # of these the processor fetches
+"""Byte addresses, in the processor's map; other hosts of the memory see it at 0."""
+_CODE = "ram_0.s1", "cpu_0.dm_agent", "memory_0.s0"       # the processor fetches from these
 _INTERRUPTS = "ncdc_0.irq", "packets_0.irq", "receive_0.csr_irq", "send_0.csr_irq", "uart_0.irq"
 
 _FAMILY, _DEVICE = "Cyclone V", "5CSEBA6U23I7"
@@ -40,11 +40,11 @@ _PARTS = {
     "mac_0": ("altera_eth_tse", {"core_variation": "MAC_ONLY", "ifGMII": "RGMII", "useMDIO": 1}),
     "send_0": ("altera_msgdma", _DMA | {"MODE": 1, "ERROR_WIDTH": 1}),
     "receive_0": ("altera_msgdma", _DMA | {"MODE": 2, "ERROR_WIDTH": 6, "RESPONSE_PORT": 0}),
-    # Whose packet the MAC sends next: the processor's, or one of a picture.
+    # The packet that the MAC sends next: the processor's, or one of a picture.
     "merge_0": ("multiplexer", _STREAM),
     "strip_0": ("altera_avalon_st_channel_stripper", {"SYMBOL_WIDTH": 8, "DATA_WIDTH": _WORD}),
 }
-# Of each instance its clocks and its resets.
+# Clocks and resets of each instance.
 _CLOCKED = {
     "cpu_0": ("clk", "reset"), "ram_0": ("clk1", "reset1"), "uart_0": ("clk", "reset"),
     "ncdc_0": ("clock", "reset"), "packets_0": ("clock", "reset"),
@@ -61,8 +61,8 @@ _MAC_PINS = ("mac_rgmii_connection", "mac_mdio_connection", "mac_status_connecti
 def niosv_tcl(data_width, system, packetiser):
     """Text of ``ncdc_niosv.tcl``: Nios V/m, camera system, packetiser, Altera's MAC with two DMAs.
 
-    The memory is an Avalon agent of yours, reached through an exported bridge of ``data_width``
-    bits; the sensor's pins, the I2C bus, and RGMII are exported. The device is that of a DE10-Nano.
+    The memory is an Avalon agent of the user, reached through an exported bridge of ``data_width``
+    bits. The sensor's pins, the I2C bus, and RGMII are exported. The device is that of a DE10-Nano.
     """
     lines = header(NIOSV, _FAMILY, _DEVICE, " --search-path=.,$")
     for name, (kind, parameters) in _PARTS.items():

@@ -19,7 +19,7 @@ set_false_path -from [get_ports {{reset_reset_n}}]
 
 
 def project_files(board, corrector):
-    """Text of each file of the project beside the Verilog and the component, by name.
+    """Text of each file of the project without the Verilog and the component, by name.
 
     ``ncdc_<board>.qpf``, ``.qsf`` (device, sources), ``.sdc``, ``ncdc_qsys.tcl``, ``build.sh``, and
     ``PORTS.md``: what is left to the user.

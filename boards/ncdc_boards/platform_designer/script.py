@@ -4,7 +4,7 @@ __all__ = ["connect", "header", "instance", "exported"]
 
 
 def header(system, family, device, search=""):
-    """How a script begins that makes ``system``.qsys."""
+    """First lines of a script that makes ``system``.qsys."""
     return [f"# Makes {system}.qsys: qsys-script --script={system}.tcl{search}",
             "package require -exact qsys 16.1", "", f"create_system {system}",
             f"set_project_property DEVICE_FAMILY {{{family}}}",

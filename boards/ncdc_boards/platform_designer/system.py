@@ -6,15 +6,15 @@ from ncdc_hdl.export.ip.platform_designer import COMPONENT, interfaces
 __all__ = ["CSR_BASE", "SYSTEM", "exports", "system_tcl"]
 
 SYSTEM = "ncdc_qsys"
-CSR_BASE = 0x1000_0000          # of the registers, as the JTAG host sees them; memory is at 0
+CSR_BASE = 0x1000_0000          # of the registers in the JTAG host's map; memory is at 0
 
 
 def system_tcl(board, corrector):
     """Text of ``ncdc_qsys.tcl``: clock, JTAG host, corrector, and a bridge to its memory.
 
-    Exported are what :func:`exports` names; ``memory`` is an Avalon host, of a bridge through which
-    all memory traffic passes. One reset is that of the corrector, of the bridge and of all that
-    is between them: the corrector's ``memory_reset`` tells it that what it asked for is forgotten.
+    The exports are those of :func:`exports`. ``memory`` is an Avalon host of a bridge through
+    which all memory traffic passes. One reset is that of the corrector, of the bridge and of all
+    between them: ``memory_reset`` makes the corrector drop its requests.
     """
     lines = header(SYSTEM, board.family, board.device, " --search-path=.,$")
     lines += instance("clk_0", "clock_source", {

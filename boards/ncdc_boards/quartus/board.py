@@ -1,4 +1,4 @@
-"""What a Quartus board tells of itself beyond what every board does."""
+"""Description of a Quartus board, beyond that of every board."""
 
 from dataclasses import dataclass
 

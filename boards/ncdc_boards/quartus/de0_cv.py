@@ -16,8 +16,8 @@ __all__ = ["BOARD", "De0CvPlatform"]
 
 
 def _changed(resource):
-    """amaranth-boards' resource, but lights that are lit by a high pin, as the board's manual has
-    them (theirs are inverted), and registers in the SDRAM's pins."""
+    """amaranth-boards' resource, but LEDs that are lit by a high pin, as in the board's
+    manual (theirs are inverted), and registers in the SDRAM's pins."""
     if resource.name == "led":
         return Resource("led", resource.number, Pins(*resource.ios[0].names, dir="o"), LVTTL)
     if resource.name == "sdram":
@@ -36,7 +36,7 @@ class De0CvPlatform(DE0CVPlatform):
 BOARD = QuartusBoard(
     name="de0-cv", title="Terasic DE0-CV", device="5CEBA4F23C7", platform=De0CvPlatform,
     chip=IS42S16320D_7, memory_bytes=IS42S16320D_7.bytes, core_mhz=CORE_MHZ,
-    clock_plan=partial(clock_plan, family=CYCLONE_V, most_mhz=65), top=QuartusTop,
+    clock_plan=partial(clock_plan, family=CYCLONE_V, max_mhz=65), top=QuartusTop,
     baud=1_000_000, multiplier_bits=27, tools="quartus",
     sources=("amaranth-boards, de0_cv.py", "assignments by Terasic's System Builder"),
     family=CYCLONE_V, dac=False)

@@ -34,7 +34,7 @@ class De1SocPlatform(DE1SoCPlatform):
 BOARD = QuartusBoard(
     name="de1-soc", title="Terasic DE1-SoC", device="5CSEMA5F31C6", platform=De1SocPlatform,
     chip=IS42S16320D_7, memory_bytes=IS42S16320D_7.bytes, core_mhz=CORE_MHZ,
-    clock_plan=partial(clock_plan, family=CYCLONE_V, most_mhz=140), top=QuartusTop,
+    clock_plan=partial(clock_plan, family=CYCLONE_V, max_mhz=140), top=QuartusTop,
     baud=1_000_000, multiplier_bits=27, tools="quartus",
     sources=("amaranth-boards, de1_soc.py", "litex-boards, terasic_de1soc.py",
              "set_location_assignments.tcl of the FHNW, with a D5M on GPIO 0"),

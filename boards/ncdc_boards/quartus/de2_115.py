@@ -18,11 +18,11 @@ from ncdc_boards.quartus.names import CYCLONE_IV
 from ncdc_boards.quartus.plls import CORE_MHZ, clock_plan
 from ncdc_boards.quartus.resources import LVTTL, SDRAM_ATTRS, camera, vga_dac
 from ncdc_boards.quartus.top import QuartusTop
-from ncdc_boards.sdram.chips import IS42S16320D_7, beside
+from ncdc_boards.sdram.chips import IS42S16320D_7, in_parallel
 
 __all__ = ["BOARD", "De2115Platform"]
 
-_CHIPS = beside(IS42S16320D_7, 2)
+_CHIPS = in_parallel(IS42S16320D_7, 2)
 
 
 class De2115Platform(AlteraPlatform):
@@ -46,7 +46,7 @@ class De2115Platform(AlteraPlatform):
                 r="E12 E11 D10 F12 G10 J12 H8 H10", g="G8 G11 F8 H12 C8 B8 F10 C9",
                 b="B10 A10 C11 B11 A11 C12 D11 D12"),
         camera(("gpio", 0)),
-        # The first of two sockets; a jumper chooses RGMII, which the firmware sets anyway.
+        # The first of two sockets; a jumper chooses RGMII, which the firmware also sets.
         rgmii(Attrs(io_standard="2.5 V"), rst="C19", mdc="C20", mdio="B21", tx_clk="A17",
               tx_ctl="A18", tx_data="C18 D19 A19 B19", rx_clk="A15", rx_ctl="C17",
               rx_data="C16 D16 D17 C15"),
@@ -62,7 +62,7 @@ class De2115Platform(AlteraPlatform):
 BOARD = QuartusBoard(
     name="de2-115", title="Terasic DE2-115", device="EP4CE115F29C7", platform=De2115Platform,
     chip=_CHIPS, memory_bytes=_CHIPS.bytes, core_mhz=CORE_MHZ,
-    clock_plan=partial(clock_plan, family=CYCLONE_IV, most_mhz=140), top=QuartusTop,
+    clock_plan=partial(clock_plan, family=CYCLONE_IV, max_mhz=140), top=QuartusTop,
     baud=115_200, multiplier_bits=18, tools="quartus",      # RS-232 drivers end at 120 kbit/s
     sources=("litex-boards, terasic_de2_115.py", "verilog-ethernet, example/DE2-115/fpga/fpga.qsf"),
     family=CYCLONE_IV, dac=True, ethernet=EthernetChip(addresses=range(32), delays=False))

@@ -6,4 +6,4 @@ CYCLONE_IV, CYCLONE_V = "Cyclone IV E", "Cyclone V"
 LOOPS = ("core_loop", "pixel_loop", "ethernet_loop")
 """Instances of the phase-locked loops: core, SDRAM and sensor; pixel; Ethernet, if there is one."""
 USER = "ncdc_user"
-"""Module, and file, that is the user's."""
+"""Module, and file, of the user."""

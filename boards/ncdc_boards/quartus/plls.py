@@ -8,20 +8,20 @@ from amaranth.lib.cdc import ResetSynchronizer
 from ncdc_boards.quartus.names import CYCLONE_IV, LOOPS
 from ncdc_spec.errors import InputError
 
-__all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "Clocks", "clock_plan"]
+__all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "QuartusClocks", "clock_plan"]
 
 REFERENCE_MHZ = 50                  # the boards' oscillator
 CORE_MHZ = 75
 SENSOR_MHZ = 25
-ETHERNET_MHZ = 125                  # of RGMII, whatever the line's speed
-_ETHERNET_LATE_PS = 2000            # of the clock at RGMII's pin: a quarter of its period
+ETHERNET_MHZ = 125                  # clock of RGMII at any speed of the line
+_ETHERNET_LATE_PS = 2000            # delay of the clock at RGMII's pin: a quarter of its period
 DOMAINS = ("sync", "memory", "sensor_reference", "pixel", "ethernet", "ethernet_late")
 _LOOP_OF = {"pixel": LOOPS[1], "ethernet": LOOPS[2], "ethernet_late": LOOPS[2]}
 # Intel, Cyclone IV Device Handbook, volume 3 (CYIV-53001), and Cyclone V Device Datasheet
-# (CV-51002), PLL specifications: MHz of the oscillator that the slowest of our devices has.
+# (CV-51002), PLL specifications: MHz of the oscillator in the slowest device.
 _OSCILLATOR = (600, 1300)
 _STEPS = 8                          # phases of the oscillator's period
-_EARLY_NS = 3                       # of the clock at the SDRAM's pin, before the core's next edge
+_EARLY_NS = 3                       # from the clock at the SDRAM's pin to the core's next edge
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class ClockPlan:
     family : str
     core_mhz : number
     phase_ps : int
-        By how much the SDRAM's clock is late behind the core's.
+        Delay of the SDRAM's clock relative to the core's.
     ratio : (int, int)
-        Pixel clock over the oscillator's.
+        Ratio of the pixel clock to the oscillator's.
     sdram, ethernet : bool
         Whether there is a clock for an SDRAM at the device's pins, and one for Ethernet.
     """
@@ -66,35 +66,35 @@ class ClockPlan:
         return found
 
     def output(self, domain):
-        """(MHz or a ratio to the oscillator's, ps behind the loop's first output)."""
+        """(MHz or a ratio to the oscillator's, ps after the loop's first output)."""
         late = {"memory": self.phase_ps, "ethernet_late": _ETHERNET_LATE_PS}
         return (self.ratio if domain == "pixel" else self.targets()[domain]), late.get(domain, 0)
 
 
-def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz, sdram=True):
+def clock_plan(mode, core_mhz=CORE_MHZ, *, family, max_mhz, sdram=True):
     """The :class:`ClockPlan` for a video mode.
 
-    The SDRAM's clock comes 3 ns before the core's next edge, to the nearest phase that the loop
-    has: what it samples has been stable for the rest of a period, and stays for those 3 ns.
+    The SDRAM's clock comes 3 ns before the core's next edge, at the nearest phase that the loop
+    has. Its inputs are stable for the rest of a period before, and for those 3 ns after.
 
     Parameters
     ----------
     mode : VideoMode
     core_mhz : number
     family : str
-    most_mhz : number
-        Pixel clock that the board's converter can take.
+    max_mhz : number
+        Highest pixel clock of the board's converter.
     sdram : bool
-        Of :class:`ClockPlan`.
+        As in :class:`ClockPlan`.
 
     Raises
     ------
     InputError
         If the converter is too slow for the mode, or the core's clock cannot be made.
     """
-    if mode.pixel_mhz > most_mhz:
+    if mode.pixel_mhz > max_mhz:
         raise InputError(f"the mode {mode.name} has a pixel clock of {mode.pixel_mhz:.1f} MHz, the "
-                         f"board's converter takes {most_mhz:g} MHz at most: a smaller --mode fits")
+                         f"board's converter takes {max_mhz:g} MHz at most: a smaller --mode fits")
     oscillator = next((SENSOR_MHZ * k for k in range(1, _OSCILLATOR[1] // SENSOR_MHZ + 1)
                        if SENSOR_MHZ * k >= _OSCILLATOR[0] and not SENSOR_MHZ * k % core_mhz), None)
     if oscillator is None:
@@ -104,16 +104,16 @@ def clock_plan(mode, core_mhz=CORE_MHZ, *, family, most_mhz, sdram=True):
     return ClockPlan(family, core_mhz, round(steps * step), mode.ratio, sdram)
 
 
-class Clocks(Elaboratable):
+class QuartusClocks(Elaboratable):
     """Drives the clocks of the plan's domains, which its parent defines, and their resets.
 
-    Core and pixels are in reset until all loops are locked.
+    The core and the pixel domain are in reset until all loops are locked.
 
     Parameters
     ----------
     plan : ClockPlan
     reference, restart : Value
-        The board's oscillator; high: the loops begin anew.
+        The board's oscillator; high restarts the loops.
     """
 
     def __init__(self, plan, reference, restart):
@@ -138,7 +138,7 @@ class Clocks(Elaboratable):
         return m
 
     def _cyclone_iv(self, m, name, outputs):
-        """An ALTPLL's outputs, and whether it is locked."""
+        """Outputs of an ALTPLL, and a signal that is high when it is locked."""
         clocks, locked = Signal(5, name=f"{name}_outputs"), Signal(name=f"{name}_locked")
         parameters = {}
         for k, (mhz, late_ps) in enumerate(outputs):
@@ -155,7 +155,7 @@ class Clocks(Elaboratable):
         return list(clocks)[:len(outputs)], locked
 
     def _cyclone_v(self, m, name, outputs):
-        """An ALTERA_PLL's outputs, and whether it is locked."""
+        """Outputs of an ALTERA_PLL, and a signal that is high when it is locked."""
         clocks, locked = (Signal(len(outputs), name=f"{name}_outputs"),
                           Signal(name=f"{name}_locked"))
         parameters = {}
@@ -173,6 +173,6 @@ class Clocks(Elaboratable):
 
 
 def _ratio(mhz):
-    """A clock over the reference's, as two numbers."""
+    """Ratio of a clock to the reference, as two numbers."""
     up, down = (float(mhz) / REFERENCE_MHZ).as_integer_ratio()
     return up, down

@@ -9,7 +9,7 @@ from ncdc_boards.quartus.user import user_module
 __all__ = ["USER_FILE", "assembled", "project_files", "project_name", "top_verilog"]
 
 USER_FILE = f"{USER}.v"
-"""The file that is the user's: written if it is not there."""
+"""The user's file: written only if it does not exist."""
 
 _SETTINGS = f"""\
 set_global_assignment -name FAMILY "{{family}}"
@@ -29,12 +29,12 @@ cd "$(dirname "$0")"
 {mapped}for tool in fit asm; do
     quartus_$tool --rev={name} {name}
 done
-# Ends with an error if a clock or a counter's skew is missed, or a constraint has found nothing.
+# Ends with an error if a clock or a counter's skew is violated, or a constraint has found nothing.
 quartus_sta -t check_timing.tcl
 echo "{name}.sof: quartus_pgm -m jtag -o 'p;{name}.sof{second}'"
 """
 _CHECK = """\
-# Run by build.sh: fails if a clock is missed in any corner, or a constraint has found nothing.
+# Run by build.sh: fails if a clock violates its timing, or a constraint has found nothing.
 project_open {name} -revision {name}
 create_timing_netlist
 read_sdc
@@ -52,7 +52,7 @@ foreach pattern {{{registers}}} {{
         fail "no register is called $pattern"
     }}
 }}
-# The longest or the shortest way from registers to others, in ns; constraints do not matter.
+# The longest or the shortest way from registers to others, in ns; constraints are ignored.
 proc way {{from to args}} {{
     set found {{}}
     set paths [get_path -from [get_registers $from] -to [get_registers $to] -npaths 1000 \
@@ -66,14 +66,14 @@ set worst 1e9
 foreach_in_collection corner [get_available_operating_conditions] {{
     set_operating_conditions $corner
     update_timing_netlist
-    # Of each Gray counter: how far apart its bits arrive, and ns that are allowed.
+    # For each Gray counter: the skew of its bits, and its limit in ns.
     foreach {{from to limit}} {{{counters}}} {{
         set skew [expr {{[way $from $to] - [way $from $to -min_path]}}]
         puts "skew from $from to $to: $skew ns"
         if {{$skew > $limit}} {{ fail "bits of $from arrive $skew ns apart, $limit at most" }}
     }}
     foreach kind {{setup hold recovery removal mpw}} {{
-        # Of each clock: its name, its slack, and more.
+        # For each clock: its name, its slack, and more.
         foreach clock [get_clock_domain_info -$kind] {{
             set slack [lindex $clock 1]
             puts "$kind [lindex $clock 0]: slack $slack ns"
@@ -82,8 +82,8 @@ foreach_in_collection corner [get_available_operating_conditions] {{
     }}
 }}
 if {{$worst == 1e9}} {{ fail "no slack was found" }}
-if {{$worst < 0}} {{ fail "the design misses its timing by [expr {{-$worst}}] ns" }}
-puts "the least slack is $worst ns"
+if {{$worst < 0}} {{ fail "the design does not meet timing by [expr {{-$worst}}] ns" }}
+puts "the minimum slack is $worst ns"
 project_close
 """
 
@@ -107,9 +107,9 @@ def project_files(design, setup, sources=()):
     Parameters
     ----------
     design : ncdc_boards.camera_board.core.Design
-        Of a :class:`~ncdc_boards.quartus.board.QuartusBoard`.
+        Design of a :class:`~ncdc_boards.quartus.board.QuartusBoard`.
     setup : Setup
-        Of the sensor.
+        Configuration of the sensor.
     sources : sequence of str
         Names of more Verilog files, of a processor.
     """
@@ -127,11 +127,11 @@ def assembled(board, top, timing, *, settings="", before="", mapped=""):
         With ``name``, ``title``, ``family``, ``device``, ``platform``, ``sources``.
     top : Elaboratable
     timing : callable
-        From the top's ports to the text of the .sdc behind the oscillator's clock.
+        Function of the top's ports; returns the text of the .sdc after the oscillator's clock.
     settings : str
-        More of the .qsf.
+        More lines of the .qsf.
     before, mapped : str
-        Lines of ``build.sh`` before Quartus's first program and behind it.
+        Lines of ``build.sh`` before and after Quartus's first program.
     """
     name = project_name(board)
     files = _prepared(board, top)
@@ -139,7 +139,7 @@ def assembled(board, top, timing, *, settings="", before="", mapped=""):
     ports = sorted({port.partition("[")[0] for port, _ in pins})
     files["qsf"] += _SETTINGS.format(family=board.family, name=name) + settings
     files["sdc"] += timing(ports)
-    second = "@2" if board.device.startswith("5CSE") else ""    # behind the processor
+    second = "@2" if board.device.startswith("5CSE") else ""    # after the processor
     return {f"{name}.{kind}": text for kind, text in files.items()} | {
         f"{name}.qpf": f'PROJECT_REVISION = "{name}"\n',
         "build.sh": _BUILD.format(name=name, second=second, before=before, mapped=mapped),
@@ -148,7 +148,7 @@ def assembled(board, top, timing, *, settings="", before="", mapped=""):
 
 
 def _check(board, name, sdc):
-    """The script that looks at the slack of all clocks."""
+    """Script that checks the slack of all clocks."""
     clocks = re.findall(r"-name \"?(\w+)\"?", sdc)
     registers = sorted(set(re.findall(r"get_registers ({[^}]*})", sdc)))
     counters = re.findall(r"set_net_delay -max ([\d.]+) -from \[get_registers ({[^}]*})\] "
@@ -165,7 +165,7 @@ def _prepared(board, top):
     texts = {kind: files[f"{name}.{kind}"] for kind in ("v", "qsf", "sdc", "srf")}
     texts = {kind: text.decode() if isinstance(text, bytes) else text
              for kind, text in texts.items()}
-    # Amaranth's places for more, which come behind instead.
+    # Amaranth's placeholders are removed; further lines are appended instead.
     return {kind: re.sub(r"^# \(add_\w+ placeholder\)\n*", "", text, flags=re.M).rstrip() + "\n"
             for kind, text in texts.items()}
 

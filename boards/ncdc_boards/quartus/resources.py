@@ -12,7 +12,7 @@ CAMERA_PINS = {
     "d": (16, 15, 14, 13, 10, 9, 8, 7, 6, 5, 4, 2), "pixclk": (1,), "xclk": (19,),
     "reset_n": (20,), "standby": (22,), "lval": (24,), "fval": (25,), "sda": (26,), "scl": (27,)}
 """Pins of the 40-pin header, D0 first; Terasic, TRDB-D5M Hardware Specification. "standby" is the
-D5M's TRIGGER, which is kept low too."""
+D5M's TRIGGER, which is also held low."""
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o", "standby": "o"}
 
 
@@ -22,8 +22,8 @@ _UP = Attrs(WEAK_PULL_UP_RESISTOR="ON")
 def camera(conn):
     """The camera module TRDB-D5M on the 40-pin header ``conn``, (name, number).
 
-    Without a camera its inputs are high, so that no frame begins. The pixel clock's may be an input
-    of a clock network, which has no pull-up.
+    Without a camera its inputs are high, so that no frame begins. The pixel clock's pin may be
+    on a clock network, which has no pull-up.
     """
     up = {name: [_UP] for name in ("scl", "sda", "d", "lval", "fval")}
     return Resource("camera", 0, *(
@@ -33,8 +33,8 @@ def camera(conn):
 
 
 def serial(conn):
-    """A serial port's adaptor of 3.3 V on pins 1 (its TX) and 2 (its RX) of a header; without one
-    the line is high, as it is when nothing is sent."""
+    """A serial port's adaptor of 3.3 V on pins 1 (its TX) and 2 (its RX) of a header. Without one
+    the line is high, as when nothing is sent."""
     return Resource("uart", 0, Subsignal("rx", Pins("1", dir="i", conn=conn), _UP),
                     Subsignal("tx", Pins("2", dir="o", conn=conn)), LVTTL)
 

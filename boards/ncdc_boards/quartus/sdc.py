@@ -6,48 +6,48 @@ from ncdc_spec.errors import InputError
 __all__ = ["CHAIN_PORTS", "FREE", "GRAY_COUNTERS", "PROCESSOR_GRAY_COUNTERS", "SDRAM_NS", "TRACE",
            "check_sensor", "constraints", "generated", "ports_like"]
 
-# Pin of output k of a loop, as Quartus names it; `derive_pll_clocks` gives its clock that name.
+# Pin of output k of a loop, as Quartus names it; `derive_pll_clocks` gives its clock the same name.
 _CYCLONE_IV_PIN = "*{loop}|auto_generated|pll1|clk[{k}]"
 _CYCLONE_V_PIN = "*{loop}|general[{k}].gpll~PLL_OUTPUT_COUNTER|divclk"
 
-TRACE = .25        # ns: by how much traces of a group differ, at most
-SDRAM_NS = {"setup": 1.5, "hold": .8, "access": 5.4, "kept": 2.7}
+TRACE = .25        # ns: largest difference between traces of a group
+SDRAM_NS = {"setup": 1.5, "hold": .8, "access": 5.4, "output_hold": 2.7}
 """ISSI, IS42S16320D, AC electrical characteristics, grade 7, CAS latency 3."""
 # Analog Devices, ADV7123, timing specifications, rounded up, in ns.
 _DAC_SETUP, _DAC_HOLD = .5, 1.5
-_DAC_LESS_NS = 10   # a resistor network has no clock: its pins shall change within so many ns
+_DAC_LESS_NS = 10   # a resistor network has no clock: its pins shall change within this time
 # MT9P031/D, I/O timing: PIXCLK's falling edge to data, frame valid, line valid; rounded outwards,
 # and not checked again with the data sheet.
-_SENSOR_LEAST, _SENSOR_MOST = 0, 6
-# RGMII 1.3: set-up and hold at a receiver; 2.0: at the pins of a chip that sends its clock late.
+_SENSOR_MIN, _SENSOR_MAX = 0, 6
+# RGMII 1.3: setup and hold at a receiver; 2.0: at the pins of a chip that sends its clock late.
 _RGMII_NS = {"sent": 1.0, "received": 1.2}
 _RGMII_EDGES = 4    # ns between them, at 1000 Mbit/s
 _CHAIN_CLOCK = "altera_reserved_tck"
-_CHAIN_NS = 33.333  # 30 MHz: Intel, USB-Blaster II has 24 MHz
-_INPUT = 1.5        # ns: set-up of an input of the device behind its clock, about
+_CHAIN_NS = 33.333  # 30 MHz: Intel, USB-Blaster II runs at 24 MHz
+_INPUT = 1.5        # ns: approximate setup of an input of the device to its clock
 
 FREE = {
-    "button_*": (("from",), "pressed by hand, behind synchronisers"),
+    "button_*": (("from",), "pressed by hand, synchronised"),
     "led_*": (("to",), "seen by eye"),
-    "uart_0__rx__io": (("from",), "a serial line has no clock; behind a synchroniser"),
+    "uart_0__rx__io": (("from",), "a serial line has no clock; synchronised"),
     "uart_0__tx__io": (("to",), "a serial line has no clock"),
-    "camera_0__scl__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
-    "camera_0__sda__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
+    "camera_0__scl__io": (("from", "to"), "I2C, 100 kHz, synchronised"),
+    "camera_0__sda__io": (("from", "to"), "I2C, 100 kHz, synchronised"),
     "camera_0__reset_n__io": (("to",), "changes once"),
     "camera_0__standby__io": (("to",), "constant"),
     "vga_0__sync_n__io": (("to",), "constant"),
     **{f"altera_reserved_{name}": ((way,), "timed by the cable")
        for name, way in (("tdi", "from"), ("tms", "from"), ("tdo", "to"))},
     "eth_rgmii_0__mdc__io": (("to",), "2.5 MHz at most, bit by bit by the processor"),
-    "eth_rgmii_0__mdio__io": (("from", "to"), "with it; behind a synchroniser"),
+    "eth_rgmii_0__mdio__io": (("from", "to"), "with it; synchronised"),
     "eth_rgmii_0__rst__io": (("to",), "changes once"),
-    "hdmi_0__scl__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
-    "hdmi_0__sda__io": (("from", "to"), "I2C, 100 kHz, behind a synchroniser"),
+    "hdmi_0__scl__io": (("from", "to"), "I2C, 100 kHz, synchronised"),
+    "hdmi_0__sda__io": (("from", "to"), "I2C, 100 kHz, synchronised"),
 }
 """Ports without timing: whether paths begin or end there, and why they have none."""
 
 CHAIN_PORTS = tuple(f"altera_reserved_{name}" for name in ("tck", "tdi", "tms", "tdo"))
-"""Ports of the scan chain, which Quartus adds to the top."""
+"""Ports of the JTAG chain, which Quartus adds to the top."""
 
 _CLOCKS = {"sync": "core", "memory": "memory", "sensor_reference": "reference", "pixel": "pixel",
            "ethernet": "ethernet", "ethernet_late": "ethernet_late"}
@@ -62,12 +62,12 @@ set_false_path -from [get_registers {*:page|values*}] -to [get_clocks {sensor}]
 """
 GRAY_COUNTERS = (("*|produce_w_gry*", "*:produce_cdc|*din_s1"),
                  ("*|consume_r_gry*", "*:consume_cdc|*din_s1"))
-"""Registers of the queues' Gray counters, and first registers of the synchronisers behind them."""
+"""Registers of the queues' Gray counters, and first registers of their synchronisers."""
 PROCESSOR_GRAY_COUNTERS = ((
     "*ncdc_processor:processor|*graycounter*_q*",
     "*ncdc_processor:processor|*multiregimpl*_regs0*"),)
-"""The same of LiteX's queues."""
-# Of a period: what a route may take of which all bits of a Gray counter have one.
+"""The same for LiteX's queues."""
+# Part of a period that the route of each bit of a Gray counter may take.
 _GRAY_PART = .8
 
 
@@ -76,14 +76,14 @@ def check_sensor(mhz):
 
     They change with its falling edge and are taken with its rising one, half a period later.
     """
-    most = 500 / (_SENSOR_MOST + TRACE + _INPUT)
-    if mhz > most:
-        raise InputError(f"the sensor's pixel clock is {mhz:g} MHz, its pins come {_SENSOR_MOST} "
-                         f"ns behind it: {int(most)} MHz fit")
+    limit = 500 / (_SENSOR_MAX + TRACE + _INPUT)
+    if mhz > limit:
+        raise InputError(f"the sensor's pixel clock is {mhz:g} MHz, its pins come {_SENSOR_MAX} "
+                         f"ns after it: {int(limit)} MHz fit")
 
 
 def constraints(design, sensor_mhz, ports, groups=None):
-    """Text for the .sdc behind the oscillator's clock, which Amaranth writes.
+    """Text for the .sdc after the oscillator's clock, which Amaranth writes.
 
     Parameters
     ----------
@@ -91,9 +91,9 @@ def constraints(design, sensor_mhz, ports, groups=None):
     sensor_mhz : number
         Pixel clock of the sensor.
     ports : sequence of str
-        Of the top.
+        Port names of the top.
     groups : sequence of str, optional
-        Lines in place of those of an SDRAM, of a VGA port and of the scan chain.
+        Lines that replace those of the SDRAM, the VGA port and the JTAG chain.
     """
     board, core_ns = design.board, 1000 / design.clocks.core_mhz
     period = min(core_ns, 1000 / sensor_mhz, 1000 / design.clocks.pixel_mhz)
@@ -114,7 +114,7 @@ def constraints(design, sensor_mhz, ports, groups=None):
 
 
 def generated(name, source, port, invert=False):
-    """A clock that leaves through a pin."""
+    """A clock that is an output of the device."""
     return (f"create_generated_clock -name {name} -source [get_pins -compatibility_mode ${source}] "
             f"{'-invert ' * invert}[get_ports {{{port}}}]")
 
@@ -125,7 +125,7 @@ def ports_like(patterns):
 
 
 def _sdram():
-    """The SDRAM: its clock comes 3 ns before the core's next edge."""
+    """Constraints of the SDRAM, whose clock comes 3 ns before the core's next edge."""
     outputs = ports_like(f"sdram_0__{name}__io*" for name in (
         "clk_en", "cs", "we", "ras", "cas", "ba", "a", "dqm", "dq"))
     inputs = ports_like(["sdram_0__dq__io*"])
@@ -135,26 +135,26 @@ def _sdram():
         f"set_output_delay -clock sdram_pin -max {SDRAM_NS['setup'] + TRACE} {outputs}",
         f"set_output_delay -clock sdram_pin -min {-SDRAM_NS['hold'] - TRACE} {outputs}",
         f"set_input_delay -clock sdram_pin -max {SDRAM_NS['access'] + TRACE} {inputs}",
-        f"set_input_delay -clock sdram_pin -min {SDRAM_NS['kept'] - TRACE} {inputs}",
-        "# What the SDRAM gives with an edge is taken with the core's second one behind it: the",
-        "# first one comes before the access time is over.",
+        f"set_input_delay -clock sdram_pin -min {SDRAM_NS['output_hold'] - TRACE} {inputs}",
+        "# Data of the SDRAM are sampled at the second edge of the core's clock after its own: the",
+        "# first edge comes before the access time is over.",
         "set_multicycle_path -setup -from [get_clocks {sdram_pin}] -to [get_clocks $core] 2"]
 
 
 def _sensor():
-    """The sensor, whose pins change with the falling edge of its clock."""
+    """Constraints of the sensor, whose pins change with the falling edge of its clock."""
     inputs = ports_like(f"camera_0__{name}__io*" for name in ("d", "fval", "lval"))
     return [
         "# Sensor",
         generated("sensor_reference_pin", "reference", "camera_0__xclk__io"),
-        f"set_input_delay -clock sensor -clock_fall -max {_SENSOR_MOST + TRACE} "
+        f"set_input_delay -clock sensor -clock_fall -max {_SENSOR_MAX + TRACE} "
         f"{inputs}",
-        f"set_input_delay -clock sensor -clock_fall -min {_SENSOR_LEAST - TRACE} "
+        f"set_input_delay -clock sensor -clock_fall -min {_SENSOR_MIN - TRACE} "
         f"{inputs}"]
 
 
 def _screen(board, pixel_mhz):
-    """The screen."""
+    """Constraints of the screen's pins."""
     parts = ["hs", "vs", "r", "g", "b"] + ["blank_n"] * board.dac
     outputs = ports_like(f"vga_0__{name}__io*" for name in parts)
     if board.dac:
@@ -164,27 +164,27 @@ def _screen(board, pixel_mhz):
             f"set_output_delay -clock vga_pin -max {_DAC_SETUP + TRACE} {outputs}",
             f"set_output_delay -clock vga_pin -min {-_DAC_HOLD - TRACE} {outputs}"]
     return [
-        "# Screen, through resistors: all pins change soon behind the pixel clock.",
+        "# Screen, through resistors: all pins change shortly after the pixel clock.",
         f"set_output_delay -clock [get_clocks $pixel] -max {1000 / pixel_mhz - _DAC_LESS_NS:.3f} "
         f"{outputs}",
         f"set_output_delay -clock [get_clocks $pixel] -min 0 {outputs}"]
 
 
 def _chain():
-    """The scan chain that configures the device, whose ports Quartus adds."""
+    """Constraints of the JTAG chain that configures the device; Quartus adds its ports."""
     return [
-        "# Scan chain, with the fastest cable and some more.",
-        "# Named as Quartus' own cell at the chain names it: two names would be two clocks.",
+        "# JTAG chain, with the fastest cable and a margin.",
+        "# The name is that of Quartus' own JTAG cell: two names would be two clocks.",
         f"create_clock -name {_CHAIN_CLOCK} -period {_CHAIN_NS} [get_ports {{{_CHAIN_CLOCK}}}]",
-        "# A request lies still from before the core is told of it until it is answered, the",
-        "# answer from before the chain is told of it.",
+        "# A request is stable from before its flag reaches the core until it is answered, the",
+        "# answer from before its flag reaches the chain.",
         "set_false_path -from [get_registers {*:jtag|request*}] -to [get_clocks $core]",
         "set_false_path -from [get_registers {*:jtag|answer*}] "
         f"-to [get_clocks {{{_CHAIN_CLOCK}}}]"]
 
 
 def _ethernet():
-    """RGMII, whose clock comes 2 ns behind the data in both directions, and the MAC's crossings."""
+    """RGMII, whose clock is 2 ns after the data in both directions, and the MAC's crossings."""
     inputs = ports_like(f"eth_rgmii_0__{name}__io*" for name in ("rx_ctl", "rx_data"))
     outputs = ports_like(f"eth_rgmii_0__{name}__io*" for name in ("tx_ctl", "tx_data"))
     sent, changed = _RGMII_NS["sent"], _RGMII_NS["received"]
@@ -193,27 +193,27 @@ def _ethernet():
         generated("ethernet_pin", "ethernet_late", "eth_rgmii_0__tx_clk__io")]
     for edge in ("", "-clock_fall -add_delay "):
         lines += [
-            # Data change behind an edge, and are stable before the next one.
+            # Data change after an edge, and are stable before the next one.
             f"set_input_delay -clock {received} {edge}-max "
             f"{_RGMII_EDGES - changed + TRACE:.2f} {inputs}",
             f"set_input_delay -clock {received} {edge}-min {changed - TRACE:.2f} {inputs}",
             f"set_output_delay -clock ethernet_pin {edge}-max {sent + TRACE} {outputs}",
             f"set_output_delay -clock ethernet_pin {edge}-min {-sent - TRACE} {outputs}"]
     return [*lines,
-            "# The first registers of LiteX's synchronisers, and both of those that end a reset.",
+            "# First registers of LiteX's synchronisers, and both registers that end a reset.",
             "set_false_path -to [get_registers {*ncdc_processor:processor|*multiregimpl*_regs0*}]",
             "set_false_path -to [get_registers {*ncdc_processor:processor|*ars_cd_eth_*}]",
             *_gray(PROCESSOR_GRAY_COUNTERS, 2 * _RGMII_EDGES)]
 
 
 def _gray(counters, period):
-    """Limits of the routes of Gray counters' bits, which cross together.
+    """Limits of the routes of Gray counters' bits, which cross domains together.
 
     Two bits that change one period after the other must not arrive in the other order. Every route
-    between a counter and its synchronisers is shorter than a part of the shortest period. The same
-    paths are cut, by the synchroniser cell's own attribute too: a limit of skew or delay would be
-    ignored there, a limit of net delay is not (Intel, Quartus Prime Standard Timing Analyzer,
-    683068, timing constraint precedence).
+    between a counter and its synchronisers is shorter than :data:`_GRAY_PART` of the shortest
+    period. The same paths are cut, also by the attribute of the synchroniser cell. A limit of
+    skew or delay would be ignored there. A limit of net delay is not (Intel, Quartus Prime
+    Standard Timing Analyzer, 683068, timing constraint precedence).
 
     Parameters: pairs of patterns of registers; ns.
     """
@@ -223,7 +223,7 @@ def _gray(counters, period):
 
 
 def _free(ports):
-    """The ports of :data:`FREE` that the top has."""
+    """False paths for the ports of :data:`FREE` that the top has."""
     lines = ["# Ports without timing"]
     for pattern, (ways, why) in FREE.items():
         if any(name.startswith(pattern.rstrip("*")) for name in ports):

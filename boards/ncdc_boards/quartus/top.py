@@ -1,21 +1,21 @@
-"""The top of a Quartus board: its clocks and pins around the core of all boards."""
+"""The top of a Quartus board: its clocks and pins, and the core of all boards."""
 
 from amaranth import *
 from amaranth.lib import io
 
-from ncdc_boards.camera_board.core import LIGHTS, BoardCore
+from ncdc_boards.camera_board.core import LEDS, BoardCore
 from ncdc_boards.camera_board.ethernet import join_processor
 from ncdc_boards.camera_board.pins import (
     buffer,
     join_buttons,
     join_camera,
-    join_lights,
+    join_leds,
     join_sdram,
     join_uart,
     request,
 )
 from ncdc_boards.quartus.names import USER
-from ncdc_boards.quartus.plls import Clocks
+from ncdc_boards.quartus.plls import QuartusClocks
 from ncdc_hdl.registers.jtag_bridge import DOMAIN as CHAIN
 from ncdc_hdl.video.scan_out import PICTURE
 
@@ -27,29 +27,29 @@ RESTART = ("button", 3)
 
 
 def clock_out(m, domain, port, falling=False):
-    """A clock at a pin, through the pin's cell, as late as what its registers send."""
+    """Drive a pin with a clock through a DDR register, as late as the pins' registers."""
     m.submodules[f"{domain}_clock"] = pin = io.DDRBuffer("o", port, o_domain=domain)
     m.d.comb += [pin.o[0].eq(not falling), pin.o[1].eq(falling)]
 
 
 def user(m, picture, lights_in):
-    """Picture and lights behind the user's module."""
-    shown, lights = Signal(PICTURE), Signal(LIGHTS)
+    """Picture and LEDs after the user's module."""
+    shown, leds = Signal(PICTURE), Signal(LEDS)
     m.submodules.user = Instance(
         USER, i_clk=ClockSignal(), i_pixel_clk=ClockSignal("pixel"),
-        i_lights_in=lights_in, o_lights_out=lights,
+        i_lights_in=lights_in, o_lights_out=leds,
         **{f"i_{name}_in": picture[name] for name in PICTURE.members},
         **{f"o_{name}_out": shown[name] for name in PICTURE.members})
-    return shown, lights
+    return shown, leds
 
 
 class QuartusTop(Elaboratable):
-    """Joins the pins of the board to the core, and its picture, through the user's module, to VGA.
+    """Joins the pins of the board to the core, and its picture to VGA through the user's module.
 
     Parameters
     ----------
     design : ncdc_boards.camera_board.core.Design
-        Of a :class:`~ncdc_boards.quartus.board.QuartusBoard`.
+        Design of a :class:`~ncdc_boards.quartus.board.QuartusBoard`.
     """
 
     def __init__(self, design):
@@ -61,18 +61,18 @@ class QuartusTop(Elaboratable):
         oscillator = buffer(m, platform.request("clk50", 0, dir="-"))
         restart = buffer(m, platform.request(*RESTART, dir="-"))
         m.domains += (ClockDomain(name) for name in self.design.clocks.targets())
-        # In the core's reset the SDRAM gets what the controller sends then: no command.
+        # In the core's reset the controller sends no command to the SDRAM.
         m.domains += ClockDomain(PINS_DOMAIN, reset_less=True)
         m.d.comb += ClockSignal(PINS_DOMAIN).eq(ClockSignal())
-        m.submodules.clocks = Clocks(self.design.clocks, oscillator.i, restart.i)
+        m.submodules.clocks = QuartusClocks(self.design.clocks, oscillator.i, restart.i)
         m.submodules.core = core = self.core
         clock_out(m, "memory", join_sdram(m, platform, core, PINS_DOMAIN))
         clock_out(m, "sensor_reference", join_camera(m, platform, core))
-        picture, lights = user(m, core.picture, core.lights)
+        picture, leds = user(m, core.picture, core.leds)
         self._vga(m, platform, picture)
         join_uart(m, platform, core)
         join_buttons(m, platform, core, BUTTONS)
-        join_lights(m, platform, lights)
+        join_leds(m, platform, leds)
         self._scan(m, core.scan)
         if self.design.processor:
             join_processor(m, platform, core, self.design.board.ethernet)
@@ -80,9 +80,9 @@ class QuartusTop(Elaboratable):
 
     @staticmethod
     def _scan(m, scan):
-        """The core at a virtual TAP, which Quartus joins to the chain that configures the device.
+        """Connect the core to a virtual TAP, which Quartus adds to the configuring JTAG chain.
 
-        Of its virtual instruction there is one bit, which nobody reads: 1 is this register.
+        Its virtual instruction has one bit, which is not decoded: 1 is this register.
         """
         m.domains += ClockDomain(CHAIN, reset_less=True)
         m.submodules.virtual_tap = Instance(
@@ -99,7 +99,7 @@ class QuartusTop(Elaboratable):
         pulses = Cat(picture.hsync, picture.vsync)
         if board.dac:
             # The converter takes colours with the rising edge, in the middle of a pixel, and shows
-            # them a clock later; the sync pulses go past it.
+            # them a clock later; the sync pulses bypass it.
             late = Signal(2)
             m.d.pixel += late.eq(pulses)
             pulses = late

@@ -1,4 +1,4 @@
-"""The module that is the user's, as it is written the first time."""
+"""The user's module, as it is written the first time."""
 
 from ncdc_boards.quartus.names import USER
 
@@ -6,20 +6,20 @@ __all__ = ["user_module"]
 
 
 def user_module():
-    """Verilog of the module: it passes picture and lights on as they are."""
+    """Verilog of the module: it passes picture and LEDs unchanged."""
     return f"""\
-// This file is yours. `ncdc build` writes it once, and never again when it is there; all else in
-// this folder is made anew each time.
+// This file is yours. `ncdc build` writes it once, and does not overwrite it; all other files of
+// this folder are written again each time.
 //
-// The picture goes through this module on its way to the screen, and the lights on theirs. As it is
-// it changes nothing. A register in one of the `_out` of the picture needs one in all of them.
+// The picture goes through this module to the screen, and `lights` to the LEDs. As
+// written it changes nothing. With a register in one `_out` of the picture, all need one.
 
 module {USER} (
-    input wire        clk,              // of the core; `lights_in` belong to it
-    input wire        pixel_clk,        // of the screen; the picture belongs to it
+    input wire        clk,              // of the core; `lights_in` are synchronous to it
+    input wire        pixel_clk,        // of the screen; the picture is synchronous to it
     // One pixel per clock.
     input wire        visible_in,       // in the picture; low in the blanking around it
-    input wire        hsync_in,         // as on the wire: low or high, as the mode has it
+    input wire        hsync_in,         // as on the wire, with the mode's polarity
     input wire        vsync_in,
     input wire  [7:0] r_in,
     input wire  [7:0] g_in,
@@ -30,7 +30,7 @@ module {USER} (
     output wire [7:0] r_out,            // 0 in the blanking
     output wire [7:0] g_out,
     output wire [7:0] b_out,
-    // 0: memory ready, 1: set-up over, 2: no answer from the sensor, 3: memory too slow for the
+    // 0: memory ready, 1: configured, 2: no answer from the sensor, 3: memory too slow for the
     // screen, from 4 on: number of the lens.
     input wire  [7:0] lights_in,
     output wire [7:0] lights_out

@@ -1,4 +1,4 @@
-"""The state of the memory's banks: rows that are open, and when what command is allowed."""
+"""The state of the memory's banks: open rows, and which commands are allowed now."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -10,21 +10,21 @@ __all__ = ["Banks"]
 
 
 class Banks(wiring.Component):
-    """Keeps account of the commands given, and tells which ones the data sheet allows now.
+    """Tracks the commands given, and outputs which ones the data sheet allows now.
 
-    Each rule is a shift register with a one for each clock that is still to be waited.
+    Each rule is a shift register with a one for each clock still to wait.
 
-    Timing: a command counts from the next clock on; all outputs are of this clock.
+    Timing: a command counts from the next clock; outputs are valid in this clock.
 
     Parameters
     ----------
-    place : Place
-    clocks : Clocks
+    mapping : AddressMapping
+    clocks : SdramTiming
 
     Members
     -------
-    command : ``In(command_layout(place))``
-        What is given in this clock.
+    command : ``In(command_layout(mapping))``
+        The command given in this clock.
     column_bank, column_write : ``In(2)``, ``In(1)``
         For a READ or WRITE of this bank, which has its row open or opening:
     column_allowed : ``Out(1)``
@@ -39,11 +39,11 @@ class Banks(wiring.Component):
         REFRESH and LOAD MODE REGISTER are allowed.
     """
 
-    def __init__(self, place, clocks):
-        self.place, self.clocks = place, clocks
-        chip = place.chip
+    def __init__(self, mapping, clocks):
+        self.mapping, self.clocks = mapping, clocks
+        chip = mapping.chip
         super().__init__({
-            "command": In(command_layout(place)),
+            "command": In(command_layout(mapping)),
             "column_bank": In(chip.bank_bits), "column_write": In(1), "column_allowed": Out(1),
             "bank": In(chip.bank_bits), "row": In(chip.row_bits),
             "is_open": Out(1), "is_other": Out(1),
@@ -55,11 +55,11 @@ class Banks(wiring.Component):
     def times(self):
         """{rule: clocks from one command to the next}.
 
-        ``ras`` keeps tRC as well: PRECHARGE waits until tRP behind it ends no earlier than tRC.
-        A write's last data come ``beats`` - 1 clocks behind it. Between read data and write data
-        nobody drives DQ for a clock.
+        ``ras`` includes tRC: PRECHARGE waits until tRP after it ends no earlier than tRC.
+        A write's last data come ``beats`` - 1 clocks after it. Between read data and write data
+        DQ is undriven for a clock.
         """
-        clocks, beats = self.clocks, self.place.beats
+        clocks, beats = self.clocks, self.mapping.beats
         return {
             "rcd": clocks.rcd, "rp": clocks.rp, "rfc": clocks.rfc, "mrd": clocks.mrd,
             "rrd": clocks.rrd, "ras": max(clocks.ras, clocks.rc - clocks.rp),
@@ -69,11 +69,11 @@ class Banks(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        chip, command, times = self.place.chip, self.command, self.times
+        chip, command, times = self.mapping.chip, self.command, self.times
         count = 1 << chip.bank_bits
         opened = Signal(count)                                  # banks with an open row
         rows = [Signal(chip.row_bits, name=f"row{k}") for k in range(count)]
-        busy, held = [], []         # ACTIVE or READ and WRITE, and PRECHARGE, must wait
+        busy, held = [], []         # ACTIVE, READ and WRITE must wait; PRECHARGE must wait
         for k in range(count):
             here = Signal(name=f"here{k}")
             m.d.comb += here.eq(command.bank == k)
@@ -113,7 +113,7 @@ class Banks(wiring.Component):
 
 
 def _waiting(m, name, *rules):
-    """Whether one of the rules says to wait: pairs of a command and clocks from it on."""
+    """Whether one of the rules, pairs (command, clocks after it), requires to wait."""
     length = max(clocks for _, clocks in rules) - 1
     if length < 1:
         return Const(0, 1)

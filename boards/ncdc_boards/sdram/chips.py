@@ -8,10 +8,10 @@ from fractions import Fraction
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["AS4C16M16SA_6", "AS4C16M16SA_7", "CHIPS", "Clocks", "IS42S16160B_7", "IS42S16160G_7",
+__all__ = ["AS4C16M16SA_6", "AS4C16M16SA_7", "CHIPS", "IS42S16160B_7", "IS42S16160G_7",
            "IS42S16320D_6", "IS42S16320D_7", "M12L64322A_7", "MT48LC16M16A2_75",
-           "MT48LC16M16A2_7E", "SdramChip", "ULX3S_32MB", "W9825G6KH_6", "beside", "clocks_of",
-           "slowest"]
+           "MT48LC16M16A2_7E", "SdramChip", "SdramTiming", "ULX3S_32MB", "W9825G6KH_6",
+           "clocks_of", "in_parallel", "slowest"]
 
 
 @dataclass(frozen=True)
@@ -25,21 +25,21 @@ class SdramChip:
     data_bits, row_bits, column_bits : int
         Width of DQ; bits of a row's and of a column's number.
     rcd, rp, ras, rc, rfc, wr, rrd, mrd : number
-        Least times in ns, by the data sheet's names (tRCD ...): ACTIVE to READ or WRITE;
+        Minimum times in ns, by the data sheet's names (tRCD ...): ACTIVE to READ or WRITE;
         PRECHARGE to ACTIVE; ACTIVE to PRECHARGE; ACTIVE to ACTIVE of a bank; AUTO REFRESH to the
         next command; last data written to PRECHARGE; ACTIVE to ACTIVE of another bank; LOAD MODE
         REGISTER to the next command.
     ras_max : number
-        The longest that a row may stay open, in ns.
+        Longest time that a row may stay open, in ns.
     refresh : number
-        Average time in ns between two AUTO REFRESH commands (tREFI), at most.
+        Longest average time in ns between two AUTO REFRESH commands (tREFI).
     cas : tuple of (int, number)
-        CAS latency, and the shortest clock period in ns that it can have.
+        CAS latency, and its shortest clock period in ns.
     source : str
     wr_clocks, mrd_clocks : int
-        Least clocks of ``wr`` and ``mrd`` where the data sheet counts them in clocks.
+        Minimum clocks of ``wr`` and ``mrd`` where the data sheet counts them in clocks.
     pause : number
-        Time in us with power and clock before the first command.
+        Time in us from power and clock to the first command.
     refreshes : int
         AUTO REFRESH commands of the initialisation.
     refresh_cycles : int
@@ -76,10 +76,10 @@ class SdramChip:
 
 
 @dataclass(frozen=True)
-class Clocks:
+class SdramTiming:
     """The times of a chip in clocks, by the names of :class:`SdramChip`.
 
-    Least times are rounded up, ``ras_max`` and ``refresh`` down. ``cas`` is the CAS latency.
+    Minimum times are rounded up, ``ras_max`` and ``refresh`` down. ``cas`` is the CAS latency.
     """
     rcd: int
     rp: int
@@ -96,10 +96,10 @@ class Clocks:
 
 
 def clocks_of(chip, clock_hz, cas=None):
-    """:class:`Clocks` of the ``chip`` at a clock.
+    """:class:`SdramTiming` of the ``chip`` at a clock.
 
     ``cas`` is the CAS latency; None: the chip's longest, which has the shortest access time and
-    so leaves the most time for the way back over the board.
+    so leaves most time for the board's delays.
 
     Raises
     ------
@@ -119,27 +119,27 @@ def clocks_of(chip, clock_hz, cas=None):
         raise InputError(f"the SDRAM's clock is {clock_hz / 1e6:g} MHz; with CAS latency {cas} "
                          f"{chip.name} goes up to {1000 / latencies[cas]:.1f} MHz")
 
-    def least(time, clocks=1):
+    def at_least(time, clocks=1):
         return max(clocks, -(-Fraction(str(time)) // period))
 
-    def most(time):
+    def at_most(time):
         return int(Fraction(str(time)) // period)
 
-    return Clocks(
-        rcd=least(chip.rcd), rp=least(chip.rp), ras=least(chip.ras), rc=least(chip.rc),
-        rfc=least(chip.rfc), wr=least(chip.wr, chip.wr_clocks), rrd=least(chip.rrd),
-        mrd=least(chip.mrd, chip.mrd_clocks), ras_max=most(chip.ras_max),
-        refresh=most(chip.refresh), pause=least(1000 * chip.pause), cas=cas)
+    return SdramTiming(
+        rcd=at_least(chip.rcd), rp=at_least(chip.rp), ras=at_least(chip.ras), rc=at_least(chip.rc),
+        rfc=at_least(chip.rfc), wr=at_least(chip.wr, chip.wr_clocks), rrd=at_least(chip.rrd),
+        mrd=at_least(chip.mrd, chip.mrd_clocks), ras_max=at_most(chip.ras_max),
+        refresh=at_most(chip.refresh), pause=at_least(1000 * chip.pause), cas=cas)
 
 
-def beside(chip, count):
-    """So many of a chip side by side: the commands of one, ``count`` times the data."""
+def in_parallel(chip, count):
+    """``count`` equal chips with common commands and ``count`` times the data."""
     return chip if count == 1 else replace(chip, name=f"{count} x {chip.name}",
                                            data_bits=count * chip.data_bits)
 
 
 def slowest(name, *chips):
-    """A chip that stands for any of the ``chips``, for a board that is made with one or another.
+    """Slowest timing of all ``chips``, for a board that is made with any of them.
 
     Raises
     ------
@@ -178,7 +178,7 @@ IS42S16320D_6 = replace(
 IS42S16160G_7 = SdramChip(
     "IS42S16160G-7", **_16M, rcd=15, rp=15, ras=37, rc=60, rfc=60, wr=14, rrd=14, mrd=14,
     ras_max=100_000, refresh=_8K_IN_64_MS, cas=((2, 10), (3, 7)),
-    source="ISSI, IS42S16160G, AC electrical characteristics, as public controllers have them; "
+    source="ISSI, IS42S16160G, AC electrical characteristics, as in public controllers; "
            "tRRD, tWR and tRFC as of the IS42S16320D of the same grade")
 # DE0-Nano.
 IS42S16160B_7 = SdramChip(

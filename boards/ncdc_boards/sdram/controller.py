@@ -5,12 +5,12 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 from amaranth.utils import exact_log2
 
+from ncdc_boards.sdram.arbiter import SdramArbiter
 from ncdc_boards.sdram.chips import clocks_of
-from ncdc_boards.sdram.layouts import Place, SdramPins
+from ncdc_boards.sdram.layouts import AddressMapping, SdramPins
 from ncdc_boards.sdram.pin_registers import PinRegisters
 from ncdc_boards.sdram.segments import Segments
 from ncdc_boards.sdram.sequencer import Sequencer
-from ncdc_boards.sdram.turns import Turns
 from ncdc_boards.sdram.write_words import WriteWords
 from ncdc_hdl.avalon.bus import ReadHost, WriteHost
 from ncdc_spec.errors import InputError
@@ -18,25 +18,25 @@ from ncdc_spec.errors import InputError
 __all__ = ["SdramController"]
 
 _BEATS = (1, 2, 4, 8)       # the chip's burst lengths
-_CHOICE = 2                 # clocks: whose turn it is, the segment's register
+_CHOICE = 2                 # clocks: the arbiter's choice, the segment's register
 
 
 class SdramController(wiring.Component):
     """Pipelined burst reads of several hosts and burst writes of one, on an SDR SDRAM.
 
     The last reader is the video's: it comes before the writer, and the writer before the other
-    readers, within the limits of :class:`Turns`. A read gives what its words hold at some time
-    between its acceptance and its data: each write burst is in it whose last word was accepted
-    before; one accepted later may be. Bursts of one port are carried out in their order.
+    readers, within the limits of :class:`SdramArbiter`. A read returns its words' content at a time
+    between its acceptance and its data. It includes each write burst whose last word was accepted
+    before, and may include later ones. Bursts of one port are carried out in order.
 
-    Addresses beyond the memory begin again at its start; bits below the word are ignored.
+    Addresses beyond the memory wrap around to its start; bits below the word are ignored.
 
-    A reset forgets all reads and writes and initialises the memory anew, whose content stays if
-    the reset is short. A reset of a host alone takes nothing back.
+    A reset drops all reads and writes and initialises the memory anew. The content stays if
+    the reset is short. A reset of a host alone cancels nothing.
 
     Timing: a word of a row that is open comes ``latency`` clocks after its read was accepted, if
-    nobody is before it, words of the burst each ``beats`` clocks. Each ``waitrequest`` is a
-    register, all outputs to the pins are, and DQ goes to a register at once. ``bounds`` says how
+    no other host is served before. Words of the burst follow each ``beats`` clocks. Each
+    ``waitrequest`` is a register. All pins have registers at them. ``bounds`` gives how
     long a command waits at most.
 
     Parameters
@@ -48,7 +48,7 @@ class SdramController(wiring.Component):
     reads : int
         Read ports, that of the video included.
     max_burst : int
-        Words of a burst, at most.
+        Most words of a burst.
     cas, late : int or None, int
         CAS latency, see :func:`clocks_of`; see :class:`PinRegisters`.
 
@@ -58,7 +58,7 @@ class SdramController(wiring.Component):
     write : ``In(WriteHost(data_width, max_burst))``
     pins : ``Out(SdramPins(chip))``
     ready : ``Out(1)``
-        The memory is initialised. Before, a command per port is accepted, and waits.
+        The memory is initialised. Before, each port accepts one command, which waits.
 
     Raises
     ------
@@ -69,10 +69,10 @@ class SdramController(wiring.Component):
     def __init__(self, chip, clock_hz, data_width, reads, max_burst, *, cas=None, late=0):
         _check(chip, data_width, reads, max_burst, late)
         self.chip, self.clocks = chip, clocks_of(chip, clock_hz, cas)
-        self.place = Place(chip, data_width, max_burst)
+        self.mapping = AddressMapping(chip, data_width, max_burst)
         self.count = reads
-        self.sequencer = Sequencer(self.place, self.clocks, tag_bits=reads)
-        self.registers = PinRegisters(self.place, self.clocks, hosts=reads, late=late)
+        self.sequencer = Sequencer(self.mapping, self.clocks, tag_bits=reads)
+        self.registers = PinRegisters(self.mapping, self.clocks, hosts=reads, late=late)
         super().__init__({
             "reads": In(ReadHost(data_width, max_burst)).array(reads),
             "write": In(WriteHost(data_width, max_burst)),
@@ -86,15 +86,15 @@ class SdramController(wiring.Component):
 
     @property
     def bounds(self):
-        """{host: clocks from acceptance to the last word read or written, at most}, if the port
-        has nothing else under way; hosts are "video", "write" and "read".
+        """{host: clocks from acceptance to the last word read or written, at most}
+        of a port without other commands under way. Hosts are "video", "write" and "read".
 
-        Before its turn a host waits for those of others, each of which may be a segment; a burst
+        A host waits for turns of others, each of which may be a segment. A burst
         may be two, each with its turn. A reader waits for two bursts written as well, see
-        :meth:`_wants`. Four segments are on their way already, two in the sequencer and two before
-        it, and a refresh comes between once in each of its periods.
+        :meth:`_wants`. Four segments are under way before it, two in the sequencer and two before
+        that. A refresh comes once in each of its periods.
         """
-        turns, sequencer = Turns.others(self.count), self.sequencer
+        turns, sequencer = SdramArbiter.others(self.count), self.sequencer
         written = 4 * (turns["write"] + 1)      # turns until the bursts of two writes are over
         refresh = sequencer.delay + self.clocks.rfc + 1
 
@@ -111,11 +111,11 @@ class SdramController(wiring.Component):
         m = Module()
         m.submodules.sequencer = sequencer = self.sequencer
         m.submodules.registers = registers = self.registers
-        m.submodules.write_words = words = WriteWords(self.place)
-        m.submodules.turns = turns = Turns(self.count)
+        m.submodules.write_words = words = WriteWords(self.mapping)
+        m.submodules.turns = turns = SdramArbiter(self.count)
         ports = []
         for k in range(self.count + 1):
-            m.submodules[f"segments{k}"] = port = Segments(self.place)
+            m.submodules[f"segments{k}"] = port = Segments(self.mapping)
             ports.append(port)
         connect(m, words.o, ports[-1].i)
         connect(m, words.bus, flipped(self.write))
@@ -129,7 +129,7 @@ class SdramController(wiring.Component):
         for k, (bus, port) in enumerate(zip(self.reads, ports)):
             m.d.comb += [
                 port.i.valid.eq(bus.read), bus.waitrequest.eq(~port.i.ready),
-                port.i.p.word.eq(bus.address[exact_log2(self.place.data_width // 8):]),
+                port.i.p.word.eq(bus.address[exact_log2(self.mapping.data_width // 8):]),
                 port.i.p.words.eq(bus.burstcount),
                 bus.readdatavalid.eq(registers.valid[k]), bus.readdata.eq(registers.data),
             ]
@@ -137,7 +137,7 @@ class SdramController(wiring.Component):
         return m
 
     def _wants(self, m, ports, turns):
-        """Which ports may have a turn: a reader waits for the bursts written before it came."""
+        """Which ports may have a turn: a reader waits for the bursts written before its command."""
         writer = ports[-1]
         written = Signal()          # the last segment of a burst is taken to be written
         m.d.comb += written.eq(writer.o.valid & writer.o.ready & writer.o.p.last)
@@ -152,15 +152,15 @@ class SdramController(wiring.Component):
         return Cat(*wants, writer.o.valid)
 
     def _owed(self, bursts, written):
-        """Bursts to be written that are accepted and are not over when this clock ends.
+        """Bursts to be written that are accepted and not complete at the end of this clock.
 
         A method of its own only so that tests can break it.
         """
         return bursts - written
 
     def _choose(self, m, ports, turns):
-        """Take segments to the sequencer: first whose it is, then the segment itself."""
-        turn = Signal.like(turns.grant)             # whose segment is taken next
+        """Take segments to the sequencer: first the choice of the port, then its segment."""
+        turn = Signal.like(turns.grant)             # port whose segment is taken next
         decided = Signal()                          # there is such a port
         chosen = Signal()                           # there is a segment
         job = Signal(self.sequencer.job)            # that segment
@@ -177,13 +177,13 @@ class SdramController(wiring.Component):
             for k, port in enumerate(ports):
                 with m.If(turn[k]):
                     m.d.sync += [job[name].eq(port.o.p[name])
-                                 for name in self.place.segment.members]
+                                 for name in self.mapping.segment.members]
         for k, port in enumerate(ports):
             m.d.comb += port.o.ready.eq(~chosen & turn[k])
 
 
 def _check(chip, data_width, reads, max_burst, late):
-    """Raise InputError unless a controller can be made of this."""
+    """Raise InputError unless a controller can have these parameters."""
     if data_width not in [beats * chip.data_bits for beats in _BEATS]:
         raise InputError(f"data_width is {data_width}, not 1, 2, 4 or 8 times the "
                          f"{chip.data_bits} bits of {chip.name}")

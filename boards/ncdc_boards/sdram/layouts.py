@@ -1,4 +1,4 @@
-"""What travels between the parts of the SDRAM controller, and its pins."""
+"""Layouts between the parts of the SDRAM controller, and its pins."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
-__all__ = ["Place", "SdramPins", "command_layout"]
+__all__ = ["AddressMapping", "SdramPins", "command_layout"]
 
 
 class SdramPins(wiring.Signature):
@@ -22,15 +22,15 @@ class SdramPins(wiring.Signature):
 
 
 @dataclass(frozen=True)
-class Place:
-    """How a word's number splits: column from the bottom, then bank, then row.
+class AddressMapping:
+    """Splits a word's number: column in the lowest bits, then bank, then row.
 
     Neighbouring rows are in different banks, so that the next one is opened while this one is
-    read. A column here is one of words of ``data_width`` bits, each of ``beats`` columns of the
+    read. A column here counts words of ``data_width`` bits, each of ``beats`` columns of the
     chip.
 
     Parameters: an :class:`~ncdc_boards.sdram.chips.SdramChip`; bits of a word; words of a burst,
-    at most.
+    the maximum.
     """
     chip: object
     data_width: int
@@ -69,12 +69,12 @@ class Place:
             "words": self.words, "last": 1})
 
 
-def command_layout(place):
-    """One command to the chip: which, at most one of them, and its address.
+def command_layout(mapping):
+    """One command to the chip: at most one flag, and the address.
 
     ``precharge_all`` closes all banks, ``refresh`` is AUTO REFRESH, ``mode`` LOAD MODE REGISTER.
     """
     return data.StructLayout({
         "active": 1, "precharge": 1, "precharge_all": 1, "read": 1, "write": 1, "refresh": 1,
-        "mode": 1, "bank": place.chip.bank_bits, "row": place.chip.row_bits,
-        "column": place.column_bits})
+        "mode": 1, "bank": mapping.chip.bank_bits, "row": mapping.chip.row_bits,
+        "column": mapping.column_bits})

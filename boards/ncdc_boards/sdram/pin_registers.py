@@ -1,4 +1,4 @@
-"""Between commands and the chip's pins, and from the pins to words."""
+"""Registers between commands and the chip's pins, and between the pins and words."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -16,54 +16,54 @@ _ALL = 10       # bit of the address that makes a PRECHARGE close all banks
 
 
 class PinRegisters(wiring.Component):
-    """Gives commands and data to the pins and takes read data from them, all by registers.
+    """Gives commands and data to the pins and takes read data from them, all through registers.
 
     Each register at a pin drives or is driven by that pin alone, so that it fits into the pin's
-    cell. The chip works in bursts of ``place.beats``, a word of the host each.
+    cell. The chip works in bursts of ``mapping.beats``, a word of the host each.
 
-    Timing: a command is at the pins 2 clocks after it was given; its word has been read ``latency``
-    clocks after it was.
+    Timing: a command is at the pins 2 clocks after it was given; its word is output ``latency``
+    clocks after it.
 
     Parameters
     ----------
-    place : Place
-    clocks : Clocks
+    mapping : AddressMapping
+    clocks : SdramTiming
     hosts : int
-        Readers.
+        Number of readers.
     late : int
-        Clocks by which read data come later than they would with the chip's clock in phase and
-        no delays: the board's matter. With a clock that is late itself, and short delays, it is -1.
+        Clocks by which read data are later than with the chip's clock in phase and
+        no delays, as the board requires. With a late clock and short delays it is -1.
 
     Members
     -------
-    command, tag : ``In(command_layout(place))``, ``In(hosts)``
-        A command, and for whom a READ is.
+    command, tag : ``In(command_layout(mapping))``, ``In(hosts)``
+        A command, and the host of a READ.
     ready : ``In(1)``
         The memory is initialised: DQM may be low.
-    word : ``In(word_layout(place.data_width))``
-        The word of the clock before's WRITE.
-    pins : ``Out(SdramPins(place.chip))``
-    valid, data : ``Out(hosts)``, ``Out(place.data_width)``
+    word : ``In(word_layout(mapping.data_width))``
+        The word of the WRITE of the clock before.
+    pins : ``Out(SdramPins(mapping.chip))``
+    valid, data : ``Out(hosts)``, ``Out(mapping.data_width)``
         A word has been read for this host.
     """
 
-    def __init__(self, place, clocks, *, hosts, late=0):
-        self.place, self.clocks, self.hosts, self.late = place, clocks, hosts, late
+    def __init__(self, mapping, clocks, *, hosts, late=0):
+        self.mapping, self.clocks, self.hosts, self.late = mapping, clocks, hosts, late
         super().__init__({
-            "command": In(command_layout(place)), "tag": In(hosts), "ready": In(1),
-            "word": In(word_layout(place.data_width)), "pins": Out(SdramPins(place.chip)),
-            "valid": Out(hosts), "data": Out(place.data_width),
+            "command": In(command_layout(mapping)), "tag": In(hosts), "ready": In(1),
+            "word": In(word_layout(mapping.data_width)), "pins": Out(SdramPins(mapping.chip)),
+            "valid": Out(hosts), "data": Out(mapping.data_width),
         })
 
     @property
     def latency(self):
-        """Clocks: register, pins, the chip's, the way back, DQ's register, the word's beats."""
-        return 1 + 1 + self.clocks.cas + self.late + 1 + self.place.beats
+        """Clocks: register, pins, CAS latency, board's delays, DQ's register, the word's beats."""
+        return 1 + 1 + self.clocks.cas + self.late + 1 + self.mapping.beats
 
     @property
     def mode(self):
-        """What the chip's mode register is set to: burst length, sequential, CAS latency."""
-        return self.place.beats.bit_length() - 1 | self.clocks.cas << 4
+        """Value of the chip's mode register: burst length, sequential, CAS latency."""
+        return self.mapping.beats.bit_length() - 1 | self.clocks.cas << 4
 
     def elaborate(self, platform):
         m = Module()
@@ -89,8 +89,8 @@ class PinRegisters(wiring.Component):
         for name, value in _PINS.items():
             with m.If(command[name]):
                 m.d.sync += [ras_cas_we.eq(value), none.eq(0)]
-        # Of a word's columns the first one.
-        first = command.column << self.place.beats.bit_length() - 1
+        # First of a word's columns.
+        first = command.column << self.mapping.beats.bit_length() - 1
         with m.If(command.active):
             m.d.sync += address.eq(command.row)
         with m.Elif(command.mode):
@@ -100,10 +100,10 @@ class PinRegisters(wiring.Component):
 
     def _write(self, m, begins):
         """Registers of DQ's drivers and DQM: the beats of a word, the lowest first."""
-        pins, width, beats = self.pins, self.place.chip.data_bits, self.place.beats
-        rest = Signal(self.word.shape())        # the word, without the beats that are at the pins
+        pins, width, beats = self.pins, self.mapping.chip.data_bits, self.mapping.beats
+        rest = Signal(self.word.shape())        # the word, without the beats already at the pins
         goes_on = Signal(beats)                 # a one for each of the beats left
-        beat = Signal(self.word.shape())        # the word, from the beat on that comes next
+        beat = Signal(self.word.shape())        # the word, from the next beat on
         now = Signal()                          # a beat comes next
         dq = Signal(width)
         drives = Signal()
@@ -117,15 +117,15 @@ class PinRegisters(wiring.Component):
             rest.data.eq(beat.data >> width), rest.enable.eq(beat.enable >> width // 8),
             goes_on.eq(Mux(begins, (1 << beats - 1) - 1, goes_on >> 1)),
             dq.eq(beat.data), drives.eq(now),
-            # Before the initialisation DQM is high, as the data sheets want it.
+            # Before the initialisation DQM is high, as the data sheets require.
             mask.eq(Mux(now, ~beat.enable, Mux(self.ready, 0, -1))),
         ]
 
     def _read(self, m):
-        """Register of DQ, and the words that it makes."""
-        width = self.place.chip.data_bits
+        """Register of DQ, and the words assembled from it."""
+        width = self.mapping.chip.data_bits
         dq = Signal(width)
-        word = Signal(self.place.data_width)
+        word = Signal(self.mapping.data_width)
         whose = [Signal(self.hosts, name=f"whose{k}") for k in range(self.latency)]
         m.d.sync += [dq.eq(self.pins.dq_i), word.eq(Cat(word, dq)[width:]),
                      whose[0].eq(Mux(self.command.read, self.tag, 0)),

@@ -1,93 +1,94 @@
-"""From segments to commands: one carried out, the next one's row opened meanwhile."""
+"""From segments to commands: carries one out while it opens the next one's row."""
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_boards.sdram.banks import Banks
+from ncdc_boards.sdram.init_refresh import InitRefresh
 from ncdc_boards.sdram.layouts import command_layout
-from ncdc_boards.sdram.upkeep import Upkeep
 from ncdc_spec.errors import InputError
 
 __all__ = ["Sequencer", "job_layout"]
 
 
-def job_layout(place, tag_bits):
-    """A segment to be read, or written, for whom ``tag`` tells."""
-    return data.StructLayout(place.segment.members | {"write": 1, "tag": tag_bits})
+def job_layout(mapping, tag_bits):
+    """A segment to be read or written for the host ``tag``."""
+    return data.StructLayout(mapping.segment.members | {"write": 1, "tag": tag_bits})
 
 
 class Sequencer(wiring.Component):
-    """Carries segments out in their order, a word per ``place.beats`` clocks.
+    """Carries segments out in order, a word per ``mapping.beats`` clocks.
 
-    Two segments are under way: of the first one words are read or written, for the second one a
-    row is opened. Between the two no clock is lost if the row is open by then. Rows stay open until
-    another one of the bank is asked for, or a refresh comes.
+    Two segments are under way: words of the first one are read or written, a row for the second
+    one is opened. No clock is lost between the two if the row is open by then. Rows stay open until
+    another row of the bank is needed, or a refresh comes.
 
     Timing: a segment's first command is given ``latency`` clocks after it was taken, if its row is
-    open and nobody is before it. A refresh comes at most ``period + delay`` clocks after the one
+    open and no other is before it. A refresh comes at most ``period + delay`` clocks after the one
     before it.
 
     Parameters
     ----------
-    place : Place
-    clocks : Clocks
+    mapping : AddressMapping
+    clocks : SdramTiming
     tag_bits : int
 
     Members
     -------
     i : stream of segments with ``write`` and ``tag``
-    command : ``Out(command_layout(place))``
+    command : ``Out(command_layout(mapping))``
         The command of this clock.
     tag : ``Out(tag_bits)``
-        Whose word it reads or writes.
+        Host of the word that it reads or writes.
     ready : ``Out(1)``
         The memory is initialised.
 
     Raises
     ------
     InputError
-        If bursts are so long that there is no time between refreshes.
+        If bursts are too long for the time between refreshes.
     """
 
     latency = 3
-    """Clocks: taken, looked up, moved to the first place."""
+    """Clocks: taken, looked up, moved to the first position."""
 
-    def __init__(self, place, clocks, *, tag_bits):
-        self.place, self.clocks, self.tag_bits = place, clocks, tag_bits
-        self.banks = Banks(place, clocks)
+    def __init__(self, mapping, clocks, *, tag_bits):
+        self.mapping, self.clocks, self.tag_bits = mapping, clocks, tag_bits
+        self.banks = Banks(mapping, clocks)
         self.period = clocks.refresh - self.delay
         if self.period <= self.delay:
-            raise InputError(f"max_burst is {place.max_burst}: two bursts and a refresh take up to "
-                             f"{self.delay} clocks, the limit is half of the {clocks.refresh} "
+            raise InputError(f"max_burst is {mapping.max_burst}: two bursts and a refresh take up "
+                             f"to {self.delay} clocks, the limit is half of the {clocks.refresh} "
                              "clocks between refreshes")
-        self.upkeep = Upkeep(clocks, refreshes=place.chip.refreshes, period=self.period,
-                             settle=max(self.banks.times.values()) + self.banks.times["rp"])
-        self.job = job_layout(place, tag_bits)
+        self.init_refresh = InitRefresh(
+            clocks, refreshes=mapping.chip.refreshes, period=self.period,
+            settle=max(self.banks.times.values()) + self.banks.times["rp"])
+        self.job = job_layout(mapping, tag_bits)
         super().__init__({
-            "i": In(stream.Signature(self.job)), "command": Out(command_layout(place)),
+            "i": In(stream.Signature(self.job)), "command": Out(command_layout(mapping)),
             "tag": Out(tag_bits), "ready": Out(1),
         })
 
     @property
     def segment_clocks(self):
-        """Clocks that a segment takes at most, from its look-up to its last word's command.
+        """Most clocks that a segment takes, from its look-up to its last word's command.
 
-        A row that was opened just now and has been written must be closed, another opened; the
-        data of reads leave the bus; and the words. A command of the segment behind it may take a
-        clock of each.
+        A row that was just opened and written must be closed, another opened. Then the
+        data of reads leave the bus, and the words come. A command of the next segment may take a
+        clock for each.
         """
         times = self.banks.times
         opening = (max(times["ras"], times["write_precharge"], times["read_precharge"])
                    + times["rp"] + max(times["rcd"], times["rrd"]))
-        return opening + times["read_write"] + self.place.max_burst * times["column"] + 2
+        return opening + times["read_write"] + self.mapping.max_burst * times["column"] + 2
 
     @property
     def delay(self):
-        """Clocks from a refresh being due to its command, at most.
+        """Most clocks from a refresh being due to its command.
 
-        Two segments are under way; then all banks are closed. Three more are the registers from
-        the timer to ``due``, to the second place, and back to ``quiet``.
+        Two segments are under way; then all banks are closed. Three more clocks are registers, from
+        the timer to ``due``, to the second position, and back to ``quiet``.
         """
         times = self.banks.times
         closing = max(times["ras"], times["write_precharge"], times["read_precharge"])
@@ -96,10 +97,10 @@ class Sequencer(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.submodules.banks = banks = self.banks
-        m.submodules.upkeep = upkeep = self.upkeep
+        m.submodules.init_refresh = init_refresh = self.init_refresh
         first_valid = Signal()              # there is a segment of which words are read or written
-        second_valid = Signal()             # there is one behind it
-        first = Signal(self.job)            # the first segment, without the words that are over
+        second_valid = Signal()             # there is a second segment
+        first = Signal(self.job)            # the first segment, without the words already done
         second = Signal(self.job)
         last_word = Signal()                # the first segment has one word left
         one_word = Signal()                 # the second segment has one word
@@ -110,13 +111,13 @@ class Sequencer(wiring.Component):
         m.d.comb += [
             banks.command.eq(self.command), banks.bank.eq(second.bank), banks.row.eq(second.row),
             banks.column_bank.eq(first.bank), banks.column_write.eq(first.write),
-            upkeep.quiet.eq(~first_valid & ~second_valid), upkeep.idle.eq(banks.idle),
-            upkeep.precharge_all_allowed.eq(banks.precharge_all_allowed),
-            self.ready.eq(upkeep.ready), self.tag.eq(first.tag),
-            self.i.ready.eq(self._may_begin(upkeep.due) & (~second_valid | moves)),
+            init_refresh.quiet.eq(~first_valid & ~second_valid), init_refresh.idle.eq(banks.idle),
+            init_refresh.precharge_all_allowed.eq(banks.precharge_all_allowed),
+            self.ready.eq(init_refresh.ready), self.tag.eq(first.tag),
+            self.i.ready.eq(self._may_begin(init_refresh.due) & (~second_valid | moves)),
             moves.eq(prepared & (~first_valid | column & last_word)),
-            self.command.precharge_all.eq(upkeep.precharge_all),
-            self.command.refresh.eq(upkeep.refresh), self.command.mode.eq(upkeep.mode),
+            self.command.precharge_all.eq(init_refresh.precharge_all),
+            self.command.refresh.eq(init_refresh.refresh), self.command.mode.eq(init_refresh.mode),
             self.command.read.eq(column & ~first.write),
             self.command.write.eq(column & first.write),
             self.command.bank.eq(Mux(rows, second.bank, first.bank)),
@@ -124,9 +125,9 @@ class Sequencer(wiring.Component):
         ]
         self._prepare(m, second_valid & ~moves, (first_valid, first, second), prepared)
         m.d.comb += rows.eq(self.command.active | self.command.precharge)
-        # A word of several clocks leaves room for both commands; one of a single clock does not,
-        # and the row that is opened earlier makes up for it.
-        if self.place.beats > 1:
+        # A word of several clocks has time for both commands. A word of one clock has not,
+        # and the row that is opened earlier compensates for it.
+        if self.mapping.beats > 1:
             m.d.comb += column.eq(first_valid & banks.column_allowed)
         else:
             m.d.comb += column.eq(first_valid & banks.column_allowed & ~rows)
@@ -145,15 +146,15 @@ class Sequencer(wiring.Component):
         """Look the second segment's row up, close the one that is open, and open its own."""
         banks, command = self.banks, self.command
         first_valid, first, second = segments
-        looked_up = Signal()        # its bank has been looked at
+        looked_up = Signal()        # its bank has been read
         to_close = Signal()         # its bank has another row open
         to_open = Signal()          # its row is not open
         other_bank = Signal()       # the first segment does not need what is closed
-        rows_may = Signal()         # no word takes this clock's command
+        rows_may = Signal()         # no READ or WRITE is this clock's command
         m.d.comb += [
             prepared.eq(looked_up & ~to_close & ~to_open),
             other_bank.eq(~first_valid | (first.bank != second.bank)),
-            rows_may.eq(1 if self.place.beats == 1 else ~(command.read | command.write)),
+            rows_may.eq(1 if self.mapping.beats == 1 else ~(command.read | command.write)),
             command.precharge.eq(to_close & other_bank & banks.precharge_allowed & rows_may),
             command.active.eq(to_open & ~to_close & banks.active_allowed & rows_may),
         ]
@@ -170,7 +171,7 @@ class Sequencer(wiring.Component):
 
     @staticmethod
     def _may_begin(due):
-        """Whether another segment may be begun.
+        """Whether another segment may begin.
 
         A method of its own only so that proofs and tests can break it.
         """

@@ -1,1 +1,1 @@
-"""Radiona ULX3S: a Lattice ECP5, 32 MB of SDR SDRAM, a GPDI connector; by open tools alone."""
+"""Radiona ULX3S: a Lattice ECP5, 32 MB of SDR SDRAM, a GPDI connector; with open tools only."""

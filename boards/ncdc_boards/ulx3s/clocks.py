@@ -8,12 +8,12 @@ from amaranth import *
 from ncdc_boards.ecp5.pll import OSCILLATOR_MHZ, Pll, gate, loop
 from ncdc_spec.errors import InputError
 
-__all__ = ["CORE_MHZ", "DOMAINS", "Clocks", "ClockPlan", "clock_plan"]
+__all__ = ["CORE_MHZ", "DOMAINS", "Ulx3sClocks", "ClockPlan", "clock_plan"]
 
 REFERENCE_MHZ = 25                  # the board's oscillator
-CORE_MHZ = 62.5     # routed on speed grade 6 the whole design reached 73.6 MHz
+CORE_MHZ = 62.5     # the whole design reached 73.6 MHz after routing for speed grade 6
 # Lattice, ECP5 and ECP5-5G Family Data Sheet (FPGA-DS-02012), sysCLOCK PLL timing.
-_COMPARED = 10                      # MHz, at least, at the phase detector
+_COMPARED = 10                      # lowest MHz at the phase detector
 _OUTPUT_MHZ = 400
 _LARGEST_DIVIDER, _LARGEST_FEEDBACK, _LARGEST_REFERENCE = 128, 80, 128
 # The same, maximum I/O buffer speed and ODDRX1 of speed grade 6: 250 MHz, two bits a clock.
@@ -24,9 +24,8 @@ _PIXEL_TOLERANCE = .005             # VESA, Display Monitor Timing: 0.5 % of the
 
 @dataclass(frozen=True)
 class ClockPlan:
-    """Both loops: ``core`` gives the core's clock, the SDRAM's, the sensor's, and what
-    ``video`` compares; that gives five
-    times the pixel clock, the pixel clock, and what it feeds back."""
+    """Both loops. ``core`` gives the clocks of core, SDRAM and sensor, and the input of
+    ``video``. That gives five times the pixel clock, the pixel clock, and its feedback."""
     core: Pll
     video: Pll
 
@@ -48,8 +47,8 @@ class ClockPlan:
 def clock_plan(mode, core_mhz=CORE_MHZ):
     """The :class:`ClockPlan` for a video mode.
 
-    The clock at the SDRAM's pin is three quarters of a period late: commands are stable around
-    its edges, and what it reads comes in the middle between two edges of the core's clock, see
+    The clock at the SDRAM's pin is three quarters of a period late. Commands are stable around
+    its edges, and read data come in the middle between two edges of the core's clock. See
     docs/reference/ulx3s.md.
 
     Raises
@@ -67,8 +66,8 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
     if 5 * wanted > _SHIFT_MHZ:
         raise InputError(f"the mode {mode.name} has a pixel clock of {wanted:.2f} MHz, the "
                          f"ULX3S's output takes {_SHIFT_MHZ / 5:.0f} MHz at most: a smaller --mode "
-                         "fits, or one of fewer pictures a second")
-    # The second loop compares an output of the first one, of a divider that suits.
+                         "fits, or one of fewer frames per second")
+    # The second loop's input is an output of the first one, with a suitable divider.
     loops = [(abs(pll.outputs_mhz[1] - wanted), pll.reference, fed, pll.dividers, pll)
              for fed in range(4, 17) for pll in _loops(core.oscillator_mhz / fed, wanted)]
     *_, fed, _, video = min(loops, default=(None, None, None))
@@ -79,7 +78,7 @@ def clock_plan(mode, core_mhz=CORE_MHZ):
 
 
 def _loops(input_mhz, pixel_mhz):
-    """Loops whose second output is near to ``pixel_mhz``, the first five times as fast."""
+    """Loops whose second output is near ``pixel_mhz`` and whose first is five times as fast."""
     for first in range(1, _LARGEST_DIVIDER // 5 + 1):
         if not OSCILLATOR_MHZ[0] <= 5 * first * pixel_mhz <= OSCILLATOR_MHZ[1]:
             continue
@@ -96,10 +95,10 @@ def _loops(input_mhz, pixel_mhz):
                     break
 
 
-class Clocks(Elaboratable):
+class Ulx3sClocks(Elaboratable):
     """Drives the clocks of the :data:`DOMAINS`, which its parent defines.
 
-    There is no reset; the first clocks come once both loops are locked.
+    There is no reset; the clocks start when both loops are locked.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The top of a ULX3S: its clocks and pins around the core of all boards."""
+"""The top of a ULX3S: its clocks and pins, and the core of all boards."""
 
 from amaranth import *
 
@@ -7,13 +7,13 @@ from ncdc_boards.camera_board.pins import (
     buffer,
     join_buttons,
     join_camera,
-    join_lights,
+    join_leds,
     join_sdram,
     join_uart,
     request,
 )
 from ncdc_boards.ecp5.cells import clock_out
-from ncdc_boards.ulx3s.clocks import DOMAINS, Clocks
+from ncdc_boards.ulx3s.clocks import DOMAINS, Ulx3sClocks
 from ncdc_hdl.video.dvi import Dvi
 
 __all__ = ["Ulx3sTop"]
@@ -38,7 +38,7 @@ class Ulx3sTop(Elaboratable):
         m = Module()
         oscillator = buffer(m, platform.request("clk25", dir="-"))
         m.domains += (ClockDomain(name) for name in DOMAINS)
-        m.submodules.clocks = Clocks(self.design.clocks, oscillator.i)
+        m.submodules.clocks = Ulx3sClocks(self.design.clocks, oscillator.i)
         m.submodules.core = core = self.core
         m.submodules.dvi = dvi = Dvi()
         m.d.comb += dvi.picture.eq(core.picture)
@@ -47,7 +47,7 @@ class Ulx3sTop(Elaboratable):
         self._gpdi(m, platform, dvi)
         join_uart(m, platform, core, ("rx", "tx", "rts", "dtr"))
         join_buttons(m, platform, core, _BUTTONS)
-        join_lights(m, platform, core.lights)
+        join_leds(m, platform, core.leds)
         # The ESP32 shares wires with the camera: it stays in reset.
         esp32 = request(platform, "esp32", ("en", "tx", "rx", "gpio0", "gpio5", "gpio16",
                                             "gpio17"))

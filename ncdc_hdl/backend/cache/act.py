@@ -1,4 +1,4 @@
-"""The act stage: when a look-up may leave."""
+"""The act stage, which decides when a look-up may leave."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -10,28 +10,28 @@ __all__ = ["Act"]
 
 
 class Act(wiring.Component):
-    """Lets a look-up leave if there is room for it behind, and if it misses tiles, only when none
+    """Lets a look-up leave if there is space after it. With missing tiles it leaves only when none
     of their entries is busy and its claims are accepted.
 
-    Before each clock it is known what may happen in it, but for ``ready`` and ``room``: the outputs
-    are a gate behind registers.
+    All but ``ready`` and ``space`` is known before each clock: the outputs
+    are one gate after registers.
 
-    Timing: ``push`` and ``shift`` follow ``ready`` and ``room`` at once. A change of ``busy``
+    Timing: ``push`` and ``shift`` follow ``ready`` and ``space`` at once. A change of ``busy``
     reaches ``push`` after ``latency`` clocks.
 
     Parameters
     ----------
     banks : int
-        Of tags.
+        Number of tag banks.
 
     Members
     -------
     d_missing, d_busy : ``In(banks)``, ``In(banks)``
-        Of the look-up in stage D: which of its tiles are missing, none if there is no look-up, and
-        which of its entries are busy.
+        For the look-up in stage D: its missing tiles, none if there is no look-up, and
+        its busy entries.
     valid, busy : ``In(1)``, ``In(banks)``
-        Of the look-up in stage A: whether there is one, and which of its entries are busy.
-    room : ``In(1)``
+        For stage A: whether there is a look-up, and its busy entries.
+    space : ``In(1)``
         A look-up may be passed on.
     shift : ``Out(1)``
         All look-ups move on by one stage in this clock; the one in stage A, if any, leaves.
@@ -40,11 +40,11 @@ class Act(wiring.Component):
     missing : ``Out(banks)``
         Which of its tiles are missing.
     take, ready : ``Out(1)``, ``In(1)``
-        It leaves in this clock, and some are missing, which are to be claimed; that is accepted.
+        It leaves in this clock with missing tiles, which are to be claimed; that is accepted.
     waiting : ``In(1)``
-        Tiles wait to be claimed for want of credit.
+        Tiles wait to be claimed for credit.
     stalls : ``Out(stalls_layout())``
-        Why the look-up in stage A does not leave in this clock, if so.
+        Reason why the look-up in stage A stays in this clock, if it does.
     """
 
     latency = 2
@@ -56,7 +56,7 @@ class Act(wiring.Component):
             "d_busy": In(banks),
             "valid": In(1),
             "busy": In(banks),
-            "room": In(1),
+            "space": In(1),
             "shift": Out(1),
             "push": Out(1),
             "missing": Out(banks),
@@ -71,15 +71,15 @@ class Act(wiring.Component):
         a_busy = Signal.like(self.busy)         # `busy`, a clock ago
         a_hit = Signal(init=1)                  # no tile is missing, or there is no look-up
         a_clear = Signal(init=1)                # no entry of a missing tile is busy
-        complete = Signal()                     # but for room, the look-up may leave
+        complete = Signal()                     # the look-up may leave if there is space
         m.d.comb += [
             complete.eq(a_hit | (a_clear & self.ready)),
-            self.shift.eq(complete & self.room),
+            self.shift.eq(complete & self.space),
             self.push.eq(self.valid & self.shift),
             self.take.eq(~a_hit & self.shift),
             self.stalls.interlock.eq(~a_hit & ~a_clear),
             self.stalls.credit.eq(~a_hit & a_clear & ~self.ready & self.waiting),
-            self.stalls.pending.eq(self.valid & complete & ~self.room),
+            self.stalls.pending.eq(self.valid & complete & ~self.space),
         ]
         with m.If(self.shift):
             # Another look-up comes, or none, which misses nothing.

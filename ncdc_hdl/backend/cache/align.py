@@ -1,4 +1,4 @@
-"""Cuts a window out of the samples that the tile memory gives."""
+"""Cuts a window out of the samples of the tile memory."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -14,12 +14,12 @@ __all__ = ["align_for"]
 
 
 def align_for(word_bytes, interpolation):
-    """What cuts the windows of ``interpolation`` out of words of ``word_bytes`` bytes."""
+    """The class that cuts the windows of ``interpolation`` out of words of ``word_bytes`` bytes."""
     return (AlignMirrored if interpolation.margin else Align)(word_bytes, interpolation)
 
 
 class _Align(wiring.Component):
-    """Samples of a window, of samples that are placed by x and y modulo the box::
+    """Samples of a window, from samples that are ordered by x and y modulo the box::
 
         o[k] = samples[(y - margin + j) mod M][(x - margin + i) mod (2 word_bytes)]
 
@@ -30,12 +30,12 @@ class _Align(wiring.Component):
     Members
     -------
     shift, take : ``In(1)``
-        Whether the stages move; whether ``o`` takes on what leaves the last but one.
+        Whether the stages move; whether ``o`` loads the output of the last stage but one.
     samples : ``In(samples_layout(word_bytes, interpolation))``
     x, y : ``In``
-        Low bits of the sample that names the first place.
+        Low bits of the sample of the first point.
     edge_x, edge_y : ``In(edge_layout(interpolation))``
-        Of windows with a margin.
+        Missing columns and rows, for windows with a margin.
     o : ``Out(ArrayLayout(8, n))``
     """
 
@@ -81,12 +81,12 @@ class AlignMirrored(_Align):
     __doc__ = _Align.__doc__ + """
     Windows with a margin, whose samples outside the frame are mirrored about its first or last
     column or row. Eight neighbouring columns, and rows, hold a window, so that of the two bytes, or
-    four, whose columns are the same modulo 8 one is enough. A sample and its mirror image are an
-    even number of places apart: once the places have been turned by the lowest bit of the window's
-    first row, each row of the window is one of four. The first stage chooses bytes and turns the
+    four, whose columns are the same modulo 8, one is enough. A sample and its mirror image are an
+    even number of positions apart. Once the positions have been rotated by the lowest bit of the
+    window's first row, each row is one of four. The first stage chooses bytes and rotates the
     rows by one or not, the second one chooses rows; the third and the fourth do so with columns.
-    No stage has more than four bits to choose from for each bit, or eight for the first one of four
-    bytes: as many as fit a table of the usual devices.
+    Each stage chooses from at most four bits for each bit, or eight in the first one of four
+    bytes: this fits a look-up table of common devices.
     """
 
     latency = 4
@@ -94,7 +94,7 @@ class AlignMirrored(_Align):
     def elaborate(self, platform):
         m = Module()
         needs = self.interpolation
-        ring = needs.box_rows                   # columns that stay, as many as rows
+        ring = needs.box_rows                   # columns that are chosen, as many as rows
         bits = ceil_log2(ring)
 
         def register(name, value):
@@ -104,37 +104,37 @@ class AlignMirrored(_Align):
                 m.d.sync += r.eq(value)
             return r
 
-        def places(name, first, edge):
-            """For each column or row of the window, which one of four places, after a shift.
+        def positions(name, first, edge):
+            """For each column or row of the window, its position among four, after a shift.
 
             ``first``: where the window begins, modulo 8.
             """
             found = []
             for k in range(needs.window):
-                place = Signal(bits - 1, name=f"{name}{k}_place")
-                m.d.comb += place.eq(first[1:] + self._inside(k, edge)[1:])
-                found.append(register(f"{name}{k}", place))
+                position = Signal(bits - 1, name=f"{name}{k}_position")
+                m.d.comb += position.eq(first[1:] + self._inside(k, edge)[1:])
+                found.append(register(f"{name}{k}", position))
             return found
 
-        # The first column and row of the window, as far as they count.
+        # The first column and row of the window, their low bits.
         across = COLUMNS * self.word_bytes // ring      # rings side by side in the samples
         column, row = Signal(bits + ceil_log2(across)), Signal(bits)
         m.d.comb += [column.eq(self.x - needs.margin), row.eq(self.y - needs.margin)]
         # Stage 1: of both words, the columns from the window's first one on; rows by one or not.
         bytes_of = [[] for _ in self.samples]
         for k in range(ring):
-            # Which ring has the window's column that is k modulo 8.
+            # Ring that has the window's column k modulo 8.
             which = Signal(ceil_log2(across), name=f"which{k}")
             m.d.comb += which.eq(column[bits:] + (column[:bits] > k if k < ring - 1 else 0))
             for j in range(ring):
                 values = [chosen(list(samples)[k::ring], which)
                           for samples in (self.samples[j], self.samples[(j + 1) % ring])]
                 bytes_of[j].append(register(f"w_{j}{k}", chosen(values, row[:1])))
-        w_rows = places("w_row", row, self.edge_y)
+        w_rows = positions("w_row", row, self.edge_y)
         w_column, w_edge = register("w_column", column[:bits]), register("w_edge", self.edge_x)
         # Stage 2: the rows.
-        rows = [register(f"r_{j}", chosen([Cat(each) for each in bytes_of[j % 2::2]], place))
-                for j, place in enumerate(w_rows)]
+        rows = [register(f"r_{j}", chosen([Cat(each) for each in bytes_of[j % 2::2]], position))
+                for j, position in enumerate(w_rows)]
         r_column, r_edge = register("r_column", w_column), register("r_edge", w_edge)
         # Stage 3: columns by one or not.
         turned = []
@@ -142,7 +142,7 @@ class AlignMirrored(_Align):
             samples = [value.word_select(k, 8) for k in range(ring)]
             turned.append([register(f"c_{j}{k}", chosen(
                 [samples[k], samples[(k + 1) % ring]], r_column[:1])) for k in range(ring)])
-        c_columns = places("c_column", r_column, r_edge)
+        c_columns = positions("c_column", r_column, r_edge)
         # Stage 4: the columns.
         for k, (j, i) in enumerate(needs.samples):
             with m.If(self.shift & self.take):
@@ -150,13 +150,13 @@ class AlignMirrored(_Align):
         return m
 
     def _inside(self, k, edge):
-        """Row or column k of the window, or if it is outside the frame that as far inside."""
+        """Row or column k of the window; outside the frame its mirror image inside."""
         margin, last = self.interpolation.margin, self.interpolation.window - 1
         value = Const(k, ceil_log2(last + 1))
         for missing in range(1, margin + 1):
             if k < missing:
-                value = Mux((edge.missing == missing) & ~edge.behind, 2 * missing - k, value)
+                value = Mux((edge.missing == missing) & ~edge.after, 2 * missing - k, value)
             if last - k < missing:
-                value = Mux((edge.missing == missing) & edge.behind, 2 * (last - missing) - k,
+                value = Mux((edge.missing == missing) & edge.after, 2 * (last - missing) - k,
                             value)
         return value

@@ -26,22 +26,22 @@ def box_layout(f_bits, lanes, interpolation=FAST):
 
 
 class Boxes(wiring.Component):
-    """One box for all windows of a group if it can be read in one clock; else of its halves.
+    """One box for all windows of a group if it can be read in one clock; else one per half.
 
     A box fits if it has at most two words of the tile memory across (``Interpolation.box_word``),
-    as many rows as it gives, and as many rows of tiles as can be looked up. A group that does not
+    the rows that it outputs, and as many rows of tiles as can be looked up. A group that does not
     fit is cut in halves, these likewise, from left to right; the window of one pixel always fits.
     Blank pixels take no part.
 
-    Of windows with a margin, only what is in the frame counts.
+    Only the part in the frame counts, for windows with a margin.
 
-    Timing: a single lane passes as it is, with latency 0. Several lanes take one more stage than
+    Timing: a single lane passes unchanged, with latency 0. Several lanes take one more stage than
     halvings to a single lane; one box per clock. Windows with a margin take one stage more.
 
     Parameters
     ----------
     f_bits : int
-        Fraction bits of the place in the window.
+        Fraction bits of the position in the window.
     lanes : int
         Pixels of a group: 1, 2 or 4.
     interpolation : Interpolation
@@ -61,14 +61,14 @@ class Boxes(wiring.Component):
 
     @property
     def latency(self):
-        """Clocks from a group to its first box: a stage for what is in the frame, one per halving,
+        """Clocks from a group to its first box: a stage for the part in the frame, one per halving,
         and the boxes one by one."""
         clipped = 1 if self.interpolation.margin else 0
         return clipped + (0 if self.lanes == 1 else ceil_log2(self.lanes) + 1)
 
     def elaborate(self, platform):
         m = Module()
-        ready = Signal()        # what follows the boxes of the single lanes takes them
+        ready = Signal()        # the next stage takes the boxes of the single lanes
         group, valid, boxes = self._single(m, ready)
         if self.lanes == 1:
             (box,), o = boxes, self.o.p
@@ -90,8 +90,8 @@ class Boxes(wiring.Component):
                 low, high = lane[f"{axis}0"] - needs.margin, lane[f"{axis}0"] + needs.after
                 if needs.margin:
                     edge = lane[f"edge_{axis}"]
-                    low = low + Mux(edge.behind, 0, edge.missing)
-                    high = high - Mux(edge.behind, edge.missing, 0)
+                    low = low + Mux(edge.after, 0, edge.missing)
+                    high = high - Mux(edge.after, edge.missing, 0)
                 m.d.comb += [box[f"{axis}0"].eq(low), box[f"{axis}1"].eq(high)]
         if not needs.margin:
             m.d.comb += self.i.ready.eq(ready)
@@ -106,7 +106,7 @@ class Boxes(wiring.Component):
         return group, valid, clipped
 
     def _parts(self, m, group, valid, boxes, taken):
-        """Several lanes: a tree of boxes, a level per stage, and one part of it after the other."""
+        """Several lanes: a tree of boxes with a level per stage, output part by part."""
         edges = boxes[0].shape()
         # Level 0: the lanes themselves. All levels of a group move on together.
         tree = [boxes]
@@ -125,8 +125,8 @@ class Boxes(wiring.Component):
                              for new, old in zip(news, olds)]
             tree, valid, group = stage, stage_valid, stage_group
 
-        # From the lane at hand on, the largest part of the tree that fits.
-        at = Signal(range(self.lanes))          # the lane at hand
+        # The largest part of the tree that fits and begins at the current lane.
+        at = Signal(range(self.lanes))          # the current lane
         part = Signal(edges)                    # the largest box that fits and begins there
         size = Signal(range(self.lanes + 1))    # its lanes
         mask = Signal(self.lanes)               # its lanes, a bit each
@@ -149,7 +149,7 @@ class Boxes(wiring.Component):
     def _join(self, m, edges, a, b):
         """The box around two boxes."""
         both = Signal()         # both boxes are used
-        box = Signal(edges)     # the box around those that are
+        box = Signal(edges)     # the box around those that are used
         m.d.comb += [both.eq(a.used & b.used), box.used.eq(a.used | b.used)]
         needs = self.interpolation
         for name, chooses_b in (("x0", b.x0 < a.x0), ("y0", b.y0 < a.y0), ("x1", b.x1 > a.x1),
@@ -159,7 +159,7 @@ class Boxes(wiring.Component):
         across = box.x1[word:] - box.x0[word:]
         fits = (across <= 1) & (box.y1 - box.y0 < needs.box_rows)
         if (needs.tile_rows - 1) * needs.tile_height + 1 < needs.box_rows:
-            # So few rows may yet touch more rows of tiles than can be looked up.
+            # Even so few rows may touch more rows of tiles than a look-up takes.
             low = ceil_log2(needs.tile_height)
             fits &= box.y1[low:] - box.y0[low:] < needs.tile_rows
         m.d.comb += box.fits.eq(~box.used | fits)

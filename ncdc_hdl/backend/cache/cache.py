@@ -1,4 +1,4 @@
-"""The prefetching tile cache: the fetcher that reads nearly every sample once."""
+"""The prefetching tile cache: a fetcher that reads nearly every sample once."""
 
 from amaranth import *
 from amaranth.lib import stream, wiring
@@ -20,22 +20,22 @@ __all__ = ["Cache"]
 
 
 class Cache(wiring.Component):
-    """Fetch of windows through a cache whose misses are asked for ahead.
+    """Fetch of windows through a cache with prefetched misses.
 
-    Each window is looked up as soon as its place is known; tiles that are missing are claimed and
-    asked for at once, and it waits in a queue until they have arrived. Windows leave in order; a
+    Each window is looked up as soon as its position is known. Missing tiles are claimed and
+    requested at once, and the window waits in a queue for them. Windows leave in order; a
     blank request reads nothing. Byte (x, y) of the raw frame is at ``base + y pitch + x``; tiles
-    are 16 bytes by 4 rows, or 2, of which those at the frame's edges reach up to 15 bytes and 3
-    rows beyond it; what of them is outside the frame's place in memory is not read.
+    are 16 bytes by 4 rows, or 2. Those at the frame's edges reach up to 15 bytes and 3
+    rows beyond it; their parts outside the frame's memory area are not read.
 
-    Timing: one group per clock, whatever the memory's latency, as far as ``pending`` windows and
-    ``outstanding`` tiles hide it; see ``Tags`` for what it waits for. Requests marked ``last`` end
-    a frame: behind it the cache is emptied, in as many clocks as it has sets.
+    Timing: one group per clock, for any memory latency that ``pending`` windows and
+    ``outstanding`` tiles hide it; stalls: see ``Tags``. Requests marked ``last`` end
+    a frame: after it the cache is cleared, in as many clocks as it has sets.
 
     Parameters
     ----------
     f_bits : int
-        Fraction bits of the place in the window.
+        Fraction bits of the position in the window.
     data_width : int
         Bits of a memory word: 32, 64 or 128.
     options : CacheOptions
@@ -47,22 +47,22 @@ class Cache(wiring.Component):
     Members
     -------
     base, limit, pitch, height : ``In``
-        Of the raw frame, see :class:`Fills`, constant during a frame.
+        Area of the raw frame, see :class:`Fills`; constant during a frame.
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
     memory_rst : ``In(1)``
-        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
+        As in :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits, lanes, options.interpolation)))``
     o : ``Out(stream.Signature(window_layout(f_bits, lanes, options.interpolation)))``
     bus0 : ``Out(ReadHost(...))``
     outside, empty : ``Out(1)``
-        As of :class:`Fills`.
+        As in :class:`Fills`.
     fetched : ``Out(1)``
-        High for one clock per tile asked for.
+        High for one clock per tile requested.
     waiting : ``Out(1)``
         The oldest window waits for a tile.
     stalls : ``Out(stalls_layout())``
-        Why the tag stage does not move, see :class:`Tags`.
+        Reason why the tag stage does not move, see :class:`Tags`.
     """
 
     ports = 1
@@ -111,7 +111,8 @@ class Cache(wiring.Component):
             self.outside.eq(fills.outside), self.empty.eq(fills.empty),
             fills.claim.eq(tags.claim), fills.tile.eq(tags.tile), tags.credit.eq(fills.credit),
             tiles.fill.eq(fills.fill), retire.filled.eq(fills.filled),
-            retire.push.eq(tags.push), retire.place.eq(tags.place), retire.missing.eq(tags.missing),
+            retire.push.eq(tags.push), retire.position.eq(tags.position),
+            retire.missing.eq(tags.missing),
             tags.retire.eq(retire.retire),
             tiles.shift.eq(retire.shift), tiles.box.eq(retire.box),
             retire.samples.eq(tiles.samples),

@@ -1,4 +1,4 @@
-"""Claims the tiles that look-ups miss, behind the stages that found them missing."""
+"""Claims the tiles that look-ups miss, after the stages that found them missing."""
 
 from amaranth import *
 from amaranth.lib import stream, wiring
@@ -14,7 +14,7 @@ __all__ = ["Claims"]
 class Claims(wiring.Component):
     """Claims the missing tiles of each look-up, one per clock by ascending bank.
 
-    A tile is claimed in each clock in which there is one and there is credit. Three look-ups are
+    A tile is claimed in each clock in which there is a missing tile and credit. Three look-ups are
     under way here at most: one whose tiles are claimed, and two that wait, see :class:`Relay`.
 
     Timing: ``latency`` clocks from a look-up to its first claim; no clock is lost between two
@@ -27,7 +27,7 @@ class Claims(wiring.Component):
     Members
     -------
     i : ``In(stream.Signature(tiles_layout(options)))``
-        The tiles of a look-up, ``need`` telling which are missing, one at least.
+        The tiles of a look-up; ``need`` marks the missing ones, at least one.
     credit : ``In(1)``
         A tile may be claimed.
     claim, tile : ``Out(1)``, ``Out(tile_layout(options))``
@@ -54,10 +54,10 @@ class Claims(wiring.Component):
         m = Module()
         m.submodules.relay = relay = self.relay
         wiring.connect(m, wiring.flipped(self.i), relay.i)
-        # A look-up, of which those tiles are needed that are not yet claimed.
+        # A look-up; ``need`` marks its tiles that are not yet claimed.
         left = Signal(self.i.payload.shape(), reset_less=True)
-        done = Signal(init=1)                   # there are none
-        final = Signal()                        # there is one
+        done = Signal(init=1)                   # no such tile is left
+        final = Signal()                        # one is left
         bank = Signal(self.options.tag_banks)   # the bit of the lowest one
         m.d.comb += [
             bank.eq(Cat(bit & ~left.need[:k].any() for k, bit in enumerate(left.need))),
@@ -76,7 +76,7 @@ class Claims(wiring.Component):
 
     def _tile(self, m, left, bank):
         """The tile of the look-up ``left`` in ``bank``, and its slot."""
-        # The number of the bank's bit, of which that of the column is the lowest bit.
+        # The number of the bank; its lowest bit is the column's.
         px, *rows = (Cat(bit for k, bit in enumerate(bank) if k >> n & 1).any()
                      for n in range(1 + row_bits(self.options)))
         py = Cat(rows)

@@ -10,7 +10,7 @@ __all__ = ["Clearing"]
 
 
 class Clearing(wiring.Component):
-    """Makes all entries invalid behind a frame's last look-up, and after reset, a set per clock.
+    """Invalidates all entries after a frame's last look-up and after reset, a set per clock.
 
     The tag stage is closed from the clock after the frame's last look-up was accepted until the
     last set has been cleared, so that no look-up meets an entry of another frame.

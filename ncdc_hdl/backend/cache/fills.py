@@ -19,13 +19,13 @@ __all__ = ["Fills"]
 
 
 class Fills(wiring.Component):
-    """Reads each claimed tile, a burst per row, and writes it where it was promised a place.
+    """Reads each claimed tile, a burst per row, and writes it to its reserved slot.
 
     The credit for a tile is taken when it is claimed and comes back when its last word is
-    written, so both queues always have room, and data from the memory always has a place.
+    written. So both queues always have space, and data from the memory always has a slot.
 
-    Timing: the first command of a tile reaches the bus ``latency`` clocks after its claim at the
-    earliest; a word is written 2 clocks after its ``readdatavalid``, in the clock of ``filled`` if
+    Timing: the first command of a tile reaches the bus at least ``latency`` clocks after its
+    claim. A word is written 2 clocks after its ``readdatavalid``, in the clock of ``filled`` if
     it is the last one.
 
     Parameters
@@ -39,10 +39,10 @@ class Fills(wiring.Component):
     Members
     -------
     base, limit, pitch, height : ``In``
-        Byte address of the raw frame and of what is behind its place, bytes from row to row, rows;
-        constant during a frame. Nothing outside the place is read, see :class:`ReadFence`.
+        Byte address of the raw frame and of the end of its area, bytes from row to row, rows;
+        constant during a frame. Nothing outside the area is read, see :class:`ReadFence`.
     memory_rst : ``In(1)``
-        As of :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
+        As in :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     claim, tile : ``In(1)``, ``In(tile_layout(options))``
         A tile is to be read; only while ``credit``.
     credit : ``Out(1)``
@@ -51,9 +51,9 @@ class Fills(wiring.Component):
     filled : ``Out(1)``
         The oldest tile is complete.
     outside : ``Out(1)``
-        A row of the frame was asked for, a clock ago, that is outside the place.
+        A clock ago a row of the frame was requested that is outside the area.
     empty : ``Out(1)``
-        As of :class:`ReadFence`.
+        As in :class:`ReadFence`.
     bus : ``Out(ReadHost(...))``
     """
 
@@ -77,14 +77,14 @@ class Fills(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        most = self.options.outstanding
-        depth = max(most, 2)
+        limit = self.options.outstanding
+        depth = max(limit, 2)
         m.submodules.claimed = claimed = Fifo(width=tile_layout(self.options).size, depth=depth)
         m.submodules.slots = slots = Fifo(width=slot_bits(self.options), depth=depth)
         m.submodules.requests = requests = TileRequests(self.options)
         m.submodules.fence = fence = ReadFence(self.data_width, self.burst, shortest=self.burst)
         m.submodules.commands = commands = ReadCommands(
-            self.data_width, self.burst, limit=most * self.options.tile_height * self.burst)
+            self.data_width, self.burst, limit=limit * self.options.tile_height * self.burst)
         wiring.connect(m, commands.bus, wiring.flipped(self.bus))
         m.d.comb += commands.memory_rst.eq(self.memory_rst)
         claim = Signal()                                    # a tile was claimed a clock ago
@@ -103,26 +103,26 @@ class Fills(wiring.Component):
         ]
         m.d.sync += self.outside.eq(fence.moved & ~requests.beyond)
         wiring.connect(m, fence.o, commands.i)
-        outstanding = Signal(range(most + 1))   # tiles claimed and not yet complete
+        outstanding = Signal(range(limit + 1))   # tiles claimed and not yet complete
         complete = Signal()                     # the last word of a tile came a clock ago
         with m.If(self.claim != complete):
             m.d.sync += [outstanding.eq(Mux(complete, outstanding - 1, outstanding + 1)),
-                         self.credit.eq(complete | self._credit(outstanding + 1, most))]
+                         self.credit.eq(complete | self._credit(outstanding + 1, limit))]
         self._write(m, commands, slots, complete)
         return m
 
     @staticmethod
-    def _credit(outstanding, most):
+    def _credit(outstanding, limit):
         """Whether one more tile may be claimed.
 
         A method of its own only so that proofs and tests can break the count.
         """
-        return outstanding != most
+        return outstanding != limit
 
     def _write(self, m, commands, slots, complete):
-        """Words from the memory to words of the tile memory, and where they go.
+        """Words from the memory to words of the tile memory, with their addresses.
 
-        A method of its own also so that a proof can take places out of their queue too early.
+        A method of its own also so that a proof can take slots out of their queue too early.
         """
         came = Signal()                                     # a word came in the clock before
         arrived = Signal(self.data_width, reset_less=True)  # that word
@@ -154,7 +154,7 @@ class Fills(wiring.Component):
                     m.d.sync += before.eq(Cat(before, arrived)[self.data_width:])
                 gathered = Cat(before, arrived)
             last = beat[:part_bits] == parts - 1
-            # A row of a tile that is one word goes where its tile's column says.
+            # A row of a tile that is one word goes to the bank of its tile's column.
             bank = 1 << word[0] if len(word) else 0b11
             m.d.sync += [fill.enable.eq(Mux(came & last, bank, 0)), fill.word.eq(word[1:]),
                          fill.data[0].eq(gathered), fill.data[1].eq(gathered)]

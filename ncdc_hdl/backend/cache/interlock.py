@@ -1,21 +1,21 @@
-"""The interlock: whether an entry's last user still has to read its samples."""
+"""The interlock: marks entries whose last user still has to read its samples."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.backend.cache.ahead import between_layout
+from ncdc_hdl.backend.cache.forwarding import between_layout
 
 __all__ = ["Interlock"]
 
 
 class Interlock(wiring.Component):
-    """Which entries of a look-up are busy: their tile must not be replaced as yet.
+    """Finds the busy entries of a look-up, whose tiles must not be replaced yet.
 
-    An entry is busy while its last user is among the pending look-ups, which is decided by its
-    number, see ``Pending``. The numbers repeat, so that an old entry may seem busy; it is freed
-    by the next look-ups read. Of an entry that a look-up ahead touches, the memory does not
-    tell the last user: it counts as busy until the look-up has reached stage A, where the last
+    An entry is busy while its last user is among the pending look-ups, as its
+    number shows, see ``Pending``. Numbers repeat, so that an old entry may seem busy; it is freed
+    by the next look-ups read. If an earlier look-up touches an entry, the memory does not
+    have its last user. It counts as busy until the look-up is in stage A, where the last
     user's number is that look-up's own, less the look-ups between, less one.
 
     Timing: ``d_busy`` follows ``last_use``, ``touched`` and ``between`` after one shift;
@@ -31,11 +31,11 @@ class Interlock(wiring.Component):
     shift : ``In(1)``
         All look-ups move on by one stage in this clock.
     touched, between : ``In(tag_banks)``, ``In(between_layout(options))``
-        Of the look-up in stage C, as of ``Ahead``.
+        For the look-up in stage C, as in ``Forwarding``.
     last_use : ``In(ArrayLayout(sequence_bits, tag_banks))``
-        Of the look-up in stage C, as of ``TagMemory``.
+        For the look-up in stage C, as in ``TagMemory``.
     number, retired, wrapped : ``In``
-        Numbers of the pending look-ups, as of ``Pending``.
+        Numbers of the pending look-ups, as in ``Pending``.
     d_busy : ``Out(tag_banks)``
         Whether each entry of the look-up in stage D is busy.
     a_busy : ``Out(tag_banks)``
@@ -62,8 +62,8 @@ class Interlock(wiring.Component):
         bits, banks = self.options.sequence_bits, self.options.tag_banks
         between = between_layout(self.options)
 
-        # D: the comparisons with the numbers of pending look-ups, made on the way from stage C.
-        d_touched = Signal(banks)               # a look-up ahead touches the entry
+        # D: the comparisons with the numbers of pending look-ups, made between stages C and D.
+        d_touched = Signal(banks)               # an earlier look-up touches the entry
         d_between = Signal(between)             # look-ups between that one and this one
         d_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)  # by the memory
         with m.If(self.shift):
@@ -76,11 +76,11 @@ class Interlock(wiring.Component):
                 m.d.sync += self.d_busy[bank].eq(self.touched[bank] | self._in_flight(
                     last_use >= self.retired, last_use < self.number, self.wrapped))
 
-        # A: the same for as long as the look-up stays.
+        # A: the same while the look-up stays.
         a_new = Signal()                        # the look-up is in its first clock in stage A
-        a_touched = Signal(banks)               # a look-up that was ahead touched the entry
+        a_touched = Signal(banks)               # an earlier look-up touched the entry
         a_between = Signal(between)             # look-ups between that one and this one
-        # The last user: in the first clock that of the memory, later of the look-ups ahead as well.
+        # The last user: in the first clock that of the memory, later also that of earlier look-ups.
         a_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)
         m.d.sync += a_new.eq(self.shift)
         with m.If(self.shift):
@@ -101,7 +101,7 @@ class Interlock(wiring.Component):
         """Whether a last user is one of the pending look-ups.
 
         ``since``: its number is not below ``retired``. ``before``: it is below ``number``.
-        ``wrapped``: ``number`` has turned to 0 and ``retired`` has not. A method of its own only
+        ``wrapped``: ``number`` has wrapped to 0 and ``retired`` has not. A method of its own only
         so that proofs and tests can break the interlock.
         """
         return (since & before) | (wrapped & (since | before))

@@ -11,10 +11,10 @@ from ncdc_spec.geometry import MAX_SIZE
 
 __all__ = ["PAIR_X_BITS", "TILE_X_BITS", "bank_tile", "lookup_layout", "pair_y_bits", "row_bits",
            "set_bits", "slot_bits", "stalls_layout", "tile_layout", "tile_y_bits", "tiles_layout",
-           "tiles_of", "window_place_layout", "word_bytes"]
+           "tiles_of", "window_position_layout", "word_bytes"]
 
 TILE_X_BITS = ceil_log2(MAX_SIZE // TILE_WIDTH)
-# Tiles come in pairs, an even one and the odd one behind it; a bank holds one of each pair. Rows of
+# Tiles come in pairs, an even one and the odd one after it; a bank holds one of each pair. Rows of
 # tiles come likewise in pairs, or fours if a look-up may touch more than two.
 PAIR_X_BITS = TILE_X_BITS - 1
 
@@ -45,22 +45,22 @@ def slot_bits(options):
 
 
 def word_bytes(data_width, lanes, interpolation):
-    """Bytes that one bank of the tile memory gives per clock, see ``tiles``: a window at any place
+    """Bytes per clock of one bank of the tile memory, see ``tiles``. A window at any position
     is in two words of four bytes only if it has at most five columns."""
     if lanes > 1 or interpolation.window > 5:
         return interpolation.box_word(lanes)
     return 8 if data_width == 128 else 4
 
 
-def window_place_layout(f_bits, options, lanes):
-    """What a pending look-up has to know until its samples are read.
+def window_position_layout(f_bits, options, lanes):
+    """State of a pending look-up until its samples are read.
 
-    ``set`` is that of its first tile, whose column modulo 2 and row modulo R are ``odd_tile``;
-    ``next_set`` is that of the next tiles of the same bank to the right and below. Each lane has
-    the low bits ``x``, ``y`` of the sample that names its first place, the pixel's place ``fx``,
-    ``fy`` from there on, whether it is ``blank``, and :func:`edges`. A group of several lanes may
-    take several look-ups: ``mask`` tells which lanes are this one's, ``end`` whether it is the
-    group's last. ``word`` and ``row`` tell where in the first tile the box begins; a single window
+    ``set`` is that of its first tile, whose column modulo 2 and row modulo R are ``odd_tile``.
+    ``next_set`` is that of the next tiles of the same bank to the right and below. A lane has
+    the low bits ``x``, ``y`` of the sample of its first point, the pixel's position ``fx``,
+    ``fy`` relative to it, ``blank``, and :func:`edges`. A group of several lanes may
+    take several look-ups: ``mask`` marks the lanes of this one, ``end`` the
+    group's last one. The box begins at ``word`` and ``row`` of the first tile. A single window
     without a margin begins at its ``x`` and ``y``.
     """
     needs = options.interpolation
@@ -80,12 +80,12 @@ def window_place_layout(f_bits, options, lanes):
 
 
 def tiles_layout(options):
-    """Up to 2 x R tiles, as a look-up names them.
+    """Up to 2 x R tiles, of a look-up.
 
     Index 0 of ``pair_x`` and ``set_x`` is for the even tile column of the box, 1 for the odd one;
     ``pair_y`` and ``set_y`` for rows modulo R. Bank b = px | py << 1 holds the tile of the pairs
-    ``pair_x[px]``, ``pair_y[py]`` in the set ``set_x[px] | set_y[py]``; bit b of ``need`` tells
-    whether the box touches it.
+    ``pair_x[px]``, ``pair_y[py]`` in the set ``set_x[px] | set_y[py]``. Bit b of ``need`` is
+    high if the box touches it.
     """
     return data.StructLayout({
         "pair_x": data.ArrayLayout(PAIR_X_BITS, 2),
@@ -97,9 +97,9 @@ def tiles_layout(options):
 
 
 def lookup_layout(f_bits, options, lanes):
-    """The fields of :func:`tiles_layout`, and the ``place`` of the window that goes with them."""
+    """The fields of :func:`tiles_layout`, and the ``position`` of their window."""
     return data.StructLayout(tiles_layout(options).members
-                             | {"place": window_place_layout(f_bits, options, lanes)})
+                             | {"position": window_position_layout(f_bits, options, lanes)})
 
 
 def tiles_of(options, lookup):
@@ -114,7 +114,7 @@ BankTile = namedtuple("BankTile", ["pair_x", "pair_y", "set"])
 def bank_tile(tiles, bank):
     """Pairs and set of the tile that a view with the fields of :func:`tiles_layout` has in a bank.
 
-    The set is that of the bank's entry; whether the tile is needed does not matter.
+    The set is that of the bank's entry; the tile need not be needed.
     """
     px, py = bank & 1, bank >> 1
     return BankTile(tiles.pair_x[px], tiles.pair_y[py], tiles.set_x[px] | tiles.set_y[py])
@@ -127,10 +127,10 @@ def tile_layout(options):
 
 
 def stalls_layout():
-    """Why the look-up in the act stage waits.
+    """Reasons for a look-up to wait in the act stage.
 
-    ``interlock``: the place of a missing tile is in use. ``credit``: it misses tiles, and those of
+    ``interlock``: the slot of a missing tile is in use. ``credit``: it misses tiles, and those of
     look-ups before it wait to be claimed, as too many are under way.
-    ``pending``: too many look-ups are. At most one of them is high.
+    ``pending``: too many look-ups are under way. At most one of them is high.
     """
     return data.StructLayout({"interlock": 1, "credit": 1, "pending": 1})

@@ -31,7 +31,7 @@ class Locate(wiring.Component):
     Parameters
     ----------
     f_bits, options, lanes
-        As of :class:`ncdc_hdl.backend.cache.cache.Cache`.
+        As in :class:`ncdc_hdl.backend.cache.cache.Cache`.
 
     Members
     -------
@@ -59,45 +59,46 @@ class Locate(wiring.Component):
         t_valid = Signal()                              # there is a box in this stage
         t = Signal(self.i.payload.shape())              # the box
         t_across = Signal()                             # it reaches into the tile on the right
-        t_down = Signal(row)                            # rows of tiles below that it reaches into
+        t_down = Signal(row)                            # rows of tiles below in the box
         t_even_x = Signal(PAIR_X_BITS, reset_less=True)     # the pair of its even tile column
         # The pair, or the four, of its tile row of each kind but the last one.
         t_pair_y = [Signal(pair_y_bits(self.options), name=f"t_pair_y{r}", reset_less=True)
                     for r in range(rows - 1)]
-        # S: the sets are known. The relay keeps ``ready`` of what follows from going further back.
+        # S: the sets are known. The relay ends the path of ``ready``.
         m.submodules.sets = sets = Relay(self.o.payload.shape())
         wiring.connect(m, sets.o, wiring.flipped(self.o))
-        o, place = sets.i.p, sets.i.p.place
+        o, position = sets.i.p, sets.i.p.position
         tile_x, tile_y = t.x0[_X_BITS:], t.y0[y_bits:]
         mask_x = Signal(set_bits(self.options))
         m.d.sync += mask_x.eq((1 << self.split) - 1)
         with m.If(~t_valid | sets.i.ready):
             m.d.comb += self.i.ready.eq(1)
-            # A box is narrower and lower than a tile or two: the lowest bits tell.
+            # A box is narrower and lower than a tile or two: the lowest bits decide.
             m.d.sync += [
                 t_valid.eq(self.i.valid), t.eq(self.i.payload),
                 t_across.eq(self.i.p.x0[_X_BITS] ^ self.i.p.x1[_X_BITS]),
                 t_down.eq(self.i.p.y1[y_bits:][:row] - self.i.p.y0[y_bits:][:row]),
-                # Of an odd column and the even one behind it, the even one is in the next pair.
+                # After an odd column, the even one is in the next pair.
                 t_even_x.eq((self.i.p.x0[_X_BITS:] + 1) >> 1),
                 *(t_pair_y[r].eq((self.i.p.y0[y_bits:] + (rows - 1 - r)) >> row)
                   for r in range(rows - 1)),
             ]
         m.d.comb += [
             sets.i.valid.eq(t_valid),
-            place.odd_tile.x.eq(tile_x[0]), place.odd_tile.y.eq(tile_y),
-            place.first.eq(t.group.first), place.last.eq(t.group.last & t.end),
+            position.odd_tile.x.eq(tile_x[0]), position.odd_tile.y.eq(tile_y),
+            position.first.eq(t.group.first), position.last.eq(t.group.last & t.end),
         ]
-        for lane, pixel in zip(place.lane, lanes_of(t.group)):
+        for lane, pixel in zip(position.lane, lanes_of(t.group)):
             m.d.comb += [lane.x.eq(pixel.x0), lane.y.eq(pixel.y0), lane.fx.eq(pixel.fx),
                          lane.fy.eq(pixel.fy), lane.blank.eq(pixel.blank)]
             m.d.comb += [lane[edge].eq(pixel[edge]) for edge in edges(self.options.interpolation)]
         if self.lanes > 1:
-            m.d.comb += [place.mask.eq(t.mask), place.end.eq(t.end)]
-        if "word" in place.shape().members:
-            m.d.comb += [place.word.eq(t.x0[_X_BITS - len(place.word):]), place.row.eq(t.y0)]
-        # The tile beside an even one is in the same pair, that beside an odd one in the next.
-        # Not read back from ``o``: simulators take a vector for one thing.
+            m.d.comb += [position.mask.eq(t.mask), position.end.eq(t.end)]
+        if "word" in position.shape().members:
+            m.d.comb += [position.word.eq(t.x0[_X_BITS - len(position.word):]),
+            position.row.eq(t.y0)]
+        # The tile after an even one is in the same pair, that after an odd one in the next.
+        # Not read back from ``o``: simulators treat a vector as one signal.
         set_x = [Signal(len(mask_x), name=f"set_x{odd}") for odd in range(2)]
         set_y = [Signal(len(mask_x), name=f"set_y{r}") for r in range(rows)]
         for odd, pair_x in enumerate((t_even_x, tile_x[1:])):
@@ -106,13 +107,14 @@ class Locate(wiring.Component):
         for r, pair_y in enumerate((*t_pair_y, tile_y[row:])):
             m.d.comb += [set_y[r].eq(pair_y << self.split),
                          o.pair_y[r].eq(pair_y), o.set_y[r].eq(set_y[r])]
-        m.d.comb += [place.next_set.eq(set_x[0] | set_y[0]), place.set.eq(set_x[1] | set_y[-1])]
+        m.d.comb += [position.next_set.eq(set_x[0] | set_y[0]),
+        position.set.eq(set_x[1] | set_y[-1])]
         self._needs(m, o.need, t.used, (tile_x[0], t_across), (tile_y[:row], t_down))
         return m
 
     def _needs(self, m, need, used, columns, rows):
         """Which banks a box needs: ``columns`` and ``rows`` are what its first tile leaves, divided
-        by their number of banks, and how many more it reaches into."""
+        by their number of banks, and the number of further ones that it reaches into."""
         for bank in range(self.options.tag_banks):
             below = Signal.like(rows[0], name=f"below{bank}")   # rows from the first one to this
             m.d.comb += [

@@ -10,10 +10,10 @@ __all__ = ["Pending"]
 class Pending(wiring.Component):
     """Numbers the look-ups passed on, and counts those that still have to read their samples.
 
-    Look-ups are numbered modulo 2**n, n being ``options.sequence_bits``. Numbers from ``retired``
-    up to, but without, ``number`` are those of pending look-ups.
+    Look-ups are numbered modulo 2**n with n = ``options.sequence_bits``. Numbers from ``retired``
+    up to ``number`` - 1 are those of pending look-ups.
 
-    Timing: all outputs are registers, or one gate behind registers; they follow ``push`` and
+    Timing: all outputs are registers, or one gate after registers. They follow ``push`` and
     ``retire`` after one clock.
 
     Parameters
@@ -24,7 +24,7 @@ class Pending(wiring.Component):
     Members
     -------
     push : ``In(1)``
-        The look-up in the act stage is passed on in this clock; to be given only while ``room``.
+        The look-up in the act stage is passed on in this clock; only allowed while ``space``.
     retire : ``In(1)``
         The oldest look-up passed on reads its samples in this clock.
     number : ``Out(sequence_bits)``
@@ -32,14 +32,14 @@ class Pending(wiring.Component):
     retired : ``Out(sequence_bits)``
         The number of the oldest look-up that still has to read; ``number`` if there is none.
     wrapped : ``Out(1)``
-        ``number`` has turned to 0 and ``retired`` has not: the numbers of pending look-ups are
+        ``number`` has wrapped to 0 and ``retired`` has not: the numbers of pending look-ups are
         those not below ``retired``, and those below ``number``.
-    room : ``Out(1)``
+    space : ``Out(1)``
         One more look-up may be passed on.
     """
 
     latency = 1
-    """Clocks from ``retire`` to the ``room`` that it makes, and to ``retired``."""
+    """Clocks from ``retire`` to its effect on ``space`` and ``retired``."""
 
     def __init__(self, options):
         self.options = options
@@ -49,18 +49,18 @@ class Pending(wiring.Component):
             "number": Out(options.sequence_bits),
             "retired": Out(options.sequence_bits),
             "wrapped": Out(1),
-            "room": Out(1, init=1),
+            "space": Out(1, init=1),
         })
 
     def elaborate(self, platform):
         m = Module()
-        most = self.options.pending
+        limit = self.options.pending
         bits = self.options.sequence_bits
-        # `number` and `retired`, each with one bit more, which tells how often they have turned.
+        # `number` and `retired`, each with one bit more, which counts their wraps.
         numbers = Signal(bits + 1)
         retirals = Signal(bits + 1)
         # Look-ups passed on that still have to read: `numbers - retirals`.
-        level = Signal(range(most + 1))
+        level = Signal(range(limit + 1))
         m.d.comb += [
             self.number.eq(numbers),
             self.retired.eq(retirals),
@@ -70,11 +70,11 @@ class Pending(wiring.Component):
             m.d.sync += numbers.eq(numbers + 1)
         with m.If(self.retire):
             m.d.sync += retirals.eq(retirals + 1)
-        # `room` is the register of `level != most`: a retirement always makes room, a push leaves
-        # some unless the level was one below the most.
+        # `space` registers `level != limit`: a retirement always frees a slot, a push leaves
+        # one unless the level was one below the limit.
         with m.If(self.push != self.retire):
             m.d.sync += [
                 level.eq(Mux(self.push, level + 1, level - 1)),
-                self.room.eq(self.retire | (level != most - 1)),
+                self.space.eq(self.retire | (level != limit - 1)),
             ]
         return m

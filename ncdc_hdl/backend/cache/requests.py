@@ -14,13 +14,13 @@ __all__ = ["TileRequests"]
 
 
 class TileRequests(wiring.Component):
-    """One read command per row of a tile, top down::
+    """Makes one read command per row of a tile, top down::
 
         address = base + (H y + row) pitch + 16 x       H rows per tile
 
-    Of the lowest tiles some rows may be below the frame: ``beyond``.
+    Some rows of the lowest tiles may be below the frame: ``beyond``.
 
-    Timing: ``latency`` clocks from a tile to its first address at the earliest. While tiles wait
+    Timing: at least ``latency`` clocks from a tile to its first address. While tiles wait
     and ``o`` is taken in each clock, an address leaves in each clock, also from tile to tile.
 
     Parameters
@@ -30,7 +30,7 @@ class TileRequests(wiring.Component):
     Members
     -------
     base, pitch : ``In``
-        Of the raw frame in bytes, constant while tiles are under way.
+        Address and row pitch of the raw frame in bytes, constant while tiles are under way.
     height : ``In(SIZE)``
         Rows of the raw frame, constant while tiles are under way.
     i : ``In(stream.Signature(tile_layout(options)))``
@@ -54,9 +54,9 @@ class TileRequests(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         tile_height = self.options.tile_height
-        # F, P and M take a step together, so that a multiplier's registers have one enable, itself
-        # a register. They wait only while M and A both hold a tile: A is empty in one of two clocks
-        # at least, and the rows of the tile that it handed on take as long.
+        # F, P and M take a step together, so that a multiplier's registers have one enable, also
+        # a register. They wait only while M and A both hold a tile. A is empty in one of two clocks
+        # or more, and the rows of the tile that it passed on take as long.
         step = Signal(init=1)
         # F: the factors of the product, and the tile's column.
         f_x = Signal.like(self.i.p.x, reset_less=True)
@@ -66,19 +66,19 @@ class TileRequests(wiring.Component):
         # P: the product, in a register within the multiplier.
         p_x = Signal.like(f_x, reset_less=True)
         p_product = Signal(product.shape(), reset_less=True)
-        # M: the product, and where the tile's column begins in the frame's first row.
+        # M: the product, and the address of the tile's column in the frame's first row.
         m_product = Signal.like(p_product, reset_less=True)
         m_start = Signal(ADDRESS_BITS, reset_less=True)
         with m.If(step):
             m.d.sync += [f_x.eq(self.i.p.x), f_y.eq(self.i.p.y), f_pitch.eq(self.pitch),
                          p_x.eq(f_x), p_product.eq(product),
                          m_product.eq(p_product), m_start.eq(self.base + p_x * TILE_WIDTH)]
-        known = Signal(3)               # whether there is a tile in each of F, P and M
+        known = Signal(3)               # flags: there is a tile in F, P, M
         # A: the address of a tile's first row. O: those of its rows, one after the other.
         a_valid = Signal()                                  # there is a tile in stage A
         a_address = Signal(ADDRESS_BITS, reset_less=True)   # the address of its first row
         row = Signal(range(tile_height))                       # the row whose address is at ``o``
-        done = Signal()                                     # ``o`` takes what is in stage A
+        done = Signal()                                     # ``o`` takes the address in stage A
         m.d.comb += [self.i.ready.eq(step),
                      done.eq(~self.o.valid | (self.o.ready & (row == tile_height - 1)))]
         m.d.sync += step.eq(~(Mux(step, known[1], known[2]) & Mux(a_valid, ~done, known[2])))
@@ -88,7 +88,7 @@ class TileRequests(wiring.Component):
             m.d.sync += [a_valid.eq(known[-1]), a_address.eq(m_start + m_product * tile_height)]
         with m.Elif(done):
             m.d.sync += a_valid.eq(0)
-        # Which tiles are the lowest ones, and how many rows of them are in the frame, less one.
+        # Flags of the lowest tiles, and the number of their rows in the frame, less one.
         last_row = Signal.like(self.height, reset_less=True)
         m.d.sync += last_row.eq(self.height - 1)
         p_lowest, m_lowest, a_lowest, o_lowest = (Signal(name=f"{stage}_lowest", reset_less=True)

@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.align import align_for
-from ncdc_hdl.backend.cache.layouts import window_place_layout
+from ncdc_hdl.backend.cache.layouts import window_position_layout
 from ncdc_hdl.backend.cache.tiles import Tiles, box_layout, samples_layout
 from ncdc_hdl.backend.layouts import edges, window_layout
 from ncdc_hdl.lib.groups import lanes_of
@@ -17,26 +17,26 @@ __all__ = ["Retire"]
 
 
 class Retire(wiring.Component):
-    """Queue of pending look-ups; each reads its samples once the tiles it claimed have arrived.
+    """Queue of pending look-ups, which read their samples once their claimed tiles have arrived.
 
-    Tiles arrive in the order in which they were claimed, so it is enough to count them: the oldest
+    Tiles arrive in the order in which they were claimed, so counting them is enough. The oldest
     look-up leaves the queue when as many tiles have arrived, beyond those of the look-ups before
-    it, as it claimed itself. What it did not claim was claimed before, hence arrived before.
+    it, as it claimed itself. Tiles claimed by earlier look-ups have arrived before.
 
     Timing: ``latency`` clocks from the queue's end to ``o``, one look-up per clock; all stages
-    stall while ``o`` does.
+    stall with ``o``.
 
     Parameters
     ----------
     f_bits, options, lanes
-        As of :class:`ncdc_hdl.backend.cache.cache.Cache`.
+        As in :class:`ncdc_hdl.backend.cache.cache.Cache`.
     word_bytes : int
         Bytes of a word of the tile memory.
 
     Members
     -------
-    push, place, missing : ``In``
-        From the tag stage: a look-up is passed on, its place, and which tiles are claimed for it.
+    push, position, missing : ``In``
+        From the tag stage: a look-up is passed on, its position, and the tiles claimed for it.
     filled : ``In(1)``
         A tile has arrived.
     retire : ``Out(1)``
@@ -44,7 +44,7 @@ class Retire(wiring.Component):
     waiting : ``Out(1)``
         The oldest look-up waits for a tile.
     shift, box, samples :
-        To the tile memory, as of :class:`Tiles`.
+        To the tile memory, as in :class:`Tiles`.
     o : ``Out(stream.Signature(window_layout(f_bits, lanes, ...)))``
     """
 
@@ -56,11 +56,11 @@ class Retire(wiring.Component):
     def __init__(self, f_bits, options, word_bytes, lanes=1):
         self.f_bits, self.options = f_bits, options
         self.word_bytes, self.lanes = word_bytes, lanes
-        self.place_shape = window_place_layout(f_bits, options, lanes)
+        self.position_shape = window_position_layout(f_bits, options, lanes)
         self.aligns = [align_for(word_bytes, options.interpolation) for _ in range(lanes)]
         super().__init__({
             "push": In(1),
-            "place": In(self.place_shape),
+            "position": In(self.position_shape),
             "missing": In(options.tag_banks),
             "filled": In(1),
             "retire": Out(1),
@@ -84,13 +84,13 @@ class Retire(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # All stages move if the windows behind them do; what follows is not asked.
+        # All stages move if the windows after them do, without looking further.
         m.submodules.windows = windows = Relay(self.o.payload.shape())
         wiring.connect(m, windows.o, wiring.flipped(self.o))
-        shift = Signal()                # all stages behind the oldest look-up move
+        shift = Signal()                # all stages after the oldest look-up move
         enough = Signal()               # all tiles of the oldest look-up have arrived
         oldest_valid = Signal()         # there is an oldest look-up
-        oldest = Signal(self.place_shape, reset_less=True)
+        oldest = Signal(self.position_shape, reset_less=True)
         pop = Signal()                  # the oldest look-up goes on to the stages
         load = Signal()                 # the look-up at the queue's end becomes the oldest
         m.d.comb += [
@@ -115,20 +115,20 @@ class Retire(wiring.Component):
         return m
 
     def _queue(self, m, load):
-        """Keep look-ups in their order; (whether one is at the end, its place, what it owes).
+        """Queue look-ups in order; return (valid, position, ``owed``) of the one at the end.
 
         ``owed`` is the negated number of tiles that a look-up claimed: it is added to the balance.
         """
         push = Signal()                 # a look-up came in the clock before
-        place = Signal(self.place_shape, reset_less=True)
+        position = Signal(self.position_shape, reset_less=True)
         owed = Signal(range(-self.options.tag_banks, 1))
-        following = Signal(self.place_shape)            # the place of the look-up at the end
-        following_owed = Signal(owed.shape())           # what it owes
-        m.submodules.queue = queue = Fifo(width=self.place_shape.size + len(owed),
+        following = Signal(self.position_shape)            # the position of the look-up at the end
+        following_owed = Signal(owed.shape())           # its ``owed``
+        m.submodules.queue = queue = Fifo(width=self.position_shape.size + len(owed),
                                           depth=self.options.pending)
-        m.d.sync += [push.eq(self.push), place.eq(self.place), owed.eq(_owed(self.missing))]
+        m.d.sync += [push.eq(self.push), position.eq(self.position), owed.eq(_owed(self.missing))]
         m.d.comb += [
-            queue.w_data.eq(Cat(place, owed)), queue.w_en.eq(push), queue.r_en.eq(load),
+            queue.w_data.eq(Cat(position, owed)), queue.w_en.eq(push), queue.r_en.eq(load),
             Cat(following, following_owed).eq(queue.r_data),
         ]
         return queue.r_rdy, following, following_owed
@@ -136,23 +136,23 @@ class Retire(wiring.Component):
     def _count(self, m, comes, owed, enough):
         """Count tiles that arrive, less those that the look-ups up to the oldest one claimed.
 
-        ``comes``: in this clock a look-up becomes the oldest that has claimed ``-owed`` tiles.
+        ``comes``: a look-up with ``-owed`` claimed tiles becomes the oldest in this clock.
         """
-        # Below 0 as long as the oldest look-up has to wait. At most the tiles of all pending
-        # look-ups.
-        most = self.options.tag_banks * self.options.pending
-        balance = Signal(signed(ceil_log2(most + 1) + 1))
+        # Below 0 while the oldest look-up has to wait. The magnitude is at most the tiles of all
+        # pending look-ups.
+        limit = self.options.tag_banks * self.options.pending
+        balance = Signal(signed(ceil_log2(limit + 1) + 1))
         m.d.comb += enough.eq(self._enough(balance))
         with m.If(comes):
-            # A tile that arrives goes in as a carry: there is one adder behind the queue.
+            # A tile that arrives is a carry input: there is one adder after the queue.
             m.d.sync += balance.eq((Cat(1, balance) + Cat(self.filled, owed).as_signed())[1:])
         with m.Else():
             m.d.sync += balance.eq(balance + self.filled)
 
     def _stages(self, m, shift, pop, oldest):
-        """Registers of the stages behind the oldest look-up, each (valid, place).
+        """Registers of the stages after the oldest look-up, each (valid, position).
 
-        B: the tile memory has the box's address. M: its banks put out their words. S: they are
+        B: the tile memory has the box's address. M: its banks output their words. S: they are
         samples. W, and as many more as the alignment has: each window is cut out of them; with the
         last stage of the alignment it is in the output.
         """
@@ -160,15 +160,15 @@ class Retire(wiring.Component):
         cuts = self.aligns[0].latency - 1
         for name in (*"bms", *(f"w{k}" if k else "w" for k in range(cuts))):
             valid = Signal(name=f"{name}_valid")
-            place = Signal(self.place_shape, name=name, reset_less=True)
+            position = Signal(self.position_shape, name=name, reset_less=True)
             with m.If(shift):
-                m.d.sync += [valid.eq(before[0]), place.eq(before[1])]
-            before = valid, place
+                m.d.sync += [valid.eq(before[0]), position.eq(before[1])]
+            before = valid, position
             stages.append(before)
         return stages
 
     def _windows(self, m, o, shift, s, w_valid, w):
-        """Cut the windows out of the samples; the places ``s`` and ``w`` are in those stages."""
+        """Cut the windows out of the samples; the positions ``s`` and ``w`` are in those stages."""
         several = self.lanes > 1
         # A group that took several look-ups is gathered in the output: it leaves with the last.
         with m.If(shift):
@@ -197,11 +197,11 @@ class Retire(wiring.Component):
         """
         return balance >= 0
 
-    def _corner(self, place):
+    def _corner(self, position):
         """Word and row of a look-up's first tile in which its box begins."""
-        if "word" in self.place_shape.members:
-            return place.word, place.row
-        lane = place.lane[0]
+        if "word" in self.position_shape.members:
+            return position.word, position.row
+        lane = position.lane[0]
         return lane.x[ceil_log2(self.word_bytes):], lane.y
 
 

@@ -1,4 +1,4 @@
-"""The tag memory: which tile each place of the cache holds, and which look-up used it last."""
+"""The tag memory: the tile in each slot of the cache, and the look-up that used it last."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -15,14 +15,14 @@ from ncdc_hdl.lib.memory import block_memory
 
 __all__ = ["TagMemory", "entry_layout"]
 
-_PARTS = 2      # a comparison of two tags is cut into so many, each of few bits
+_PARTS = 2      # parts of a comparison of two tags, each of few bits
 
 
 def entry_layout(options):
     """An entry of the tag memory: whether it is valid, the pairs of its tile, its last user.
 
     The other coordinate bits of the tile are the bank that the entry is in. ``last_use`` is the
-    number, as of ``Pending``, of the last look-up that touched the entry, valid or not.
+    number, as in ``Pending``, of the last look-up that touched the entry, valid or not.
     """
     return data.StructLayout({
         "valid": 1,
@@ -35,11 +35,11 @@ def entry_layout(options):
 class TagMemory(wiring.Component):
     """Banks of entries, one entry per set; each look-up reads one of each bank.
 
-    The entries of a look-up leave the memory while it is in stage R, come to registers near the
-    logic while it is in stage L, and are compared with its tiles while it is in stage C; the result
+    The entries of a look-up leave the memory while it is in stage R, reach registers near the
+    logic while it is in stage L, and are compared with its tiles while it is in stage C. The result
     is there in stage D. A look-up in stage A writes all entries that it touches when it leaves.
-    What is written while an entry is on its way from the memory to stage D does not reach it: there
-    the look-ups ahead decide, see ``Ahead``.
+    A write while an entry moves from the memory to stage D does not reach it. Then
+    the earlier look-ups decide, see ``Forwarding``.
 
     Timing: ``last_use`` follows ``entering`` after 3 shifts, ``missing`` after 4; ``missing``
     follows ``known`` and ``hit`` after 1.
@@ -57,7 +57,7 @@ class TagMemory(wiring.Component):
     compared : ``In(tiles_layout(options))``
         Tiles of the look-up in stage C.
     known, hit : ``In(tag_banks)``
-        Of the look-up in stage C, as of ``Ahead``.
+        For the look-up in stage C, as in ``Forwarding``.
     leaving : ``In(tiles_layout(options))``
         Tiles of the look-up in stage A; ``need`` is zero if there is none.
     number : ``In(sequence_bits)``
@@ -65,11 +65,11 @@ class TagMemory(wiring.Component):
     push : ``In(1)``
         A look-up leaves stage A in this clock.
     clearing, clear_set : ``In(1)``, ``In``
-        The entries of this set are to be made invalid in this clock, as of ``Clearing``.
+        The entries of this set are to be made invalid in this clock, as in ``Clearing``.
     last_use : ``Out(ArrayLayout(sequence_bits, tag_banks))``
         The last user of each entry of the look-up in stage C.
     missing : ``Out(tag_banks)``
-        Whether each tile of the look-up in stage D is to be claimed; of none that it does not
+        Whether each tile of the look-up in stage D is to be claimed; none that it does not
         need, and none if there is no look-up.
     """
 
@@ -92,7 +92,7 @@ class TagMemory(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # The number of the last look-up that was passed on; clearing leaves it in all entries, so
+        # The number of the last look-up that was passed on. Clearing writes it to all entries, so
         # that no tile replaces one that this look-up or an earlier one still has to read.
         written = Signal(self.options.sequence_bits)
         with m.If(self.push):
@@ -105,8 +105,8 @@ class TagMemory(wiring.Component):
     def _memory(self, m, bank, written):
         """Add the entries of one bank, and return the port that reads them.
 
-        A look-up that enters in the clock of a write to its entry reads an undefined word, but it
-        knows from the look-up that writes what is in the entry.
+        A look-up that enters in the clock of a write to its entry reads an undefined word, but
+        gets the entry's content from the look-up that writes.
         """
         m.submodules[f"entries{bank}"] = memory = block_memory(entry_layout(self.options),
                                                                self.options.sets)
@@ -129,8 +129,8 @@ class TagMemory(wiring.Component):
         # L, C: the entry of the look-up in this stage.
         l_entry = Signal(entry_layout(self.options), name=f"l_entry{bank}", reset_less=True)
         c_entry = Signal(entry_layout(self.options), name=f"c_entry{bank}", reset_less=True)
-        # D: whether each part of the entry's tag was that of the tile sought, or need not have
-        # been; of no look-up, as after a reset, nothing is missing.
+        # D: whether each part of the entry's tag is that of the tile sought, or need not
+        # be. Without a look-up, as after a reset, nothing is missing.
         d_same = Signal(_PARTS, name=f"d_same{bank}", init=-1)
         sought = bank_tile(self.compared, bank)
         pairs = zip(_parts(Cat(c_entry.pair_x, c_entry.pair_y, c_entry.valid)),

@@ -15,7 +15,7 @@ COLUMNS = 2     # banks side by side
 
 
 def _words(word_bytes):
-    """Words of one tile row that lie in the same bank; of two tiles' rows side by side, if a word
+    """Words of one tile row that are in the same bank; of two tiles' rows side by side if a word
     is a whole row."""
     return max(1, TILE_WIDTH // (COLUMNS * word_bytes))
 
@@ -24,8 +24,8 @@ def fill_layout(options, word_bytes):
     """Words to write into ``row`` of the tile in ``slot``.
 
     ``data`` and ``enable`` have an element for each of the banks side by side; ``word`` counts the
-    words of one bank along the row. Words of 16 bytes, whole rows of a tile, have the same in both
-    banks, of which the tile's column takes one.
+    words of one bank along the row. Words of 16 bytes, whole rows of a tile, are the same in both
+    banks; the tile's column selects one.
     """
     return data.StructLayout({
         "enable": COLUMNS, "slot": slot_bits(options), "row": range(options.tile_height),
@@ -34,10 +34,10 @@ def fill_layout(options, word_bytes):
 
 
 def box_layout(options, word_bytes):
-    """Where a box begins.
+    """Start of a box.
 
-    ``set`` is the set of its first tile, ``odd_tile`` that tile's column modulo 2 and row modulo R;
-    ``next_set`` is the set of the next tiles to the right and below; ``row`` and ``word``, of
+    ``set`` is the set of its first tile, ``odd_tile`` that tile's column modulo 2 and row modulo R.
+    ``next_set`` is the set of the next tiles to the right and below. ``row`` and ``word``, of
     ``word_bytes`` bytes, are those in the first tile.
     """
     return data.StructLayout({
@@ -47,9 +47,9 @@ def box_layout(options, word_bytes):
 
 
 def samples_layout(word_bytes, interpolation):
-    """The samples of a box, as the banks give them.
+    """The samples of a box, as the banks output them.
 
-    Row r is the one of the box whose y is r modulo ``interpolation.box_rows``; byte k of a row is
+    Row r is the one of the box whose y is r modulo ``interpolation.box_rows``. Byte k of a row is
     the sample whose x is k modulo ``2 word_bytes``.
     """
     return data.ArrayLayout(data.ArrayLayout(8, COLUMNS * word_bytes), interpolation.box_rows)
@@ -59,12 +59,12 @@ class Tiles(wiring.Component):
     """Samples of all slots, in M x 2 banks by row modulo M and word modulo 2.
 
     M is ``box_rows`` of the interpolation: 4 of the fast one, 8 of the gradient-corrected one. A
-    box of M rows and two words of ``word_bytes`` bytes has one word in each bank, whatever tiles it
-    lies in: any window of at most M rows and ``word_bytes + 1`` columns is read in one clock. Word
+    box of M rows and two words of ``word_bytes`` bytes has one word in each bank, in any tiles.
+    Any window of at most M rows and ``word_bytes + 1`` columns is read in one clock. Word
     w of a row y of the frame is in bank (y mod M, w mod 2) at the address ``s n + w / 2``, with n =
     16 / (2 word_bytes) words per bank and row, and s the number of the tile's slot among those that
-    have rows in that bank: all slots if a tile has M rows, else those whose tile's row leaves the
-    same rest. Words of 16 bytes are whole rows of a tile: w is its column, n is 1, and s counts
+    have rows in that bank: all slots if a tile has M rows, else those whose tile's row has the
+    same remainder. Words of 16 bytes are whole rows: w is a tile's column, n is 1, and s counts
     only the slots of every second column.
 
     Timing: ``samples`` follow ``box`` after 3 shifts: address, memory, samples.
@@ -96,14 +96,14 @@ class Tiles(wiring.Component):
         fill, box = self.fill, self.box
         sets, words = set_bits(self.options), _words(self.word_bytes)
         needs = self.options.interpolation
-        # Bits of a tile's row that the bank tells, and those that are left to the address.
+        # Bits of a tile's row that select the bank; the others are in the address.
         in_tile = ceil_log2(needs.tile_height)
-        told = ceil_log2(needs.box_rows) - in_tile
-        # Whether a word is a whole row of a tile: the bank tells the tile's column modulo 2.
+        bank_bits = ceil_log2(needs.box_rows) - in_tile
+        # Whether a word is a whole row of a tile: then the bank is the tile's column modulo 2.
         whole = self.word_bytes == TILE_WIDTH
         fill_column, fill_row = fill.slot[:sets + (not whole)], fill.slot[sets + 1:]
         # Row modulo M in which the box begins.
-        begin = Cat(box.row, box.odd_tile.y[:told])
+        begin = Cat(box.row, box.odd_tile.y[:bank_bits])
         mask_x = Signal(sets)
         m.d.sync += mask_x.eq((1 << self.split) - 1)
         # Without reset, so that they may be the memories' own output registers.
@@ -112,7 +112,7 @@ class Tiles(wiring.Component):
         for column in range(COLUMNS):
             word = Signal.like(box.word, name=f"word{column}")
             in_next_tile = Signal(name=f"next{column}")
-            # This bank's word is the box's first, or the one behind it.
+            # This bank's word is the box's first, or the one after it.
             begins_in = box.odd_tile.x if whole else box.word[0]
             m.d.comb += Cat(word, in_next_tile).eq(box.word + (begins_in != column))
             odd_x = Const(0, 0) if whole else box.odd_tile.x ^ in_next_tile
@@ -120,16 +120,16 @@ class Tiles(wiring.Component):
                 bank = f"bank{row}{column}"
                 # A tile is not read before it is complete, nor written before it has been read.
                 m.submodules[bank] = memory = block_memory(8 * self.word_bytes,
-                                                           (self.options.tiles >> told + whole)
+                                                           (self.options.tiles >> bank_bits + whole)
                                                            * words)
                 write, read = memory.write_port(), memory.read_port()
                 m.d.comb += [
-                    write.addr.eq(Cat(fill.word, fill_column, fill_row[told:])),
+                    write.addr.eq(Cat(fill.word, fill_column, fill_row[bank_bits:])),
                     write.data.eq(fill.data[column]),
-                    write.en.eq(fill.enable[column] & (Cat(fill.row, fill_row[:told]) == row)
+                    write.en.eq(fill.enable[column] & (Cat(fill.row, fill_row[:bank_bits]) == row)
                                 & ((fill.slot[sets] == column) if whole else 1)),
                 ]
-                # The bank's row is not in the box's first M rows of the frame, but in the next.
+                # The bank's row is in the next M rows, not in the box's first M rows of the frame.
                 lower = begin > row if row < needs.box_rows - 1 else Const(0, 1)
                 address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")
                 # A set has bits of the column, where the mask has ones, and bits of the row.
@@ -141,8 +141,8 @@ class Tiles(wiring.Component):
                     read.addr.eq(address), read.en.eq(self.shift)]
                 with m.If(self.shift):
                     m.d.sync += [
-                        address.eq(Cat(word[1:], chosen, odd_x, box.odd_tile.y[told:] ^ lower)
-                                   if told < len(box.odd_tile.y) else
+                        address.eq(Cat(word[1:], chosen, odd_x, box.odd_tile.y[bank_bits:] ^ lower)
+                                   if bank_bits < len(box.odd_tile.y) else
                                    Cat(word[1:], chosen, odd_x)),
                         Value.cast(samples[row])[
                             8 * self.word_bytes * column:][:8 * self.word_bytes].eq(read.data)]

@@ -25,13 +25,13 @@ def c_header(table):
               "/* rw: 8 bytes per row, two spans of start | stop << 16 */", "",
               f"#define NCDC_ID_VALUE 0x{ID:X}u", f"#define NCDC_VERSION {VERSION}u",
               f"#define NCDC_SOURCE_BEYOND {SOURCE_BEYOND}u "
-              "/* bytes behind a raw frame's last row that may be read, at most; no row is */"]
+              "/* most bytes after a raw frame's last row that may be read; rows are not */"]
     lines += [f"#define NCDC_{r.name}_{flag.name} 0x{flag.mask:X}u /* {flag.access}: {flag.text} */"
               for r in table for flag in r.flags]
     each = [f"X({r.name.lower()}, NCDC_{r.name})" for r in counters(table)]
     lines += ["", "#define NCDC_EACH_COUNTER(X) \\", " \\\n".join(f"    {x}" for x in each)]
     if any(r.name == "TONE0" for r in table):
-        lines += ["", "/* Nodes of tone curves, initialisers for NCDC_TONE0 and what follows. */"]
+        lines += ["", "/* Nodes of tone curves, initialisers from NCDC_TONE0 on. */"]
         lines += [f"#define NCDC_TONE_{_macro(name)} "
                   f"{{{', '.join(map(str, tone_named(name)))}}}" for name in COMMON_TONES]
     return "\n".join([*lines, "", "#endif", ""])

@@ -1,4 +1,4 @@
-"""What a host needs: register header, drivers in C, Python and Tcl, lenses, SystemRDL."""
+"""Files for a host: register header, drivers in C, Python and Tcl, lenses, SystemRDL."""
 
 import inspect
 from importlib.resources import files
@@ -12,36 +12,36 @@ from ncdc_spec import white_balance
 
 __all__ = ["driver_files"]
 
-# The same for every corrector.
+# Files that are the same for every corrector.
 _FIXED = ("ncdc.h", "ncdc.c", "ncdc_mapped.h", "ncdc_driver.py", "ncdc_backends.py",
           "ncdc_console.tcl")
-_SYSTEM = ("ncdc_camera.py",)       # of a system besides
+_SYSTEM = ("ncdc_camera.py",)       # also for a system
 
 
-def driver_files(corrector, named, behind=()):
+def driver_files(corrector, named, system=()):
     """Text of each file, by name.
 
     Parameters
     ----------
     corrector : ncdc_hdl.corrector.Corrector
     named : sequence of (path, Descriptor)
-        Lenses that it may be given, the one that it is made for among them.
-    behind : sequence of Register
-        Those of the system around it, if there is one.
+        Lenses for it, also the one that it is made for.
+    system : sequence of Register
+        Registers of the system around it, if there is one.
 
     Raises
     ------
     InputError
-        As :func:`ncdc_hdl.export.drivers.lenses.lenses_of`.
+        As in :func:`ncdc_hdl.export.drivers.lenses.lenses_of`.
     """
-    lenses, table = lenses_of(corrector, named), (*corrector.registers.table, *behind)
+    lenses, table = lenses_of(corrector, named), (*corrector.registers.table, *system)
     host = files("ncdc_hdl.export.drivers") / "host"
     return {
         "ncdc_registers.h": c_header(table),
         "ncdc_lenses.h": c_lenses_header(lenses), "ncdc_lenses.c": c_lenses(lenses),
         "ncdc_registers.py": python_registers(table), "ncdc_lenses.py": python_lenses(lenses),
         "ncdc_console_data.tcl": tcl_data(table, lenses, corrector.hardware.format),
-        **{name: (host / name).read_text() for name in (*_FIXED, *(_SYSTEM if behind else ()))},
+        **{name: (host / name).read_text() for name in (*_FIXED, *(_SYSTEM if system else ()))},
         "ncdc_white_balance.py": inspect.getsource(white_balance),
         "ncdc.rdl": system_rdl(corrector.registers),
     }

@@ -1,4 +1,4 @@
-"""Lenses that one corrector can be given at run time, and their values for its host."""
+"""Lenses that one corrector can load at run time, and their values for its host."""
 
 import re
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from ncdc_spec.registers.register_map import COLOUR_SETTINGS
 
 __all__ = ["Lens", "check_lens", "lens_name", "lenses_of"]
 
-# What the host sets for itself: places of frames, the bank of valid rows, whether to wait for rows,
+# Registers that the host sets: addresses of frames, the bank of valid rows, early start,
 # colour.
 _HOST = ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK", "FOLLOW",
          *COLOUR_SETTINGS)
@@ -22,7 +22,7 @@ _HOST = ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BA
 
 @dataclass(frozen=True)
 class Lens:
-    """A descriptor as its host sees it.
+    """Values of a descriptor for the host.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class Lens:
         Hidden neurons; corrected image.
     interpolation : str
     source_bytes, target_bytes : int
-        That are read of a raw frame; that a corrected frame takes.
+        Bytes read of a raw frame; bytes of a corrected frame.
     values : dict
         Value of every shadow register that concerns the lens, by name.
     valid_rows : tuple of int
@@ -49,9 +49,9 @@ class Lens:
 
     @classmethod
     def of(cls, corrector, descriptor):
-        """That of ``descriptor`` on ``corrector``; with the split of the cache that suits it.
+        """The lens of ``descriptor`` on ``corrector``, with the split of the cache that suits it.
 
-        What suits a lens that is not rotated costs several times the clocks on one that is.
+        A split for an unrotated lens takes several times the clocks with a rotated one.
         """
         values = host_values(descriptor, corrector.hardware)
         if corrector.hardware.cached and descriptor.digest != corrector.descriptor.digest:
@@ -65,18 +65,18 @@ class Lens:
 
 
 def lens_name(path):
-    """Name of the lens of the descriptor at ``path``: the file's, as an identifier."""
+    """Name of the lens of the descriptor at ``path``: the file's name, as an identifier."""
     return re.sub(r"\W", "_", Path(path).stem, flags=re.ASCII)
 
 
 def check_lens(corrector, path, descriptor):
-    """Refuse a ``descriptor`` that ``corrector`` cannot take at run time.
+    """Reject a ``descriptor`` that ``corrector`` cannot load at run time.
 
     Raises
     ------
     InputError
-        If neurons, formats, tan-sigmoid, interpolation or nodes differ, the nodes miss the lens's
-        own network by more than the limit, the table of valid rows is too small, the width is no
+        If neurons, formats, tan-sigmoid, interpolation or nodes differ, the nodes' error exceeds
+        the limit, the table of valid rows is too small, the width is no
         multiple of the pixels per clock, or the corrector's format would lose the lens's colours.
     """
     made_for = corrector.descriptor
@@ -116,7 +116,7 @@ def lenses_of(corrector, named):
     for path, descriptor in named:
         name = lens_name(path)
         if name in lenses:
-            raise InputError(f"the lenses {paths[name]} and {path} would both be called {name}")
+            raise InputError(f"the lenses {paths[name]} and {path} both have the name {name}")
         check_lens(corrector, path, descriptor)
         lenses[name], paths[name] = Lens.of(corrector, descriptor), path
     return lenses

@@ -4,11 +4,11 @@ from importlib.metadata import version
 
 __all__ = ["CORE_NAME", "fusesoc_core"]
 
-CORE_NAME = "ncdc:ip:ncdc"      # vendor, library, name; that of the module, if it has another
+CORE_NAME = "ncdc:ip:ncdc"      # vendor, library, name; a module with another name has its own
 
 
 def fusesoc_core(corrector, top):
-    """Text of the ``.core`` file (CAPI 2) that lies beside the Verilog of ``corrector``.
+    """Text of the ``.core`` file (CAPI 2) next to the Verilog of ``corrector``.
 
     The fileset ``rtl`` is the file ``<top>.v`` with the module ``top``, and the waivers of
     ``<top>.vlt``. Targets: ``default``, for cores that depend on this one, and ``lint``, which is

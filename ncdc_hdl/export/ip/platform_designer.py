@@ -16,21 +16,21 @@ COMPONENT = "ncdc"
 _HOST = {"addressUnits": "SYMBOLS", "burstcountUnits": "WORDS", "linewrapBursts": "false",
          "burstOnBurstBoundariesOnly": "false", "doStreamReads": "false",
          "doStreamWrites": "false"}
-# Ports that are no bus of the memory or the registers: conduit of several, by their prefix.
+# Ports outside the buses of memory and registers: a conduit for several, by their prefix.
 _CONDUITS = {"sensor": "sensor", "scl": "i2c", "sda": "i2c", "usb": "usb"}
 
 
 @dataclass(frozen=True)
 class _Component:
-    """What the component of a module says of itself.
+    """Description of a component.
 
     Parameters
     ----------
     top : str
-        Of its Verilog, and its name.
+        Name of the module and of the component.
     title, text : str
     macros : dict
-        What the Nios tools put into ``system.h``.
+        Values that the Nios tools put into ``system.h``.
     """
     top: str
     title: str
@@ -48,13 +48,13 @@ def interfaces(core):
              "reset": ("reset", "end", {"rst": ("reset", 1)})}
     for port, member in core.signature.members.items():
         prefix, _, role = port.partition("_")
-        name, kind, direction, role = _place(prefix, role, port)
+        name, kind, direction, role = _role(prefix, role, port)
         _, _, ports = found.setdefault(name, (kind, direction, {}))
         ports[port] = (role, Shape.cast(member.shape).width)
     return found
 
 
-def _place(prefix, role, port):
+def _role(prefix, role, port):
     if prefix == "csr":
         return "csr", "avalon", "end", role
     if prefix.startswith("read") or prefix == "write":
@@ -73,7 +73,7 @@ def _place(prefix, role, port):
 def hw_tcl(corrector, name=TOP):
     """Text of ``<name>_hw.tcl`` for the :class:`~ncdc_hdl.corrector.Corrector`, Quartus 16.1 on.
 
-    Beside the Verilog it names what the Nios tools put into ``system.h``: the number of neurons,
+    It names the Verilog, and the Nios tools' values of ``system.h``: the number of neurons,
     the sizes of the pictures and the digest of the descriptor.
     """
     g = corrector.descriptor.geometry
@@ -84,7 +84,7 @@ def hw_tcl(corrector, name=TOP):
 
 
 def system_hw_tcl(system, name=SYSTEM):
-    """The same of ``<name>_hw.tcl``, for a :class:`~ncdc_hdl.system.System`, or one with
+    """Text of ``<name>_hw.tcl`` for a :class:`~ncdc_hdl.system.System`, or one with
     USB."""
     g = system.descriptor.geometry
     return _tcl(system, _Component(
@@ -94,7 +94,7 @@ def system_hw_tcl(system, name=SYSTEM):
 
 
 def packetiser_hw_tcl(packetiser, name=PACKETISER):
-    """The same of ``<name>_hw.tcl``, for a
+    """Text of ``<name>_hw.tcl`` for a
     :class:`~ncdc_hdl.link.top.PacketiserTop`."""
     return _tcl(packetiser, _Component(
         name, "NCDC packetiser", "frames in memory as Ethernet packets", {}))

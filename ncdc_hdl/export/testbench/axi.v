@@ -15,7 +15,7 @@ module ncdc_tb_axi_writer #(
     output wire        write,
     input  wire        waitrequest
 );
-    // The address stays until the last word is taken: it is accepted with it.
+    // The address is held until the last word, and accepted with it.
     reg [7:0] later, due;                   // answers to come, clocks to the next one
     assign write = awvalid && wvalid;
     assign wready = write && !waitrequest;

@@ -1,4 +1,4 @@
-"""A test bench that runs one frame through the generated Verilog and looks at every pixel."""
+"""A test bench that runs one frame through the generated Verilog and checks every pixel."""
 
 import re
 from importlib.resources import files
@@ -19,8 +19,8 @@ from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START
 
 __all__ = ["bench_files", "pattern"]
 
-_FILL = 0xA5            # bytes of the picture's place that nobody writes
-_COUNT = 5              # bits of the words of a burst
+_FILL = 0xA5            # bytes of the picture's area that are not written
+_COUNT = 5              # bits of the number of words of a burst
 
 
 def pattern(geometry, seed=1):
@@ -38,7 +38,7 @@ def bench_files(corrector, verilog, module, raw):
     ----------
     corrector : ncdc_hdl.corrector.Corrector
     verilog, module : str
-        What is generated of it, with Avalon's ports or AXI's.
+        Verilog generated from it, with Avalon's or AXI's ports, and its module.
     raw : ndarray of uint8, shape (distorted height, distorted width)
     """
     return _Bench(corrector, verilog, module).files(raw)
@@ -51,7 +51,7 @@ class _Bench:
         self.corrector, self.module, self.name = corrector, module, f"{module}_tb"
         self.hardware, self.descriptor = corrector.hardware, corrector.descriptor
         self.geometry = self.descriptor.geometry
-        self.places = FramePlaces.after_reset(self.geometry, self.hardware.data_width)
+        self.addresses = FramePlaces.after_reset(self.geometry, self.hardware.data_width)
         self.word = self.hardware.data_width // 8
         self.ports = {port.name: port for port in ports_of_text(verilog, module)}
         self.connections, self.wires, self.models = [], [], []
@@ -59,8 +59,8 @@ class _Bench:
     def files(self, raw):
         """All files, by name."""
         axi = self.hardware.axi
-        raw_words = self._hex(np.frombuffer(raw_image(raw, self.places.pitch), np.uint8),
-                              source_bytes(self.geometry, self.places.pitch), 0, self.word)
+        raw_words = self._hex(np.frombuffer(raw_image(raw, self.addresses.pitch), np.uint8),
+                              source_bytes(self.geometry, self.addresses.pitch), 0, self.word)
         words, lanes = self._expected(raw)
         self._clock(axi)
         self._registers(axi)
@@ -79,13 +79,13 @@ class _Bench:
                 f"{self.name}_expected.hex": "\n".join([*words, ""])}
 
     def _hex(self, data, size, fill, word):
-        """Words of ``word`` bytes, least significant byte first, of ``size`` bytes at least."""
+        """Words of ``word`` bytes, least significant byte first, of at least ``size`` bytes."""
         count = -(-max(size, len(data)) // word) * word
         padded = np.pad(data, (0, count - len(data)), constant_values=fill)
         return [row[::-1].tobytes().hex() for row in padded.reshape(-1, word)]
 
     def _expected(self, raw):
-        """Words of the corrected picture in memory, or groups of pixels; groups of a row."""
+        """Words of the corrected picture in memory, or groups of pixels; groups per row."""
         picture = correct(self.descriptor, raw, strip=self.hardware.strip).picture
         if not self.hardware.stream:
             form = output_format(self.hardware.format)
@@ -126,7 +126,7 @@ class _Bench:
                             ("wstrb", "4'hf"), ("bready", "1'b1"), ("arvalid", "1'b0"),
                             ("rready", "1'b1")):
             self._connect(f"s_axi_{port}", value)
-        # Both are taken in the same clock, and the next access begins behind the answer.
+        # Address and data are taken in the same clock. The next access begins after the answer.
         self.models.append(
             "    reg taken = 0;\n"
             "    always @(posedge clk) taken <= csr_write && (taken || s_axi_awready);\n"
@@ -182,7 +182,7 @@ class _Bench:
         self.wires.append("    wire [31:0] write_outside;")
         joined |= {"clk": "clk", "rst": "rst", "outside": "write_outside"}
         self.models.append(
-            f"    ncdc_tb_writer #(.WIDTH(WIDTH), .WORDS({words}), .BASE({self.places.target}), "
+            f"    ncdc_tb_writer #(.WIDTH(WIDTH), .WORDS({words}), .BASE({self.addresses.target}), "
             f".COUNT({count})) picture (\n        "
             + ", ".join(f".{name}({value})" for name, value in joined.items()) + ");")
 
@@ -220,5 +220,5 @@ class _Bench:
                        for name in ("top.v", "reader.v", *output))
         for name, value in values.items():
             text = text.replace("{{" + name + "}}", str(value))
-        # What the bench uses is called like it, so that several benches can be compiled together.
+        # Its modules have its name as a prefix, so that several benches can be compiled together.
         return re.sub(r"\bncdc_tb_", f"{self.name}_", text)

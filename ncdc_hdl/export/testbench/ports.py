@@ -1,4 +1,4 @@
-"""The port list of a module of our own Verilog, read back from its text."""
+"""Port list of a generated module, read back from its Verilog text."""
 
 import re
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ _PORT = re.compile(r"^  (input|output) +(?:wire|reg) +(\[\d+:0\])? *(\w+)[^,/]*,
 @dataclass(frozen=True)
 class Port:
     """Direction ``input`` or ``output``, range as text, name, comment; ``title`` of the interface
-    that it opens, if it does."""
+    that begins with it, if there is one."""
     direction: str
     range: str
     name: str
@@ -20,7 +20,7 @@ class Port:
 
     @property
     def width(self):
-        """Bits."""
+        """Width in bits."""
         return int(self.range[1:].partition(":")[0]) + 1 if self.range else 1
 
 
@@ -33,7 +33,7 @@ def ports_of_text(verilog, module):
         If the text has no such module.
     """
     lines, title, found = iter(verilog.splitlines()), "", []
-    if f"module {module} (" not in lines:       # goes on behind it
+    if f"module {module} (" not in lines:       # the search continues after it
         raise ValueError(f"there is no module {module}")
     for line in lines:
         if line.startswith(");"):

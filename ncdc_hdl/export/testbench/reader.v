@@ -1,5 +1,5 @@
 
-// A memory with the raw frame that answers bursts of words in order, some clocks later.
+// A memory with the raw frame that answers bursts of words in order after some clocks.
 module ncdc_tb_reader #(
     parameter WIDTH = 32,
     parameter WORDS = 1,
@@ -15,12 +15,12 @@ module ncdc_tb_reader #(
     output reg  [WIDTH-1:0] readdata,
     output reg              readdatavalid,
     output reg              last,           // of a burst
-    output reg  [31:0]      outside         // words asked for that are no part of the frame
+    output reg  [31:0]      outside         // words requested outside the frame
 );
-    localparam PLACES = 64;
+    localparam DEPTH = 64;
     reg [WIDTH-1:0] memory [0:WORDS-1];
-    reg [31:0] first [0:PLACES-1], left [0:PLACES-1];       // word numbers, words to come
-    reg [31:0] head, kept, random, word;
+    reg [31:0] first [0:DEPTH-1], left [0:DEPTH-1];       // word numbers, words to come
+    reg [31:0] head, count, random, word;
 
     initial begin
         $readmemh("{{NAME}}_raw.hex", memory);
@@ -33,10 +33,10 @@ module ncdc_tb_reader #(
         readdatavalid <= 0;
         if (rst) begin
             head = 0;
-            kept = 0;
+            count = 0;
             waitrequest <= 1;
         end else begin
-            if (kept != 0 && (kept > 3 || random[5:4] != 0)) begin
+            if (count != 0 && (count > 3 || random[5:4] != 0)) begin
                 word = first[head];
                 if (word >= WORDS) outside = outside + 1;
                 readdata <= memory[word % WORDS];
@@ -45,16 +45,16 @@ module ncdc_tb_reader #(
                 first[head] = word + 1;
                 left[head] = left[head] - 1;
                 if (left[head] == 0) begin
-                    head = (head + 1) % PLACES;
-                    kept = kept - 1;
+                    head = (head + 1) % DEPTH;
+                    count = count - 1;
                 end
             end
             if (read && !waitrequest) begin
-                first[(head + kept) % PLACES] = address / (WIDTH / 8);
-                left[(head + kept) % PLACES] = burstcount;
-                kept = kept + 1;
+                first[(head + count) % DEPTH] = address / (WIDTH / 8);
+                left[(head + count) % DEPTH] = burstcount;
+                count = count + 1;
             end
-            waitrequest <= kept > PLACES - 4 || random[8:6] == 0;
+            waitrequest <= count > DEPTH - 4 || random[8:6] == 0;
         end
     end
 endmodule

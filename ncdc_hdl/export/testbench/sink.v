@@ -3,7 +3,7 @@
 module ncdc_tb_sink #(
     parameter WIDTH = 24,
     parameter WORDS = 1,                    // groups of pixels of the frame
-    parameter ROW = 1                       // of a row
+    parameter ROW = 1                       // groups of a row
 ) (
     input  wire             clk,
     input  wire             rst,

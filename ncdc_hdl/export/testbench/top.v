@@ -1,8 +1,8 @@
-// A frame through {{MODULE}}, compared with what the golden model makes of it. Made by
+// A frame through {{MODULE}}, compared with the golden model's result. Made by
 // ncdc generate --testbench, for any simulator:
 //     $ iverilog -g2005 -s {{NAME}} -o {{NAME}} {{NAME}}.v {{MODULE}}.v && vvp {{NAME}}
 //     $ verilator --binary --timing -CFLAGS -fcoroutines -Wno-fatal --top-module {{NAME}} {{NAME}}.v {{MODULE}}.v && obj_dir/V{{NAME}}
-// It prints PASS, or FAIL and what differs. The registers are left as they are after configuration.
+// It prints PASS, or FAIL and the differences. The registers have their values after configuration.
 
 `timescale 1ns/1ps
 

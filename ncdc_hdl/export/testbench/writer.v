@@ -1,5 +1,5 @@
 
-// Takes bursts of words, and compares what it holds with the expected picture.
+// Takes bursts of words, and compares its content with the expected picture.
 module ncdc_tb_writer #(
     parameter WIDTH = 32,
     parameter WORDS = 1,
@@ -17,7 +17,7 @@ module ncdc_tb_writer #(
     output reg  [31:0]        outside
 );
     reg [WIDTH-1:0] memory [0:WORDS-1], expected [0:WORDS-1], word;
-    reg [31:0] place, left, random;
+    reg [31:0] index, left, random;
     integer k;
 
     initial begin
@@ -35,17 +35,17 @@ module ncdc_tb_writer #(
         end else begin
             if (write && !waitrequest) begin
                 if (left == 0) begin
-                    place = (address - BASE) / (WIDTH / 8);
+                    index = (address - BASE) / (WIDTH / 8);
                     left = burstcount;
                 end
-                if (place >= WORDS) outside = outside + 1;
+                if (index >= WORDS) outside = outside + 1;
                 else begin
-                    word = memory[place];
+                    word = memory[index];
                     for (k = 0; k < WIDTH / 8; k = k + 1)
                         if (byteenable[k]) word[8*k +: 8] = writedata[8*k +: 8];
-                    memory[place] = word;
+                    memory[index] = word;
                 end
-                place = place + 1;
+                index = index + 1;
                 left = left - 1;
             end
             waitrequest <= random[8:6] == 0;

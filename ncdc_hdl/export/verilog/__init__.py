@@ -9,6 +9,6 @@ __all__ = ["TOP", "corrector_verilog", "module_verilog", "verilog_of"]
 def module_verilog(component, name, platform=None):
     """Verilog text of one Amaranth ``component`` as module ``name``, without a header.
 
-    ``platform``: as Amaranth's, what may make synchronisers of its own; a simulation's does.
+    ``platform``: an Amaranth platform, which may have its own synchronisers; a simulation's has.
     """
     return convert(component, name, platform=platform)

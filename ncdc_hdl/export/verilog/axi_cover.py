@@ -37,7 +37,7 @@ def axi_name(top):
 def axi_verilog(top, name=None):
     """Verilog text of an :class:`ncdc_hdl.axi.top.AxiTop`; identical text for identical input.
 
-    ``name``: of its module, that of :func:`axi_name` if absent.
+    ``name``: of its module, by default that of :func:`axi_name`.
     """
     system = hasattr(top.core, "corrector")
     options = name_option(name or axi_name(top), axi_name(top))

@@ -29,7 +29,7 @@ class Part:
     path : tuple of str
         Names of the instances down to it.
     ports, renamed : dict
-        What became of its ports and of other names, see :func:`rename`.
+        New ports and names by the old ones, see :func:`rename`.
     """
     module: object
     component: object
@@ -39,27 +39,27 @@ class Part:
 
 
 class Netlist:
-    """The modules of a component, renamed, and which of them are equal.
+    """The modules of a component, renamed, with equal ones found.
 
     Parameters
     ----------
     component : amaranth.lib.wiring.Component
     name : str
-        Of the top module. A module below is called by it and the class it is made from, and by its
-        instance too where several modules are of one class.
+        Name of the top module. A module below has this name and that of its class, and its
+        instance's too if several modules are of one class.
     platform : object, optional
-        As of :func:`convert`.
+        As in :func:`convert`.
 
     Attributes
     ----------
     rtlil : str
-        What Amaranth's converter makes.
+        Output of Amaranth's converter.
     parts : dict
-        :class:`Part` by the converter's name of the module, what is below before what uses it.
+        :class:`Part` by the converter's name of the module, submodules before their users.
     same : dict
-        Of each of these names, the one that stands for all equal modules.
+        For each of these names, the one that represents all equal modules.
     names : dict
-        Verilog's name of each module that is written, by the converter's.
+        Verilog name of each module that is written, by the converter's.
     """
 
     def __init__(self, component, name, platform=None):
@@ -89,7 +89,7 @@ class Netlist:
                             lambda ports: (port_lines or _port_lines)(self.names[original], ports))
 
     def instances(self):
-        """How often each module that is written is used, by its name."""
+        """Number of uses of each module that is written, by its name."""
         counts = dict.fromkeys(self.names.values(), 0)
         modules = {self.names[name]: self.parts[name].module for name in self.names}
 
@@ -116,7 +116,7 @@ def convert(component, name, header=(), port_lines=None, platform=None):
     port_lines : callable, optional
         Lines of the top's port list, see :func:`ncdc_hdl.export.verilog.printer.module_lines`.
     platform : object, optional
-        Amaranth's, whose synchronisers take the place of plain flops.
+        Amaranth's, whose synchronisers replace plain flip-flops.
     """
     netlist = Netlist(component, name, platform)
     counts, lines = netlist.instances(), [f"// {line}".rstrip() for line in header]
@@ -142,7 +142,7 @@ class _Elaborated(Elaboratable):
 
 def _components(fragment, path):
     """The Amaranth object of each fragment, by the names of the instances down to it."""
-    # What a renamer of domains is put around is what the source has.
+    # A renamer of domains is replaced by the component in it.
     origin = next((o for o in fragment.origins or ()
                    if not isinstance(o, (Fragment, TransformedElaboratable))), None)
     found = {path: origin}
@@ -153,7 +153,7 @@ def _components(fragment, path):
 
 
 def _instance(step):
-    """Name of an instance without the number by which the converter tells it from a signal."""
+    """Name of an instance without the number that distinguishes it from a signal."""
     return re.sub(r"\$\d+$", "", step)
 
 
@@ -165,7 +165,7 @@ def _members(component):
 
 
 def _distinct(parts):
-    """Rename the modules; of each, the first one that is equal to it."""
+    """Rename the modules; for each, the first one that is equal to it."""
     same, first = {}, {}
     for original, part in parts.items():
         for cell in part.module.cells:
@@ -179,7 +179,7 @@ def _distinct(parts):
 
 
 def _key(module, same):
-    """What is the same of two modules only if they are equal."""
+    """A key that two modules share only if they are equal."""
     return repr((module.wires, module.memories, module.processes, module.connects,
                  [(same.get(cell.kind, cell.kind), cell.name, cell.parameters, cell.connections)
                   if not cell.kind.startswith("$") else
@@ -196,11 +196,11 @@ def _reconnect(cell, ports):
 
 
 def _names(parts, top):
-    """A name for each distinct module: of its class, with as much of its path as tells it apart."""
+    """A name for each distinct module: its class, with as much of its path as is needed."""
     names = {}
     for original, part in parts.items():
         names[original] = top if not part.path else f"{top}_{_kind(part)}"
-    # Numbers in the path are the last thing to tell modules apart: instances have them too.
+    # Numbers in the path come last in names: instances have them too.
     for numbers, length in itertools.product(("0123456789_", ""), range(1, 9)):
         same = {}
         for original, name in names.items():
@@ -214,11 +214,11 @@ def _names(parts, top):
             path = [step.rstrip(numbers) for step in part.path]
             path = path[:-1] if path[-1] == kind else path
             names[original] = "_".join([top, kind, *path[-length:]])
-    raise ValueError(f"the modules {clashes} cannot be told apart")
+    raise ValueError(f"the modules {clashes} cannot be distinguished")
 
 
 def _kind(part):
-    """The class of what a module is made from, in small letters."""
+    """Class of a module's component, in lower case."""
     component = part.component
     kind = type(component).__name__ if component is not None else part.path[-1]
     if kind == "Module":
@@ -228,15 +228,15 @@ def _kind(part):
 
 
 def _about(component, count):
-    """A comment on a module: its source file, what it is, its latency, how many there are."""
+    """A comment on a module: its source file, purpose, latency, number of instances."""
     if component is None:
         return "// made by Amaranth"
-    place = type(component).__module__.replace(".", "/") + ".py"
+    source = type(component).__module__.replace(".", "/") + ".py"
     text = (inspect.getdoc(type(component)) or "").partition("\n\n")[0].replace("\n", " ")
     text = re.sub(r":\w+:`~?\.?([^`]*)`", r"\1", text).replace("``", "").replace("\\|", "|")
     text = re.split(r"(?<!Fig)(?<!Figs)\. |::", text)[0].rstrip(":.")
     latency = getattr(component, "latency", None)
-    line = f"// {place}: {text}"
+    line = f"// {source}: {text}"
     line += f"; latency {latency}" if isinstance(latency, int) else ""
     return line + (f"; {count} instances" if count > 1 else "")
 

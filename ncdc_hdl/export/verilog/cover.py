@@ -1,4 +1,4 @@
-"""The first screen of ``ncdc.v``: what it is, what it was made from, its ports by interface."""
+"""The first screen of ``ncdc.v``: purpose, origin, ports by interface."""
 
 import textwrap
 from functools import partial
@@ -24,7 +24,7 @@ TOP = "ncdc"
 STATUS = {
     "irq": "high while STATUS.DONE and IRQ_ENABLE",
     "camera_rows": "rows of the raw frame in memory, for FOLLOW",
-    "front_end_idle": "the network rests: its clock may stop"}
+    "front_end_idle": "the network is idle: its clock may stop"}
 _INTERFACES = (
     ("clock and reset", ("clk", "rst", "memory_rst"), CLOCK),
     ("registers: Avalon-MM agent, 32 bits", "csr_", AGENT),
@@ -40,7 +40,7 @@ _INTERFACES = (
 def corrector_verilog(descriptor, hardware=Hardware()):
     """:func:`verilog_of` the :class:`ncdc_hdl.corrector.Corrector` of ``descriptor``.
 
-    Errors raised: as of that class.
+    Errors raised: as in that class.
     """
     return verilog_of(Corrector(descriptor, hardware))
 
@@ -52,14 +52,14 @@ def verilog_of(corrector, name=TOP):
 
 
 def name_option(name, default):
-    """The options of ``ncdc generate`` that give a module this name: a list."""
+    """The options of ``ncdc generate`` that give a module this name, as a list."""
     return [] if name == default else [f"--name {name}"]
 
 
 def corrector_header(corrector, options=()):
-    """Lines that open the Verilog of a corrector: what made it, from what, its latency.
+    """Lines that open the Verilog of a corrector: generator, descriptor, latency.
 
-    ``options``: of ``ncdc generate``, besides those of the hardware.
+    ``options``: of ``ncdc generate``, in addition to those of the hardware.
     """
     descriptor, g = corrector.descriptor, corrector.descriptor.geometry
     command = " ".join(["ncdc generate NET.toml -o DIR", *options, *corrector.hardware.options(g)])
@@ -75,8 +75,8 @@ def corrector_header(corrector, options=()):
         *([f"The network is evaluated at every {descriptor.nodes}th pixel of a row."]
           if descriptor.nodes > 1 else []),
         "",
-        f"Latency: the first window is asked for {corrector.start_latency} clocks after a frame's "
+        f"Latency: the first window is requested {corrector.start_latency} clocks after a frame's "
         f"start; a pixel leaves",
-        f"{corrector.end_latency} clocks after its window has come. Every distinct module stands "
+        f"{corrector.end_latency} clocks after its window has come. Every distinct module is "
         f"here once, the top first,",
         "each below a line with its source, what it does and its latency in clocks."]

@@ -13,11 +13,11 @@ _UNARY = {"$not": "~", "$neg": "-", "$pos": "", "$reduce_or": "|", "$reduce_and"
           "$reduce_xor": "^", "$reduce_bool": "|", "$logic_not": "!"}
 _COMPARED = ("$eq", "$ne", "$lt", "$le", "$gt", "$ge")
 _BITWISE = ("$and", "$or", "$xor", "$not")
-_LONGEST = 84           # characters of an expression that still becomes part of another one
+_LONGEST = 84           # most characters of an expression that is inlined in another one
 
 
 def constant(digits):
-    """A constant of these digits, the highest first, as Verilog writes it."""
+    """A constant of these digits, the highest first, in Verilog."""
     if set(digits) <= {"0", "1"}:
         if len(digits) == 1:
             return f"1'b{digits}"
@@ -26,7 +26,7 @@ def constant(digits):
 
 
 def joined(parts):
-    """``parts`` of a signal with neighbours that lie side by side made one."""
+    """``parts`` of a signal with adjacent slices merged."""
     found = []
     for part in parts:
         last = found[-1] if found else None
@@ -41,12 +41,12 @@ def joined(parts):
 
 
 class Expressions:
-    """Writes what drives the wires of a module.
+    """Writes the drivers of a module's wires.
 
-    An operator whose result has no name in the source and is read once becomes part of the
-    expression that reads it, where Verilog's rules on widths give it the same bits there: as all of
-    the right side of an assignment of its own width, or, if it can be no wider than its result, as
-    a condition, in a concatenation, or among bitwise operators of its width.
+    An operator whose result has no name in the source and is read once is inlined in the
+    expression that reads it, if Verilog's rules on widths preserve its bits. Such uses are all of
+    the right side of an assignment of its own width. If it cannot be wider than its result, also
+    a condition, a concatenation, and bitwise operators of its width.
 
     Parameters
     ----------
@@ -68,10 +68,10 @@ class Expressions:
     def __init__(self, module, drivers, fields, uses):
         self.module, self.drivers, self.fields, self.uses = module, drivers, fields, uses
         self.read = set()
-        self.net = None         # what is being written: not to be named by what it is a field of
+        self.net = None         # the net being written: not to be named as a field of itself
 
     def signal(self, parts, exact=True):
-        """A signal as an operand; ``exact``: in a place that does not widen it."""
+        """A signal as an operand; ``exact``: in a context that does not widen it."""
         parts = joined(parts)
         if not parts:
             return "1'b0"           # an operand of no bits is zero
@@ -81,7 +81,7 @@ class Expressions:
             for text in texts)) + "}"
 
     def whole(self, parts, width):
-        """A signal as all of the right side of an assignment to ``width`` bits."""
+        """A signal as the whole right side of an assignment to ``width`` bits."""
         parts = joined(parts)
         if len(parts) == 1 and (cell := self._alone(parts[0])) and width == parts[0].width:
             text, before = self.cell(cell), set(self.read)
@@ -108,7 +108,7 @@ class Expressions:
         name = self.fields.get((part.wire, part.low, part.width))
         name = None if name == self.net else name
         self.read.add(name or part.wire)
-        return name or place(self.module, part)
+        return name or slice_text(self.module, part)
 
     def _alone(self, part):
         """The operator that drives all of ``part`` and is read nowhere else, or None."""
@@ -120,7 +120,7 @@ class Expressions:
         return self.drivers.get(part.wire)
 
     def _cannot_widen(self, cell):
-        """Whether the operator's own width is that of its result, and its operands' too."""
+        """Whether operator and operands have the width of the result."""
         width = width_of(cell.connections["Y"])
         if cell.kind in _COMPARED or cell.kind.startswith("$reduce"):
             return width == 1
@@ -158,8 +158,8 @@ class Expressions:
         raise ValueError(f"a cell {kind} has no Verilog expression")
 
 
-def place(module, part):
-    """A slice as Verilog writes it, on either side of an assignment."""
+def slice_text(module, part):
+    """A slice in Verilog, on either side of an assignment."""
     width = module.wires[part.wire].width
     if part.width == width:
         return part.wire

@@ -1,4 +1,4 @@
-"""Memories of a netlist: what they hold after configuration, and their ports."""
+"""Memories of a netlist: their content after configuration, and their ports."""
 
 from itertools import chain, count
 
@@ -7,7 +7,7 @@ from ncdc_hdl.export.verilog.rtlil import bits_of, part_of, width_of
 
 __all__ = ["memory_lines"]
 
-_RUN = 3            # equal words from which on a loop is shorter
+_RUN = 3            # fewest equal words for a loop
 
 
 def memory_lines(module, write):
@@ -33,10 +33,10 @@ def memory_lines(module, write):
 
 
 def _initial(name, memory, i):
-    """An initial block: words that are equal in loops of ``i``, a second half that repeats the
-    first one beside it.
+    """An initial block: equal words in loops of ``i``, a second half that repeats the
+    first one together with it.
 
-    No word is read there: synthesis makes registers of a memory that is, not block RAM.
+    No word is read there: synthesis would use registers instead of block RAM.
     """
     if memory.init is None:
         return []
@@ -59,8 +59,8 @@ def _initial(name, memory, i):
             lines += [f"    for ({i} = {at + offset}; {i} < {end + offset}; {i} = {i} + 1) "
                       f"{name}[{i}] = {value};" for offset in offsets]
         else:
-            for place in (k + offset for k in range(at, end) for offset in offsets):
-                item = f" {name}[{place}] = {value};"
+            for index in (k + offset for k in range(at, end) for offset in offsets):
+                item = f" {name}[{index}] = {value};"
                 if len(line) + len(item) > 96:
                     lines.append(f"    {line.strip()}")
                     line = ""
@@ -92,7 +92,7 @@ def _write_port(cell, write):
             continue
         part = "" if high - low == len(enables) else f"[{high - 1}:{low}]"
         value = write.whole(part_of(inputs["DATA"], low, high - low), high - low)
-        # A net of one bit that nothing but this port reads may stand here as its expression.
+        # A net of one bit that only this port reads may be inlined here.
         text = write.condition(part_of(inputs["EN"], low, 1))
         condition = "" if enable == "1" else f"if ({text}) "
         lines.append(f"    {condition}{name}[{address}]{part} <= {value};")
@@ -104,7 +104,7 @@ def _write_port(cell, write):
 def _read_port(cell, write):
     name, inputs = cell.parameters["MEMID"], cell.connections
     if cell.parameters["CLK_ENABLE"] != "1":
-        return []           # part of the expression of what it drives
+        return []           # inlined where it is read
     if set(cell.parameters["TRANSPARENCY_MASK"].partition("'")[2]) - {"0"}:
         raise ValueError(f"the memory {name} has a transparent port")
     target, = inputs["DATA"]

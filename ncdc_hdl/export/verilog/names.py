@@ -1,4 +1,4 @@
-"""Names of a netlist as an engineer would give them: plain identifiers, ports by signature."""
+"""Names of a netlist for readers: plain identifiers, ports by signature."""
 
 import re
 
@@ -7,8 +7,8 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["check_module_name", "identifier", "rename"]
 
-# Reserved by Verilog-2005, and what signals could be called of SystemVerilog's, as which tools read
-# a file too; a signal of such a name gets an underscore.
+# Reserved by Verilog-2005, and those of SystemVerilog that could be signals, as tools may read
+# a file as such; a signal of such a name gets an underscore.
 _RESERVED = frozenset("""
     always and assign automatic begin buf bufif0 bufif1 case casex casez cell cmos config deassign
     default defparam design disable edge else end endcase endconfig endfunction endgenerate
@@ -28,13 +28,13 @@ _RESERVED = frozenset("""
     sequence shortint shortreal soft solve static string strong struct super tagged this
     throughout timeprecision timeunit type typedef union unique until untyped var virtual void
     wait_order weak wildcard with within""".split())
-_LONGEST = 64           # characters of a module's name, which begins the names of those below it
+_LONGEST = 64           # most characters of a module's name, a prefix of those below it
 _CLOCKS = {"\\clk": 0, "\\rst": 1}
 
 
 def identifier(name):
-    """``name``, an RTLIL identifier, as a plain Verilog one, without the number that tells it from
-    others of the same name."""
+    """``name``, an RTLIL identifier, as a plain Verilog one, without its distinguishing number.
+    """
     name = re.sub(r"\$\d+", "", name.lstrip("\\"))
     name = re.sub(r"\W+", "_", name.replace("$", "_")).strip("_") or "t"
     if name[0].isdigit():
@@ -58,8 +58,8 @@ def check_module_name(name):
 def rename(module, members):
     """Give the wires of a ``module`` their names in Verilog, in place.
 
-    Wires that are the same net become one. It has the name by which the component's signature knows
-    it, where that is a port; else the name of the source that is not of the converter's making. A
+    Wires that are the same net become one. Its name is that in the component's signature,
+    if it is a port; else a name in the source rather than one made by the converter. A
     port that carries several of the component's inputs becomes one port for each.
 
     Parameters
@@ -71,8 +71,8 @@ def rename(module, members):
     Returns
     -------
     dict
-        Of each port that was, its parts as (port, low, width), the lowest first; a width of None
-        stands for the whole port.
+        For each old port, its parts as (port, low, width), the lowest first; a width of None
+        means the whole port.
     dict
         New names of wires, memories and instances by their old ones.
     """
@@ -126,11 +126,11 @@ def _plain_names(module, members):
     return names, instances, ordered
 
 
-def _substitute(module, places):
+def _substitute(module, targets):
     """Replace wires by bits of others: {old: (new, lowest bit)}."""
     def signal(parts):
-        return [Slice(places[part.wire][0], places[part.wire][1] + part.low, part.width)
-                if isinstance(part, Slice) and part.wire in places else part for part in parts]
+        return [Slice(targets[part.wire][0], targets[part.wire][1] + part.low, part.width)
+                if isinstance(part, Slice) and part.wire in targets else part for part in parts]
     _map_signals(module, signal)
 
 
@@ -148,7 +148,7 @@ def _map_signals(module, signal):
 
 
 def _whole(module, parts):
-    """The wire that ``parts`` are, all of it; None if they are not."""
+    """The wire that ``parts`` cover completely; None if there is none."""
     if len(parts) == 1 and isinstance(parts[0], Slice) and parts[0].low == 0:
         name = parts[0].wire
         return name if parts[0].width == module.wires[name].width else None
@@ -156,8 +156,8 @@ def _whole(module, parts):
 
 
 def _join_same(module, members):
-    """Make one wire of those that a ``connect`` makes the same net; each old name's new one, and
-    the same of those alone that were driven."""
+    """Merge wires that a ``connect`` makes the same net; return new names by old ones, and
+    the same for driven ones only."""
     same = {}
 
     def root(name):
@@ -165,44 +165,44 @@ def _join_same(module, members):
             name = same[name]
         return name
 
-    kept = []
+    remaining = []
     for target, source in module.connects:
         a, b = _whole(module, target), _whole(module, source)
         if a and b and not module.wires[a].port and root(a) != root(b):
             same[root(a)] = root(b)
         else:
-            kept.append((target, source))
-    module.connects = kept
+            remaining.append((target, source))
+    module.connects = remaining
     groups = {}
     for name in module.wires:
         groups.setdefault(root(name), []).append(name)
-    places, wires, drivers = {}, {}, {}
+    targets, wires, drivers = {}, {}, {}
     for driver, names in groups.items():
         wire = module.wires[driver]
         best = min(names, key=lambda name: _rank(name, wire.port, members))
         drivers[driver] = best
         for name in names:
-            places[name] = (best, 0)
-        # Where the best name stands elsewhere in order, that of the driver counts.
+            targets[name] = (best, 0)
+        # The order is that of the driver, not of the best name.
         wires[best] = wire
         for name in names:
             wire.attributes |= module.wires[name].attributes
     module.wires = wires
-    _substitute(module, places)
-    return {name: best for name, (best, _) in places.items()}, drivers
+    _substitute(module, targets)
+    return {name: best for name, (best, _) in targets.items()}, drivers
 
 
 def _rank(name, port, members):
-    """How bad a name is."""
+    """Rank of a name, the lowest for the best."""
     plain = identifier(name)
-    # The converter tells equal names apart by a number; the member has none.
+    # The converter distinguishes equal names by a number; the member has none.
     return (name.startswith("$"), "$signature" in name or name.startswith("\\port$"),
             bool(port) and name.lstrip("\\") not in members,
             bool(port) and plain not in members, len(plain), name)
 
 
 def _split_ports(module, members):
-    """Cut an input that the converter put together into the members that are bits of it."""
+    """Cut an input that the converter combined into the members that are its bits."""
     aliases = {}
     for target, source in module.connects:
         name = _whole(module, target)
@@ -225,8 +225,8 @@ def _split_ports(module, members):
 
 
 def _cover(width, aliases):
-    """The longest of ``aliases`` (low, width, name) that lie side by side and leave no bit; None if
-    there are no such."""
+    """The longest of ``aliases`` (low, width, name) that are adjacent and cover all bits; None if
+    there are none."""
     parts, at = [], 0
     while at < width:
         here = [alias for alias in aliases if alias[0] == at]

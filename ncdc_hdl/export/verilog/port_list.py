@@ -3,9 +3,9 @@
 __all__ = ["AGENT", "AXI_CLOCK", "AXI_LITE", "AXI_READ", "AXI_VIDEO", "AXI_WRITE", "CLOCK",
            "READ_HOST", "STREAM", "WRITE_HOST", "port_lines"]
 
-# What each port is for, by interface; of one that comes several times, by the interface's kind.
-CLOCK = {"clk": "the only clock; all ports belong to it", "rst": "synchronous, active high",
-          "memory_rst": "the memory forgets what it owes"}
+# Purpose of each port, by interface; for a repeated interface, by its kind.
+CLOCK = {"clk": "the only clock; synchronous to all ports", "rst": "synchronous, active high",
+          "memory_rst": "the memory is in reset, and drops requests"}
 AGENT = {
     "address": "word address, see docs/reference/registers.md",
     "read": "read strobe, held while waitrequest",
@@ -14,15 +14,15 @@ AGENT = {
     "waitrequest": "low in the clock that accepts an access"}
 READ_HOST = {
     "address": "byte address of a burst, on a word",
-    "read": "asks for a burst, held in waitrequest",
+    "read": "requests a burst, held in waitrequest",
     "burstcount": "words of the burst", "waitrequest": "the memory takes no command now",
-    "readdata": "words in the order asked for",
-    "readdatavalid": "a word has come; it is not refused"}
+    "readdata": "words in the order of the requests",
+    "readdatavalid": "a word has come; it is always taken"}
 WRITE_HOST = {
     "address": "byte address of a burst, on a word",
     "write": "a word of a burst, held in waitrequest",
     "burstcount": "words of the burst, constant in it",
-    "writedata": "pixels as OUTPUT_FORMAT has them",
+    "writedata": "pixels in the format of OUTPUT_FORMAT",
     "byteenable": "bytes of the word that count",
     "waitrequest": "the memory takes no word now"}
 STREAM = {
@@ -31,9 +31,9 @@ STREAM = {
     "startofpacket": "first group of a frame", "endofpacket": "last group of a frame"}
 
 AXI_CLOCK = {
-    "aclk": "of all ports but a sensor's",
-    "aresetn": "resets the core and what is between it and the memory",
-    "core_rst": "active high: resets the core alone"}
+    "aclk": "for all ports but a sensor's",
+    "aresetn": "resets the core and the bus to the memory",
+    "core_rst": "active high: resets only the core"}
 
 
 def _burst(channel, what):
@@ -48,24 +48,24 @@ def _burst(channel, what):
 
 
 AXI_READ = _burst("ar", "burst") | {
-    "rid": "not looked at", "rdata": "words in the order asked for",
+    "rid": "ignored", "rdata": "words in the order of the requests",
     "rresp": "bit 1: an error, which FAULT.MEMORY shows", "rlast": "a burst's last word",
-    "rvalid": "a word is there", "rready": "always high: there is room for what was asked"}
+    "rvalid": "a word is there", "rready": "always high: there is space for all requested words"}
 AXI_WRITE = _burst("aw", "burst's address") | {
-    "wdata": "samples, or pixels as OUTPUT_FORMAT has them",
+    "wdata": "samples, or pixels in the format of OUTPUT_FORMAT",
     "wstrb": "bytes of the word that count", "wlast": "a burst's last word",
     "wvalid": "a word is offered, held until wready", "wready": "the memory takes the word",
-    "bid": "not looked at", "bresp": "bit 1: an error, which FAULT.MEMORY shows",
+    "bid": "ignored", "bresp": "bit 1: an error, which FAULT.MEMORY shows",
     "bvalid": "a burst is in memory; a frame is done with its last",
     "bready": "always high"}
 AXI_LITE = {
-    "awaddr": "byte address, see docs/reference/registers.md", "awprot": "not looked at",
+    "awaddr": "byte address, see docs/reference/registers.md", "awprot": "ignored",
     "awvalid": "an address is there", "awready": "it is taken",
-    "wdata": "word to write", "wstrb": "all bytes or none: others are refused",
+    "wdata": "word to write", "wstrb": "all bytes or none: others are rejected",
     "wvalid": "a word is there", "wready": "it is taken",
     "bresp": "OKAY, or SLVERR to a write of some bytes", "bvalid": "the write is over",
     "bready": "its answer is taken",
-    "araddr": "byte address", "arprot": "not looked at", "arvalid": "an address is there",
+    "araddr": "byte address", "arprot": "ignored", "arvalid": "an address is there",
     "arready": "it is taken", "rdata": "word read", "rresp": "OKAY",
     "rvalid": "the word is there", "rready": "it is taken"}
 AXI_VIDEO = {

@@ -1,6 +1,6 @@
 """One module of a netlist as Verilog-2005."""
 
-from ncdc_hdl.export.verilog.expressions import Expressions, constant, joined, place
+from ncdc_hdl.export.verilog.expressions import Expressions, constant, joined, slice_text
 from ncdc_hdl.export.verilog.memories import memory_lines
 from ncdc_hdl.export.verilog.processes import clocked_lines, comb_expression, targets_of
 from ncdc_hdl.export.verilog.rtlil import Slice, Switch, part_of, width_of
@@ -15,7 +15,7 @@ _REGISTERS, _MEMORY = ("$dff", "$adff"), ("$memrd_v2", "$memwr_v2")
 def module_lines(module, children, port_lines):
     """The lines of a renamed ``module``, from its port list on.
 
-    Order: ports; registers and memories; nets that instances drive; nets by assignment, each behind
+    Order: ports; registers and memories; nets that instances drive; nets by assignment, each after
     those that it reads; memories' ports; registers' clocks; instances; outputs.
 
     Parameters
@@ -30,23 +30,23 @@ def module_lines(module, children, port_lines):
 
 
 class _Printer:
-    """Sorts what is in a module, then writes it."""
+    """Sorts the parts of a module, then writes them."""
 
     def __init__(self, module, children):
         self.module, self.children = module, children
-        self.registers = {}         # of each register its $dff or $adff
-        self.operators = {}         # of each net the cell that computes it
-        self.driven = set()         # by instances, and by memories' asynchronous ports
+        self.registers = {}         # the $dff or $adff of each register
+        self.operators = {}         # the cell that computes each net
+        self.driven = set()         # nets driven by instances and by memories' asynchronous ports
         self.instances, self.reads = [], {}
         for cell in module.cells:
             self._sort(cell)
-        self.sources = {}           # of nets that connects drive: parts (low, source)
+        self.sources = {}           # parts (low, source) of nets that connects drive
         for target, source in module.connects:
             self._connect(target, source)
         self.uses = self._count_uses()
         self.next_of, self.comb = self._sort_processes()
         fields = self._fields()
-        # Names of slices of other wires, which nothing but the source calls so.
+        # Names that the source has for slices of other wires.
         self.aliases = {name for name, parts in self.sources.items()
                         if len(parts) == 1 and len(joined(parts[0][1])) == 1}
         self.expressions = Expressions(module, self.operators, fields, self.uses)
@@ -70,7 +70,7 @@ class _Printer:
                     self.driven |= {part.wire for part in parts if isinstance(part, Slice)}
 
     def _drives(self, cell, port):
-        """Whether an instance drives what is at its ``port``."""
+        """Whether an instance drives the net at its ``port``."""
         child = self.children.get(cell.kind)
         return child is not None and child.wires[port].port != "input"
 
@@ -112,7 +112,7 @@ class _Printer:
     def _sort_processes(self):
         """Processes that compute a register's next value, by register; others, by net.
 
-        A net with a name in the source stays one, also if a register is all that reads it.
+        A net with a name in the source stays one, even if only a register reads it.
         """
         by_next = {}
         for name, cell in self.registers.items():
@@ -160,7 +160,7 @@ class _Printer:
                   if self._held(name) and not wire.port]
         lines += [f"  {_attributes(memory)}reg {_range(memory.width)}{name} [0:{memory.size - 1}];"
                   for name, memory in module.memories.items()]
-        # What instances and memories drive is declared before anything reads it.
+        # Nets that instances and memories drive are declared before their uses.
         lines += [self._declaration("wire", name) for name in module.wires
                   if name in self.driven and not module.wires[name].port]
         body = [*nets, *memories, *clocked, *instances, *outputs]
@@ -213,7 +213,7 @@ class _Printer:
         connections = []
         for port, parts in cell.connections.items():
             text = "" if not parts else ", ".join(
-                place(self.module, part) for part in parts) if self._drives(cell, port) else \
+                slice_text(self.module, part) for part in parts) if self._drives(cell, port) else \
                 self.expressions.condition(parts)
             connections.append(f".{port}({text})")
         parameters = [f".{name}({value})" for name, value in cell.parameters.items()]
@@ -227,7 +227,7 @@ class _Printer:
                 if wire.port == "output" and not self._held(name) and name not in self.driven]
 
     def _nets(self):
-        """Nets that are read, or that the source names, each behind those that it reads."""
+        """Nets that are read, or that the source names, each after those that it reads."""
         module, wanted, texts = self.module, set(self.expressions.read), {}
         wanted |= {name for name, wire in module.wires.items()
                    if not wire.made and not wire.port and name not in self.aliases}
@@ -247,12 +247,12 @@ class _Printer:
                   self._declaration("wire", name, f" = {texts[name][0]}") for name in names)]
 
     def _value(self, name):
-        """What drives a net, as an expression of its width.
+        """The driver of a net, as an expression of its width.
 
         Raises
         ------
         ValueError
-            If nothing does, or not all of it.
+            If the net or a part of it has no driver.
         """
         wire, write = self.module.wires[name], self.expressions
         write.net = name
@@ -276,8 +276,8 @@ class _Printer:
 
 
 def _sorted(reads, order):
-    """Names so that each is behind those that it reads, else in ``order``; and those for which that
-    cannot be, because one bit of a net makes another one."""
+    """Names sorted so that each is after those it reads, else in ``order``; and those for which
+    this is impossible, as one bit of a net depends on another."""
     done, doing, found, circular = set(), set(), [], set()
 
     def visit(name):
@@ -304,7 +304,7 @@ def _attributes(item):
 
 
 def _wrapped(head, items):
-    """``head``, the ``items`` between commas, the statement's end; as many as fit a line."""
+    """``head``, the ``items`` between commas, the statement's end; wrapped into lines."""
     lines, line = [head], ""
     for k, item in enumerate(items):
         item += "," if k < len(items) - 1 else ""
@@ -316,7 +316,7 @@ def _wrapped(head, items):
 
 
 def _folded(line):
-    """A long statement on several lines, cut where it has blanks outside of names and numbers."""
+    """A long statement on several lines, cut at blanks."""
     lines, indent = [], " " * (len(line) - len(line.lstrip()) + 4)
     while len(line) > _WIDTH and (at := line.rfind(" ", len(indent) + 1, _WIDTH)) > 0:
         lines.append(line[:at])

@@ -1,6 +1,6 @@
 """Processes of a netlist: registers under a clock, and choices as conditional expressions."""
 
-from ncdc_hdl.export.verilog.expressions import constant, place
+from ncdc_hdl.export.verilog.expressions import constant, slice_text
 from ncdc_hdl.export.verilog.rtlil import Bits, Slice, Switch, part_of
 
 __all__ = ["clocked_lines", "comb_expression", "targets_of"]
@@ -26,7 +26,7 @@ def clocked_lines(module, write, plain, held):
     module : Module
     write : Expressions
     plain : list of (str, signal)
-        Registers, and what they take on in every clock.
+        Registers, and their next value in every clock.
     held : list of (str, str, statements)
         Registers, the net of their next value, and the process that drives it.
     """
@@ -40,7 +40,7 @@ def clocked_lines(module, write, plain, held):
         groups.setdefault(_skeleton(own), []).append(own)
     for processes in groups.values():
         lines += _statements(module, write, _together(processes), "    ")
-    # The last assignment counts, so that all that a reset does may stand at the end.
+    # The last assignment wins, so that the reset can be at the end.
     for value, statements in resets.items():
         lines += _statements(module, write, [Switch(list(value), [("1", sum(statements, []))])],
                              "    ")
@@ -48,16 +48,16 @@ def clocked_lines(module, write, plain, held):
 
 
 def _is_reset(switch):
-    """Whether a choice is that of a reset: one case of constants."""
+    """Whether a choice is a reset: one case of constants."""
     return [pattern for pattern, _ in switch.cases] == ["1"] and all(
         not isinstance(item, Switch) and all(isinstance(part, Bits) for part in item[1])
         for item in switch.cases[0][1])
 
 
 def _of_register(statements, name, net, first=True):
-    """What a process does to the ``net`` of a next value, done to the register ``name`` itself.
+    """Statements on the ``net`` of a next value, as statements on the register ``name``.
 
-    That a register keeps its value, which a process says ``first``, need not be said.
+    The ``first`` assignment, which holds the register's value, is dropped.
     """
     found = []
     for item in statements:
@@ -75,14 +75,14 @@ def _of_register(statements, name, net, first=True):
 
 
 def _skeleton(statements):
-    """The choices of a process without what is assigned."""
+    """The choices of a process without the assignments."""
     return tuple((tuple(item.value), tuple((pattern, _skeleton(inner))
                                            for pattern, inner in item.cases))
                  for item in statements if isinstance(item, Switch))
 
 
 def _together(processes):
-    """One process of several with the same choices; what stands before a choice stays before it."""
+    """Merge processes with the same choices; assignments before a choice stay before it."""
     found = []
     for slots in zip(*map(_slots, processes)):
         if isinstance(slots[0], Switch):
@@ -120,7 +120,7 @@ def _assignments(module, write, item, indent):
     lines, at = [], 0
     for part in target:
         value = write.whole(part_of(source, at, part.width), part.width)
-        lines.append(f"{indent}{place(module, part)} <= {value};")
+        lines.append(f"{indent}{slice_text(module, part)} <= {value};")
         at += part.width
     return lines
 
@@ -146,7 +146,7 @@ def _choice(module, write, switch, indent):
 
 
 def _case(module, write, value, cases, indent):
-    """A case statement; a case that does nothing is left out if there is no other one's rest."""
+    """A case statement; an empty case is left out if there is no default."""
     lines = [f"{indent}case ({write.condition(value)})"]
     rest = any(pattern is None for pattern, _ in cases)
     for pattern, inner in cases:
@@ -158,7 +158,7 @@ def _case(module, write, value, cases, indent):
 
 
 def _block(head, body, indent):
-    """Statements behind a condition: in its line, if they are one assignment, else in a block."""
+    """Statements of a condition: one assignment in its line, else a block."""
     line = f"{indent}{head} {body[0].strip()}" if len(body) == 1 else ""
     if line and len(line) <= 98 and not body[0].lstrip().startswith("if "):
         return [line]
@@ -166,7 +166,7 @@ def _block(head, body, indent):
 
 
 def _condition(write, value, pattern):
-    """Whether a signal has a pattern, whose digit - is any."""
+    """Whether a signal has a pattern, whose digit - matches any."""
     digits = pattern[::-1]
     if "-" not in pattern and len(pattern) > 1:
         return f"{write.signal(value, exact=False)} == {len(pattern)}'h{int(pattern, 2):x}"
@@ -190,7 +190,7 @@ def comb_expression(module, write, name, process):
     Raises
     ------
     ValueError
-        If the process leaves a bit of it without a value.
+        If a bit of it gets no value.
     """
     edges = {0, module.wires[name].width}
     _edges(process, name, edges)
@@ -220,7 +220,7 @@ def _edges(statements, name, edges):
 
 
 def _fold(statements, name, low, width, value):
-    """Value of bits of a net behind the statements: a signal, or (condition, then, else)."""
+    """Value of bits of a net after the statements: a signal, or (condition, then, else)."""
     for item in statements:
         if isinstance(item, Switch):
             value = _fold_switch(item, name, low, width, value)
@@ -239,7 +239,7 @@ def _fold_switch(switch, name, low, width, value):
     rest = next((found for pattern, found in chosen if pattern is None), value)
     patterns = [pattern for pattern, _ in chosen if pattern is not None]
     if not any("-" in pattern for pattern in patterns) and len(set(patterns)) == len(patterns):
-        # No two of the cases can be true: their order is free.
+        # The cases exclude each other: their order is free.
         groups = []
         for pattern, found in chosen:
             if pattern is None or found == rest:

@@ -1,4 +1,4 @@
-"""A netlist in RTLIL, Yosys's intermediate language, as Amaranth writes it: read into objects."""
+"""A netlist in RTLIL, Yosys's intermediate language, as Amaranth writes it, read into objects."""
 
 import re
 from dataclasses import dataclass, field
@@ -63,8 +63,8 @@ class Cell:
 
 @dataclass
 class Switch:
-    """A choice of a process: of the cases, (pattern or None for the rest, statements), the first
-    whose pattern is that of ``value``. A statement is a Switch or a pair (target, source)."""
+    """A choice of a process: of the cases, (pattern or None as default, statements), the first
+    whose pattern matches ``value``. A statement is a Switch or a pair (target, source)."""
     value: list
     cases: list
 
@@ -73,7 +73,7 @@ class Switch:
 class Module:
     """One module.
 
-    ``processes``: a list of statements each; ``connects``: pairs (target, source). Targets and
+    ``processes``: a list of statements for each; ``connects``: pairs (target, source). Targets and
     sources, and the connections of cells, are lists of :class:`Slice` and :class:`Bits`, the lowest
     first.
     """
@@ -120,7 +120,7 @@ def parse(text):
     Raises
     ------
     ValueError
-        If a line is none that Amaranth writes.
+        If a line is not of the form that Amaranth writes.
     """
     return _Reader(text).modules
 
@@ -164,8 +164,8 @@ class _Reader:
             getattr(self, f"_{kind}")(tokens)
             self.attributes = {}
 
-    def _kept(self):
-        """Attributes that matter behind the converter: not where a thing comes from."""
+    def _attributes_used(self):
+        """Attributes used after the converter, without source locations."""
         return {name: value for name, value in self.attributes.items()
                 if name not in ("src", "init", "top", "generator")
                 and not name.startswith(("enum_", "amaranth."))}
@@ -175,12 +175,12 @@ class _Reader:
         port = next((kind for kind in ("input", "output", "inout") if kind in tokens), "")
         self.module.wires[tokens[-1]] = Wire(
             int(tokens[tokens.index("width") + 1]), port,
-            _NUMBER.match(init)[2] if init else None, attributes=self._kept())
+            _NUMBER.match(init)[2] if init else None, attributes=self._attributes_used())
 
     def _memory(self, tokens):
         self.module.memories[tokens[-1]] = Memory(
             int(tokens[tokens.index("width") + 1]), int(tokens[tokens.index("size") + 1]),
-            attributes=self._kept())
+            attributes=self._attributes_used())
 
     def _cell(self, tokens):
         cell = Cell(tokens[1], tokens[2])
@@ -199,7 +199,7 @@ class _Reader:
             self.module.cells.append(cell)
 
     def _connect(self, tokens):
-        # Two signals follow each other; that of several parts is in braces.
+        # Two signals follow each other; a concatenation is in braces.
         self.module.connects.append(tuple(self._signals(tokens[1:])))
 
     def _process(self, tokens):
@@ -234,28 +234,28 @@ class _Reader:
 
     def _signals(self, tokens):
         """All signals in a list of tokens."""
-        found, place = [], 0
-        while place < len(tokens):
-            if tokens[place] == "{}":
+        found, index = [], 0
+        while index < len(tokens):
+            if tokens[index] == "{}":
                 found.append([])
-                place += 1
-            elif tokens[place] == "{":
-                end = tokens.index("}", place)
-                parts = [part for signal in self._signals(tokens[place + 1:end])
+                index += 1
+            elif tokens[index] == "{":
+                end = tokens.index("}", index)
+                parts = [part for signal in self._signals(tokens[index + 1:end])
                          for part in reversed(signal)]
                 found.append(parts[::-1])
-                place = end + 1
+                index = end + 1
             else:
-                part, place = self._part(tokens, place)
+                part, index = self._part(tokens, index)
                 found.append([part] if part.width else [])
         return found
 
-    def _part(self, tokens, place):
-        if match := _NUMBER.match(tokens[place]):
-            return Bits(match[2]), place + 1
-        name = tokens[place]
-        if place + 1 < len(tokens) and tokens[place + 1].startswith("["):
-            high, _, low = tokens[place + 1].strip("[]").partition(":")
+    def _part(self, tokens, index):
+        if match := _NUMBER.match(tokens[index]):
+            return Bits(match[2]), index + 1
+        name = tokens[index]
+        if index + 1 < len(tokens) and tokens[index + 1].startswith("["):
+            high, _, low = tokens[index + 1].strip("[]").partition(":")
             low = int(low or high)
-            return Slice(name, low, int(high) - low + 1), place + 2
-        return Slice(name, 0, self.module.wires[name].width), place + 1
+            return Slice(name, low, int(high) - low + 1), index + 2
+        return Slice(name, 0, self.module.wires[name].width), index + 1

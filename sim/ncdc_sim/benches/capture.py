@@ -9,7 +9,7 @@ import cocotb
 import numpy as np
 from cocotb.triggers import FallingEdge, ReadOnly, Timer
 
-from ncdc_hdl.camera.frame_writer import COUNTS, PLACE
+from ncdc_hdl.camera.frame_writer import AREA, COUNTS
 from ncdc_hdl.camera.layouts import GRID, SETTINGS
 from ncdc_sim.benches.avalon import write_memory
 from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
@@ -110,7 +110,7 @@ class Writer:
             begins, ends, good = (bool(signal.value) for signal in (dut.begins, dut.ends, dut.good))
             await FallingEdge(dut.clk)
             if begins:
-                dut.place.value = pack(PLACE, {
+                dut.area.value = pack(AREA, {
                     "base": self.place(self.begun), "limit": self.place(self.begun) + self.bytes,
                     "pitch": self.pitch, "width": WINDOW[0], "height": WINDOW[1]})
                 self.begun += 1

@@ -13,7 +13,7 @@ import numpy as np
 
 from ncdc_boards.camera_board.core import BoardCore
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
-from ncdc_boards.camera_board.set_up import register_addresses
+from ncdc_boards.camera_board.programs import register_addresses
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.processor import LINK_BASE
 from ncdc_hdl.video.modes import VideoMode

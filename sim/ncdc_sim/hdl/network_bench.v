@@ -80,7 +80,7 @@ module network_bench (input wire clk, line, extclk, pixel);
         .sdram__dq_o(dq_o), .sdram__dq_oe(dq_oe), .sdram__dq_i(dq_i),
         .picture(), .receive(1'b1), .send(), .following(1'b0), .previous(1'b0), .raw(1'b0),
         .again(1'b0),
-        .lights(), .jtag_clk(1'b0), .scan__tdi(1'b0), .scan__tdo(), .scan__capture(1'b0),
+        .leds(), .jtag_clk(1'b0), .scan__tdi(1'b0), .scan__tdo(), .scan__capture(1'b0),
         .scan__shift(1'b0), .scan__update(1'b0),
         .processor__registers__adr(adr), .processor__registers__dat_w(dat_w),
         .processor__registers__sel(4'hF), .processor__registers__cyc(cyc),

@@ -43,7 +43,7 @@ class SystemHost:
         table = (*registers(descriptor.hidden_neurons, descriptor.formats, descriptor.nodes,
                             system.hardware.colour), *system.table)
         driver = _driver(python_registers(table))
-        self.camera = driver.Camera(lambda offset: live.read(offset >> 2),
+        self.camera = driver.CameraSystem(lambda offset: live.read(offset >> 2),
                                     lambda offset, value: live.write(offset >> 2, value),
                                     lambda: live.wait(8 * self.quarter))
         self.quarter = 8        # clocks of a quarter of a bit on the I2C bus

@@ -33,7 +33,7 @@ class Pins(Wrapper):
         settings = dut.settings
         m.d.comb += [
             dut.pins.frame_valid.eq(self.frame), dut.pins.line_valid.eq(self.line),
-            dut.room.eq(self.room), dut.enable.eq(self.enable),
+            dut.space.eq(self.room), dut.enable.eq(self.enable),
             settings.sent_width.eq(self.WIDTH), settings.sent_height.eq(self.HEIGHT),
             settings.width.eq(self.WIDTH), settings.height.eq(self.HEIGHT),
         ]

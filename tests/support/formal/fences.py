@@ -113,7 +113,7 @@ class FencedWords(Wrapper):
         given(m, ~self.valid | (running & ~self.start))
         m.d.comb += [dut.start.eq(self.start), dut.base.eq(self.base), dut.limit.eq(self.limit),
                      dut.order.eq(self.order), dut.format.eq(self.format),
-                     dut.refuse.eq(self.refuse),
+                     dut.reject.eq(self.refuse),
                      dut.i.valid.eq(self.valid), dut.i.payload.eq(self.pixel),
                      dut.o.ready.eq(self.ready)]
         end = Signal(ADDRESS_BITS + 1)

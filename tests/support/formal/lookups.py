@@ -28,7 +28,7 @@ class _Parts(Elaboratable):
     def elaborate(self, platform):
         m = Module()
         m.submodules.tags, m.submodules.retire = tags, retire = self.tags, self.retire
-        m.d.comb += [retire.push.eq(tags.push), retire.place.eq(tags.place),
+        m.d.comb += [retire.push.eq(tags.push), retire.position.eq(tags.position),
                      retire.missing.eq(tags.missing), tags.retire.eq(retire.retire)]
         return m
 
@@ -72,7 +72,7 @@ class _Lookups(Wrapper):
     def _lookup(self, m):
         """The look-up of a window that begins at the input's tile."""
         lookup = Signal(lookup_layout(_BITS, self.options, 1))
-        place, mask = lookup.place, (1 << self.split) - 1
+        place, mask = lookup.position, (1 << self.split) - 1
         for odd in range(2):
             pair_x = (self.tile_x + (1 - odd)) >> 1
             m.d.comb += [lookup.pair_x[odd].eq(pair_x), lookup.set_x[odd].eq(pair_x & mask)]
@@ -136,7 +136,7 @@ class Places(_Lookups):
         # Whose tiles are claimed: the same two stages as in ``Claims``, for the frame alone.
         m.submodules.frames = frames = Relay(1)
         relay, odd_frame = tags.claims.relay, Signal()
-        m.d.comb += [frames.i.valid.eq(tags.act.take), frames.i.payload.eq(tags.place.first),
+        m.d.comb += [frames.i.valid.eq(tags.act.take), frames.i.payload.eq(tags.position.first),
                      frames.o.ready.eq(relay.o.ready)]
         with m.If(frames.o.valid & frames.o.ready):
             m.d.sync += odd_frame.eq(frames.o.payload)
@@ -151,7 +151,7 @@ class Places(_Lookups):
                 m.d.sync += holds.eq(1)
 
         # The window that reads now.
-        place = data.View(retire.place_shape, inner(fragment, "retire", "b"))
+        place = data.View(retire.position_shape, inner(fragment, "retire", "b"))
         lane = place.lane[0]
         reads, wrong = Signal(), Signal()
         for bank in range(self.options.tag_banks):
@@ -191,8 +191,9 @@ class Tokens(_Lookups):
             inner(fragment, "retire", name) for name in
             ("balance", "push", "owed", "oldest_valid", "b_valid"))
         a_valid = inner(fragment, "tags", "a_valid")
-        ahead, memory = self.tags.ahead, self.tags.memory
-        l_known, l_hit = (inner(fragment, "tags", "ahead", name) for name in ("l_known", "l_hit"))
+        ahead, memory = self.tags.forwarding, self.tags.memory
+        l_known, l_hit = (inner(
+            fragment, "tags", "forwarding", name) for name in ("l_known", "l_hit"))
         a_hit = inner(fragment, "tags", "act", "a_hit")
         left, done, final = (inner(fragment, "tags", "claims", name)
                              for name in ("left", "done", "final"))
@@ -200,7 +201,7 @@ class Tokens(_Lookups):
                                    for name in ("o__valid", "o", "free", "aside"))
         level, room, numbers, retirals = (
             inner(fragment, "tags", "pending", name) for name in
-            ("level", "room", "numbers", "retirals"))
+            ("level", "space", "numbers", "retirals"))
 
         always(m, level == push + queue.level + oldest_valid + b_valid, "pushed_not_read")
         always(m, level <= most, "most_pending")

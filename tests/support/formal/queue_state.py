@@ -66,7 +66,7 @@ def _library(queue, fragment):
 def _own(queue, fragment):
     """The same of a queue with two stages behind the memory."""
     kept, read_valid, both, some, full = (inner(fragment, name) for name in (
-        "kept", "read_valid", "both", "some", "full"))
+        "stored", "read_valid", "both", "some", "full"))
     _say(fragment, queue.level == kept + read_valid + queue.r_rdy, "kept")
     _say(fragment, (queue.level <= queue.depth) & (full == (queue.level == queue.depth)),
          "full_flag")

@@ -30,7 +30,7 @@ class Credits(Wrapper):
         under_way = Signal(range(2 * dut.depth + 1))
         late = Signal(range(self.credit_error + 1))   # issued without leave
         may = Signal()                                # there was room in the clock before
-        m.d.sync += [may.eq(dut.room), late.eq(late + (self.issue & ~may))]
+        m.d.sync += [may.eq(dut.space), late.eq(late + (self.issue & ~may))]
         m.d.comb += [dut.issue.eq(self.issue), dut.arrive.eq(self.arrive),
                      dut.o.ready.eq(self.ready)]
         given(m, ~self.issue | may | (late != self.credit_error))
@@ -42,10 +42,10 @@ class Credits(Wrapper):
         always(m, in_flight + issued == under_way + arrived, "in_flight")
         always(m, claimed + issued == under_way + arrived + queue.level + taken, "claimed")
         always(m, claimed + issued <= dut.depth, "depth")
-        for k, (signal, name) in enumerate([(may, "may"), (dut.room, "room"), (more, "more")]):
+        for k, (signal, name) in enumerate([(may, "may"), (dut.space, "room"), (more, "more")]):
             always(m, ~signal | (claimed + issued < dut.depth - k), name)
         always(m, ~dut.drained | (under_way == 0), "drained")
         reached(m, queue.level == dut.depth, "full")
-        reached(m, ~dut.room & (claimed == dut.restart), "restart")
+        reached(m, ~dut.space & (claimed == dut.restart), "restart")
         reached(m, dut.drained & (queue.level != 0), "at_rest")
         return m

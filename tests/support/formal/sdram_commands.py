@@ -8,7 +8,7 @@ from formal.properties import always, given, inner, reached
 from formal.sdram_hosts import CHIP
 from formal.wrapper import Wrapper
 from ncdc_boards.sdram.chips import clocks_of
-from ncdc_boards.sdram.layouts import Place
+from ncdc_boards.sdram.layouts import AddressMapping
 from ncdc_boards.sdram.sequencer import Sequencer
 
 __all__ = ["Commands"]
@@ -26,14 +26,14 @@ class Commands(Wrapper):
 
     def __init__(self, data_width=8, max_burst=1, longest=22, *, kind=Sequencer, banks=None,
                  period=None):
-        self.place = Place(CHIP, data_width, max_burst)
+        self.place = AddressMapping(CHIP, data_width, max_burst)
         self.clocks = clocks_of(CHIP, 1e9)
         self.dut = kind(self.place, self.clocks, tag_bits=1)
         assert longest is None or longest < self.dut.delay
         if banks:
             self.dut.banks = banks(self.place, self.clocks)
         if period:
-            self.dut.upkeep.period = period
+            self.dut.init_refresh.period = period
         self.longest = longest
         super().__init__({"valid": In(1), "job": In(self.dut.job)})
 
@@ -175,7 +175,7 @@ class Commands(Wrapper):
     def _states(self, m, fragment):
         """Nobody reads or writes while the memory is refreshed or initialised."""
         dut = self.dut
-        state = inner(fragment, "upkeep", "fsm_state")
+        state = inner(fragment, "init_refresh", "fsm_state")
         pause, precharge, refresh, run, mode = range(5)     # as the design first names them
         always(m, Mux(dut.ready, (state == precharge) | (state == refresh) | (state == run),
                       (state == pause) | (state == precharge) | (state == refresh)
@@ -187,8 +187,8 @@ class Commands(Wrapper):
 
     def _refreshes(self, m, fragment):
         """A refresh within its time, counted from the one before it or the initialisation."""
-        dut, command, period = self.dut, self.dut.command, self.dut.upkeep.period
-        timer, over = inner(fragment, "upkeep", "timer"), inner(fragment, "upkeep", "over")
+        dut, command, period = self.dut, self.dut.command, self.dut.init_refresh.period
+        timer, over = (inner(fragment, "init_refresh", name) for name in ("timer", "over"))
         most = self.clocks.refresh
         since = Signal(range(most + 2))     # clocks without a refresh
         age = Signal(range(most + 2))       # clocks for which one has been due
@@ -197,7 +197,7 @@ class Commands(Wrapper):
         with m.Elif(since <= most):
             m.d.sync += since.eq(since + 1)
         due = Signal()
-        m.d.comb += due.eq(dut.ready & dut.upkeep.due)
+        m.d.comb += due.eq(dut.ready & dut.init_refresh.due)
         with m.If(~due | command.refresh):
             m.d.sync += age.eq(0)
         with m.Elif(age <= most):
@@ -205,7 +205,7 @@ class Commands(Wrapper):
         always(m, since < most, "refresh_in_time")
         always(m, age <= self.longest, "due_no_longer")
         always(m, over == (timer == 0), "timer_over")
-        always(m, ~dut.ready | (inner(fragment, "upkeep", "more") == 1), "one_refresh")
+        always(m, ~dut.ready | (inner(fragment, "init_refresh", "more") == 1), "one_refresh")
         always(m, ~dut.ready | (timer < period), "timer_from")
         always(m, ~dut.ready | due | (since + timer <= period) & (age == 0), "timer_since")
         always(m, ~due | (timer + age == period - 1) & (since <= period + 1 + age), "timer_due")

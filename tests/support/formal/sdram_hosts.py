@@ -6,10 +6,10 @@ from amaranth.lib.wiring import In
 
 from formal.properties import always, given, inner, reached
 from formal.wrapper import Wrapper
+from ncdc_boards.sdram.arbiter import SdramArbiter
 from ncdc_boards.sdram.chips import SdramChip
-from ncdc_boards.sdram.layouts import Place
+from ncdc_boards.sdram.layouts import AddressMapping
 from ncdc_boards.sdram.segments import Segments
-from ncdc_boards.sdram.turns import Turns
 
 __all__ = ["CHIP", "BurstsCut", "TurnsCome"]
 
@@ -20,20 +20,20 @@ CHIP = SdramChip("small", data_bits=8, row_bits=2, column_bits=2, rcd=3, rp=2, r
 
 
 class TurnsCome(Wrapper):
-    """``Turns`` with hosts that want a turn when they like, and then until they have it.
+    """``SdramArbiter`` with hosts that want a turn when they like, and then until they have it.
 
-    Asserts that everybody who waits has a turn after as many of the others' as ``Turns.others``
-    says, at most. For each host the number of others' turns that may still come is a function of
-    the registers, which falls with each of these turns.
+    Asserts that everybody who waits has a turn after as many of the others' as
+    ``SdramArbiter.others`` says, at most. For each host the number of others' turns that may still
+    come is a function of the registers, which falls with each of these turns.
     """
 
-    def __init__(self, kind=Turns, reads=3):
+    def __init__(self, kind=SdramArbiter, reads=3):
         self.dut = kind(reads)
         super().__init__({"wants": In(reads + 1), "take": In(1)})
 
     def elaborate(self, platform):
         m = Module()
-        dut, count, run = self.dut, self.dut.reads - 1, Turns.RUN
+        dut, count, run = self.dut, self.dut.reads - 1, SdramArbiter.RUN
         fragment = self.design(m, dut)
         video_run, write_run = inner(fragment, "video_run"), inner(fragment, "write_run")
         stays = Signal.like(self.wants, reset_less=True)
@@ -45,7 +45,7 @@ class TurnsCome(Wrapper):
         always(m, (dut.grant & ~self.wants) == 0, "who_wants")
         always(m, dut.grant.any() | ~self.wants.any(), "somebody")
         always(m, (video_run <= run) & (write_run <= run), "runs")
-        most, full = Turns.others(dut.reads), run * (run + 2)
+        most, full = SdramArbiter.others(dut.reads), run * (run + 2)
         video_left = run - video_run                # its turns before somebody else's
         turns = {"video": (count, Mux(video_run == run, 1, 0)),
                  "write": (count + 1, video_left + (Mux(write_run == run, 1 + run, 0)
@@ -86,7 +86,7 @@ class BurstsCut(Wrapper):
     """
 
     def __init__(self, kind=Segments):
-        self.place = Place(CHIP, 8, 4)
+        self.place = AddressMapping(CHIP, 8, 4)
         self.dut = kind(self.place)
         super().__init__({"valid": In(1), "burst": In(self.place.burst), "ready": In(1)})
 
@@ -95,7 +95,7 @@ class BurstsCut(Wrapper):
         dut, place = self.dut, self.place
         fragment = self.design(m, dut)
         waits, valid, rest, behind = (inner(fragment, name)
-                                      for name in ("waits", "valid", "rest", "behind"))
+                                      for name in ("waits", "valid", "rest", "end_column"))
         inside = data.View(place.burst, inner(fragment, "burst"))
         given(m, (self.burst.words != 0) & (self.burst.words <= place.max_burst))
         m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(self.burst),

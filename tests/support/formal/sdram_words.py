@@ -26,7 +26,7 @@ class WordsRead(Wrapper):
         bits = range(max_burst + 1)
         super().__init__({
             "read": In(reads), "write": In(1),
-            **{f"address{k}": In(self.dut.place.word_bits) for k in range(reads + 1)},
+            **{f"address{k}": In(self.dut.mapping.word_bits) for k in range(reads + 1)},
             **{f"words{k}": In(bits) for k in range(reads + 1)}})
 
     def elaborate(self, platform):
@@ -36,9 +36,9 @@ class WordsRead(Wrapper):
         self._chip(m)
         for k, bus in enumerate(dut.reads):
             self._reader(m, k, bus)
-        bus, left = dut.write, Signal(dut.place.words)
+        bus, left = dut.write, Signal(dut.mapping.words)
         words = getattr(self, f"words{dut.count}")
-        given(m, (words != 0) & (words <= dut.place.max_burst))
+        given(m, (words != 0) & (words <= dut.mapping.max_burst))
         stays = Signal()
         count = Signal.like(words)
         m.d.comb += [bus.write.eq(self.write), bus.burstcount.eq(words), bus.byteenable.eq(1),
@@ -53,7 +53,7 @@ class WordsRead(Wrapper):
 
     def _chip(self, m):
         """A chip that gives the number of a word in it as the word, CAS latency clocks later."""
-        pins, place = self.dut.pins, self.dut.place
+        pins, place = self.dut.pins, self.dut.mapping
         rows = Array(Signal(place.chip.row_bits, name=f"chip_row{k}") for k in range(4))
         command = Cat(pins.we_n, pins.cas_n, pins.ras_n)
         with m.If(~pins.cs_n & (command == 0b011)):
@@ -68,7 +68,7 @@ class WordsRead(Wrapper):
     def _reader(self, m, k, bus):
         """Any bursts of one reader, and what comes back."""
         address, words = getattr(self, f"address{k}"), getattr(self, f"words{k}")
-        place = self.dut.place
+        place = self.dut.mapping
         asked = [Signal(place.burst, name=f"asked{k}_{n}") for n in range(_ASKED + 1)]
         count = Signal(range(_ASKED + 2), name=f"count{k}")
         stays = Signal(name=f"stays{k}")

@@ -32,7 +32,7 @@ class UsbBus(Wrapper):
         offered, got = Signal(8), Signal(8)         # words that left the queue; that were taken
         m.d.comb += [
             pins.rxf_n.eq(self.rxf_n), pins.txe_n.eq(self.txe_n), pins.data_i.eq(self.data),
-            pins.be_i.eq(1), dut.room.eq(self.room), dut.to_host.valid.eq(self.valid),
+            pins.be_i.eq(1), dut.space.eq(self.room), dut.to_host.valid.eq(self.valid),
             dut.to_host.p.data.eq(offered), dut.to_host.p.enable.eq(1)]
         waits = self._before(m, self.valid & ~dut.to_host.ready, "waits")
         given(m, ~waits | self.valid)

@@ -1,7 +1,7 @@
 """Sets up the board from Linux on its own processor, as root: python3 ncdc_board.py [UIO]
 
-Frames get places in the memory that the device tree keeps off Linux, the HDMI transmitter and the
-sensor are set up over I2C, and from then on the screen shows the straightened picture.
+Frames get addresses in memory that the device tree reserves. The program configures the HDMI
+transmitter and the sensor over I2C. From then on the screen shows the corrected picture.
 """
 
 import json
@@ -11,62 +11,62 @@ from mmap import MAP_SHARED, PAGESIZE, PROT_READ, mmap
 
 import ncdc_registers as registers
 from ncdc_backends import Mapped
-from ncdc_camera import Camera
+from ncdc_camera import CameraSystem
 
 __all__ = ["Board", "open_board", "release_ports"]
 
-_STEP = 4096                # of the places of frames
-_WORDS = 1 << 17            # bytes of the registers
+_STEP = 4096                # alignment of frames, in bytes
+_WORDS = 1 << 17            # size of the registers
 
 
 class Board:
-    """The camera of the board, and where its frames lie.
+    """The camera of the board, and the addresses of its frames.
 
     Parameters
     ----------
     read, write : callable
-        As of ``ncdc_camera.Camera``.
+        As in ``ncdc_camera.CameraSystem``.
     settings : dict
         ``ncdc_board.json``.
     """
 
     def __init__(self, read, write, settings):
-        self.camera, self.settings = Camera(read, write), settings
+        self.camera, self.settings = CameraSystem(read, write), settings
 
-    def place(self):
-        """Give each frame store its buffers; {name of the register: address}.
+    def assign_buffers(self):
+        """Assign buffers to each frame store; return {name of the register: address}.
 
         Raises
         ------
         MemoryError
-            If the memory kept for frames is too small.
+            If the memory reserved for frames is too small.
         """
-        address, places = self.settings["frames"], {}
+        address, addresses = self.settings["frames"], {}
         for store in ("RAW", "CORRECTED"):
             size = -(-self.camera.get(f"{store}_BYTES") // _STEP) * _STEP
             for name in registers.OFFSET:
                 if name.startswith(store) and name.endswith("_BASE"):
-                    places[name] = address
+                    addresses[name] = address
                     address += size
         needed = address - self.settings["frames"]
         if needed > self.settings["frame_bytes"]:
             raise MemoryError(f"frames take {needed} bytes, {self.settings['frame_bytes']} are "
-                              f"kept for them: a smaller picture fits")
-        self.camera.put(**places)
-        return places
+                              f"reserved for them: a smaller picture fits")
+        self.camera.put(**addresses)
+        return addresses
 
     def start(self):
-        """Stop what runs, set all up, and correct each frame from then on."""
+        """Stop the camera, configure everything, and correct each frame from then on."""
         camera, sensor = self.camera, self.settings["sensor"]
         camera.stop()
         while camera.get("CAMERA_STATUS") & registers.CAMERA_STATUS_ACTIVE:
             pass
-        self.place()
+        self.assign_buffers()
         camera.put(**self.settings["registers"])
         transmitter = self.settings["transmitter"]
         for write in transmitter["writes"]:
             camera.write_sensor(transmitter, write["register"], write["value"])
-        # The last write lets the sensor send: the camera waits for it.
+        # The last write starts the sensor: the camera must run before it.
         camera.set_up(sensor | {"writes": sensor["writes"][:-1]})
         camera.start()
         last = sensor["writes"][-1]
@@ -74,15 +74,15 @@ class Board:
 
 
 def release_ports(word, resets):
-    """End the resets of the memory's ports; names of the ports in use that were in reset.
+    """End the resets of the memory's ports; return names of those in use that were in reset.
 
-    U-Boot's ``bridge enable`` writes what the board's vendor handed it, which ends the resets of
-    some ports only: a picture would stay black without an error.
+    U-Boot's ``bridge enable`` writes a value that the board's vendor set, which ends the resets of
+    some ports only. The picture would stay black without an error.
 
     Parameters
     ----------
     word : memoryview
-        Of 32 bits, one: the register FPGAPORTRST.
+        One word of 32 bits: the register FPGAPORTRST.
     resets : dict
         ``port_resets`` of ``ncdc_board.json``.
 
@@ -115,7 +115,7 @@ def _open_ports(memory, resets):
 
 
 def open_board(uio="/dev/uio0", settings="ncdc_board.json", memory="/dev/mem"):
-    """The :class:`Board`, and the memory of its frames, mapped: its byte 0 is the first frame's.
+    """The :class:`Board`, and the memory of its frames, mapped; byte 0 is the first frame's.
 
     The memory's ports are out of their resets then, see :func:`release_ports`.
     """

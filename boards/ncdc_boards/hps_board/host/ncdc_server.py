@@ -1,7 +1,7 @@
 """Gives settings and pictures to a network, as root: python3 ncdc_server.py ADDRESS [UIO]
 
-It speaks Table I and II over TCP, the protocols of ``ncdc client`` (URL tcp://ADDRESS), needs
-nothing but Python and the files beside it, and sets the board up first.
+It configures the board, and then serves Table I and II over TCP, the protocols of ``ncdc client``
+(URL tcp://ADDRESS). It needs only Python and the files next to it.
 """
 
 import socket
@@ -15,10 +15,10 @@ from ncdc_camera import CameraError
 
 __all__ = ["TableServer"]
 
-_READER = 1                 # of the frame stores; 0 is left to other programs
-_FRAME_SECONDS = 10         # so long without a frame, and whoever asked is disconnected
-_LOOK_SECONDS = .002        # from look to look for a frame
-_NUMBERS = 1 << 32          # of frames: they are counted modulo this
+_READER = 1                 # reader of the frame stores; 0 is left to other programs
+_FRAME_SECONDS = 10         # without a frame for so long, the client is disconnected
+_LOOK_SECONDS = .002        # period of polling for a frame
+_NUMBERS = 1 << 32          # frame numbers are modulo this
 
 
 class TableServer(ncdc_table_users.TableServer):
@@ -27,12 +27,12 @@ class TableServer(ncdc_table_users.TableServer):
     Parameters
     ----------
     board : ncdc_board.Board
-        Which has been started.
+        A board that has been started.
     frames : buffer
-        The memory of its frames, from the first one's place on.
+        The memory of its frames, from the address of the first one on.
     address : str
     port : int, optional
-        That of Table I if absent.
+        By default that of Table I.
 
     Raises
     ------
@@ -107,7 +107,7 @@ class TableServer(ncdc_table_users.TableServer):
         return self.camera.get(f"{what}_WIDTH"), self.camera.get(f"{what}_HEIGHT")
 
     def _formation(self):
-        """Of Table II."""
+        """Pixel format code of Table II."""
         return self.formats["corrected" if self._corrected else "raw"]
 
     def package(self, user):
@@ -131,7 +131,7 @@ class TableServer(ncdc_table_users.TableServer):
 
     def _frame(self):
         """(width, height, formation), bytes, number and time of the newest frame; None if none is
-        there or it was lost while it was read."""
+        there, or if it was overwritten while it was read."""
         camera, corrected = self.camera, self._corrected
         frame = camera.claim(_READER, corrected=corrected)
         if frame is None:
@@ -154,7 +154,7 @@ class TableServer(ncdc_table_users.TableServer):
 
 
 def main(arguments):
-    """Set the board up, and serve until the process is ended; the exit status."""
+    """Set the board up, and serve until the process is ended; return the exit status."""
     if not 1 <= len(arguments) <= 2:
         print(f"{len(arguments)} arguments are given: ADDRESS [UIO]", file=sys.stderr)
         return 2

@@ -11,7 +11,7 @@ static void put(const struct ncdc *device, uint32_t offset, uint32_t value)
 }
 
 /* Whether the corrector ignored a write since the last call. */
-static enum ncdc_result refused(const struct ncdc *device)
+static enum ncdc_result rejected(const struct ncdc *device)
 {
     if (!(get(device, NCDC_STATUS) & NCDC_STATUS_REFUSED))
         return NCDC_OK;
@@ -64,10 +64,10 @@ enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *le
     for (k = 0; k < lens->span_count; ++k)
         put(device, NCDC_VALID_ROWS + 4 * k, lens->valid_rows[k]);
     put(device, NCDC_VALID_BANK, bank);
-    return refused(device);
+    return rejected(device);
 }
 
-/* Whether a frame of so many bytes fits the buffer, on a memory of words of `word` bytes. */
+/* Whether a frame of `bytes` bytes fits the buffer, in a memory with words of `word` bytes. */
 static enum ncdc_result fits(const struct ncdc_buffer *buffer, uint32_t bytes, uint32_t word)
 {
     if (buffer->address % word)
@@ -97,7 +97,7 @@ enum ncdc_result ncdc_place(const struct ncdc *device, const struct ncdc_lens *l
         put(device, NCDC_TARGET_BASE, target->address);
         put(device, NCDC_TARGET_LIMIT, target->address + target->bytes);
     }
-    return refused(device);
+    return rejected(device);
 }
 
 void ncdc_commit(const struct ncdc *device)
@@ -120,7 +120,7 @@ void ncdc_abort(const struct ncdc *device)
     put(device, NCDC_CTRL, NCDC_CTRL_ABORT);
 }
 
-/* Take note of the end of a frame. */
+/* Clear DONE, and return the result of the frame. */
 static enum ncdc_result ended(const struct ncdc *device, uint32_t status)
 {
     put(device, NCDC_STATUS, NCDC_STATUS_DONE);

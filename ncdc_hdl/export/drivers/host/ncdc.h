@@ -1,6 +1,6 @@
 /* Driver of the NCDC corrector; see docs/reference/drivers.md of the project.
  *
- * Registers are reached through two functions of yours. Offsets are in bytes, accesses are of
+ * Registers are reached through two functions of the user. Offsets are in bytes, accesses are of
  * 32 bits. */
 #ifndef NCDC_H
 #define NCDC_H
@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-/* One corrector: how to reach it. `context` is handed to both functions. */
+/* One corrector: access to it. `context` is passed to both functions. */
 struct ncdc {
     uint32_t (*read)(void *context, uint32_t offset);
     void (*write)(void *context, uint32_t offset, uint32_t value);
@@ -24,27 +24,27 @@ struct ncdc_value {
     uint32_t offset, value;
 };
 
-/* All that a camera needs but the places of its frames: network, geometry, valid rows, split of the
+/* All data of a camera but the addresses of its frames: network, geometry, valid rows, split of the
  * cache. */
 struct ncdc_lens {
     const char *digest;             /* of the descriptor, 12 hex digits */
     uint32_t neurons;
     uint32_t interpolation;         /* bit of NCDC_CAPABILITIES that it needs */
     uint32_t width, height;         /* of the corrected image */
-    uint32_t source_bytes;          /* that are read of a raw frame: see NCDC_SOURCE_BEYOND */
-    uint32_t target_bytes;          /* that a corrected frame takes */
+    uint32_t source_bytes;          /* bytes read of a raw frame: see NCDC_SOURCE_BEYOND */
+    uint32_t target_bytes;          /* bytes of a corrected frame */
     const struct ncdc_value *values;
     uint32_t value_count;
     const uint32_t *valid_rows;     /* start | stop << 16 of both spans of every row */
     uint32_t span_count;
 };
 
-/* Memory for a frame: byte address, and bytes that are the corrector's to use. */
+/* Memory for a frame: byte address, and bytes that the corrector may use. */
 struct ncdc_buffer {
     uint32_t address, bytes;
 };
 
-/* What the last complete frame counted. */
+/* Counters of the last complete frame. */
 struct ncdc_counters {
 #define NCDC_COUNTER_MEMBER(member, offset) uint32_t member;
     NCDC_EACH_COUNTER(NCDC_COUNTER_MEMBER)
@@ -53,34 +53,34 @@ struct ncdc_counters {
 
 enum ncdc_result {
     NCDC_OK = 0,
-    NCDC_ERROR_ID,          /* no corrector answers there */
+    NCDC_ERROR_ID,          /* no corrector answers */
     NCDC_ERROR_NEURONS,     /* the lens has another number of hidden neurons */
     NCDC_ERROR_COMMITTED,   /* a commit waits for its frame boundary: nothing was written */
     NCDC_ERROR_REFUSED,     /* the corrector ignored a write */
     NCDC_ERROR_TIMEOUT,     /* no frame was complete in time */
     NCDC_ERROR_ABORTED,     /* the frame that is complete lacks pixels */
-    NCDC_ERROR_VERSION,     /* the corrector has registers that this driver does not know */
+    NCDC_ERROR_VERSION,     /* the corrector has registers that this driver does not support */
     NCDC_ERROR_SIZE,        /* the lens is larger than the corrector, or no multiple of its lanes */
     NCDC_ERROR_ALIGNMENT,   /* a buffer does not begin on a memory word */
     NCDC_ERROR_ROOM,        /* a buffer is too small for a frame of the lens */
-    NCDC_ERROR_FAULT,       /* the corrector refused a frame, or what is outside its buffers */
-    NCDC_ERROR_INTERPOLATION /* the lens is for an interpolation that the corrector has not */
+    NCDC_ERROR_FAULT,       /* the corrector rejected a frame, or an access outside its buffers */
+    NCDC_ERROR_INTERPOLATION /* the lens is for an interpolation that the corrector lacks */
 };
 
-/* Does a corrector answer, and one that this driver knows? */
+/* Does a corrector answer, with registers that this driver supports? */
 enum ncdc_result ncdc_check(const struct ncdc *device);
 
-/* Is what is loaded perhaps another lens than the one of DIGEST? A reset keeps the valid rows: if
+/* May another lens than that of DIGEST be loaded? A reset does not clear the valid rows: if
  * this is 1 after a reset, load a lens before the next frame. */
 int ncdc_altered(const struct ncdc *device);
 
 /* Write a lens to the set that the next commit makes active, its valid rows to the bank that is
- * not in use. A frame that runs meanwhile does not see it. */
+ * not in use. A frame that runs meanwhile does not use it. */
 enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *lens);
 
-/* Memory of the raw and of the corrected frame of `lens`, for the next commit as well. Nothing
- * outside is read or written, whatever else the registers hold. A corrector with a video stream takes
- * no notice of `target`, which may be 0 then. */
+/* Memory of the raw and of the corrected frame of `lens`, also for the next commit. Nothing
+ * outside is read or written, for any values of the registers. A corrector with a video stream
+ * ignores `target`, which may be 0. */
 enum ncdc_result ncdc_place(const struct ncdc *device, const struct ncdc_lens *lens,
                             const struct ncdc_buffer *source, const struct ncdc_buffer *target);
 
@@ -93,26 +93,26 @@ void ncdc_start(const struct ncdc *device);
 /* Both, in one register write. */
 void ncdc_commit_and_start(const struct ncdc *device);
 
-/* End the frame that runs, soon; ncdc_wait() tells when its last word is in memory. */
+/* End the frame that runs, soon; ncdc_wait() returns when its last word is in memory. */
 void ncdc_abort(const struct ncdc *device);
 
-/* Wait until a frame is complete, reading STATUS at most `polls` times (0: for ever), and take
- * note of it, so that the next call waits for the next frame. */
+/* Wait until a frame is complete, reading STATUS at most `polls` times (0: for ever), and clear
+ * DONE, so that the next call waits for the next frame. */
 enum ncdc_result ncdc_wait(const struct ncdc *device, uint32_t polls);
 
-/* The same, and call `idle` with `context` after each look that found no frame, until it returns
- * other than 0: then NCDC_ERROR_TIMEOUT. For a system that sleeps, or serves others meanwhile. */
+/* The same, but call `idle` with `context` after each poll without a frame, until it returns
+ * other than 0: then NCDC_ERROR_TIMEOUT. For a system that sleeps or does other work meanwhile. */
 enum ncdc_result ncdc_wait_calling(const struct ncdc *device, int (*idle)(void *context),
                                    void *context);
 
-/* Let `irq` follow the end of a frame, or not. */
+/* Enable or disable `irq` at the end of a frame. */
 void ncdc_enable_interrupt(const struct ncdc *device, int enable);
 
-/* For an interrupt handler: did this corrector interrupt? If so `irq` falls, the end of the frame is
- * taken note of, and `result` is what ncdc_wait() returns. */
+/* For an interrupt handler: did this corrector interrupt? If so `irq` falls, DONE is
+ * cleared, and `result` is what ncdc_wait() returns. */
 int ncdc_interrupted(const struct ncdc *device, enum ncdc_result *result);
 
-/* Bits NCDC_FAULT_... of what was refused since the last call, which clears them. */
+/* Bits NCDC_FAULT_... of the faults since the last call, which clears them. */
 uint32_t ncdc_faults(const struct ncdc *device);
 
 void ncdc_read_counters(const struct ncdc *device, struct ncdc_counters *counters);

@@ -1,15 +1,17 @@
-"""Ways to the registers for ncdc_driver.Corrector: memory that is mapped, a serial port, System
-Console, and the scan chain that configures a board."""
+"""Ways to the registers for ncdc_driver.Corrector: mapped memory, a serial port, System
+Console, and the JTAG chain that configures a board."""
 
 import mmap
 import os
 import struct
 import subprocess
 import time
+import warnings
 
-__all__ = ["Mapped", "ScanChain", "Serial", "SystemConsole"]
+__all__ = ["JtagChain", "Mapped", "Serial", "SystemConsole"]
 
-_BYTES = 1 << 16        # of the registers
+_BYTES = 1 << 16        # bytes of the registers
+_RENAMED = {"ScanChain": "JtagChain"}
 
 
 class Mapped:
@@ -23,7 +25,7 @@ class Mapped:
         Byte address of the registers in the file, a multiple of the page; 0 for map 0 of a UIO
         device.
     size : int
-        Bytes of the registers; twice as many of a camera system.
+        Bytes of the registers; twice as many for a camera system.
     """
 
     def __init__(self, path, offset=0, size=_BYTES):
@@ -34,7 +36,7 @@ class Mapped:
         return iter((self.read, self.write))
 
     def read(self, offset):
-        """The word at a byte offset; one access of 32 bits."""
+        """The word at a byte offset; in one access of 32 bits."""
         return self.words[offset // 4]
 
     def write(self, offset, value):
@@ -48,22 +50,22 @@ class Mapped:
 
 
 class Serial:
-    """Registers behind a serial port: ``Corrector(*Serial("/dev/ttyUSB0"))``.
+    """Registers at a serial port: ``Corrector(*Serial("/dev/ttyUSB0"))``.
 
-    Each access is a request of some bytes and an answer, both with a check. One that gets no right
-    answer is asked again: a register is written twice then, which for ``READERk`` and
+    Each access is a request of some bytes and an answer, both with a check. One without a correct
+    answer is repeated. A register is then written twice, which for ``READERk`` and
     ``I2C_COMMAND`` means two claims or two commands.
 
     Parameters
     ----------
     port : str or file
-        Name of the port, which needs the package pyserial; or what has ``read(size)``, which
-        gives fewer bytes after some time without any, and ``write(bytes)``.
+        Name of the port, which needs the package pyserial; or an object with ``read(size)``, which
+        returns fewer bytes after a timeout, and ``write(bytes)``.
     baud : int
     tries : int
-        Of each access.
+        Number of attempts of each access.
     pause : float
-        Seconds of silence after which the other side begins anew.
+        Seconds of silence after which the device expects a new request.
     """
 
     def __init__(self, port, baud=1_000_000, tries=3, pause=.01):
@@ -89,7 +91,7 @@ class Serial:
 
     @staticmethod
     def _check(data):
-        """CRC of eight bits, polynomial 7, from 255 on."""
+        """CRC of eight bits, polynomial 7, initial value 255."""
         value = 0xFF
         for byte in data:
             value ^= byte
@@ -98,7 +100,7 @@ class Serial:
         return bytes([value])
 
     def _ask(self, request, letter, size):
-        """Send a request; what stands in its answer behind the letter."""
+        """Send a request; return the data after the letter of its answer."""
         for _ in range(self.tries):
             self.port.write(request + self._check(request))
             answer = self.port.read(size + 2)
@@ -106,13 +108,13 @@ class Serial:
                     and answer[-1:] == self._check(answer[:-1])):
                 return answer[1:-1]
             time.sleep(self.pause)
-            while self.port.read(1):        # what is left of a wrong answer
+            while self.port.read(1):        # drop the rest of a wrong answer
                 pass
         raise OSError("no right answer came from the serial port")
 
 
 class _Tcl:
-    """A program of Quartus' that takes Tcl at its standard input."""
+    """A program of Quartus that reads Tcl at its standard input."""
 
     def __init__(self, command, begin):
         self.program = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
@@ -127,8 +129,8 @@ class _Tcl:
         self.program.communicate("exit\n")
 
     def _ask(self, command):
-        """What a command gives; OSError with what it said if it fails."""
-        # Where the program repeats what it is told, that is no answer: there the C is not spelled.
+        """Result of a command; OSError with its message if it fails."""
+        # An echo of the command is no answer: the C is escaped in it.
         self.program.stdin.write(f"if {{[catch {{{command}}} said]}} "
                                  '{puts "NCD\\x43-ERROR $said"} else {puts "NCD\\x43 $said"}\n')
         for line in self.program.stdout:
@@ -140,17 +142,17 @@ class _Tcl:
 
 
 class SystemConsole(_Tcl):
-    """Registers behind a JTAG host, through Quartus' System Console.
+    """Registers at a JTAG host, through Quartus' System Console.
 
     Parameters
     ----------
     base : int
-        Byte address of the registers as the host sees them; that of the generated systems if
-        absent.
+        Byte address of the registers in the host's map; by default that of the generated
+        systems.
     command : sequence of str
-        The console; its standard input takes Tcl.
+        The console; its standard input reads Tcl.
     master : int
-        Which of the board's hosts.
+        Number of the board's host.
     """
 
     def __init__(self, base=0x1000_0000, command=("system-console", "--cli"), master=0):
@@ -167,20 +169,20 @@ class SystemConsole(_Tcl):
         self._ask(f"master_write_32 $ncdc {self.base + offset:#x} {value:#x}")
 
 
-class ScanChain(_Tcl):
+class JtagChain(_Tcl):
     """Registers of a board of ``ncdc build`` with Quartus, through the cable that configures it.
 
     Parameters
     ----------
     command : sequence of str
-        Quartus' program for the cable; its standard input takes Tcl.
+        Quartus' program for the cable; its standard input reads Tcl.
     cable : int
-        Which of the computer's cables.
+        Number of the computer's cable.
     device : str
-        Regular expression of the device's name, as ``jtagconfig`` prints it: the first Cyclone IV
-        or V if absent, not the hard processor in the same chain.
+        Regular expression of the device's name, as ``jtagconfig`` prints it: by default the first
+        Cyclone IV or V, not the hard processor in the same chain.
     tries : int
-        Scans after which a request without an answer is given up.
+        Scans after which a request without an answer fails.
     """
 
     _KINDS = {"read": 1, "write": 2}
@@ -198,7 +200,7 @@ class ScanChain(_Tcl):
             """.replace("\n", ";"))
 
     def close(self):
-        """Leave the chain to others, and end the program."""
+        """Unlock the chain, and end the program."""
         self._ask("device_unlock; close_device")
         super().close()
 
@@ -211,7 +213,7 @@ class ScanChain(_Tcl):
         self._access("write", offset, value)
 
     def _access(self, kind, offset, word):
-        """Scan a request in, and on until its answer comes: the word in it."""
+        """Scan a request in, and scan until its answer comes; return its word."""
         self.tag = (self.tag + 1) % 256
         kind = self._KINDS[kind]
         request = kind << 56 | self.tag << 48 | offset // 4 << 32
@@ -220,9 +222,18 @@ class ScanChain(_Tcl):
             answer = self._scan(0)
             if answer >> 32 == request >> 32:
                 return answer & 0xFFFF_FFFF
-        raise OSError(f"no answer came from the scan chain in {self.tries} scans")
+        raise OSError(f"no answer came from the JTAG chain in {self.tries} scans")
 
     def _scan(self, value):
-        """What comes out of the register as a value goes in."""
+        """Shift a value into the register; return the value shifted out."""
         return int(self._ask("device_virtual_dr_shift -instance_index 0 -length 64 "
                              f"-dr_value {value:016X} -value_in_hex"), 16)
+
+
+def __getattr__(name):
+    """The class by its name of the last release."""
+    if name not in _RENAMED:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warnings.warn(f"{name} is called {_RENAMED[name]}; the old name will be removed", FutureWarning,
+                  stacklevel=2)
+    return globals()[_RENAMED[name]]

@@ -1,25 +1,27 @@
-"""Driver of NCDC's camera system in Python; needs nothing but ncdc_registers.py beside it."""
+"""Driver of NCDC's camera system in Python; it needs only ncdc_registers.py in the same folder."""
 
 import time
+import warnings
 from collections import namedtuple
 
 import ncdc_registers as registers
 
-__all__ = ["Camera", "CameraError", "Frame"]
+__all__ = ["CameraError", "CameraSystem", "HeldFrame"]
 
 _EVENTS = ("RAW_FRAME", "RAW_BAD", "CORRECTED_FRAME", "CORRECTED_BAD", "TAKEN", "I2C_DONE",
            "REFUSED")
 _FIRST_EVENT = registers.CAMERA_STATUS_RAW_FRAME.bit_length() - 1
-_TRIES = 3          # of a transfer on the I2C bus
-_POLLS = 100_000    # of a command on it
+_TRIES = 3          # attempts of a transfer on the I2C bus
+_POLLS = 100_000    # polls of a command on it
+_RENAMED = {"Camera": "CameraSystem", "Frame": "HeldFrame"}
 
-Frame = namedtuple("Frame", "base size number time")
-Frame.__doc__ = """A frame that a reader holds: byte address and bytes of its place, number of its
-raw frame from 1 on, clocks from the reset to that frame's beginning."""
+HeldFrame = namedtuple("HeldFrame", "base size number time")
+HeldFrame.__doc__ = """A frame that a reader holds: byte address and bytes of its buffer, number of
+its raw frame from 1 on, clocks from the reset to that frame's beginning."""
 
 
 class CameraError(RuntimeError):
-    """The sensor does not answer, or the system refused something."""
+    """The sensor does not answer, or the system rejected a write."""
 
 
 def _field(word, mask):
@@ -27,22 +29,22 @@ def _field(word, mask):
     return (word & mask) // (mask & -mask)
 
 
-class Camera:
+class CameraSystem:
     """The camera, the frame stores and the I2C bus of one system, reached through two functions.
 
     Parameters
     ----------
     read : callable
-        ``read(offset)`` gives the 32-bit word at a byte offset of the system's registers.
+        ``read(offset)`` returns the 32-bit word at a byte offset of the system's registers.
     write : callable
         ``write(offset, value)``.
     pause : callable
-        Called again and again while a byte is under way on the I2C bus.
+        Called repeatedly while a byte is under way on the I2C bus.
 
     Attributes
     ----------
     i2c_errors : list of str
-        What ended transfers: flags of `I2C_RESULT`.
+        Causes of failed transfers: flags of `I2C_RESULT`.
     """
 
     def __init__(self, read, write, pause=lambda: None):
@@ -59,14 +61,14 @@ class Camera:
         Raises
         ------
         CameraError
-            If one is refused, as camera or corrector are at work with it.
+            If one is rejected, as camera or corrector use it.
         """
         for name, value in values.items():
             self.write(registers.OFFSET[name], value & 0xFFFFFFFF)
-        refused = registers.CAMERA_STATUS_REFUSED
-        if self.get("CAMERA_STATUS") & refused:
-            self.write(registers.OFFSET["CAMERA_STATUS"], refused)
-            raise CameraError(f"a write was refused, of {', '.join(values)}: the camera is active, "
+        rejected = registers.CAMERA_STATUS_REFUSED
+        if self.get("CAMERA_STATUS") & rejected:
+            self.write(registers.OFFSET["CAMERA_STATUS"], rejected)
+            raise CameraError(f"a write of {', '.join(values)} was rejected: the camera is active, "
                               f"or the corrector runs")
 
     def start(self):
@@ -78,21 +80,21 @@ class Camera:
         self.put(CAMERA_ENABLE=0, RUN=0)
 
     def listen(self, *events):
-        """Let the interrupt follow these events, by the names of `CAMERA_STATUS`."""
+        """Enable the interrupt for these events, by the names of `CAMERA_STATUS`."""
         self.put(CAMERA_IRQ_ENABLE=sum(1 << _EVENTS.index(name) for name in events))
 
     def events(self):
-        """Names of the events since they were asked for last, which are forgotten."""
+        """Names of the events since the last call, which clears them."""
         status = self.get("CAMERA_STATUS") >> _FIRST_EVENT
         self.write(registers.OFFSET["CAMERA_STATUS"], status << _FIRST_EVENT)
         return {name for k, name in enumerate(_EVENTS) if status >> k & 1}
 
     def claim(self, reader, corrected=True):
-        """Claim the newest corrected, or raw, frame, in place of what ``reader`` held.
+        """Claim the newest corrected, or raw, frame, and release the one that ``reader`` held.
 
         Returns
         -------
-        Frame or None
+        HeldFrame or None
             None if there is none yet.
         """
         name = f"READER{reader}"
@@ -103,30 +105,30 @@ class Camera:
             return None
         store = "CORRECTED" if corrected else "RAW"
         buffer = f"{store}{_field(word, getattr(registers, f'{name}_BUFFER'))}"
-        return Frame(self.get(f"{buffer}_BASE"), self.get(f"{store}_BYTES"),
+        return HeldFrame(self.get(f"{buffer}_BASE"), self.get(f"{store}_BYTES"),
                      self.get(f"{buffer}_NUMBER"),
                      self.get(f"{buffer}_TIME_LOW") | self.get(f"{buffer}_TIME_HIGH") << 32)
 
     def lost(self, reader):
-        """Whether the frame was taken away from ``reader``: what it read may be of two frames."""
+        """Whether the frame was taken away from ``reader``: data read may be of two frames."""
         return bool(self.get(f"READER{reader}") & getattr(registers, f"READER{reader}_LOST"))
 
     def release(self, reader):
-        """Give back what ``reader`` holds."""
+        """Release the frame that ``reader`` holds."""
         self.put(**{f"READER{reader}": getattr(registers, f"READER{reader}_RELEASE")})
 
     def set_up(self, setup):
-        """Write the set-up of a sensor.
+        """Write the configuration of a sensor.
 
         Parameters
         ----------
         setup : dict
-            As ``ncdc sensor show --json`` gives it.
+            The output of ``ncdc sensor show --json``.
 
         Raises
         ------
         CameraError
-            If the sensor does not answer, or is another one.
+            If the sensor does not answer, or is of another type.
         """
         for register, value in setup["chip_id"]:
             if (found := self.read_sensor(setup, register)) != value:
@@ -160,7 +162,7 @@ class Camera:
         return self._persistently(transfer)
 
     def _persistently(self, transfer):
-        """Try more than once, and let a target that was left in mid-byte end it before."""
+        """Try more than once; between tries let an interrupted target end its byte."""
         for _ in range(_TRIES - 1):
             try:
                 return transfer()
@@ -172,7 +174,7 @@ class Camera:
         return transfer()
 
     def _i2c(self, data, *flags):
-        """One command; the byte received."""
+        """Send one command; return the byte received."""
         self.put(I2C_COMMAND=data | sum(getattr(registers, f"I2C_COMMAND_{name}")
                                         for name in flags))
         for _ in range(_POLLS):
@@ -180,7 +182,7 @@ class Camera:
             if not result & registers.I2C_RESULT_BUSY:
                 break
             self.pause()
-        for name, what in (("NACK", "nobody acknowledges"), ("LOST", "the bus is not free"),
+        for name, what in (("NACK", "no acknowledge"), ("LOST", "the bus is not free"),
                            ("TIMEOUT", "SCL is held"), ("BUSY", "a command does not end")):
             if result & getattr(registers, f"I2C_RESULT_{name}"):
                 self.i2c_errors.append(name)
@@ -191,3 +193,12 @@ class Camera:
 def _bytes(value, bits):
     """A number of 8 or 16 bits, the upper byte first."""
     return list(value.to_bytes(bits // 8, "big"))
+
+
+def __getattr__(name):
+    """The classes by their names of the last release."""
+    if name not in _RENAMED:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warnings.warn(f"{name} is called {_RENAMED[name]}; the old name will be removed", FutureWarning,
+                  stacklevel=2)
+    return globals()[_RENAMED[name]]

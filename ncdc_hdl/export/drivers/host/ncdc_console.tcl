@@ -6,26 +6,26 @@
 #     % ncdc::load wide
 #     % ncdc::correct frame.raw picture.ppm
 #
-# ncdc_console_data.tcl, beside it, has the registers and the lenses of this corrector.
+# ncdc_console_data.tcl, in the same folder, has the registers and the lenses of this corrector.
 
 namespace eval ncdc {
     variable service ""         ;# the JTAG host, claimed
-    variable registers          ;# address of the corrector's registers, as the host sees them
-    variable memory             ;# what the host adds to the corrector's addresses of memory
+    variable registers          ;# address of the corrector's registers, in the host's map
+    variable memory             ;# offset of the host's memory addresses to the corrector's
     variable lens ""            ;# name of the lens that was loaded last
     source [file join [file dirname [info script]] ncdc_console_data.tcl]
 }
 
 # Claim the host number `index`, and look for the corrector.
-proc ncdc::connect {{at 0x10000000} {behind 0} {index 0}} {
+proc ncdc::connect {{at 0x10000000} {offset 0} {index 0}} {
     variable service
     variable registers $at
-    variable memory $behind
+    variable memory $offset
     variable id
     variable version
     set hosts [get_service_paths master]
     if {$index >= [llength $hosts]} {
-        error "host $index is asked for, System Console finds [llength $hosts]"
+        error "host $index is requested, System Console finds [llength $hosts]"
     }
     if {$service eq ""} {
         set service [claim_service master [lindex $hosts $index] ncdc]
@@ -40,7 +40,7 @@ proc ncdc::connect {{at 0x10000000} {behind 0} {index 0}} {
     return "[get NEURONS] neurons, digest [format %08x [get DIGEST]]"
 }
 
-# Give the host back.
+# Release the host.
 proc ncdc::disconnect {} {
     variable service
     close_service master $service
@@ -78,7 +78,7 @@ proc ncdc::flag {name flag} {
     return [dict get $flags ${name}_$flag]
 }
 
-# Let the next frame, and all behind it, have the lens `name`.
+# Load the lens `name` for the next frame and all later ones.
 proc ncdc::load {name} {
     variable lenses
     variable lens
@@ -107,8 +107,8 @@ proc ncdc::load {name} {
     return
 }
 
-# Correct the raw frame in a file into a picture that any viewer shows (PPM), by way of memory from
-# `source` and from `target` on: behind each other if no `target` is given.
+# Correct the raw frame in a file, and write the picture as PPM. The frames are in memory at
+# `source` and `target`; without `target` the picture follows the raw frame.
 proc ncdc::correct {raw picture {source 0} {target ""}} {
     variable service
     variable memory
@@ -148,7 +148,7 @@ proc ncdc::correct {raw picture {source 0} {target ""}} {
     return "$picture: [dict get $one width]x[dict get $one height], [get CLOCKS] clocks"
 }
 
-# What the last frame counted.
+# Counters of the last frame.
 proc ncdc::counters {} {
     variable counted
     foreach name $counted {
@@ -157,7 +157,7 @@ proc ncdc::counters {} {
     return $found
 }
 
-# A file whose rows have the length that the corrector reads, of one that has no gaps, or has.
+# Write a file with the corrector's row pitch from one with or without gaps between rows.
 proc ncdc::rows {path one} {
     lassign [list [dict get $one raw_width] [dict get $one raw_height]] width height
     set pitch [dict get $one values SOURCE_PITCH]
@@ -210,27 +210,27 @@ proc ncdc::contents {path} {
     return $data
 }
 
-# A commit that waits must not be written over.
+# Error if a commit waits: it must not be overwritten.
 proc ncdc::free {} {
     if {[field STATUS COMMITTED]} {
         error "a commit waits for its frame boundary: nothing was written"
     }
 }
 
-# Nothing that was written may have been refused.
+# Error if a write was rejected.
 proc ncdc::taken {} {
     if {[field STATUS REFUSED]} {
         put STATUS [flag STATUS REFUSED]
-        error "the corrector refused a write"
+        error "the corrector rejected a write"
     }
 }
 
-# Until a frame is complete: JTAG is slow, so that a few looks are enough.
-proc ncdc::wait {{looks 1000}} {
+# Wait until a frame is complete: JTAG is slow, so that a few polls are enough.
+proc ncdc::wait {{polls 1000}} {
     variable flags
     for {set k 0} {![field STATUS DONE]} {incr k} {
-        if {$k >= $looks} {
-            error "no frame is complete after $looks looks at STATUS"
+        if {$k >= $polls} {
+            error "no frame is complete after $polls reads of STATUS"
         }
     }
     set status [get STATUS]
@@ -244,7 +244,7 @@ proc ncdc::wait {{looks 1000}} {
                 lappend names [string range $name 6 end]
             }
         }
-        error "the corrector refused: [join $names {, }]"
+        error "the corrector rejected: [join $names {, }]"
     }
     if {$status & [flag STATUS ABORTED]} {
         error "the frame was aborted"

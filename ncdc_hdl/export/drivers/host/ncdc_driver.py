@@ -1,4 +1,4 @@
-"""Driver of the NCDC corrector in Python; needs nothing but what was generated beside it."""
+"""Driver of the NCDC corrector in Python; it needs only the files generated with it."""
 
 import ncdc_registers as registers
 from ncdc_white_balance import LARGEST_GAIN, grey_world
@@ -6,11 +6,11 @@ from ncdc_white_balance import LARGEST_GAIN, grey_world
 __all__ = ["Corrector", "CorrectorError", "grey_world"]
 
 _COLOURS = ("RED", "GREEN", "BLUE")
-_LARGEST_NODE = 256     # of a tone curve
+_LARGEST_NODE = 256     # largest node of a tone curve
 
 
 class CorrectorError(RuntimeError):
-    """The corrector is not there, refused something, or was not ready in time."""
+    """The corrector does not answer, rejected a write or a frame, or was not ready in time."""
 
 
 def _field(word, mask):
@@ -24,14 +24,14 @@ class Corrector:
     Parameters
     ----------
     read : callable
-        ``read(offset)`` gives the 32-bit word at a byte offset.
+        ``read(offset)`` returns the 32-bit word at a byte offset.
     write : callable
         ``write(offset, value)``.
 
     Raises
     ------
     CorrectorError
-        If no corrector answers, or one that this driver does not know.
+        If no corrector answers, or its registers are not supported.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Corrector:
     colour : bool
         It has gains, a tone curve, and sums of the colours.
     interpolations : tuple of str
-        What it has of "fast" and "gradient".
+        Those of "fast" and "gradient" that it has.
     largest : (int, int)
         Width and height of the largest corrected image.
     """
@@ -79,15 +79,15 @@ class Corrector:
     def load(self, lens):
         """Write ``lens``, a dict of ncdc_lenses.py, to the set that the next commit makes active.
 
-        Its valid rows go to the bank that is not in use; a frame that runs meanwhile sees nothing
-        of it.
+        Its valid rows go to the bank that is not in use; a frame that runs meanwhile does not
+        use them.
 
         Raises
         ------
         CorrectorError
-            If a commit still waits, the number of neurons differs, the corrector has not the
+            If a commit still waits, the number of neurons differs, the corrector lacks the
             lens's interpolation, the corrected image is larger than the corrector's or no multiple
-            of its lanes, or a write was refused.
+            of its lanes, or a write was rejected.
         """
         status, neurons = self.get("STATUS"), self.get("NEURONS")
         if neurons != lens["neurons"]:
@@ -116,19 +116,19 @@ class Corrector:
         return bool(self.get("ALTERED"))
 
     def place(self, lens, source, target=None):
-        """Memory of the raw and of the corrected frame of ``lens``, for the next commit as well.
+        """Memory of the raw and of the corrected frame of ``lens``, also for the next commit.
 
-        Each is (byte address, bytes). Nothing outside is read or written, whatever else the
-        registers hold. A corrector with a video stream needs no ``target``.
+        Each is (byte address, bytes). Nothing outside is read or written, for any values of the
+        registers. A corrector with a video stream needs no ``target``.
 
         Raises
         ------
         CorrectorError
-            If a place does not begin on a memory word, or is too small, or a commit still waits.
+            If a buffer does not begin on a memory word, or is too small, or a commit still waits.
         """
-        places = [("SOURCE", source, lens["source_bytes"])]
-        places += [] if self.stream else [("TARGET", target, lens["target_bytes"])]
-        for name, (address, size), needed in places:
+        buffers = [("SOURCE", source, lens["source_bytes"])]
+        buffers += [] if self.stream else [("TARGET", target, lens["target_bytes"])]
+        for name, (address, size), needed in buffers:
             if address % self.word or not 0 <= address < address + size < 1 << 32:
                 raise CorrectorError(f"the {name.lower()} is at {address:#x}, a multiple of "
                                      f"{self.word} below 4 GB is needed")
@@ -136,7 +136,7 @@ class Corrector:
                 raise CorrectorError(f"the {name.lower()} has {size} bytes, the lens needs "
                                      f"{needed}")
         self._free(self.get("STATUS"))
-        for name, (address, size), _ in places:
+        for name, (address, size), _ in buffers:
             self.put(f"{name}_BASE", address)
             self.put(f"{name}_LIMIT", address + size)
         self._taken()
@@ -154,30 +154,30 @@ class Corrector:
         self.put("CTRL", registers.CTRL_COMMIT | registers.CTRL_START)
 
     def abort(self):
-        """End the frame that runs, soon; :meth:`wait` tells when its last word is in memory."""
+        """End the frame that runs, soon; :meth:`wait` returns when its last word is in memory."""
         self.put("CTRL", registers.CTRL_ABORT)
 
     def enable_interrupt(self, enable=True):
-        """Let ``irq`` follow the end of a frame, or not."""
+        """Enable or disable ``irq`` at the end of a frame."""
         self.put("IRQ_ENABLE", int(enable))
 
     def faults(self):
-        """Names of what was refused since the last call, which clears them."""
+        """Names of the faults since the last call, which clears them."""
         bits = self.get("FAULT")
         self.put("FAULT", bits)
         return [name for name in ("SOURCE", "TARGET", "ALIGNMENT", "SIZE", "FORMAT", "MEMORY")
                 if bits & getattr(registers, f"FAULT_{name}")]
 
     def wait(self, polls=None, idle=lambda: None):
-        """Wait until a frame is complete and take note of it; read STATUS ``polls`` times at most.
+        """Wait until a frame is complete and clear DONE; read STATUS at most ``polls`` times.
 
-        ``idle`` is called after each look that found no frame; it may sleep, wait for the
+        ``idle`` is called after each poll without a frame; it may sleep, wait for the
         interrupt, or raise.
 
         Raises
         ------
         CorrectorError
-            If no frame is complete by then, or the frame lacks pixels, or something was refused.
+            If no frame is complete by then, or the frame lacks pixels, or has a fault.
         """
         left, status = polls, self.get("STATUS")
         while not status & registers.STATUS_DONE:
@@ -189,24 +189,24 @@ class Corrector:
             status = self.get("STATUS")
         self.put("STATUS", registers.STATUS_DONE)
         if status & registers.STATUS_FAULT:
-            raise CorrectorError(f"the corrector refused: {', '.join(self.faults())}")
+            raise CorrectorError(f"the corrector rejected: {', '.join(self.faults())}")
         if status & registers.STATUS_ABORTED:
             raise CorrectorError("the frame was aborted")
 
     def counters(self):
-        """What the last complete frame counted, by name."""
+        """Counters of the last complete frame, by name."""
         return {name: self.get(name) for name in registers.COUNTERS}
 
     def colour_sums(self):
         """Sums of red, green and blue over the last complete frame, before the gains.
 
-        Of the pixels with a source, whose number is in the counter VALID_PIXELS.
+        Only pixels with a source count; their number is the counter VALID_PIXELS.
         """
         self._has_colour()
         return tuple(self.get(f"{name}_SUM") for name in _COLOURS)
 
     def white_balance(self, gains):
-        """Gains of red, green and blue in 256ths, as of ``grey_world``, for the next commit.
+        """Gains of red, green and blue in 256ths, as from ``grey_world``, for the next commit.
 
         Raises
         ------
@@ -253,4 +253,4 @@ class Corrector:
     def _taken(self):
         if self.get("STATUS") & registers.STATUS_REFUSED:
             self.put("STATUS", registers.STATUS_REFUSED)
-            raise CorrectorError("the corrector refused a write")
+            raise CorrectorError("the corrector rejected a write")

@@ -1,4 +1,4 @@
-/* A way to the registers for ncdc.h: memory that is mapped, on Linux. Map 0 of /dev/uioN at offset 0,
+/* Access to the registers for ncdc.h through mapped memory on Linux. Map 0 of /dev/uioN at offset 0,
  * or the address of the registers in /dev/mem. */
 #ifndef NCDC_MAPPED_H
 #define NCDC_MAPPED_H
@@ -39,7 +39,7 @@ static inline int ncdc_map(struct ncdc *device, const char *path, off_t offset)
     return file;
 }
 
-/* For ncdc_wait_calling(), `context` being the descriptor of a UIO device: allow its interrupt and
+/* For ncdc_wait_calling(), with a UIO device's descriptor as `context`: enable its interrupt and
  * sleep until it comes. */
 static inline int ncdc_uio_sleep(void *context)
 {

@@ -8,19 +8,19 @@ from ncdc_hdl.export.testbench.ports import ports_of_text
 
 __all__ = ["IP_XACT", "component_name", "component_xml"]
 
-IP_XACT = "component.xml"       # as Vivado looks for it
+IP_XACT = "component.xml"       # the name that Vivado expects
 
 # IEEE 1685-2009, which Vivado reads and writes.
 _NAMESPACE = "http://www.spiritconsortium.org/XMLSchema/SPIRIT/1685-2009"
 _XILINX = "http://www.xilinx.com"
 _FAMILIES = ("zynq", "zynquplus", "artix7", "kintex7", "virtex7", "kintexu", "virtexuplus",
              "versal")
-_BURST = 16             # words of a burst, at most
+_BURST = 16             # most words of a burst
 _MANAGED = 1 << 32      # bytes that a manager can address
 
 
 def component_name(text):
-    """Name of the core that a ``component.xml`` describes; None if it is none."""
+    """Name of the core that a ``component.xml`` describes; None if it is not one."""
     try:
         return ElementTree.fromstring(text).findtext(_tag("name"))
     except ElementTree.ParseError:
@@ -37,7 +37,7 @@ def component_xml(verilog, module, descriptor):
 
 
 class _Component:
-    """Gathers the description."""
+    """Builds the description."""
 
     def __init__(self, verilog, module, descriptor):
         self.module, self.ports = module, ports_of_text(verilog, module)
@@ -63,7 +63,7 @@ class _Component:
         self._extensions()
 
     def text(self):
-        """The file."""
+        """Text of the file."""
         ElementTree.indent(self.root)
         return ('<?xml version="1.0" encoding="UTF-8"?>\n'
                 + ElementTree.tostring(self.root, encoding="unicode") + "\n")
@@ -167,7 +167,7 @@ class _Component:
                 vector = self._add(wire, "vector")
                 self._add(vector, "left", port.width - 1)
                 self._add(vector, "right", 0)
-            if port.name in ("core_rst", "camera_rows"):        # may be left open
+            if port.name in ("core_rst", "camera_rows"):        # may be left unconnected
                 self._add(self._add(wire, "driver"), "defaultValue", 0)
 
     def _files(self):
@@ -178,7 +178,7 @@ class _Component:
         self._add(file, "fileType", "verilogSource")
 
     def _extensions(self):
-        """What Vivado's catalogue wants to know besides."""
+        """Further data for Vivado's catalogue."""
         core = ElementTree.SubElement(self._add(self.root, "vendorExtensions"),
                                       f"{{{_XILINX}}}coreExtensions")
         families = ElementTree.SubElement(core, f"{{{_XILINX}}}supportedFamilies")
@@ -190,8 +190,8 @@ class _Component:
                            ("coreRevision", "1")):
             ElementTree.SubElement(core, f"{{{_XILINX}}}{name}").text = text
         taxonomies = ElementTree.Element(f"{{{_XILINX}}}taxonomies")
-        place = ElementTree.SubElement(taxonomies, f"{{{_XILINX}}}taxonomy")
-        place.text = "/Video_&_Image_Processing"
+        category = ElementTree.SubElement(taxonomies, f"{{{_XILINX}}}taxonomy")
+        category.text = "/Video_&_Image_Processing"
         core.insert(1, taxonomies)
 
 

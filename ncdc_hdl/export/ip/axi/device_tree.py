@@ -2,20 +2,20 @@
 
 from dataclasses import dataclass
 
-__all__ = ["Place", "device_tree"]
+__all__ = ["ModuleResources", "device_tree"]
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where Linux finds a module.
+class ModuleResources:
+    """Addresses and interrupt of a module for Linux.
 
     Parameters
     ----------
     registers, register_bytes : int
     frames, frame_bytes : int
-        Memory that Linux leaves to frames.
+        Memory that Linux reserves for frames.
     interrupt : int
-        Of the shared ones of the interrupt controller.
+        Number among the shared interrupts of the controller.
     fixed : bool
         Whether the board decides all of it; else they are examples.
     """
@@ -27,18 +27,18 @@ class Place:
     fixed: bool = False
 
 
-def device_tree(module, place):
-    """Text of ``<module>.dtsi``: an overlay of what the user's own device tree includes.
+def device_tree(module, resources):
+    """Text of ``<module>.dtsi``: an overlay that the user's own device tree includes.
 
-    Addresses that are examples are on a line that says so: those of the design's address editor
-    count.
+    Example addresses are marked in their lines: those of the design's address editor
+    are valid.
     """
-    notes = ("where frames lie", "the lightweight bridge", "f2h_irq0") if place.fixed else (
-        "yours: where frames lie", "yours: of s_axi in the address editor",
+    notes = ("addresses of frames", "the lightweight bridge", "f2h_irq0") if resources.fixed else (
+        "yours: addresses of frames", "yours: s_axi in the address editor",
         "yours: the line that irq is on")
     return f"""\
 // {module} in Linux's device tree: registers and interrupt as a UIO device, and memory for frames
-// that Linux keeps off. To be included into the board's own tree; boot with
+// that Linux does not use. To be included into the board's own tree; boot with
 //     uio_pdrv_genirq.of_id=generic-uio
 
 / {{
@@ -47,17 +47,17 @@ def device_tree(module, place):
         #size-cells = <1>;
         ranges;
 
-        ncdc_frames: ncdc-frames@{place.frames:x} {{
-            reg = <{place.frames:#x} {place.frame_bytes:#x}>;       // {notes[0]}
+        ncdc_frames: ncdc-frames@{resources.frames:x} {{
+            reg = <{resources.frames:#x} {resources.frame_bytes:#x}>;       // {notes[0]}
             no-map;
         }};
     }};
 
-    ncdc@{place.registers:x} {{
+    ncdc@{resources.registers:x} {{
         compatible = "generic-uio";
-        reg = <{place.registers:#x} {place.register_bytes:#x}>;         // {notes[1]}
+        reg = <{resources.registers:#x} {resources.register_bytes:#x}>;         // {notes[1]}
         interrupt-parent = <&intc>;
-        interrupts = <0 {place.interrupt} 4>;              // {notes[2]}; 4: high level
+        interrupts = <0 {resources.interrupt} 4>;              // {notes[2]}; 4: high level
     }};
 }};
 """

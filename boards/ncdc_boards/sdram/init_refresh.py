@@ -1,36 +1,36 @@
-"""What the memory needs beside reads and writes: its initialisation, and refreshes in time."""
+"""Initialisation of the memory, and its refreshes."""
 
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-__all__ = ["Upkeep"]
+__all__ = ["InitRefresh"]
 
 
-class Upkeep(wiring.Component):
-    """Initialises the memory after a reset, then asks for a refresh again and again.
+class InitRefresh(wiring.Component):
+    """Initialises the memory after a reset, then requests refreshes periodically.
 
-    The initialisation: the chip's pause, all banks closed, its refreshes, its mode register. Once
-    it is done, another reset waits for ``settle`` clocks only in place of the pause: rows may be
-    open, which must not stay so, and refreshes are to go on.
+    The initialisation: the chip's pause, all banks closed, its refreshes, its mode register. After
+    it, another reset waits only for ``settle`` clocks instead of the pause: open rows must
+    be closed soon, and refreshes must continue.
 
     Timing: ``due`` rises every ``period`` clocks, and stays until the refresh is given.
 
     Parameters
     ----------
-    clocks : Clocks
+    clocks : SdramTiming
     refreshes, period, settle : int
         Refreshes of the initialisation; clocks between two others; clocks after which any command
-        is allowed, whatever was given before.
+        is allowed after any other.
 
     Members
     -------
     due : ``Out(1)``
-        Nobody may begin to read or write; what has begun goes on.
+        No new read or write may begin; those under way continue.
     quiet : ``In(1)``
-        Nobody reads or writes.
+        No read or write is under way.
     precharge_all_allowed, idle : ``In(1)``
-        As of :class:`Banks`.
+        As in :class:`Banks`.
     precharge_all, refresh, mode : ``Out(1)``
         This command is given in this clock.
     ready : ``Out(1)``
@@ -49,7 +49,7 @@ class Upkeep(wiring.Component):
         m = Module()
         pause = self.clocks.pause
         timer = Signal(range(max(pause, self.period)), init=pause - 1)  # clocks left
-        over = Signal()                         # the timer has come to its end
+        over = Signal()                         # the timer has expired
         more = Signal(range(self.refreshes + 1), init=self.refreshes)   # refreshes to give
         warm = Signal(reset_less=True)          # the memory has been initialised before
         settling = Signal(range(self.settle + 1), init=self.settle)     # clocks to wait if so

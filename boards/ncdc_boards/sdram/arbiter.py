@@ -1,19 +1,19 @@
-"""Who of the controller's hosts comes next."""
+"""SdramArbiter of the controller's hosts."""
 
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-__all__ = ["Turns"]
+__all__ = ["SdramArbiter"]
 
 
-class Turns(wiring.Component):
-    """Chooses among hosts that want a segment carried out.
+class SdramArbiter(wiring.Component):
+    """Chooses among hosts that request a segment.
 
-    The video reader first, then the writer, then the other readers in turn; but with another host
-    waiting the video reader has no more than ``RUN`` turns in a row, and with a reader waiting the
-    writer no more than ``RUN`` until one of them has had one. So everybody's turn comes:
-    :meth:`others` says after how many of the others'.
+    The order is the video reader, the writer, then the other readers in turn. But with another
+    host waiting the video reader has at most ``RUN`` turns in a row. With a reader waiting the
+    writer has at most ``RUN`` until one of them has had one. So no host starves:
+    :meth:`others` gives the most turns of others before its own.
 
     Timing: no latency.
 
@@ -25,11 +25,11 @@ class Turns(wiring.Component):
     Members
     -------
     wants : ``In(reads + 1)``
-        A bit for each reader, the video reader's behind the others, then the writer's.
+        A bit for each reader, the video reader's after the others, then the writer's.
     take : ``In(1)``
         ``grant`` counts in this clock.
     grant : ``Out(reads + 1)``
-        At most one bit: whose turn it is.
+        At most one bit: the host that has its turn.
     """
 
     RUN = 2
@@ -40,7 +40,7 @@ class Turns(wiring.Component):
 
     @classmethod
     def others(cls, reads):
-        """{host: turns of others, at most, from the clock in which it wants one to its own}.
+        """{host: most turns of others from the clock of its request to its own turn}.
 
         Hosts are "video", "write" and "read". While the video reader waits, one turn of another
         host may be due. Between two turns that are not the video reader's it has ``RUN``, between
@@ -57,11 +57,11 @@ class Turns(wiring.Component):
         readers, video, write = self.wants[:count], self.wants[count], self.wants[count + 1]
         video_run = Signal(range(self.RUN + 1))     # turns of the video reader in a row
         write_run = Signal(range(self.RUN + 1))     # turns of the writer since a reader's
-        later = Signal(count)               # readers behind the one that came last
-        others = Signal()                   # somebody but the video reader waits
-        behind = Signal(count)              # the first of these that waits
+        later = Signal(count)               # readers after the one served last
+        others = Signal()                   # a host other than the video reader waits
+        following = Signal(count)              # the first of these that waits
         first = Signal(count)               # the first of all readers that wait
-        m.d.comb += [others.eq(readers.any() | write), behind.eq(_lowest(readers & later)),
+        m.d.comb += [others.eq(readers.any() | write), following.eq(_lowest(readers & later)),
                      first.eq(_lowest(readers))]
         video_now = Signal()                # it is the video reader's turn
         write_now = Signal()                # it is the writer's
@@ -71,7 +71,7 @@ class Turns(wiring.Component):
             self.grant[count].eq(video_now), self.grant[count + 1].eq(write_now),
         ]
         with m.If(~video_now & ~write_now):
-            m.d.comb += self.grant[:count].eq(Mux(behind.any(), behind, first))
+            m.d.comb += self.grant[:count].eq(Mux(following.any(), following, first))
         with m.If(self.take):
             m.d.sync += video_run.eq(Mux(video_now & others, video_run + 1, 0))
             with m.If(write_now):
@@ -81,7 +81,7 @@ class Turns(wiring.Component):
         return m
 
     def _enough(self, run):
-        """Whether a host has had its turns in a row.
+        """Whether a host has used its turns in a row.
 
         A method of its own only so that proofs and tests can break it.
         """
@@ -89,10 +89,10 @@ class Turns(wiring.Component):
 
 
 def _lowest(bits):
-    """The lowest bit that is set, alone."""
+    """The lowest bit that is set; all others are 0."""
     return bits & -bits if len(bits) else bits
 
 
 def _above(one):
-    """All bits above the one that is set in ``one``."""
+    """Ones in all bits above the one that is set in ``one``."""
     return Cat(one[:k].any() if k else Const(0, 1) for k in range(len(one)))

@@ -1,4 +1,4 @@
-"""The programs that set a board up without a host: sensor, registers, lenses."""
+"""Programs that configure a board without a host: sensor, registers, lenses."""
 
 from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.export.drivers.lenses import Lens
@@ -7,13 +7,13 @@ from ncdc_spec.registers.register_map import CTRL_COMMIT, STATUS_BANK, STATUS_CO
 from ncdc_spec.registers.system_map import I2C_COMMAND_FLAGS
 from ncdc_spec.sensors.framing import Crop
 
-__all__ = ["I2C_HZ", "camera_values", "lens_program", "register_addresses", "set_up_program"]
+__all__ = ["I2C_HZ", "camera_values", "lens_program", "register_addresses", "configuration_program"]
 
 I2C_HZ = 100_000
 """Standard mode: the pull-ups of an FPGA's pins, some 25 kOhm, are too weak for 400 kHz."""
-_HELD_SECONDS = .025            # SCL, at most, as the SMBus specification has it
+_HELD_SECONDS = .025            # longest time with SCL low (SMBus specification)
 _FLAGS = {name: mask for name, mask, _ in I2C_COMMAND_FLAGS}
-_BUSY, _FAILED = 0x100, 0xE00   # of I2C_RESULT: not over; NACK, LOST, TIMEOUT
+_BUSY, _FAILED = 0x100, 0xE00   # bits of I2C_RESULT: not over; NACK, LOST, TIMEOUT
 
 
 def register_addresses(system):
@@ -22,8 +22,8 @@ def register_addresses(system):
 
 
 def camera_values(setup, corner, clock_hz, i2c_hz=I2C_HZ):
-    """Values of the camera's registers for a sensor's set-up, by name; parameters as of
-    :func:`set_up_program`."""
+    """Values of the camera's registers for a sensor's setup, by name; parameters as of
+    :func:`configuration_program`."""
     timing, crop = setup.timing, Crop(*corner)
     grid = {"GRID_WEIGHT": crop.weight, "GRID_BIN": crop.binning} if crop.grid else {}
     return grid | {
@@ -34,22 +34,22 @@ def camera_values(setup, corner, clock_hz, i2c_hz=I2C_HZ):
         "CLOCK_LIMIT": 2 * clock_hz * timing.line_clocks // timing.pixel_clock_hz + clock_hz // 100}
 
 
-def set_up_program(system, setup, corner, clock_hz, waits=True, i2c_hz=I2C_HZ):
-    """Steps that set up the sensor and begin to correct its frames.
+def configuration_program(system, setup, corner, clock_hz, waits=True, i2c_hz=I2C_HZ):
+    """Steps that configure the sensor and begin to correct its frames.
 
-    If the sensor does not answer, the program begins anew. It may run again later: what is captured
-    before the sensor is set up is of no use, and registers take no values meanwhile.
+    If the sensor does not answer, the program begins anew. It may run again later. Frames that
+    were captured before the sensor is configured are invalid; registers are locked meanwhile.
 
     Parameters
     ----------
     system : System
     setup : Setup
     corner : Crop
-        What capture makes of the sensor's frame; or column and row where the raw frame begins.
+        Crop of the sensor's frame; or column and row where the raw frame begins.
     clock_hz : int
-        Of the registers.
+        Clock of the registers in Hz.
     waits : bool
-        Whether to wait for the sensor's phase-locked loop, which its model has not.
+        Whether to wait for the sensor's phase-locked loop, which its model lacks.
     i2c_hz : int
         Bits per second of the bus to the sensor.
     """
@@ -57,7 +57,7 @@ def set_up_program(system, setup, corner, clock_hz, waits=True, i2c_hz=I2C_HZ):
     steps = [(Op.WRITE, at["CAMERA_ENABLE"], 0), (Op.WRITE, at["RUN"], 0)]
     steps += [(Op.WRITE, at[name], value)
               for name, value in camera_values(setup, corner, clock_hz, i2c_hz).items()]
-    # A target that was left in the midst of a byte ends it; whether one is there does not matter.
+    # A target that a reset interrupted in the middle of a byte ends it. The result is ignored.
     steps += _command(at, 0, "READ", "NACK", "STOP")
     *writes, last = setup.writes
     for write in writes:
@@ -69,7 +69,7 @@ def set_up_program(system, setup, corner, clock_hz, waits=True, i2c_hz=I2C_HZ):
 
 
 def _command(at, data, *flags):
-    """A command on the I2C bus, up to its end."""
+    """A command on the I2C bus, with the wait for its end."""
     word = data | sum(_FLAGS[name] for name in flags)
     return [(Op.WRITE, at["I2C_COMMAND"], word), (Op.UNTIL_ZERO, at["I2C_RESULT"], _BUSY)]
 
@@ -86,7 +86,7 @@ def _sensor_write(at, sensor, write):
 
 
 def lens_program(system, descriptor):
-    """Steps that load the lens of ``descriptor``; the next frame has it."""
+    """Steps that load the lens of ``descriptor``; it takes effect with the next frame."""
     at, lens = register_addresses(system), Lens.of(system.corrector, descriptor)
     return [
         (Op.UNTIL_ZERO, at["STATUS"], STATUS_COMMITTED),

@@ -1,4 +1,4 @@
-"""What a look-up learns of its entries from the look-ups ahead of it in the tag stage."""
+"""Forwarding between look-ups in the tag stage whose writes are not yet in the memory."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -6,23 +6,23 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.backend.cache.layouts import tiles_layout
 
-__all__ = ["AHEAD", "Ahead", "between_layout"]
+__all__ = ["EARLIER", "Forwarding", "between_layout"]
 
-AHEAD = 5       # look-ups that may be ahead: one in each of the stages R, L, C, D and A
+EARLIER = 5       # earlier look-ups: one in each of the stages R, L, C, D and A
 
 
 def between_layout(options):
-    """For each bank, how many look-ups are between this one and the one that touches its entry."""
-    return data.ArrayLayout(range(AHEAD), options.tag_banks)
+    """For each bank, look-ups between this one and the earlier one with the same entry."""
+    return data.ArrayLayout(range(EARLIER), options.tag_banks)
 
 
-class Ahead(wiring.Component):
-    """Which look-ups ahead touch the same entries, and what these will hold after them.
+class Forwarding(wiring.Component):
+    """Finds earlier look-ups that touch the same entries, and the entries' content after them.
 
-    An entry leaves the memory when its look-up enters stage R. What a look-up ahead writes to it
-    later, when it leaves stage A itself, would be missed. So each look-up that enters is compared
-    with those in the stages R, L, C, D and A: the nearest one that touches an entry decides whether
-    that entry will hold the tile, and the memory is not asked.
+    An entry leaves the memory when its look-up enters stage R. Its read misses what an earlier
+    look-up writes later, when it leaves stage A. So each look-up that enters is compared
+    with those in the stages R, L, C, D and A. The nearest one that touches an entry decides whether
+    that entry will hold the tile, and the read is ignored.
 
     Timing: the outputs follow ``entering`` after 3 shifts.
 
@@ -41,14 +41,14 @@ class Ahead(wiring.Component):
     r_valid, l_valid, c_valid, d_valid : ``In(1)``
         Whether there is a look-up in this stage.
 
-    Of the look-up in stage C, or of none there:
+    For the look-up in stage C, if there is one:
 
     touched : ``Out(tag_banks)``
-        Whether a look-up ahead touches the entry.
+        Whether an earlier look-up touches the entry.
     between : ``Out(between_layout())``
         Where ``touched``: how many look-ups are between the two.
     known : ``Out(tag_banks)``
-        ``hit`` holds, whatever the entry in the memory is.
+        ``hit`` is valid, for any entry in the memory.
     hit : ``Out(tag_banks)``
         Where ``known``: no tile of this bank is needed, or it is in the entry when the look-up
         reaches stage A.
@@ -77,24 +77,24 @@ class Ahead(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # Of the look-up in R and one ahead of it: `touches`, the entries that the one ahead
-        # touches as well; `present`, whether both mean the same tile there; `between`, how many
-        # look-ups are between the two.
+        # For the look-up in R and an earlier one: `touches`, the entries that the earlier one
+        # also touches; `present`, whether both mean the same tile there; `between`, the number of
+        # look-ups between the two.
         banks = self.options.tag_banks
         relation = data.StructLayout({"touches": banks, "present": banks,
-                                      "between": range(AHEAD)})
-        # R: a relation to each look-up ahead, the nearest one first.
-        r_ahead = Signal(data.ArrayLayout(relation, AHEAD), reset_less=True)
-        self._relate(m, r_ahead)
+                                      "between": range(EARLIER)})
+        # R: a relation to each earlier look-up, the nearest one first.
+        r_earlier = Signal(data.ArrayLayout(relation, EARLIER), reset_less=True)
+        self._relate(m, r_earlier)
 
-        # L: what the nearest one of them that touches the entry tells, as of the members.
+        # L: result of the nearest one that touches the entry, as in the members.
         l_touched = Signal(banks)
         l_between = Signal.like(self.between)
         l_known = Signal.like(self.known)
         l_hit = Signal.like(self.hit)
         with m.If(self.shift):
             for bank in range(banks):
-                touched, present, between = self._nearest(r_ahead, bank)
+                touched, present, between = self._nearest(r_earlier, bank)
                 unneeded = ~self.r_valid | ~self.r.need[bank]
                 m.d.sync += [
                     l_touched[bank].eq(touched),
@@ -107,11 +107,11 @@ class Ahead(wiring.Component):
                          self.known.eq(l_known), self.hit.eq(l_hit)]
         return m
 
-    def _relate(self, m, r_ahead):
+    def _relate(self, m, r_earlier):
         """Compare the look-up that enters with those in all stages."""
-        nearer = []         # whether there is a look-up, of the stages gone through so far
+        nearer = []         # whether there is a look-up in each of the stages so far
         for relation, other, valid in zip(
-                r_ahead, (self.r, self.l, self.c, self.d, self.a),
+                r_earlier, (self.r, self.l, self.c, self.d, self.a),
                 (self.r_valid, self.l_valid, self.c_valid, self.d_valid, None)):
             with m.If(self.shift):
                 m.d.sync += relation.between.eq(sum(nearer, start=Const(0)))
@@ -126,11 +126,11 @@ class Ahead(wiring.Component):
             nearer.append(valid)
 
     @staticmethod
-    def _nearest(r_ahead, bank):
-        """(Whether any look-up ahead touches the entry, ``present`` and ``between`` of the nearest
+    def _nearest(r_earlier, bank):
+        """(Whether an earlier look-up touches the entry, ``present`` and ``between`` of the nearest
         one that does.)"""
-        touched, present, between = Const(0, 1), Const(0, 1), Const(0, range(AHEAD))
-        for relation in reversed(list(r_ahead)):
+        touched, present, between = Const(0, 1), Const(0, 1), Const(0, range(EARLIER))
+        for relation in reversed(list(r_earlier)):
             touches = relation.touches[bank]
             touched = touched | touches
             present = Mux(touches, relation.present[bank], present)
