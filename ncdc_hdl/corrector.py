@@ -41,7 +41,7 @@ from ncdc_spec.registers.register_map import (
     network_registers,
     registers,
 )
-from ncdc_spec.tone import NODE_PLACES
+from ncdc_spec.tone import NODE_POSITIONS
 
 __all__ = ["Corrector"]
 
@@ -352,7 +352,7 @@ class Corrector(wiring.Component):
         for c, name in enumerate(("RED", "GREEN", "BLUE")):
             m.d.comb += [colour.gains[c].eq(active[f"GAIN_{name}"]),
                          counters[f"{name}_SUM"].eq(sums[name.lower()])]
-        for k in range(len(NODE_PLACES)):
+        for k in range(len(NODE_POSITIONS)):
             m.d.comb += colour.tone[k].eq(active[f"TONE{k}"])
         m.d.comb += [counters.VALID_PIXELS.eq(sums.pixels), self.interpolator.begin.eq(begun)]
 

@@ -1,4 +1,4 @@
-"""Errors of a map in pixels: the float network and the integers, on points and on whole frames."""
+"""Errors of a map in pixels: float and integer network, on points and on whole frames."""
 
 import numpy as np
 
@@ -13,11 +13,11 @@ _ROWS = 64             # corrected rows at a time: bounds the memory
 
 
 def map_error(map_a, map_b, mask=None):
-    """Error of one map against another: dict of ``mse``, ``mean`` and ``max``.
+    """Difference of two maps: dict of ``mse``, ``mean`` and ``max``.
 
     ``map_a`` and ``map_b`` are pairs (x, y) of arrays in pixels of the distorted image, ``mask``
     (optional, bool) selects. ``mse`` is the mean of dx^2 + dy^2, ``mean`` and ``max`` are of the
-    Euclidean distance. Nothing selected: the three are ``nan``.
+    Euclidean distance. If nothing is selected, the three are ``nan``.
     """
     square = ((np.asarray(map_a[0], np.float64) - map_b[0])**2
               + (np.asarray(map_a[1], np.float64) - map_b[1])**2)
@@ -34,9 +34,9 @@ def float_map(network, geometry):
 def fixed_map(descriptor):
     """The map (u, v) -> (x, y) in pixels of the integer network, at real coordinates.
 
-    The hardware knows whole pixels only, for which this equals ``network.coordinates``; between
-    them the normalised coordinate is rounded to the format of the neurons' input, or with nodes,
-    which are at whole pixels, the row's. It saturates outside the frame.
+    The hardware computes whole pixels only, at which this equals ``network.coordinates``. Between
+    them the normalised coordinate is rounded to the format of the neurons' input. With nodes, which
+    are at whole pixels, only that of the row is rounded. It saturates outside the frame.
     """
     geometry, q = descriptor.geometry, descriptor.network_formats.input
 
@@ -51,9 +51,9 @@ def fixed_map(descriptor):
 
 
 def _between_nodes(descriptor, at, u, v):
-    """Raw coordinates of real (u, v) from the raw nodes ``at(u, v)`` of each one's own row.
+    """Raw coordinates of real (u, v) from the raw nodes ``at(u, v)`` of each pixel's row.
 
-    The sum between nodes is below 2**53, so that it is exact at whole pixels.
+    The sum between nodes is below 2**53 and so exact at whole pixels.
     """
     nodes = descriptor.nodes
     u = np.asarray(u, np.float64)
@@ -64,15 +64,15 @@ def _between_nodes(descriptor, at, u, v):
 
 
 def check_curvature(descriptor, choices=None):
-    """By how many pixels interpolation between nodes misses the descriptor's own network: {S: px}.
+    """Error of interpolation between nodes from the descriptor's own network: {S: pixels}.
 
-    Of the network in real numbers that are exactly the integers, see
-    :func:`ncdc_model.golden.nodes.curvature`. ``choices``: distances S; if absent that of the descriptor.
+    The network has real numbers that are exactly the integers, see
+    :func:`ncdc_model.golden.nodes.curvature`. ``choices``: distances S; by default the descriptor's.
 
     Raises
     ------
     InputError
-        If there is one choice only, and it misses it by more than the limit.
+        If there is one choice only and its error is larger than the limit.
     """
     geometry = descriptor.geometry
     choices = choices or (descriptor.nodes,)
@@ -157,7 +157,7 @@ def evaluate_frame(descriptor, back_map=None, maps=None, progress=lambda fractio
 
 
 class _Tally:
-    """Sums of squared distances that come in parts."""
+    """Accumulates squared distances part by part."""
 
     def __init__(self):
         self.count, self.square, self.distance, self.worst = 0, 0.0, 0.0, 0.0

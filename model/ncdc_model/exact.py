@@ -1,12 +1,11 @@
 """Linear algebra whose results depend neither on the order of summation nor on the library.
 
-Levenberg-Marquardt from many starts amplifies the last bit of a sum into another network. How a
-BLAS adds depends on its threads and on the processor it finds, so that one seed would give another
-network on another machine. Here a matrix product is exact: its factors are cut to multiples of a
-unit so coarse that no partial sum needs more than the 53 bits of a double, and several such
-products make up the precision (the error-free transformation of Ozaki, Ogita, Oishi and Rump,
-2012). So the fast library may add in any order. All else is elementwise, where IEEE 754 leaves no
-choice.
+Levenberg-Marquardt from many starts amplifies the last bit of a sum into another network. The order
+of summation in a BLAS depends on its threads and on the processor, so that one seed would give
+another network on another machine. Here a matrix product is exact: its factors are cut to multiples
+of a coarse unit, so that every partial sum fits in the 53 bits of a double. Several such products
+give the precision (the error-free transformation of Ozaki, Ogita, Oishi and Rump, 2012). So the
+library may add in any order. All other operations are elementwise, which IEEE 754 defines exactly.
 """
 
 import numpy as np
@@ -16,11 +15,11 @@ __all__ = ["cut", "eliminate", "least_squares", "products", "scale_of", "slices"
 
 _BITS = 21             # fraction bits of a number cut at scale 1, whose limit is 1.4
 _BLOCK = 1024          # terms of one exact sum: 1024 * (1.4 * 2**21)**2 < 2**53
-_TINY = 1e-14          # of the diagonal: a pivot below is nothing but rounding
+_TINY = 1e-14          # of the diagonal: a smaller pivot is a rounding error
 
 
 def scale_of(values, axis=None):
-    """Least powers of two with max |values| <= 1.4 * scale; the axes ``axis`` get the length 1."""
+    """Smallest powers of two with max |values| <= 1.4 * scale; ``axis`` gets the length 1."""
     mantissa, exponent = np.frexp(np.abs(values).max(axis=axis, keepdims=True))
     return np.ldexp(1.0, exponent - (mantissa <= .7))
 
@@ -30,7 +29,7 @@ def cut(values, scale=1.0, out=None):
 
     ``scale`` holds powers of two and broadcasts to ``values``; ``out`` may be ``values``.
     """
-    # Doubles near 1.5 * 2**31 are 2**-21 apart, so that the sum is rounded to such a multiple.
+    # Doubles near 1.5 * 2**31 are 2**-21 apart: the sum is rounded to a multiple of that.
     large = 1.5 * 2.0**(52 - _BITS) * scale
     out = np.add(values, large, out=out)
     return np.subtract(out, large, out=out)
@@ -49,7 +48,7 @@ def slices(values, scale, count):
 def products(a, b):
     """Sums over the last axis, a @ b.mT, of stacks (S, m, N) and (S or 1, n, N).
 
-    ``a`` and ``b`` are lists as of :func:`slices`. Products of slices that together are below the
+    ``a`` and ``b`` are lists of :func:`slices`. Products of slices that together are below the
     precision of the longer list are left out.
     """
     depth, total = max(len(a), len(b)), 0
@@ -66,7 +65,7 @@ def products(a, b):
 def eliminate(matrix, count):
     """Schur complement (S, n - count, n - count) of the first ``count`` rows of (S, n, n).
 
-    ``matrix`` is symmetric. Rows that are combinations of earlier ones are passed over.
+    ``matrix`` is symmetric. Rows that are linear combinations of earlier ones are skipped.
     """
     work = np.ascontiguousarray(matrix.transpose(1, 2, 0))
     _forward(work, count)
@@ -76,7 +75,7 @@ def eliminate(matrix, count):
 def solve(matrix, right):
     """Solutions (S, n, m) of symmetric positive definite ``matrix`` (S, n, n) for (S, n, m).
 
-    Unknowns whose row is a combination of earlier ones are zero.
+    Unknowns whose row is a linear combination of earlier ones are zero.
     """
     size = matrix.shape[1]
     work = np.ascontiguousarray(np.concatenate([matrix, right], axis=2).transpose(1, 2, 0))
@@ -90,10 +89,10 @@ def solve(matrix, right):
 
 def _forward(work, count):
     """Gaussian elimination of ``count`` columns of (n, n + m, S) in place; the pivots (S,) each."""
-    usual = [_TINY * work[k, k] for k in range(count)]
+    tiny = [_TINY * work[k, k] for k in range(count)]
     pivots = []
     for k in range(count):
-        pivots.append(np.where(work[k, k] > usual[k], work[k, k], np.inf))
+        pivots.append(np.where(work[k, k] > tiny[k], work[k, k], np.inf))
         factor = work[k + 1:, k] / pivots[k]
         work[k + 1:, k + 1:] -= factor[:, None] * work[k, k + 1:]
     return pivots
@@ -102,21 +101,21 @@ def _forward(work, count):
 def triangular(columns):
     """R (n, n) of the QR decomposition, its diagonal >= 0, of the matrix of ``columns`` (n, N).
 
-    By modified Gram-Schmidt. The row of a column that is a combination of earlier ones is zero.
+    Modified Gram-Schmidt. The row of a column that is a linear combination of others is zero.
     """
     left = np.array(columns, np.float64)
-    usual = _TINY * (left * left).sum(1)
+    tiny = _TINY * (left * left).sum(1)
     upper = np.zeros((len(left), len(left)))
     for k, column in enumerate(left):
         along = (left[k:] * column).sum(1)
-        if along[0] > usual[k]:
+        if along[0] > tiny[k]:
             left[k + 1:] -= (along[1:] / along[0])[:, None] * column
             upper[k, k:] = along / np.sqrt(along[0])
     return upper
 
 
 def least_squares(columns, wanted):
-    """x (n,) of least |sum of x[k] * columns[k] - wanted|; columns (n, N), ``wanted`` (N,)."""
+    """x (n,) that minimises |sum of x[k] * columns[k] - wanted|; (n, N) and (N,)."""
     upper = triangular(np.concatenate([columns, [wanted]]))
     result = np.zeros(len(columns))
     for k in range(len(columns) - 1, -1, -1):

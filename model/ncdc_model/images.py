@@ -1,4 +1,4 @@
-"""Image files, the Bayer mosaic, and its plain conversions. Colours are in R, G, B order."""
+"""Image files, the Bayer mosaic, and its conversions. Colours are in R, G, B order."""
 
 from pathlib import Path
 
@@ -30,7 +30,7 @@ def read_image(path, bits=None, warn=lambda sentence: None):
 
 
 def check_suffix(path):
-    """Raise :class:`InputError` if OpenCV writes no image format of the suffix of ``path``."""
+    """Raise :class:`InputError` if OpenCV writes no format with the suffix of ``path``."""
     try:
         known = cv2.haveImageWriter(f"x{Path(path).suffix}")
     except cv2.error:
@@ -69,7 +69,7 @@ def check_animation(path):
 
 
 def write_animation(path, frames, milliseconds):
-    """Write uint8 RGB ``frames``, each shown for so many ``milliseconds``, again and again.
+    """Write uint8 RGB ``frames``, each shown for ``milliseconds``, in an endless loop.
 
     The file is replaced whole or not at all.
 
@@ -93,9 +93,9 @@ def is_raw(image):
 
 
 def mosaic(rgb, bayer="RGGB"):
-    """Raw (h, w) frame: of each pixel of ``rgb`` (h, w, 3) the colour that the filter passes.
+    """Raw (h, w) frame: the colour of each pixel of ``rgb`` (h, w, 3) that the filter passes.
 
-    Of a grey sensor (``MONO``) the brightness, (red + 2 green + blue) / 4, of integers rounded.
+    For a grey sensor (``MONO``) the brightness (red + 2 green + blue) / 4, rounded for integers.
     """
     if bayer == MONO:
         brightness = (np.asarray(rgb) @ np.array([.25, .5, .25])).astype(np.float64)
@@ -112,7 +112,7 @@ def mosaic(rgb, bayer="RGGB"):
 def demosaic(raw, bayer="RGGB", method="bilinear"):
     """RGB (h, w, 3) of a uint8 ``raw`` frame by OpenCV: bilinear, edge-aware or vng.
 
-    Of a grey sensor's frame (``MONO``) the samples themselves, in all three colours.
+    All three colours of a grey sensor's frame (``MONO``) are the samples themselves.
     """
     if bayer == MONO:
         return np.repeat(raw[:, :, None], 3, axis=2)

@@ -1,4 +1,4 @@
-"""Programs that NCDC calls: the Debian packages that have them, the sentence of a missing one."""
+"""External programs: their Debian packages, and the message for a missing one."""
 
 import shutil
 
@@ -27,7 +27,7 @@ def check_programs(purpose, *programs, path=None):
     Raises
     ------
     InputError
-        If one is not; ``purpose`` says who needs it, as in "Verilator needs".
+        If one is not; ``purpose`` is the part of the sentence on its use, as "Verilator needs".
     """
     lost = [name for name in programs if shutil.which(name, path=path) is None]
     if lost:

@@ -1,4 +1,4 @@
-"""Plot of the error against the number of hidden neurons."""
+"""Plot of the error over the number of hidden neurons."""
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -18,9 +18,9 @@ def plot_neurons(path, tried, chosen, limit, measured_on):
         ``hidden_neurons``, ``max`` and ``mean`` in pixels, as
         :func:`ncdc_model.training.choose.choose_camera` reports.
     chosen : int
-        Hidden neurons of the network that was taken.
+        Hidden neurons of the chosen network.
     limit : float
-        The largest error that was wanted, in pixels.
+        The wanted limit of the largest error, in pixels.
     measured_on : str
         Where the errors are measured, for the title.
     """
@@ -33,7 +33,7 @@ def plot_neurons(path, tried, chosen, limit, measured_on):
     taken = next(row for row in tried if row["hidden_neurons"] == chosen)
     axes.plot([chosen], [taken["max"]], "o", markersize=13, markerfacecolor="none", color="tab:red",
               label=f"taken: {chosen} neurons, {taken['max']:.3g} px")
-    axes.set(title=f"error on {measured_on} against the number of hidden neurons",
+    axes.set(title=f"error on {measured_on} over the number of hidden neurons",
              xlabel="hidden neurons", ylabel="error (distorted pixels)", yscale="log")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.grid(alpha=.3, which="both")

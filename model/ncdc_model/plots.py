@@ -26,7 +26,7 @@ def plot_error_map(path, distance, title):
 
 
 def plot_point_errors(path, geometry, u, v, distance, held_out, title):
-    """Write a PNG: error of every calibrated point where it lies, and the histogram.
+    """Write a PNG: error of every calibrated point at its position, and the histogram.
 
     ``u``, ``v``: corrected pixels; ``distance``: pixels; ``held_out``: bool, drawn as diamonds.
     All of shape (N,).
@@ -55,7 +55,7 @@ def plot_learning_curve(path, curve, title, steps):
     step, mse = np.array(curve, np.float64).T
     axes.step(step, mse, where="post", linewidth=1.6)
     axes.plot(step[-1:], mse[-1:], "o")
-    # The curve only falls: the place below its end is free.
+    # The curve only falls: the area below its end is free.
     axes.margins(y=.12)
     axes.annotate(f"{mse[-1]:.4g}", (step[-1], mse[-1]), xytext=(6, -14), ha="right",
                   textcoords="offset points")
@@ -82,7 +82,7 @@ def _histogram(axes, values, unit):
             axes.axvline(value, color="tab:red", linestyle=style,
                          label=f"{level} %: {value:.3g} px" if level < 100 else
                          f"largest: {value:.3g} px")
-        # Inside the axes it would cover the lines and the tail of the histogram.
+        # A legend inside the axes would cover the lines and the tail of the histogram.
         axes.legend(loc="upper center", bbox_to_anchor=(.5, -.16), ncols=3, fontsize="small",
                     handlelength=1.4, columnspacing=1)
 

@@ -1,4 +1,4 @@
-"""Dumps of bare samples without a header, plain or packed as MIPI CSI-2 sends them."""
+"""Dumps of samples without a header, plain or packed as MIPI CSI-2 sends them."""
 
 import re
 from dataclasses import dataclass
@@ -20,11 +20,11 @@ _FORM = re.compile(r"(\d+)x(\d+):([A-Za-z]+):(\d+)(p?)((?::(?:stride|frame)=\d+)
 
 @dataclass(frozen=True)
 class RawDump:
-    """What a file of bare samples, row by row, does not say itself.
+    """Format of a file of samples, row by row, without a header.
 
-    Samples of 8 bits are bytes; of 9 to 16 bits two bytes each, the lower first, zeros above; or
-    ``packed``. A row takes ``stride`` bytes, None: as many as its samples. Of several frames in
-    the file ``frame`` is read, counted from 1; None: the first, with a warning.
+    Samples of 8 bits are bytes. Samples of 9 to 16 bits are two bytes each, the lower first, with
+    zeros above, or ``packed``. A row takes ``stride`` bytes; None: those of its samples. ``frame``,
+    counted from 1, chooses one of several frames; None: the first, with a warning.
     """
     width: int
     height: int
@@ -41,7 +41,7 @@ class RawDump:
         Raises
         ------
         InputError
-            If ``text`` says anything else, or a number is out of range.
+            If ``text`` has another form, or a number is out of range.
         """
         match = _FORM.fullmatch(text)
         options = [part.split("=") for part in match[6].split(":")[1:]] if match else []
@@ -68,7 +68,7 @@ class RawDump:
 
     @property
     def row_bytes(self):
-        """Bytes of the samples of a row, without what follows them up to the stride."""
+        """Bytes of the samples of a row, without the padding up to the stride."""
         return _row_bytes(self.width, self.bits, self.packed)
 
     def read(self, path, warn):
@@ -79,7 +79,7 @@ class RawDump:
         Raises
         ------
         InputError
-            If the file cannot be read, has not the length of whole frames, has no frame of that
+            If the file cannot be read, has no length of whole frames, has no frame of that
             number, or holds a sample of more bits.
         """
         content = read_bytes(path)
@@ -97,10 +97,10 @@ class RawDump:
         return eight_bits(np.ascontiguousarray(rows).view("<u2"), None, self.bits, path, warn)
 
     def _number(self, path, content, warn):
-        """Which frame of ``content`` to read, from 1, after a look at the length of the file."""
+        """Number of the frame of ``content`` to read, from 1; checks the length of the file."""
         length = (self.stride or self.row_bytes) * self.height
         count, rest = divmod(len(content), length)
-        # Two frames of 8 bits are as long as one of two bytes a sample: the user must choose.
+        # Two frames of 8 bits have the length of one of two bytes a sample: the user must choose.
         if rest or not count or count == 2 and self.bits == 8 and self.frame is None:
             raise InputError(f"{path} has {len(content)} bytes, {self._wanted(length)}"
                              + self._hint(content))
@@ -121,7 +121,7 @@ class RawDump:
         return f"{self.width}x{self.height} {each} need {length}"
 
     def _hint(self, content):
-        """What the length of ``content`` suits, or the lengths that one frame can have."""
+        """Text on formats that the length of ``content`` fits, or on the lengths of one frame."""
         if content[:6] == b"\x93NUMPY":
             return "; it is a NumPy file, which is read without --raw"
         lengths = {name: _row_bytes(self.width, bits, packed) * self.height

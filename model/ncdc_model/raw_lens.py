@@ -1,4 +1,4 @@
-"""A lens that straightens nothing: the raw picture, stretched to the corrected one's size."""
+"""A lens without correction: the raw picture, scaled to the corrected picture's size."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ __all__ = ["raw_lens", "raw_map"]
 
 _SHARE = .9             # of the output weights' range that is used
 _STEEPER = 1.1
-_POINTS = 33            # along each side, at which the output layer is fitted
+_POINTS = 33            # along each side, to which the output layer is fitted
 
 
 def raw_map(geometry):
@@ -26,15 +26,14 @@ def raw_map(geometry):
 def raw_lens(descriptor):
     """A :class:`Descriptor` of :func:`raw_map` that fits the hardware of ``descriptor``.
 
-    Half of the hidden neurons follow x, the others y, as near to the straight middle of the
-    tan-sigmoid as the output weights' range allows; a single one follows x and leaves y where it
-    is.
+    Half of the hidden neurons compute x, the others y. They use the middle of the tan-sigmoid, as
+    nearly linear as the output weights' range allows. A single neuron computes x; y is constant.
     """
     g, neurons = descriptor.geometry, descriptor.hidden_neurons
     follows_y = np.arange(neurons) % 2
     counts = np.maximum(1, [neurons - follows_y.sum(), follows_y.sum()])
     q = descriptor.formats.output_weight
-    # tanh(s x / 2) = s x / 2 nearly: a weight of size / s for each neuron, if it were alone.
+    # tanh(s x / 2) is about s x / 2: a single neuron needs a weight of size / s.
     slope = max(g.distorted / counts) / (_SHARE * q.real(q.hi))
     v, u = (a.ravel() for a in np.meshgrid(np.linspace(0, g.corrected_height - 1, _POINTS),
                                            np.linspace(0, g.corrected_width - 1, _POINTS),
@@ -48,7 +47,7 @@ def raw_lens(descriptor):
         output = (weights[:2] / counts[:, None])[follows_y].T
         if abs(output).max() < q.real(q.hi):
             break
-        slope *= _STEEPER       # bent as it is there, the tan-sigmoid needed more
+        slope *= _STEEPER       # the curve of the tan-sigmoid needed larger weights
     hidden = slope * np.column_stack([1 - follows_y, follows_y])
     skip = None if descriptor.skip_weights is None else np.zeros((2, 2))
     network = FloatNetwork(hidden, np.zeros(neurons), output, weights[2], skip_weights=skip)

@@ -1,4 +1,4 @@
-"""The corrector in floating point, and the traditional flow, to judge the integer one by."""
+"""The corrector in floating point and the traditional flow, for comparison with the integers."""
 
 from dataclasses import replace
 
@@ -14,11 +14,11 @@ __all__ = ["bayer_psnr", "correct_real", "grey_level_difference", "psnr"]
 def correct_real(descriptor, raw, offset=None):
     """Corrected frame (height, width, 3) in real numbers: float network, float interpolation.
 
-    The same Bayer interpolation as the hardware's, nothing rounded. Places that leave the image by
-    up to one pixel are moved back in, as in ``picture.window_address``; those further out, and
-    pixels without a source, are ``nan``.
-    ``offset``: of the interpolation if absent (half a pixel between a quad's centre and its first
-    sample); another value shows what forgetting it costs.
+    The Bayer interpolation is that of the hardware, without rounding. Sources up to one pixel
+    outside the image are clamped to it, as in ``picture.window_address``. Pixels farther outside or
+    without a source are ``nan``.
+    ``offset``: by default that of the interpolation (half a pixel between a quad's centre and its
+    first sample); another value shows the error without it.
     """
     geometry = descriptor.geometry
     interpolation = geometry.interpolation
@@ -26,21 +26,21 @@ def correct_real(descriptor, raw, offset=None):
     v, u = np.indices(geometry.corrected[::-1])
     x, y = descriptor.network(*geometry.normalise(u, v))
     blank = ~descriptor.valid.mask(geometry.corrected_width)
-    place = []
+    source = []
     for value, size in ((x - offset, geometry.distorted_width),
                         (y - offset, geometry.distorted_height)):
         blank |= (value < -1) | (value >= size - interpolation.core + 2)
-        place.append(np.clip(value, 0, size - interpolation.core + 1))
+        source.append(np.clip(value, 0, size - interpolation.core + 1))
     planes = (_grey if geometry.mono else _quads if interpolation == FAST
               else _gradient_corrected)
-    result = np.stack([_sample(plane, *place) for plane in
+    result = np.stack([_sample(plane, *source) for plane in
                        planes(raw.astype(np.float64), geometry.phase)], axis=-1).clip(0, 255)
     result[blank] = np.nan
     return result
 
 
 def grey_level_difference(picture, real):
-    """Largest difference in grey levels of uint8 ``picture`` from ``real`` rounded; where ``real``
+    """Largest difference in grey levels of uint8 ``picture`` from rounded ``real``, where ``real``
     is not ``nan``."""
     valid = ~np.isnan(real).any(axis=-1)
     rounded = np.floor(real[valid] + 0.5)
@@ -54,7 +54,7 @@ def psnr(picture, reference, mask):
 
 
 def bayer_psnr(descriptor, colour):
-    """What each Bayer interpolation costs on one ``colour`` picture (uint8, distorted size).
+    """PSNR of each Bayer interpolation on one ``colour`` picture (uint8, distorted size).
 
     The reference is the colour picture itself, remapped bilinearly; every flow gets its mosaic.
 
@@ -68,14 +68,14 @@ def bayer_psnr(descriptor, colour):
     geometry = descriptor.geometry
     v, u = np.indices(geometry.corrected[::-1])
     x, y = (a.astype(np.float32) for a in descriptor.network(*geometry.normalise(u, v)))
-    # Two pixels from the border on, no flow has to invent samples.
+    # All samples exist for every flow from two pixels off the border on.
     mask = (descriptor.valid.mask(geometry.corrected_width)
             & (x >= 2) & (x <= geometry.distorted_width - 3)
             & (y >= 2) & (y <= geometry.distorted_height - 3))
     raw = mosaic(colour, geometry.bayer)
 
     def remap(image):
-        # In floating point: OpenCV remaps 8-bit pictures with 5 fraction bits only.
+        # OpenCV remaps 8-bit pictures with 5 fraction bits only, so use floating point.
         return cv2.remap(image.astype(np.float32), x, y, cv2.INTER_LINEAR)
 
     flows = {name: replace(descriptor, geometry=replace(geometry, interpolation=each))
@@ -113,8 +113,8 @@ def _quads(raw, phase):
 def _gradient_corrected(raw, phase):
     """Red, green, blue planes: the colour of each sample by Malvar, He and Cutler (2004).
 
-    The bilinear estimate of a missing colour, and a share of the difference of the sample from the
-    mean of those of its own colour nearest to it: 1/2 for green, 5/8 for a chroma at a green
+    It is the bilinear estimate of a missing colour plus a part of the difference of the sample from
+    the mean of the nearest ones of its own colour: 1/2 for green, 5/8 for a chroma at a green
     sample, 3/4 for the other chroma.
     """
     column, row = phase
@@ -123,25 +123,25 @@ def _gradient_corrected(raw, phase):
     def at(down, across):
         return framed[2 + down:, 2 + across:][:raw.shape[0], :raw.shape[1]]
 
-    def mean(*places):
-        return sum(at(*place) for place in places) / len(places)
+    def mean(*offsets):
+        return sum(at(*offset) for offset in offsets) / len(offsets)
 
-    beside, above = mean((0, -1), (0, 1)), mean((-1, 0), (1, 0))
+    side, above = mean((0, -1), (0, 1)), mean((-1, 0), (1, 0))
     corners = mean((-1, -1), (-1, 1), (1, -1), (1, 1))
-    far_beside, far_above = mean((0, -2), (0, 2)), mean((-2, 0), (2, 0))
-    step = raw - (far_beside + far_above) / 2
-    green = (beside + above) / 2 + step / 2
+    far_side, far_above = mean((0, -2), (0, 2)), mean((-2, 0), (2, 0))
+    step = raw - (far_side + far_above) / 2
+    green = (side + above) / 2 + step / 2
     chroma = corners + 3 / 4 * step
-    # Around a green sample the nearest greens are the corners and the far ones along the line; the
-    # far ones across it count against.
-    along = 5 / 8 * (raw - (4 * corners + 2 * far_beside - far_above) / 5)
-    across = 5 / 8 * (raw - (4 * corners + 2 * far_above - far_beside) / 5)
+    # The nearest greens around a green sample are the corners and the far ones along the line; the
+    # far ones across it have a negative weight.
+    along = 5 / 8 * (raw - (4 * corners + 2 * far_side - far_above) / 5)
+    across = 5 / 8 * (raw - (4 * corners + 2 * far_above - far_side) / 5)
     v, u = np.indices(raw.shape)
     red_row, red_column = (v - row) % 2 == 0, (u - column) % 2 == 0
     red = np.select([red_row & red_column, red_row, red_column],
-                    [raw, beside + along, above + across], chroma)
+                    [raw, side + along, above + across], chroma)
     blue = np.select([~red_row & ~red_column, ~red_row, ~red_column],
-                     [raw, beside + along, above + across], chroma)
+                     [raw, side + along, above + across], chroma)
     return red, np.where(red_row == red_column, green, raw), blue
 
 

@@ -1,4 +1,4 @@
-"""Depth of samples: what a file declares, what the user says, and the upper eight bits."""
+"""Bits of samples, declared by a file or by the user, and their upper eight bits."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["check_bits", "eight_bits", "scaled"]
 
-BITS = 8, 16           # least and most bits of a sample
+BITS = 8, 16           # limits of the bits of a sample
 _USUAL = 8, 10, 12, 14, 16
 
 
@@ -21,7 +21,7 @@ def check_bits(bits):
 def scaled(samples, white):
     """uint8 of integer ``samples`` of 0 to ``white``.
 
-    Where ``white`` is all ones in 8 to 16 bits, the upper eight bits; else 255 samples / white,
+    If ``white`` is all ones in 8 to 16 bits, the upper eight bits; else 255 samples / white,
     rounded. Samples above ``white`` become 255.
     """
     bits = white.bit_length()
@@ -36,10 +36,10 @@ def scaled(samples, white):
 def eight_bits(samples, declared, bits, name, warn):
     """The upper eight of the bits of ``samples``, uint8 or uint16, as uint8.
 
-    ``declared`` is the largest value that the file says a sample can have, or None if it only says
-    16 bits: sensors of 10 or 12 bits are written to such files with zeros above. Then ``bits``
-    decides; if that is None too, the least usual number that holds the brightest sample is taken,
-    and ``warn`` is called with a sentence that says so.
+    ``declared`` is the largest value of a sample that the file declares, or None if it declares 16
+    bits only: such files hold samples of 10 or 12 bits with zeros above. Then ``bits`` decides. If
+    that is None too, the smallest common number of bits for the brightest sample is taken, and
+    ``warn`` is called with a sentence on it.
 
     Raises
     ------

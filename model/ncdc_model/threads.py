@@ -10,8 +10,8 @@ __all__ = ["one_thread"]
 class one_thread(ContextDecorator):
     """NumPy's and SciPy's BLAS use one thread in the block or the decorated function.
 
-    The matrices here are small: more threads wait for each other longer than they compute, ten
-    times the processor time for the same result, and they split sums differently.
+    The matrices here are small: several threads wait longer than they compute and take ten times
+    the processor time. They also split sums differently.
     """
 
     def _recreate_cm(self):

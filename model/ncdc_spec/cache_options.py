@@ -1,4 +1,4 @@
-"""Sizes of the tile cache, and the rule by which a tile has its place in it."""
+"""Sizes of the tile cache, and the index rule of its tiles."""
 
 from dataclasses import dataclass
 
@@ -8,30 +8,31 @@ from ncdc_spec.interpolation import FAST, Interpolation
 __all__ = ["CacheOptions", "TILE_WIDTH"]
 
 TILE_WIDTH = 16                     # samples, a byte each
-_LEAST_TILES, _MAX_TILES = 16, 4096
+_MIN_TILES, _MAX_TILES = 16, 4096
 _MAX_PENDING = 1024
 _MAX_OUTSTANDING = 64
-_LINES = 16                         # of the raw frame, that a cache for a raster scan holds
+_LINES = 16                         # of the raw frame, in a cache for a raster scan
 
 
 @dataclass(frozen=True)
 class CacheOptions:
-    """A direct-mapped cache of ``tiles`` tiles of 16 x H bytes; all choices give the same windows.
+    """A direct-mapped cache of ``tiles`` tiles of 16 x H bytes; all sizes give the same windows.
 
-    The index rule. Sample (x, y) of the raw frame lies in tile (tx, ty) = (x div 16, y div H),
-    whose place is fixed by::
+    The index rule: sample (x, y) of the raw frame lies in tile (tx, ty) = (x div 16, y div H),
+    whose slot is::
 
         bank = (tx mod 2) + 2 (ty mod R)
         set  = ((ty div R) mod Ky) Kx + (tx div 2) mod Kx    Kx = 2**split, Kx Ky = tiles / (2 R)
         slot = bank tiles / (2 R) + set
 
-    with the heights of a tile H and of a bank's pattern R of the interpolation: 4 and 2 of the fast
-    one, 2 and 4 of the gradient-corrected one.
+    with the heights of a tile H and of a bank's pattern R of the interpolation: 4 and 2 for the
+    fast one, 2 and 4 for the gradient-corrected one.
 
-    Several pixels per clock make groups, each one look-up if its samples (x0, y0) to (x1, y1), the
-    windows of all its pixels that are not blank, fit a box: ``x1 div w - x0 div w <= 1`` with w = 8
-    samples (gradient, four lanes: 16), ``y1 - y0 <= 3`` (gradient: 7), and no more than R rows of
-    tiles. A group that does not is cut in halves, these likewise, from left to right.
+    Several pixels per clock form groups. A group is one look-up if its samples (x0, y0) to
+    (x1, y1), the windows of all its pixels that are not blank, fit a box:
+    ``x1 div w - x0 div w <= 1`` with w = 8 samples (gradient, four lanes: 16), ``y1 - y0 <= 3``
+    (gradient: 7), and at most R rows of tiles. Else it is divided in halves from left to right,
+    and these likewise.
 
     The tiles that a window, or a box, can touch are in different banks, so no window evicts its own
     tiles.
@@ -46,13 +47,13 @@ class CacheOptions:
         Windows between the look-up of their tiles and the read of their samples, at most; a power
         of two, 4..1024. They hide the memory's latency.
     outstanding : int
-        Tiles asked for and not yet arrived, at most, 1..64.
+        Tiles requested and not yet arrived, at most, 1..64.
     sequence_bits : int
-        Of the number by which a tile knows its last user; at least one more than counts
-        ``pending``, at most 24. The more, the seldomer a tile looks used that is not.
+        Bits of the number of a tile's last user; at least one more than those of ``pending``, at
+        most 24. With more bits a free tile is less often taken for a used one.
 
     interpolation : Interpolation
-        Whose windows are fetched.
+        The interpolation whose windows are fetched.
 
     Raises
     ------
@@ -66,12 +67,12 @@ class CacheOptions:
     interpolation: Interpolation = FAST
 
     def __post_init__(self):
-        for name, least, most in (("tiles", _LEAST_TILES, _MAX_TILES),
+        for name, low, high in (("tiles", _MIN_TILES, _MAX_TILES),
                                   ("pending", 4, _MAX_PENDING)):
             value = getattr(self, name)
-            if not least <= value <= most or value & (value - 1):
-                raise InputError(f"the cache's {name} is {value}, a power of two from {least} to "
-                                 f"{most} is needed")
+            if not low <= value <= high or value & (value - 1):
+                raise InputError(f"the cache's {name} is {value}, a power of two from {low} to "
+                                 f"{high} is needed")
         if not 1 <= self.outstanding <= _MAX_OUTSTANDING:
             raise InputError(f"the cache's outstanding is {self.outstanding}, the limits are 1 and "
                              f"{_MAX_OUTSTANDING}")
@@ -86,22 +87,22 @@ class CacheOptions:
 
     @property
     def tile_bytes(self):
-        """Of samples that a tile holds."""
+        """Bytes of samples in a tile."""
         return TILE_WIDTH * self.tile_height
 
     @property
     def tile_rows(self):
-        """Rows of tiles whose tiles are in different banks, R."""
+        """Rows of tiles in different banks, R."""
         return self.interpolation.tile_rows
 
     @property
     def tag_banks(self):
-        """Banks of tags: for each parity of a tile's column, and each row modulo R, one."""
+        """Number of tag banks: one for each parity of a tile's column and each row modulo R."""
         return 2 * self.tile_rows
 
     @property
     def bytes(self):
-        """Of samples that the cache holds."""
+        """Bytes of samples in the cache."""
         return self.tiles * self.tile_bytes
 
     @property
@@ -116,15 +117,15 @@ class CacheOptions:
 
     @classmethod
     def for_width(cls, width, interpolation=FAST):
-        """The least cache that holds 16 lines of a raw frame ``width`` samples wide: enough for a
+        """The smallest cache of 16 lines of a raw frame ``width`` samples wide: enough for a
         raster scan of a moderately rotated lens of up to 120 degrees."""
         tiles_across = 1 << max(0, (width - 1).bit_length() - (TILE_WIDTH - 1).bit_length())
         rows = _LINES // interpolation.tile_height
-        return cls._sized(max(_LEAST_TILES, rows * tiles_across), interpolation)
+        return cls._sized(max(_MIN_TILES, rows * tiles_across), interpolation)
 
     @classmethod
     def of_bytes(cls, size, interpolation=FAST):
-        """The cache that holds ``size`` bytes of samples.
+        """The cache of ``size`` bytes of samples.
 
         Raises
         ------
@@ -132,21 +133,21 @@ class CacheOptions:
             If that is no power of two, or outside the limits.
         """
         tile = TILE_WIDTH * interpolation.tile_height
-        least, most = _LEAST_TILES * tile, _MAX_TILES * tile
-        if not least <= size <= most or size & (size - 1):
-            raise InputError(f"the cache's size is {size} bytes, a power of two from {least} to "
-                             f"{most} is needed")
+        low, high = _MIN_TILES * tile, _MAX_TILES * tile
+        if not low <= size <= high or size & (size - 1):
+            raise InputError(f"the cache's size is {size} bytes, a power of two from {low} to "
+                             f"{high} is needed")
         return cls._sized(size // tile, interpolation)
 
     @classmethod
     def _sized(cls, tiles, interpolation):
-        """A cache of ``tiles`` tiles, with as many bytes under way whatever the tiles' height."""
+        """A cache of ``tiles`` tiles; the bytes outstanding do not depend on the tiles' height."""
         return cls(tiles=tiles, interpolation=interpolation,
                    outstanding=cls.outstanding * FAST.tile_height // interpolation.tile_height)
 
     def split_for(self, width):
-        """The split by which each tile column of a raw frame ``width`` samples wide has sets of its
-        own, as far as there are enough."""
+        """The split with separate sets for each tile column of a raw frame ``width`` samples wide,
+        or the largest."""
         pairs = -(-width // (2 * TILE_WIDTH))
         return min(self.max_split, (pairs - 1).bit_length())
 

@@ -13,19 +13,19 @@ COLOURS = ("red", "green", "blue")
 
 @dataclass(frozen=True)
 class Colour:
-    """What is done to each corrected pixel that has a source; by default nothing.
+    """Gains and tone curve for each corrected pixel with a source; by default the identity.
 
     Parameters
     ----------
     gains : tuple of int
-        Of red, green and blue in 256ths, 0..1023: unsigned Q2.8, 0 to 3.996.
+        Gains of red, green and blue in 256ths, 0..1023: unsigned Q2.8, 0 to 3.996.
     tone : tuple of int
-        Nodes of the tone curve, of all three colours; see :mod:`ncdc_model.golden.tone`.
+        Nodes of the tone curve for all three colours; see :mod:`ncdc_model.golden.tone`.
 
     Raises
     ------
     InputError
-        If there are not three gains, one is outside the limits, or the curve is none.
+        If there are not three gains, one is outside the limits, or the curve is bad.
     """
     gains: tuple = (UNITY,) * 3
     tone: tuple = LINEAR

@@ -39,15 +39,15 @@ class Descriptor:
     hidden_weights, hidden_biases, output_weights, output_biases : ndarray of int
         Raw integers in ``formats``; shapes (HN, 2), (HN,), (2, HN), (2,). The hidden layer's are
         multiplied by gamma, since f(n) with gamma is f(gamma n) without: the tan-sigmoid itself
-        knows no gamma. For a power of two that is exact; for another gamma the products are
+        has no gamma. For a power of two that is exact; for another gamma the products are
         rounded, once, like every weight.
     skip_weights : ndarray of int or None
-        Of the skip path, shape (2, 2): [x', y'] rows of the weights of x and y.
+        Weights of the skip path, shape (2, 2): [x', y'] rows of the weights of x and y.
     valid : ValidRows
         Which corrected pixels have a source.
     formats : Formats
     variant : str
-        Of the tan-sigmoid, see ``ncdc_spec.tansig.VARIANTS``.
+        Variant of the tan-sigmoid, see ``ncdc_spec.tansig.VARIANTS``.
     nodes : int
         Distance in pixels of the columns at which the network is evaluated, one of
         ``ncdc_spec.nodes.NODES``; 1: at every pixel.
@@ -113,7 +113,7 @@ class Descriptor:
             # Other inputs are within the error bound as well, but not known to be monotonic.
             raise InputError(f"the format net is {self.formats.net}, the tan-sigmoids are proven "
                              f"for {Formats.net}")
-        self.tansig       # refuses what does not exist or is not faithful
+        self.tansig       # raises if there is no such design or it is not faithful
 
     @cached_property
     def tansig(self):

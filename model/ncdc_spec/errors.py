@@ -1,4 +1,4 @@
-"""The one exception that means "your input, not our bug"."""
+"""The exception for bad input, as distinct from defects of NCDC."""
 
 from contextlib import contextmanager
 
@@ -8,19 +8,19 @@ __all__ = ["InputError", "reading"]
 class InputError(ValueError):
     """Bad input: the message is one sentence that names the value and the limit.
 
-    The command line prints it on stderr and exits with status 2; anything else that escapes
-    a command is a defect of ours and keeps its traceback.
+    The command line prints it on stderr and exits with status 2. Any other exception of
+    a command is a defect and has a traceback.
     """
 
 
 @contextmanager
 def reading(subject):
-    """Name ``subject``, a file, when one of its values turns out missing, wrong or of a wrong kind.
+    """Name ``subject``, a file, in the error if a value is missing, bad or of a wrong kind.
 
     Raises
     ------
     InputError
-        In place of the KeyError, InputError, TypeError, ValueError or OverflowError of the block.
+        For a KeyError, InputError, TypeError, ValueError or OverflowError of the block.
     """
     try:
         yield

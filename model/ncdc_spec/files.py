@@ -1,4 +1,4 @@
-"""Reading and writing files: whole or not at all."""
+"""Reads and writes files; a file is replaced whole or not at all."""
 
 import errno
 import os
@@ -16,7 +16,7 @@ __all__ = ["check_outputs", "parse_text", "read_bytes", "replace_file", "write_b
 def read_bytes(path):
     """Content of the file ``path``; raises :class:`InputError` if it cannot be read.
 
-    A device is refused: many never end.
+    A device is rejected, since many never end.
     """
     try:
         mode = os.stat(path).st_mode
@@ -56,7 +56,7 @@ def _reason(error):
 
 
 def _kind(path):
-    """What ``path``, its links followed, is that no file can be put in place of; None: nothing."""
+    """Name of what ``path``, links resolved, is if a file cannot replace it; else None."""
     try:
         mode = os.stat(path).st_mode
     except (OSError, ValueError):
@@ -67,15 +67,15 @@ def _kind(path):
 
 
 def check_outputs(outputs, inputs, streams=()):
-    """Refuse, before any work, paths that cannot be written or that would replace an input.
+    """Reject, before any work, paths that cannot be written or that would replace an input.
 
     ``streams`` are outputs that may be a device, a pipe or a socket as well.
 
     Raises
     ------
     InputError
-        If an output is a folder or no regular file, lies below what is no folder or may not be
-        written, is given twice, or is one of ``inputs``.
+        If an output is a folder or no regular file, is in no folder, may not be written, is given
+        twice, or is one of ``inputs``.
     """
     taken = {os.path.realpath(path): f"the input {path}" for path in inputs}
     for path in (*outputs, *streams):
@@ -99,11 +99,10 @@ def check_outputs(outputs, inputs, streams=()):
 
 @contextmanager
 def replace_file(path):
-    """Yield a temporary path beside ``path`` that replaces it when the block ends well.
+    """Yield a temporary path next to ``path`` that replaces it when the block ends without error.
 
-    Of a symbolic link, the file that it leads to is replaced. If the block raises, ``path`` is left
-    as it was. The suffix is kept, so that libraries that choose an encoder by suffix can write to
-    the temporary path.
+    The target of a symbolic link is replaced. If the block raises, ``path`` does not change. The
+    temporary path has the same suffix, for libraries that choose an encoder by suffix.
 
     Raises
     ------
@@ -149,12 +148,12 @@ def write_text(path, text):
 
 
 def write_stream(path, text):
-    """:func:`write_text`, but what is no regular file, a device or a pipe, is written into.
+    """:func:`write_text`, but a device or a pipe is written to, not replaced.
 
     Raises
     ------
     InputError
-        If ``path`` cannot be written, or is a pipe that nobody reads.
+        If ``path`` cannot be written, or is a pipe without a reader.
     """
     if _kind(path) != "no regular file":
         return write_text(path, text)
@@ -165,5 +164,5 @@ def write_stream(path, text):
         with open(handle, "wb") as stream:
             stream.write(text.encode())
     except OSError as error:
-        reason = "nobody reads it" if error.errno == errno.ENXIO else error.strerror
+        reason = "it has no reader" if error.errno == errno.ENXIO else error.strerror
         raise InputError(f"cannot write {path}: {reason}") from error

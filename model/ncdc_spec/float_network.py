@@ -29,7 +29,7 @@ class FloatNetwork:
         f(n) = 2 / (1 + exp(-gamma n)) - 1
 
     Inputs are normalised coordinates (:meth:`Geometry.normalise`); outputs are pixels of the
-    distorted image. Shapes: (HN, 2), (HN,), (2, HN), (2,), (2, 2). The skip path, straight from
+    distorted image. Shapes: (HN, 2), (HN,), (2, HN), (2,), (2, 2). The skip path, directly from
     the inputs to the outputs, is not the paper's; a network without it has None there.
     """
     hidden_weights: np.ndarray
@@ -41,13 +41,13 @@ class FloatNetwork:
 
     @property
     def hidden_neurons(self):
-        """HN."""
+        """Number of hidden neurons, HN."""
         return len(self.hidden_biases)
 
     def with_gamma(self, gamma):
-        """The same function with another gamma: the hidden layer makes good for it.
+        """The same function with another gamma: the hidden layer is rescaled to compensate.
 
-        The numbers are exactly those divided by a power of two if the ratio is one, else rounded.
+        The scaling is exact if the ratio is a power of two, else the numbers are rounded.
 
         Raises
         ------
@@ -60,7 +60,7 @@ class FloatNetwork:
                        hidden_biases=self.hidden_biases * ratio, gamma=float(gamma))
 
     def __call__(self, x, y):
-        """(x', y') in pixels of normalised coordinates of any one shape."""
+        """(x', y') in pixels of normalised coordinates of any common shape."""
         x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
         outputs = [np.full(np.broadcast(x, y).shape, bias) for bias in self.output_biases]
         for (wx, wy), bias, *columns in zip(self.hidden_weights, self.hidden_biases,

@@ -78,7 +78,7 @@ class Formats:
     def at_nodes(self):
         """The formats in which the network computes at nodes.
 
-        The scan's normalised coordinates have an integer bit more, for the nodes beside the
+        The scan's normalised coordinates have one more integer bit, for the nodes outside the
         picture, so that nothing saturates there; the coordinates have guard bits.
         """
         x, q = self.input, self.coordinate

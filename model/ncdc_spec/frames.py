@@ -14,7 +14,7 @@ __all__ = ["ADDRESS_BITS", "BGR8", "BGRX8", "FramePlaces", "MONO8", "OUTPUT_FORM
            "raw_image", "source_bytes", "stored_bytes", "stored_picture", "target_bytes"]
 
 ADDRESS_BITS = 32
-SOURCE_BEYOND = 12      # bytes behind a raw frame's last row that may be read, at most
+SOURCE_BEYOND = 12      # bytes after a raw frame's last row that may be read, at most
 _ALIGN = 4096           # bytes; the corrected frame begins at a multiple of this
 
 
@@ -84,10 +84,10 @@ class FramePlaces:
 
     @classmethod
     def after_reset(cls, geometry, data_width):
-        """Those of a corrector that no host has told otherwise, on a memory of ``data_width`` bits.
+        """Addresses of a corrector after reset, on a memory of ``data_width`` bits.
 
         The raw frame is at 0, its rows as close as words allow; the corrected frame is on the next
-        multiple of 4096 bytes behind it.
+        multiple of 4096 bytes after it.
         """
         word = data_width // 8
         pitch = -(-geometry.distorted_width // word) * word

@@ -19,7 +19,7 @@ STRIP_UNIT = 32        # columns: the width of a strip is a multiple of it
 
 # Phase of the colour filter array: (column, row) parity of its red samples.
 BAYER_PHASE = {"RGGB": (0, 0), "GRBG": (1, 0), "GBRG": (0, 1), "BGGR": (1, 1)}
-MONO = "MONO"           # in place of a pattern: a grey sensor, which has no colour filter
+MONO = "MONO"           # instead of a pattern: a grey sensor, which has no colour filter
 BAYERS = (*BAYER_PHASE, MONO)
 
 
@@ -105,7 +105,7 @@ class Geometry:
 
     @property
     def phase(self):
-        """(column, row) parity of the red samples; of a grey sensor (0, 0), which says nothing."""
+        """(column, row) parity of the red samples; (0, 0) for a grey sensor, without a meaning."""
         return BAYER_PHASE.get(self.bayer, (0, 0))
 
     def scan(self):
@@ -127,18 +127,18 @@ class Geometry:
         return origin_x + np.asarray(u) * step_x, origin_y + np.asarray(v) * step_y
 
     def inside_by(self, x, y):
-        """How far, in pixels, distorted (x, y) are from the line on which their places meet the
+        """Distance in pixels of distorted (x, y) from the line on which their corners meet the
         image's edge: positive inside."""
         core, offset = self.interpolation.core, self.interpolation.offset
         return np.minimum.reduce([side for value, size in zip((x, y), self.distorted) for side in
                                   (value - offset, size - core + 1 + offset - value)])
 
     def window_inside(self, x, y):
-        """Whether the places around distorted coordinates (x, y) lie wholly in the image.
+        """Whether all corners around distorted coordinates (x, y) lie in the image.
 
-        The first place is named by floor(x - offset), see :class:`Interpolation`: of the fast one
-        four quads of 2x2 samples, whose centres are half a pixel right of and below the samples',
-        surround the point.
+        The first corner has the index floor(x - offset), see :class:`Interpolation`. The corners of
+        the fast one are four quads of 2x2 samples, whose centres are half a pixel right of and
+        below the samples.
         """
         core, offset = self.interpolation.core, self.interpolation.offset
         x0, y0 = np.floor(np.asarray(x) - offset), np.floor(np.asarray(y) - offset)

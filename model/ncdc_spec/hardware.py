@@ -26,7 +26,7 @@ NODE_CLOCKS = 2         # that a node takes at least: its scan adds up the next 
 
 @dataclass(frozen=True)
 class Hardware:
-    """How a corrector is built; every choice gives the same pixels.
+    """Configuration of a corrector; every choice gives the same pixels.
 
     The one object that carries these choices from the command line to planner, gateware, simulation
     and the header of the Verilog.
@@ -42,7 +42,7 @@ class Hardware:
     cache : CacheOptions, optional
         Sizes of the tile cache; those of :meth:`CacheOptions.for_width` if absent.
     split : int, optional
-        Of the tile cache, after configuration; that of :meth:`CacheOptions.split_for` if absent.
+        The tile cache's split, after configuration; default :meth:`CacheOptions.split_for`.
     strip : int
         Columns of the strips in whose order pixels are made, after configuration; 0: a raster.
     hidden : str
@@ -65,8 +65,8 @@ class Hardware:
     bus : str
         "avalon": ports for Avalon-MM and Avalon-ST; "axi": for AXI4, AXI4-Lite and AXI4-Stream.
     video : str
-        Of a stream: "plain", one packet of pixels per frame, or "vip", the packets of Intel's Video
-        and Image Processing Suite.
+        Packets of a stream: "plain", one packet of pixels per frame, or "vip", those of Intel's
+        Video and Image Processing Suite.
 
     Raises
     ------
@@ -117,7 +117,7 @@ class Hardware:
             self._check_video()
 
     def _check_video(self):
-        """Refuse packets of Intel's suite where there can be none."""
+        """Reject packets of Intel's suite without an Avalon stream of one pixel per clock."""
         for name, value, needed in (("the output", self.output, "stream"),
                                     ("the bus", self.bus, "avalon"),
                                     ("pixels per clock", self.lanes, 1)):
@@ -184,7 +184,7 @@ class Hardware:
     def node_clocks(self, descriptor):
         """Clocks that a node may take, if a row's nodes are to come in the clocks of its groups.
 
-        Of a full strip's row, or a picture's without strips; at least 1.
+        The row is that of a full strip, or of the picture without strips; at least 1.
         """
         width = descriptor.geometry.corrected_width
         columns = min(self.strip or width, width)
@@ -193,8 +193,8 @@ class Hardware:
     def share_for(self, descriptor):
         """Neurons that a tan-sigmoid serves in turn, for the camera of ``descriptor``.
 
-        Of a network at every pixel 1. At nodes the fewest tan-sigmoids are taken that give a node
-        within :meth:`node_clocks`, and the neurons are spread evenly over them.
+        It is 1 for a network at every pixel. With nodes, the fewest tan-sigmoids are used that give
+        a node within :meth:`node_clocks`, and the neurons are distributed evenly over them.
         """
         if self.share is not None or descriptor.nodes == 1:
             return self.share or 1
@@ -204,7 +204,7 @@ class Hardware:
     def row_clocks(self, descriptor):
         """(Groups of pixels of a row, clocks that its nodes take) of a network at nodes.
 
-        Of a full strip's row, or a picture's without strips.
+        The row is that of a full strip, or of the picture without strips.
         """
         width = descriptor.geometry.corrected_width
         columns = min(self.strip or width, width)

@@ -13,23 +13,23 @@ _NARROW = 8             # samples of a word of the tile memory, or else twice as
 class Interpolation:
     """An interpolation, and the window and the tiles that it needs.
 
-    A pixel is interpolated bilinearly between four places, two by two, that are one sample apart;
-    the first one is named by the integers x0 = floor(x' - offset), y0 likewise. The window holds
-    the samples from ``x0 - margin`` on, :attr:`window` in each direction. Those of the core, from
-    x0 on, always lie in the frame; those of the margin may not, and are then mirrored about the
-    frame's first or last column or row.
+    A pixel is interpolated bilinearly between four corners, two by two, that are one sample apart.
+    The first corner has the indices x0 = floor(x' - offset), y0 likewise. The window has the
+    samples from ``x0 - margin`` on, :attr:`window` in each direction. Those of the core, from x0
+    on, are always in the frame. Samples of the margin outside the frame are mirrored about its
+    first or last column or row.
 
     Parameters
     ----------
     name : str
     core : int
-        Rows and columns of samples, from the first place on, that must lie in the frame.
+        Rows and columns of samples, from the first corner on, that must be in the frame.
     margin : int
         Rows and columns of samples around the core.
     offset : float
-        Distance of a place from the sample that names it, in samples, in each direction.
+        Distance of a corner from the sample of its index, in samples, in each direction.
     unit_bits : int
-        Colours of the places are in units of ``2**-unit_bits`` grey levels.
+        Colours of the corners are in units of ``2**-unit_bits`` grey levels.
     tile_height : int
         Rows of a tile of the tile cache: 2 or 4.
     tile_rows : int
@@ -50,14 +50,14 @@ class Interpolation:
 
     @property
     def after(self):
-        """Rows and columns of the window that follow the sample that names the first place."""
+        """Rows and columns of the window after the sample of the first corner."""
         return self.core + self.margin - 1
 
     @property
     def samples(self):
         """(row, column) in the window of each sample that a pixel is made from, row by row.
 
-        All of the core, and of the margin those that are at most ``margin`` steps away from it.
+        These are all of the core, and those of the margin at most ``margin`` steps away from it.
         """
         away = [max(self.margin - k, k - self.after, 0)
                 for k in range(self.window)]
@@ -66,19 +66,19 @@ class Interpolation:
 
     @property
     def box_rows(self):
-        """Rows that the tile memory gives in one clock: a power of two that holds a window."""
+        """Rows that the tile memory reads in one clock: a power of two, at least a window."""
         return 1 << (self.window - 1).bit_length()
 
     def box_word(self, lanes):
         """Samples of a word of the tile memory, for ``lanes`` pixels per clock.
 
         Two words, the first of which begins at a multiple of its size, hold the windows of a group
-        at any place if the map steps by up to two columns from pixel to pixel.
+        at any position if the map steps by up to two columns from pixel to pixel.
         """
         return _NARROW if self.window + 2 * (lanes - 1) <= _NARROW + 1 else 2 * _NARROW
 
     def bounds(self, first, size):
-        """First and last sample, of ``size`` in a direction, of windows of the places ``first``."""
+        """First and last sample, of ``size`` in a direction, of windows with corners ``first``."""
         low, high = first - self.margin, first + self.after
         return (low, high) if not self.margin else (low.clip(0), high.clip(max=size - 1))
 
@@ -89,7 +89,7 @@ FAST = Interpolation("fast", core=3, margin=0, offset=0.5, unit_bits=1, tile_hei
 GRADIENT = Interpolation("gradient", core=2, margin=2, offset=0.0, unit_bits=4, tile_height=2,
                          tile_rows=4)
 INTERPOLATIONS = {each.name: each for each in (FAST, GRADIENT)}
-# Of a camera that is trained. A descriptor that names none is older than the choice: it has FAST.
+# Default of training. A descriptor without a name is older than the choice: it has FAST.
 DEFAULT = GRADIENT
 
 

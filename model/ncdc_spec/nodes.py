@@ -5,20 +5,20 @@ from ncdc_spec.errors import InputError
 __all__ = ["GUARD_BITS", "NODES", "check_nodes", "nodes_fit", "row_nodes"]
 
 NODES = (1, 8, 16, 32)      # distances of nodes in pixels; 1: the network at every pixel
-GUARD_BITS = 4              # fraction bits that a node's coordinate has beyond a pixel's
-BEFORE, BEHIND = 1, 2       # nodes that a row needs left of, and beyond, those of its pixels
+GUARD_BITS = 4              # additional fraction bits of a node's coordinate
+BEFORE, AFTER = 1, 2       # additional nodes of a row before and after those of its pixels
 
 
 def row_nodes(columns, nodes):
-    """Nodes that ``columns`` neighbouring pixels of a row need, the first of them on a node."""
-    return -(-columns // nodes) + BEFORE + BEHIND
+    """Number of nodes for ``columns`` neighbouring pixels of a row, the first of them on a node."""
+    return -(-columns // nodes) + BEFORE + AFTER
 
 
 def nodes_fit(nodes, width):
-    """Whether the nodes beside a picture ``width`` pixels wide stay within the scan's range.
+    """Whether the nodes outside a picture ``width`` pixels wide stay within the scan's range.
 
-    The row's last node lies up to 2 S pixels right of its last pixel. The normalised coordinate
-    spans +-0.9999 over width - 1 pixels, and stays below 2 there if that is 4 S at least.
+    The row's last node is up to 2 S pixels right of its last pixel. The normalised coordinate
+    spans +-0.9999 over width - 1 pixels, and stays below 2 there if that is at least 4 S.
     """
     return nodes == 1 or width > 4 * nodes
 

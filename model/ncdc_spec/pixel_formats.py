@@ -83,7 +83,7 @@ def format_of_mraw(mraw):
 
 
 def bayer_format(pattern):
-    """The :class:`PixelFormat` of raw frames behind a colour filter of that ``pattern``."""
+    """The :class:`PixelFormat` of raw frames with a colour filter of that ``pattern``."""
     return _found("bayer", pattern, f"of the pattern {pattern}")
 
 

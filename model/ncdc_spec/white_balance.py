@@ -18,7 +18,7 @@ def grey_world(sums):
     Parameters
     ----------
     sums : sequence of int
-        Of red, green and blue: what RED_SUM, GREEN_SUM and BLUE_SUM read.
+        Sums of red, green and blue, as read from RED_SUM, GREEN_SUM and BLUE_SUM.
 
     Returns
     -------

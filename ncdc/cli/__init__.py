@@ -64,7 +64,7 @@ def _files(args):
         outputs.append(given["output"])
     outputs += [given[name] for name in ("vcd", "fst") if given.get(name)]
     inputs = []
-    for name in ("descriptor", "image", "source", "against", "photos"):
+    for name in ("descriptor", "image", "source", "reference", "photos"):
         value = given.get(name, [])
         inputs += value if isinstance(value, list) else [value]
     return outputs, inputs, streams

@@ -3,31 +3,34 @@
 import sys
 
 from ncdc.cli.common import add_camera, add_json, write_report
+from ncdc.cli.renamed import add_renamed
 from ncdc.cli.train import error_table, nodes_text
 from ncdc.terminal import Progress
-from ncdc_model.against import evaluate_against
+from ncdc_model.compare import compare_with_reference
 from ncdc_spec.descriptor import Descriptor
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 
-EXAMPLE = "ncdc evaluate net.toml --against points.json"
+EXAMPLE = "ncdc evaluate net.toml --reference points.json"
 
 
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
-    parser.add_argument("--against", required=True, action="append", metavar="FILE",
-                        help="points.json or points.csv of this camera, the one of training or "
-                             "another, its camera file, or a map for OpenCV's remap; given twice, "
-                             "for the tables of x and y in a file each")
+    spellings = parser.add_mutually_exclusive_group(required=True)
+    spellings.add_argument("--reference", action="append", metavar="FILE",
+                           help="points.json or points.csv of this camera, the one of training or "
+                                "another, its camera file, or a map for OpenCV's remap; given "
+                                "twice, for the tables of x and y in a file each")
+    add_renamed(spellings, "--against", "--reference", append=True)
     add_camera(parser)
     add_json(parser)
 
 
 def run(args):
     """Measure and report."""
-    report = evaluate_against(Descriptor.load(args.descriptor), args.against, args.camera,
-                              Progress("measuring"))
+    report = compare_with_reference(Descriptor.load(args.descriptor), args.reference, args.camera,
+                                    Progress("measuring"))
     for sentence in report.get("notes", ()):
         print(sentence, file=sys.stderr)
     if write_report(report, args.json):

@@ -18,9 +18,9 @@ from ncdc.cli.plan_board import plan_board
 from ncdc.cli.renamed import add_renamed
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
-from ncdc_model.planner.beside import clocks_beside_camera
 from ncdc_model.planner.memory_timing import memory_at
 from ncdc_model.planner.plan import CLOCK_MHZ, plan
+from ncdc_model.planner.with_camera import clocks_with_camera
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.hardware import DATA_WIDTHS, OUTPUTS, Hardware
@@ -125,7 +125,7 @@ def _beside(args, descriptor, planned, framing):
         return {}
     setup, crop = framing
     timing = crop.arriving(setup.timing)
-    clocks = clocks_beside_camera(
+    clocks = clocks_with_camera(
         descriptor, planned.hardware, memory_at(args.memory, args.clock),
         Corrector(descriptor, planned.hardware).timing, timing,
         Fraction(args.clock * 1e6) / timing.pixel_clock_hz)

@@ -27,7 +27,7 @@ _HINTS = {
 }
 # What each argument of a command is to be, by the name under which argparse has it.
 _ROLES = {"descriptor": "descriptor", "descriptors": "descriptor", "lens": "descriptor",
-          "image": "picture", "photo": "picture", "photos": "picture", "against": "lens"}
+          "image": "picture", "photo": "picture", "photos": "picture", "reference": "lens"}
 _SOURCES = {"train": "lens", "export": "exported"}
 
 

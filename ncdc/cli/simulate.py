@@ -106,7 +106,7 @@ def _bound(args, descriptor, hardware):
     memory = simulated_memory(args.memory)
     exact = isinstance(memory, DramMemory) or (isinstance(memory, LatencyMemory)
                                                and memory.latency[0] == memory.latency[1]
-                                               and memory.wait_chance == 0)
+                                               and memory.wait_probability == 0)
     if not hardware.cached or not exact:
         return None
     return bound_of(args, descriptor, hardware, memory)

@@ -9,7 +9,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.lib import pipeline
 from ncdc_hdl.lib.choice import chosen
 from ncdc_hdl.lib.pipeline import delay
-from ncdc_spec.tone import LINEAR, NODE_BITS, NODE_PLACES
+from ncdc_spec.tone import LINEAR, NODE_BITS, NODE_POSITIONS
 from ncdc_spec.white_balance import GAIN_BITS, GAIN_F_BITS, UNITY
 
 __all__ = ["COLOUR", "COLOURS", "Colour", "ColourSums", "SUMS"]
@@ -18,7 +18,7 @@ COLOURS = data.ArrayLayout(8, 3)
 """A pixel: red, green, blue."""
 
 COLOUR = data.StructLayout({"gains": data.ArrayLayout(GAIN_BITS, 3),
-                            "tone": data.ArrayLayout(NODE_BITS, len(NODE_PLACES))})
+                            "tone": data.ArrayLayout(NODE_BITS, len(NODE_POSITIONS))})
 """Gains of red, green and blue, and nodes of the tone curve, see :mod:`ncdc_model.golden.colour`."""
 
 SUMS = data.StructLayout({name: 32 for name in ("red", "green", "blue", "pixels")})
@@ -107,7 +107,7 @@ class Colour(wiring.Component):
         The left node of an odd piece is the right one of the even piece before it: three choices
         of 8 nodes instead of two of 16.
         """
-        nodes = [self.colour.tone[k] for k in range(len(NODE_PLACES))]
+        nodes = [self.colour.tone[k] for k in range(len(NODE_POSITIONS))]
         odd, octave = piece[0], piece[1:]
         first, middle, last = (chosen(ones, octave)
                                for ones in (nodes[:-1:2], nodes[1::2], nodes[2::2]))

@@ -8,7 +8,7 @@ from amaranth.utils import exact_log2
 from ncdc_hdl.frontend.layouts import scan_layout
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_spec.geometry import MAX_SIZE, SCAN, STRIP_UNIT
-from ncdc_spec.nodes import BEFORE, BEHIND
+from ncdc_spec.nodes import AFTER, BEFORE
 
 __all__ = ["NodeScan"]
 
@@ -108,7 +108,7 @@ class NodeScan(wiring.Component):
         with m.If(begin & ~self.stop):
             m.d.sync += active.eq(1)
         self._coordinates(m, begin, advance, row_ends, strip_ends,
-                          saves=active & (column == BEFORE + BEHIND - 2))
+                          saves=active & (column == BEFORE + AFTER - 2))
         return m
 
     def _pace(self, m, active, advance):
@@ -141,7 +141,7 @@ class NodeScan(wiring.Component):
             is_last.eq((strip == 0) | (beyond <= 0)),
             wide.eq(Mux((strip == 0) | (beyond <= 0), columns, strip)),
             # Cycle 3: count the nodes, less the one shown, and down to -1.
-            initial.eq(((wide + self.nodes - 1) >> exact_log2(self.nodes)) + (BEFORE + BEHIND - 2)),
+            initial.eq(((wide + self.nodes - 1) >> exact_log2(self.nodes)) + (BEFORE + AFTER - 2)),
         ]
         with m.If(taken):
             m.d.sync += [per_row.eq(initial), last_strip.eq(is_last), columns.eq(beyond)]

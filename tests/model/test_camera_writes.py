@@ -1,4 +1,4 @@
-"""Writes of a camera beside those of a corrected frame: where, when, and how the planner counts."""
+"""Writes of a camera next to those of a corrected frame: address, time, and prediction."""
 
 from fractions import Fraction
 from itertools import islice
@@ -6,7 +6,7 @@ from itertools import islice
 import pytest
 
 from ncdc_model.planner.camera_writes import CameraWrites
-from ncdc_model.planner.lags import Lags
+from ncdc_model.planner.delay_steps import DelaySteps
 from ncdc_model.planner.memory_timing import LatencyMemory
 from ncdc_model.planner.ports import memory_port
 from ncdc_model.planner.writes import FrameWrites
@@ -29,13 +29,13 @@ def test_accesses_do_not_leave_their_block():
     assert accesses == [(57, 1000, 2), (64, 1008, 1), (97, 1016, 2)]
 
 
-@pytest.mark.parametrize("beside", [False, True])
-def test_a_read_waits_for_what_the_camera_has_written_before(beside):
+@pytest.mark.parametrize("camera", [False, True])
+def test_a_read_waits_for_what_the_camera_has_written_before(camera):
     """A memory of a word per clock has the first read word at edge 4, or 5 if a camera's four words
     take the edges 1 to 4."""
-    writes = FrameWrites(others=(lambda: iter([(0, 64 * k, 1) for k in range(4)])) if beside
+    writes = FrameWrites(others=(lambda: iter([(0, 64 * k, 1) for k in range(4)])) if camera
                          else None)
     memory = LatencyMemory((1, 1), 4.0)
-    port = memory_port(memory, 32, writes, Lags(0))
+    port = memory_port(memory, 32, writes, DelaySteps(0))
     _, last = port.read(3, 4096, 4)
-    assert last == (8 if beside else 7)
+    assert last == (8 if camera else 7)

@@ -72,7 +72,7 @@ def test_integers_that_miss_the_error_do_not_count(camera_file, monkeypatch):
 
 
 def test_without_a_limit_a_tenth_of_a_pixel_is_tried_for(camera_file, monkeypatch, capsys):
-    monkeypatch.setattr(choose, "MOST_NEURONS", 3)
+    monkeypatch.setattr(choose, "MAX_TRIED", 3)
     out = camera_file.with_name("net.toml")
     call(command, camera_file, "--neurons", "auto", "-o", out)
     d, text = Descriptor.load(out), capsys.readouterr()
@@ -86,7 +86,7 @@ def test_without_a_limit_a_tenth_of_a_pixel_is_tried_for(camera_file, monkeypatc
 
 
 def test_a_smaller_network_is_preferred_to_one_that_is_hardly_better(camera_file, monkeypatch):
-    monkeypatch.setattr(choose, "MOST_NEURONS", 3)
+    monkeypatch.setattr(choose, "MAX_TRIED", 3)
     errors = iter([{"max": 3.0, "mean": 1}, {"max": 2.1, "mean": 1}, {"max": 2.0, "mean": 1}])
     monkeypatch.setattr(choose, "_errors", lambda back_map, pairs, region: next(errors))
     assert choose.choose_camera(load_source(camera_file)).descriptor.hidden_neurons == 2
@@ -112,7 +112,7 @@ def test_the_error_is_drawn_against_the_neurons(tmp_path):
 
 
 def test_none_that_meets_it_is_one_sentence_and_no_file(camera_file, monkeypatch, capsys):
-    monkeypatch.setattr(choose, "MOST_NEURONS", 2)
+    monkeypatch.setattr(choose, "MAX_TRIED", 2)
     out = camera_file.with_name("net.toml")
     with pytest.raises(InputError, match=r"no network of 1 to 2 hidden neurons has a maximum error "
                                          r"of 0.01 px or less; the best, of 2, has [\d.]+ px"):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ncdc_model.calibration.coverage import placed, uncovered
+from ncdc_model.calibration.coverage import numbered, uncovered
 from ncdc_model.calibration.points import PhotoPoints
 
 REASON = "not where its neighbours predict it"
@@ -30,7 +30,7 @@ def test_a_whole_page_and_a_few_dropped_points_are_no_matter():
 
 def test_dropped_points_get_their_numbers_again():
     left = photo(lambda index: index[:, 0] < 3)
-    where = placed(left.index, left.xy, np.array([place[:2] for place in left.dropped]))
+    where = numbered(left.index, left.xy, np.array([place[:2] for place in left.dropped]))
     np.testing.assert_array_equal(np.unique(where[:, 0]), [-3, -2, -1])
     assert len(np.unique(where, axis=0)) == 3 * 14
 
@@ -49,7 +49,7 @@ def test_a_column_within_is_named():
 
 def test_a_region_that_no_point_was_seen_in_is_named():
     (text,) = uncovered(photo(nothing, gone=lambda index: (np.abs(index - (9, 6)) <= 1.5).all(1)))
-    assert text.startswith("a region of 9 places") and "columns 8 to 10, rows 5 to 7" in text
+    assert text.startswith("a region of 9 positions") and "columns 8 to 10, rows 5 to 7" in text
 
 
 def test_a_staggered_grid_has_no_holes_between_its_circles():

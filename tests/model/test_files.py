@@ -25,7 +25,7 @@ def test_a_device_is_written_into_and_stays_one():
 
 
 def test_a_pipe_is_written_into_if_somebody_reads_it(pipe):
-    with pytest.raises(InputError, match="pipe: nobody reads it"):
+    with pytest.raises(InputError, match="pipe: it has no reader"):
         write_stream(pipe, "text")
     read = []
     reader = threading.Thread(target=lambda: read.append(pipe.read_text()))

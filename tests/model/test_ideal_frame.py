@@ -214,7 +214,7 @@ def test_real_photos(where, pattern, target, zoom, smooth, straight):
 def test_fisheye_of_180_degrees_needs_a_zoom_in_numbers(where):
     files = where("fisheye/*.jpg")
     points = detect_points(((file.name, read_image(file)) for file in files), "chessboard:6x4")
-    with pytest.raises(InputError, match="zoom fit needs a place in the flat picture"):
+    with pytest.raises(InputError, match="zoom fit needs a position in the flat picture"):
         ideal_frame(points, zoom="fit")
     frame = ideal_frame(points, zoom=1.0)
     assert frame.rms < 0.5 and len(frame.index) > 140

@@ -9,8 +9,8 @@ from cameras import barrel_descriptor
 from ncdc_model.golden.corrector import correct
 from ncdc_model.golden.picture import (
     bilinear,
+    corner_colours,
     gradient_colours,
-    place_colours,
     raw_windows,
     window_address,
 )
@@ -96,7 +96,7 @@ def test_grey_is_bilinear_between_the_samples_of_every_row_and_column():
     geometry = Geometry(8, 8, 10, 9, bayer=MONO, interpolation=GRADIENT)
     raw = np.random.default_rng(5).integers(0, 256, (9, 10), np.uint8)
     y0, x0 = np.indices((8, 9))
-    places = place_colours(raw_windows(raw, GRADIENT)[y0, x0], x0, y0, geometry)
+    places = corner_colours(raw_windows(raw, GRADIENT)[y0, x0], x0, y0, geometry)
     for j in range(2):
         for i in range(2):
             assert (places[j, i] == places[j, i, :1]).all()

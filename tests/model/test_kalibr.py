@@ -112,7 +112,7 @@ def test_one_camera_of_several_is_chosen_by_name(tmp_path, capsys):
     assert "cam1 pinhole radtan" in net.read_text()
     errors = [tmp_path / f"{name}.json" for name in ("cam0", "cam1")]
     for file in errors:
-        assert main(["evaluate", str(net), "--against", str(chain), "--camera", file.stem,
+        assert main(["evaluate", str(net), "--reference", str(chain), "--camera", file.stem,
                      "--json", str(file)]) == 0
     other, own = (json.loads(file.read_text())["map_error_float_px"]["mse"] for file in errors)
     assert own < other / 10

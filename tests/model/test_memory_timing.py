@@ -58,7 +58,7 @@ def test_bad_names(memory, message):
 
 @pytest.mark.parametrize("options,message", [
     ({"max_pending": 65}, "max_pending is 65, the limits are 1 and 64"),
-    ({"wait_chance": 256}, "wait_chance is 256, the limits are 0 and 255")])
+    ({"wait_probability": 256}, "wait_probability is 256, the limits are 0 and 255")])
 def test_bad_values(options, message):
     with pytest.raises(InputError, match=message):
         LatencyMemory(**options)

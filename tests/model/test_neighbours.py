@@ -1,15 +1,15 @@
-"""Numbered points held against their neighbours, the ground and the lens."""
+"""Numbered points compared with their neighbours, the background and the lens."""
 
 import cv2
 import numpy as np
 import pytest
 
-from ncdc_model.calibration.belief import believed
+from ncdc_model.calibration.background import on_one_background
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
 from ncdc_model.calibration.dots import find_dots
-from ncdc_model.calibration.ground import on_one_ground
 from ncdc_model.calibration.lattice import find_lattices
-from ncdc_model.calibration.neighbours import Doubt, hold, parts
+from ncdc_model.calibration.neighbours import OutlierReason, check_neighbours, parts
+from ncdc_model.calibration.outliers import without_outliers
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_spec.errors import InputError
 
@@ -25,8 +25,8 @@ def page(columns=20, rows=15, noise=0.05, seed=1):
 
 
 def test_right_points_are_kept():
-    held = hold(*page())
-    assert held.keep.all() and held.doubts == {}
+    held = check_neighbours(*page())
+    assert held.keep.all() and held.reasons == {}
     assert held.sigma == pytest.approx(0.05, rel=0.3)
 
 
@@ -34,15 +34,16 @@ def test_right_points_are_kept():
 def test_a_point_off_by_three_pixels_is_dropped_alone(victim):
     index, xy = page()
     xy[victim] += (3.0, 0)
-    held = hold(index, xy)
-    assert set(held.doubts) == {victim} and held.doubts[victim] in (Doubt.PLACE, Doubt.RIM)
+    held = check_neighbours(index, xy)
+    assert set(held.reasons) == {victim}
+    assert held.reasons[victim] in (OutlierReason.POSITION, OutlierReason.RIM)
 
 
 def test_a_dot_of_another_size_is_dropped():
     index, xy = page()
     area = np.full(len(xy), 100.0)
     area[130] = 180
-    assert hold(index, xy, area).doubts == {130: Doubt.SIZE}
+    assert check_neighbours(index, xy, area).reasons == {130: OutlierReason.SIZE}
 
 
 def test_a_column_that_is_cut_lengthwise_is_dropped_though_it_agrees_with_itself():
@@ -50,15 +51,15 @@ def test_a_column_that_is_cut_lengthwise_is_dropped_though_it_agrees_with_itself
     area, last = np.full(len(xy), 100.0), index[:, 0] == 19
     xy[last] -= (3.0, 0)
     area[last] = 45
-    held = hold(index, xy, area)
+    held = check_neighbours(index, xy, area)
     assert not held.keep[last].any() and held.keep[~last].sum() >= 18 * 15
 
 
 def test_points_apart_from_the_rest_are_dropped():
     index, xy = page()
     keep = (index[:, 0] < 12) | (index[:, 0] > 16)
-    held = hold(index[keep], xy[keep])
-    assert set(held.doubts.values()) == {Doubt.APART}
+    held = check_neighbours(index[keep], xy[keep])
+    assert set(held.reasons.values()) == {OutlierReason.APART}
     assert held.keep.sum() == 12 * 15
 
 
@@ -77,7 +78,7 @@ def test_two_lattices_that_join_are_parted_at_their_kink():
 def test_points_that_scatter_are_no_target():
     index, xy = page(noise=2.5)
     with pytest.raises(InputError, match="4 % is the limit: that is no printed target"):
-        believed((640, 640), PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy))))
+        without_outliers((640, 640), PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy))))
 
 
 def test_a_lattice_is_walked_around_a_hole_in_the_middle():
@@ -118,7 +119,7 @@ def test_light_that_falls_off_slowly_drops_none():
     picture = dots_picture((560, 310), 20, 11, np.linspace(220, 60, 560))
     index = np.array([(i, j) for i in range(20) for j in range(11)])
     photo = PhotoPoints(index=index, xy=30.0 + 25 * index, area=np.full(220, 113.0))
-    assert on_one_ground(picture, photo) is photo
+    assert on_one_background(picture, photo) is photo
 
 
 def board(columns, rows, step=30):

@@ -88,7 +88,8 @@ def test_a_network_is_trained_and_measured(tmp_path, capsys):
     assert "the size of the photos is not known; --sensor-size WxH gives it" in said
     assert main([*train, "--sensor-size", "320x240"]) == 0
     capsys.readouterr()
-    assert main(["evaluate", str(tmp_path / "net.toml"), "--against", str(tmp_path / "p.csv")]) == 0
+    measure = ["evaluate", str(tmp_path / "net.toml"), "--reference", str(tmp_path / "p.csv")]
+    assert main(measure) == 0
     assert "measured on points, pose trained" in capsys.readouterr().out
 
 

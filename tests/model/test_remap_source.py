@@ -206,7 +206,7 @@ CARELESS = {
              "the tables have been through 16-bit floats, whose steps at 15.* are 0.125 px"),
     "16-bit": ((X.astype(np.float16), Y.astype(np.float16)), "map_x holds float16 values"),
     "8-bit": ((X.astype(np.uint8), Y.astype(np.uint8)), "map_x holds uint8 values, which cannot "
-                                                        "tell a hundredth of a pixel: float32"),
+                                                        "resolve a hundredth of a pixel: float32"),
     "complex": ((X + 1j * Y, Y), "map_x holds complex64 values"),
     "colour": ((np.dstack([X] * 3), Y), "map_x is 128x160x3, a map has two arrays of one channel"),
     "small": ((X[:4], Y[:4]), "map_x 4x160, map_y 4x160: a map has two arrays, named as map_x and "

@@ -11,8 +11,8 @@ from ncdc_bench.photos.cases import CASES, Case
 from ncdc_bench.photos.command import summary
 from ncdc_bench.photos.measure import judge, try_case
 from ncdc_bench.photos.targets import Bank, Pose
+from ncdc_model.calibration.detection_result import DetectionResult
 from ncdc_model.calibration.points import PhotoPoints
-from ncdc_model.calibration.sight import Look
 from ncdc_spec.errors import InputError
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -42,11 +42,11 @@ def test_what_must_become_of_it_does(bank, name):
 def test_ragged_corners_between_dots_are_no_chessboard(bank):
     # Out of focus, the saddles between dots look like corners, and are more than the dots.
     photo = spoil.blur(bank.render(("dots", 12, 9, Pose(step=0.1, turn=30.0)), clutter=True), 4)
-    look = Look("page", photo.image)
-    assert not look.boards and len(look.spots.lattices[0].index) > 100
-    assert judge(photo, look.page)[1] == 0
-    look.prepare("auto")
-    assert look.sight.kind in ("dots", "circles")
+    result = DetectionResult("page", photo.image)
+    assert not result.boards and len(result.spots.lattices[0].index) > 100
+    assert judge(photo, result.page)[1] == 0
+    result.prepare("auto")
+    assert result.target.kind in ("dots", "circles")
 
 
 @pytest.mark.longer
@@ -61,7 +61,7 @@ def test_dots_far_out_of_focus_are_warned_of(bank, sigma):
 def test_a_board_asked_as_dots_is_refused(bank):
     photo = bank.render(("chessboard", 8, 6, Pose()), clutter=True)
     with pytest.raises(InputError, match="it shows a chessboard of 48 corners, no page of dots"):
-        Look("board", photo.image).page
+        DetectionResult("board", photo.image).page
 
 
 @pytest.mark.regress

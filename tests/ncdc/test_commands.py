@@ -147,7 +147,7 @@ def test_calibrate_without_a_target(folder, image, message, target, capsys):
     "calibrate raw.png --target hexagons:3x3 -o p.json",
     "calibrate raw.png --target chessboard -o p.json",
     "train none.json --neurons 4", "train net.toml --neurons 4", "train raw.png --neurons 4",
-    "evaluate net.toml --against none.json", "evaluate none.toml --against raw.png",
+    "evaluate net.toml --reference none.json", "evaluate none.toml --reference raw.png",
     "correct net.toml raw.png", "correct net.toml raw.png -o out.nonsense",
     "generate net.toml -o out --data-width 48", "generate net.toml -o out --fetch magic",
     "simulate net.toml raw.png -o out.png --memory tape",
@@ -172,7 +172,7 @@ def test_unwritable_output(folder, command, capsys):
     ("simulate net.toml raw.png -o o.png --seed -1", "seed is -1, it must not be negative"),
     ("train net.toml --neurons 4 -o /proc/none/n.toml", "cannot write /proc/none/n.toml"),
     ("calibrate raw.png -o /proc/none/p.json", "cannot write /proc/none/p.json"),
-    ("evaluate net.toml --against raw.png --json /proc/none/e.json", "cannot write /proc/none"),
+    ("evaluate net.toml --reference raw.png --json /proc/none/e.json", "cannot write /proc/none"),
     ("demo -o /proc/none", "cannot write /proc/none")])
 def test_outputs_are_checked_before_any_work(folder, command, message, capsys):
     check_refused(folder, command, message, capsys)

@@ -26,7 +26,7 @@ def folder(tmp_path, monkeypatch):
 
 
 INPUTS = {"calibrate": ["frame.png"], "train": ["camera.toml", "--neurons", "2"],
-          "evaluate": ["net.toml", "--against", "camera.toml"],
+          "evaluate": ["net.toml", "--reference", "camera.toml"],
           "correct": ["net.toml", "frame.png"], "simulate": ["net.toml", "frame.png"],
           "export": ["net.toml"], "plan": ["net.toml"], "generate": ["net.toml"],
           "build": ["net.toml", "--board", "ulx3s"],
@@ -73,6 +73,7 @@ def test_a_report_may_go_to_a_device(folder, capsys, command):
     assert main([command, *INPUTS[command], *more, "--json", "/dev/null"]) == 0
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
     capsys.readouterr()
-    for path, reason in (("/dev/full", "No space left on device"), ("pipe.png", "nobody reads it")):
+    for path, reason in (("/dev/full", "No space left on device"),
+                         ("pipe.png", "it has no reader")):
         assert main([command, *INPUTS[command], *more, "--json", path]) == 2
         assert f"cannot write {path}: {reason}\n" in capsys.readouterr().err

@@ -71,7 +71,21 @@ def test_an_old_name_does_the_same_and_says_the_new_one(command, old, new, capsy
     assert not capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command,old,new", RENAMED)
+def test_a_required_old_name_may_be_given_twice(capsys):
+    one = parser("evaluate")
+    before = one.parse_args("evaluate net.toml --against x.tif --against y.tif".split())
+    assert capsys.readouterr().err.count("--against is called --reference now") == 2
+    assert before == one.parse_args(
+        "evaluate net.toml --reference x.tif --reference y.tif".split())
+    assert before.reference == ["x.tif", "y.tif"]
+    for wrong in ("", "--against x.tif --reference y.tif"):
+        with pytest.raises(SystemExit) as stopped:
+            one.parse_args(["evaluate", "net.toml", *wrong.split()])
+        assert stopped.value.code == 2
+
+
+@pytest.mark.parametrize("command,old,new", [
+    *RENAMED, ("evaluate net.toml", "--against a.json", "--reference a.json")])
 def test_help_names_the_new_one_only(command, old, new, capsys):
     words = command.split()
     with pytest.raises(SystemExit):

@@ -57,7 +57,8 @@ CALIBRATE = (r"ncdc calibrate {} -o points.json, then ncdc train points.json --n
      "photo.heic is a HEIF photo (HEIC), which is not supported; save the photo as PNG or TIFF, as "
      "by heif-convert PHOTO photo.png (libheif-examples)"),
     ("train photo.avif -o out.toml", "photo.avif is a picture, points, a camera file or a map are"),
-    ("evaluate net.toml --against photo.png", "photo.png is a picture, points, a camera file or a"),
+    ("evaluate net.toml --reference photo.png",
+     "photo.png is a picture, points, a camera file or a"),
     ("export photo.png -o out.csv", "photo.png is a picture, a descriptor or points are needed"),
     ("calibrate photo.png net.toml -o out.json", "net.toml is a descriptor of ncdc train, a pict")])
 def test_a_file_in_another_s_place(files, monkeypatch, capsys, command, said):

@@ -23,7 +23,7 @@ def test_the_frame_of_the_file_is_the_one_that_evaluate_measures(info, capsys):
     assert main(["train", "info.yaml", *SPARE, "-o", "net.toml", "--json", "train.json"]) == 0
     assert ("the corrected picture is that of the projection matrix: focal lengths 90.00 and 80.00,"
             " centre (80.00, 60.00); --zoom gives another\n") in capsys.readouterr().err
-    assert main(["evaluate", "net.toml", "--against", "info.yaml", "--json", "-"]) == 0
+    assert main(["evaluate", "net.toml", "--reference", "info.yaml", "--json", "-"]) == 0
     measured = json.loads(capsys.readouterr().out)
     trained = json.load(open("train.json"))
     assert measured["measured_on"] == "frame, view trained"
@@ -38,7 +38,7 @@ def test_a_scaled_calibration_is_scaled_by_evaluate_too(info, capsys):
     said = ("the calibration is for 160x120 pixels, the sensor has 80x60: focal lengths and centre "
             "are scaled by 0.5\n")
     assert said in capsys.readouterr().err
-    assert main(["evaluate", "net.toml", "--against", "info.yaml", "--json", "got.json"]) == 0
+    assert main(["evaluate", "net.toml", "--reference", "info.yaml", "--json", "got.json"]) == 0
     assert said in capsys.readouterr().err
     assert json.load(open("got.json"))["map_error_fixed_px"] == pytest.approx(
         json.load(open("train.json"))["map_error_fixed_px"])

@@ -10,9 +10,9 @@ import pytest
 from commands import call
 from lenses import lens
 from ncdc.cli import evaluate, train
-from ncdc_model.against import fitted_view
 from ncdc_model.calibration.camera_file import load_camera_map
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
+from ncdc_model.compare import fitted_view
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.golden.valid import valid_rows
 from ncdc_model.lens import Camera
@@ -101,7 +101,8 @@ def test_points_know_nearly_the_region_of_the_true_camera(folder):
 
 @pytest.mark.longer
 def test_same_points_are_evaluated_with_the_trained_pose(folder, capsys):
-    report = report_of(evaluate, folder / "net.toml", "--against", folder / "a.json", capsys=capsys)
+    report = report_of(evaluate, folder / "net.toml", "--reference", folder / "a.json",
+                       capsys=capsys)
     trained = json.loads((folder / "report.json").read_text())
     assert report["measured_on"] == "points, pose trained"
     parts = [trained["training"], trained["held_out"]]
@@ -113,7 +114,8 @@ def test_same_points_are_evaluated_with_the_trained_pose(folder, capsys):
 
 @pytest.mark.longer
 def test_another_photo_is_evaluated_with_a_fitted_pose(folder, capsys):
-    report = report_of(evaluate, folder / "net.toml", "--against", folder / "b.json", capsys=capsys)
+    report = report_of(evaluate, folder / "net.toml", "--reference", folder / "b.json",
+                       capsys=capsys)
     trained = json.loads((folder / "report.json").read_text())["held_out"]
     assert report["measured_on"] == "points, pose fitted" and report["points"] > 300
     assert report["map_error_float_px"]["mse"] < 4 * trained["map_error_float_px"]["mse"]
@@ -121,7 +123,7 @@ def test_another_photo_is_evaluated_with_a_fitted_pose(folder, capsys):
 
 @pytest.mark.longer
 def test_points_descriptor_agrees_with_the_true_camera_up_to_the_view(folder, capsys):
-    report = report_of(evaluate, folder / "net.toml", "--against", folder / "camera.toml",
+    report = report_of(evaluate, folder / "net.toml", "--reference", folder / "camera.toml",
                        capsys=capsys)
     assert report["measured_on"] == "frame, view fitted"
     assert report["map_error_fixed_px"]["mse"] < .02
@@ -129,7 +131,7 @@ def test_points_descriptor_agrees_with_the_true_camera_up_to_the_view(folder, ca
 
 @pytest.mark.longer
 def test_camera_descriptor_against_its_camera_repeats_the_training_report(folder, capsys):
-    report = report_of(evaluate, folder / "camera-net.toml", "--against", folder / "camera.toml",
+    report = report_of(evaluate, folder / "camera-net.toml", "--reference", folder / "camera.toml",
                        capsys=capsys)
     trained = json.loads((folder / "camera-report.json").read_text())
     assert report["measured_on"] == "frame, view trained"
@@ -145,7 +147,7 @@ def test_a_wrong_network_is_seen_through_every_fit(folder, tmp_path, capsys):
     Descriptor.quantise(network, good.geometry, good.valid,
                         provenance=good.provenance).save(tmp_path / "bad.toml")
     for file in ("a.json", "b.json", "camera.toml"):
-        report = report_of(evaluate, tmp_path / "bad.toml", "--against", folder / file,
+        report = report_of(evaluate, tmp_path / "bad.toml", "--reference", folder / file,
                            capsys=capsys)
         assert report["map_error_fixed_px"]["max"] > .5, file
 
@@ -201,7 +203,7 @@ def test_beyond_its_points_the_network_follows_the_smooth_lens(tmp_path, capsys,
                        capsys=capsys)
     assert report["extrapolated_percent"] > 25 and report["valid_percent"] > 80
     assert report["training"]["points"] + report["held_out"]["points"] == middle.sum()
-    against = report_of(evaluate, tmp_path / "net.toml", "--against", tmp_path / "camera.toml",
+    against = report_of(evaluate, tmp_path / "net.toml", "--reference", tmp_path / "camera.toml",
                         capsys=capsys)
     assert against["map_error_float_px"]["max"] < 3
 
@@ -235,7 +237,7 @@ def test_a_camera_of_another_size_is_refused(folder, tmp_path):
     camera = lens().to_dict() | {"width": 640}
     Camera.from_dict(camera).save(tmp_path / "other.toml")
     with pytest.raises(InputError, match="camera is for 640x240 pixels, the sensor has 320x240"):
-        call(evaluate, folder / "net.toml", "--against", tmp_path / "other.toml")
+        call(evaluate, folder / "net.toml", "--reference", tmp_path / "other.toml")
 
 
 @pytest.mark.longer

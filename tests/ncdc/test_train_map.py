@@ -44,13 +44,13 @@ def test_an_exported_map_becomes_the_network_that_it_came_from(tmp_path, few_sta
     assert .8 < valid.mean() < .98
     np.testing.assert_array_equal(again.valid.mask(96), valid)
     assert np.hypot(x - a, y - b)[valid].max() < .02
-    assert main(["evaluate", "again.toml", "--against", "maps.npz", "--json", "report.json"]) == 0
+    assert main(["evaluate", "again.toml", "--reference", "maps.npz", "--json", "report.json"]) == 0
     report = json.loads((tmp_path / "report.json").read_text())
     assert report["measured_on"] == "frame, map" and report["map_error_fixed_px"]["max"] < .02
     assert report["valid_pixels"] == valid.sum() and report["valid_pixels_differ"] == 0
     # What hides in the blank of one of the two does not count as agreement.
     camera.save("net.toml")
-    assert main(["evaluate", "net.toml", "--against", "maps.npz", "--json", "report.json"]) == 0
+    assert main(["evaluate", "net.toml", "--reference", "maps.npz", "--json", "report.json"]) == 0
     report = json.loads((tmp_path / "report.json").read_text())
     assert report["valid_pixels_differ"] == (camera.valid.mask(96) != valid).sum() > 50
     assert report["map_error_fixed_px"]["max"] == 0
@@ -74,7 +74,7 @@ def test_a_camera_of_a_stereo_pair_as_tiff_files(tmp_path, few_starts, capsys):
     assert error.max() == pytest.approx(report["frame"]["map_error_fixed_px"]["max"], abs=1e-3)
     assert error.max() < 3 and .5 < valid.mean() < .8
     assert net.geometry.window_inside(x, y)[valid].all()
-    call(evaluate, "--against", paths[0], "--against", paths[1], out)
+    call(evaluate, "--reference", paths[0], "--reference", paths[1], out)
     assert "measured on frame, map" in capsys.readouterr().out
 
 
@@ -106,10 +106,10 @@ def test_the_neurons_of_a_map_are_chosen_by_its_whole_frame(tmp_path, few_starts
     (["train", "photo.png", "--neurons", "4"], "photo.png is a picture, points, a camera file or"),
     (["train", "camera.toml", "--neurons", "4", "--sensor-size", "320x240"],
      "camera.toml: the camera is for 320x200 pixels, the sensor has 320x240"),
-    (["evaluate", "net.toml", "--against", "x.tif", "--against", "y.tif"],
+    (["evaluate", "net.toml", "--reference", "x.tif", "--reference", "y.tif"],
      "x.tif and y.tif is the map of a corrected picture with 192x144 pixels, the descriptor is "
      "for 96x80"),
-    (["evaluate", "net.toml", "--against", "other.npz"],
+    (["evaluate", "net.toml", "--reference", "other.npz"],
      "the sensor has 200x150 pixels, the map of other.npz is for 192x144")])
 def test_bad_calls_are_one_sentence(tmp_path, monkeypatch, capsys, arguments, message):
     monkeypatch.chdir(tmp_path)

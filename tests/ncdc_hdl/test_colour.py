@@ -8,12 +8,12 @@ from ncdc_model.golden.colour import coloured
 from ncdc_model.golden.corrector import Corrected
 from ncdc_model.golden.tone import tone_named
 from ncdc_spec.colour import Colour as Settings
-from ncdc_spec.tone import LINEAR, NODE_PLACES
+from ncdc_spec.tone import LINEAR, NODE_POSITIONS
 from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
 from pipelines import run_bench, run_pipeline
 
-NODES = len(NODE_PLACES)
-INVERTED = tuple(256 - place for place in NODE_PLACES)
+NODES = len(NODE_POSITIONS)
+INVERTED = tuple(256 - place for place in NODE_POSITIONS)
 ZIGZAG = (0, 256) * (NODES // 2) + (0,)
 
 

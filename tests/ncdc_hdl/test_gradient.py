@@ -6,7 +6,7 @@ import pytest
 from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.gradient import GradientPoints
 from ncdc_hdl.backend.interpolator import Interpolator
-from ncdc_model.golden.picture import bilinear, gradient_colours, grey_places
+from ncdc_model.golden.picture import bilinear, gradient_colours, grey_corners
 from ncdc_spec.interpolation import GRADIENT
 from pipelines import get, put, run_bench, run_pipeline
 
@@ -69,7 +69,7 @@ def test_green_of_a_grey_sensor_is_each_sample_wherever_it_lies():
             for j in range(2):
                 if turned >> j & 1:
                     green[j] = green[j, ::-1].copy()
-            np.testing.assert_array_equal(green, grey_places(window)[:, :, 1])
+            np.testing.assert_array_equal(green, grey_corners(window)[:, :, 1])
 
 
 def test_bilinear_equals_model_and_clamps():
@@ -121,7 +121,7 @@ def test_stream_equals_model(gap, stall, mono):
         got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
 
     run_bench(dut, source, sink)
-    places = grey_places(windows) if mono else gradient_colours(windows, *origins.T, phase)
+    places = grey_corners(windows) if mono else gradient_colours(windows, *origins.T, phase)
     expected = bilinear(places, *fractions.T, F, GRADIENT.unit_bits)
     expected[blank] = [0x12, 0x34, 0x56]
     np.testing.assert_array_equal([[p.r, p.g, p.b] for p in got], expected)

@@ -84,7 +84,7 @@ def test_seed_changes_the_timing():
     (3, False, "AVALON-ERROR read0 aligned"), (4, True, "AVALON-ERROR stream held")])
 def test_faults_are_named(fault, stream, message, simulator):
     with pytest.raises(SimulationError, match=message):
-        copy(copier(stream=stream, fault=fault), memory=LatencyMemory(wait_chance=100),
+        copy(copier(stream=stream, fault=fault), memory=LatencyMemory(wait_probability=100),
              simulator=simulator, sink_chance=128, clock_limit=4000)
 
 

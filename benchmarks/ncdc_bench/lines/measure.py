@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from ncdc_model.example.render import expose, ideal_samples, sensor
-from ncdc_model.golden.picture import bilinear, place_colours, raw_windows, window_address
+from ncdc_model.golden.picture import bilinear, corner_colours, raw_windows, window_address
 from ncdc_model.lens.inverse import planar_inverse
 from ncdc_spec.formats import Formats
 
@@ -99,7 +99,7 @@ def corrected(back_map, raw, geometry):
         x0, y0, fx, fy, inside = window_address(
             *(coordinate.quantise(np.clip(place, -limit, limit)) for place in (x, y)),
             geometry, coordinate)
-        places = place_colours(windows[y0, x0], x0, y0, geometry)
+        places = corner_colours(windows[y0, x0], x0, y0, geometry)
         colours = bilinear(places, fx, fy, coordinate.f_bits, geometry.interpolation.unit_bits)
         picture[rows] = np.where(inside[..., None], colours, 0)
         valid[rows] = inside

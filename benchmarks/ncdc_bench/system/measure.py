@@ -9,9 +9,9 @@ from ncdc_bench.throughput.lenses import Lens, trained
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_hdl.system import System
-from ncdc_model.planner.beside import clocks_beside_camera, follow_bound_beside_camera
 from ncdc_model.planner.memory_timing import memory_at
 from ncdc_model.planner.plan import Fixed, plan
+from ncdc_model.planner.with_camera import clocks_with_camera, follow_bound_with_camera
 from ncdc_sim.sensor.verilog import Fault, Light
 from ncdc_sim.system.camera import simulate_camera
 from ncdc_sim.system.readers import simulate_readers
@@ -143,9 +143,9 @@ def _predicted(run, system, setup, result):
     memory, own = memory_at(run.memory, _CLOCK_MHZ), system.corrector.timing
     ratio = Fraction(_CLOCK_MHZ * 10**6, timing.pixel_clock_hz)
     if not run.follow:
-        clocks = clocks_beside_camera(descriptor, hardware, memory, own, timing, ratio)
+        clocks = clocks_with_camera(descriptor, hardware, memory, own, timing, ratio)
         return {"predicted_clocks_per_pixel": clocks / (run.size[0] * run.size[1])}
-    bound = follow_bound_beside_camera(descriptor, hardware, memory, own, timing, ratio)
+    bound = follow_bound_with_camera(descriptor, hardware, memory, own, timing, ratio)
     sent = bound.camera_clocks
     return {"follow_latency_clocks": max(frame.age for frame in result.frames) - sent,
             "follow_bound_clocks": bound.clocks, "camera_clocks": sent}

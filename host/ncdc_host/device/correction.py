@@ -8,7 +8,7 @@ each lens. The sums are exact: the golden model adds the same products in anothe
 import numpy as np
 
 from ncdc_model.golden.corrector import check_raw, window_bands
-from ncdc_model.golden.picture import place_colours
+from ncdc_model.golden.picture import corner_colours
 
 __all__ = ["Correction"]
 
@@ -105,6 +105,6 @@ def _coefficients(geometry):
     tables = []
     for parity in range(4):
         x0, y0 = (np.full(len(unit), bit) for bit in (parity & 1, parity >> 1))
-        first = place_colours(unit, x0, y0, geometry)[0, 0]
+        first = corner_colours(unit, x0, y0, geometry)[0, 0]
         tables.append(first.T.reshape(window, window, 3)[:-1, :-1])
     return np.array(tables)

@@ -1,4 +1,4 @@
-"""Other maps fitted to the same points, to judge the network by.
+"""Other maps fitted to the same points, for comparison with the network.
 
 Each is a function of a :class:`~ncdc_model.training.problem.Problem` that returns the map
 (u, v) to (x', y'), corrected pixels to distorted ones.

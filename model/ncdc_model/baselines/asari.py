@@ -13,7 +13,7 @@ def fit_asari(points, order, shared=True):
 
         (x', y') = (x0, y0) + sum over n = 0..N of a_n rho^n (cos theta, sin theta)
 
-    The centre is fitted with the coefficients; these are eliminated, being linear.
+    The centre is fitted with the coefficients, which are linear and eliminated.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def fit_asari(points, order, shared=True):
     order : int
         N; the paper has 6 to 8.
     shared : bool
-        One centre for both pictures, (x0, y0) = (u0, v0), as in the paper; else each its own.
+        One centre for both pictures, (x0, y0) = (u0, v0), as in the paper; else one for each.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Meshes of nodes over the corrected picture, as commercial cores keep them."""
+"""Meshes of nodes over the corrected picture, as commercial cores use them."""
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -11,7 +11,7 @@ __all__ = ["fit_bicubic_mesh", "fit_bilinear_mesh"]
 def fit_bilinear_mesh(points, step):
     """Bilinear interpolation between nodes every ``step`` pixels.
 
-    There are more nodes than points: they are read off the smoothing spline of
+    There are more nodes than points: they are taken from the smoothing spline of
     :func:`fit_polyharmonic`.
 
     Returns
@@ -37,8 +37,8 @@ def fit_bilinear_mesh(points, step):
 def fit_bicubic_mesh(points, step):
     """Bicubic B-spline with knots every ``step`` pixels, least squares on the points.
 
-    A penalty on the third differences of the coefficients along rows and columns keeps those
-    that no point determines; its weight is that of least generalised cross-validation.
+    A penalty on the third differences of the coefficients along rows and columns determines those
+    without points; its weight minimises the generalised cross-validation.
 
     Returns
     -------

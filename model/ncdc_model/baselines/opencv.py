@@ -7,7 +7,7 @@ from ncdc_model.baselines.projection import fit_projection
 
 __all__ = ["fit_brown", "fit_fisheye", "fit_full"]
 
-# Places in OpenCV's vector: k1 k2 p1 p2 k3, k4 k5 k6, s1 s2 s3 s4, tilt about x and y.
+# Indices in OpenCV's vector: k1 k2 p1 p2 k3, k4 k5 k6, s1 s2 s3 s4, tilt about x and y.
 _BROWN = ((0, 1), (2, 3, 4))
 _FULL = (*_BROWN, (5, 6, 7), (8, 9, 10, 11), (12, 13))
 _FISHEYE = ((0, 1), (2, 3))
@@ -23,7 +23,7 @@ def fit_brown(points):
 
 
 def fit_full(points):
-    """Every coefficient OpenCV has: rational radial, decentring, thin prism, tilted sensor.
+    """All coefficients of OpenCV: rational radial, decentring, thin prism, tilted sensor.
 
     ``points``: a Problem; returns (u, v) to (x', y'), as :func:`fit_projection`.
     """
@@ -44,7 +44,7 @@ def _matrix(camera):
 
 
 def _pinhole(target, pose, camera, lens):
-    # projectPoints knows vectors of 5 and 14 coefficients, and derives in our order.
+    # projectPoints takes vectors of 5 and 14 coefficients; its derivatives are in our order.
     pixels, slopes = cv2.projectPoints(target, pose[:3], pose[3:], _matrix(camera), lens)
     return pixels[:, 0], slopes
 

@@ -1,4 +1,4 @@
-"""Smoothing spline through scattered points, its smoothness chosen from the points themselves."""
+"""Smoothing spline through scattered points; the points determine its smoothness."""
 
 import numpy as np
 
@@ -8,9 +8,9 @@ __all__ = ["fit_polyharmonic"]
 def fit_polyharmonic(points, order=4, block=4096):
     """Polyharmonic smoothing spline of the points, both coordinates with one smoothness.
 
-    Of all functions it makes the squared errors plus lambda times the squared derivatives of
-    ``order`` least (2: thin plate); lambda is that of least generalised cross-validation.
-    Polynomials below ``order`` pass unchanged.
+    It minimises the squared errors plus lambda times the squared derivatives of ``order`` (2: thin
+    plate); lambda minimises the generalised cross-validation. Polynomials below ``order`` are
+    reproduced exactly.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def fit_polyharmonic(points, order=4, block=4096):
     unit, middle = size[0] / 2, (np.array(size) - 1) / 2
     powers = [(i, n - i) for n in range(order) for i in range(n + 1)]
 
-    def place(u, v):
+    def normalised(u, v):
         return np.stack([(np.ravel(u) - middle[0]) / unit, (np.ravel(v) - middle[1]) / unit])
 
     def polynomials(at):
@@ -34,10 +34,10 @@ def fit_polyharmonic(points, order=4, block=4096):
 
     def kernel(at, knots):
         square = ((at[:, :, None] - knots[:, None, :])**2).sum(0)
-        # r^(2 m - 2) log r, of a sign that makes the form positive.
+        # r^(2 m - 2) log r, with the sign of a positive form.
         return (-1)**order / 2 * square**(order - 1) * np.log(np.maximum(square, 1e-300))
 
-    knots, targets = place(points.u, points.v), points.targets.T
+    knots, targets = normalised(points.u, points.v), points.targets.T
     form, free = kernel(knots, knots), polynomials(knots)
     q, _ = np.linalg.qr(free, mode="complete")
     rest = q[:, len(powers):]
@@ -53,7 +53,7 @@ def fit_polyharmonic(points, order=4, block=4096):
     tail = np.linalg.lstsq(free, targets - form @ weights - smooth * weights, rcond=None)[0]
 
     def back_map(u, v):
-        at = place(u, v)
+        at = normalised(u, v)
         result = np.concatenate([
             kernel(at[:, k:k + block], knots) @ weights + polynomials(at[:, k:k + block]) @ tail
             for k in range(0, at.shape[1], block)])

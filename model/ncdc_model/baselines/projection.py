@@ -1,4 +1,4 @@
-"""Lens models of OpenCV as maps: a flat target seen by a camera, pose and lens fitted together."""
+"""Lens models of OpenCV as maps: pose and lens of a camera fitted to a flat target."""
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -7,10 +7,10 @@ __all__ = ["fit_projection"]
 
 
 def fit_projection(points, project, stages, starts=((1.0, 1e-4),)):
-    """Least-squares fit of a camera, its lens and its pose before the corrected picture.
+    """Least-squares fit of a camera, its lens and its pose relative to the corrected picture.
 
-    The corrected picture is taken for a flat target at z = 0, two units wide, as OpenCV's
-    calibration takes a photo's target: parameters are its rotation vector and translation, then
+    The corrected picture serves as a flat target at z = 0, two units wide, as in OpenCV's
+    calibration: parameters are its rotation vector and translation, then
     the camera's focal lengths and principal point, then the coefficients of the lens.
 
     Parameters
@@ -20,11 +20,11 @@ def fit_projection(points, project, stages, starts=((1.0, 1e-4),)):
         ``project(target, pose, camera, lens)`` gives pixels (N, 2) and their derivatives
         (2 N, parameters), x and y of each point in turn; ``target`` has shape (N, 3).
     stages : sequence of sequence of int
-        Coefficients of the lens that each stage of the fit adds, all others being zero.
+        Coefficients of the lens that each stage of the fit adds; all others are zero.
     starts : sequence of (float, float)
         Distance of the target at the start, in units of half its width, and relative change of
-        the cost at which a stage before the last ends. The best fit of all starts is kept: the
-        larger models have several minima.
+        the cost at which a stage before the last ends. The result is the best fit of all starts,
+        since the larger models have several minima.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def fit_projection(points, project, stages, starts=((1.0, 1e-4),)):
 
 
 def _descend(projected, wanted, start, stages, tolerance):
-    """Cost at the end of the last stage, and the parameters there, from those at the ``start``.
+    """Cost and parameters after the last stage, from the parameters ``start``.
 
     ``projected(parameters)`` gives pixels and derivatives; the pixels ``wanted`` have shape (N, 2).
     """

@@ -9,23 +9,23 @@ from scipy.spatial import cKDTree
 __all__ = ["Blobs", "find_blobs", "flat_field"]
 
 _SMALL = 5             # pixels
-_FAINT = 0.25          # of the middle contrast of the page: less is noise, not a dot
-_DARK = 0.15           # part of a dot's contrast below which a pixel does not count as ink
-_RIM = 2               # pixels around a blob that still hold some of its ink
-_FILL = (0.80, 1.15)   # area over the area of the ellipse with the same second moments
-_STRIP = 1 << 18       # pixels at a time, which bounds the memory
+_FAINT = 0.25          # of the median contrast of the page: less is noise, not a dot
+_DARK = 0.15           # of a dot's contrast: a pixel with less does not count as ink
+_MARGIN = 2               # pixels around a blob that still hold some of its ink
+_FILL = (0.80, 1.15)   # ratio of the area to that of the ellipse with the same second moments
+_STRIP = 1 << 18       # pixels at a time: bounds the memory
 
 
 @dataclass(frozen=True)
 class Blobs:
-    """Round blobs, and what was rejected.
+    """Round blobs, and counts of rejected ones.
 
     Parameters
     ----------
     xy, area : ndarray, shapes (n, 2) and (n,)
         Centres, and areas in square pixels.
     rejected : dict
-        How many were rejected, by reason; those that the border cuts are not among them.
+        Number of rejected blobs, by reason; those cut by the border are not included.
     cut : ndarray, shape (k, 2)
         Middles of the visible parts of blobs that the border cuts.
     """
@@ -38,9 +38,9 @@ class Blobs:
 def flat_field(image):
     """Brightness of ``image`` relative to its surroundings, float32, about 1 on average.
 
-    Divides by a Gaussian a sixteenth of the image wide. A single-channel image is divided
-    separately for each of the four positions of a colour filter, which makes a raw frame of a
-    black and white target grey without any interpolation and leaves a grey image as it is.
+    The divisor is a Gaussian a sixteenth of the image wide. A single-channel image is divided
+    separately for each of the four positions of a colour filter. So a raw frame of a black and
+    white target becomes grey without interpolation, and a grey image does not change.
     """
     if image.ndim == 3:
         return _relative(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY))
@@ -65,10 +65,10 @@ def find_blobs(image):
     """Dark round blobs of the uint8 ``image``, (h, w) raw or grey, or (h, w, 3) RGB.
 
     Flat field and Otsu's threshold find most dots, and so their size and distance. Then every
-    pixel is taken relative to the page around it, with dots of that size closed, and a dot is
-    what is darker than half of its own depth: this finds dots under smudges and glare too. The
-    centre is the centroid of the ink, each pixel weighted by its darkness. A blob is rejected if
-    it is much smaller than the others, or no filled ellipse; if the border cuts it, only told.
+    pixel is divided by the page around it, a closing with dots of that size. A dot is the region
+    darker than half of its own depth: this finds dots under smudges and glare too. The centre is
+    the centroid of the ink, each pixel weighted by its darkness. A blob is rejected if it is much
+    smaller than the others, or no filled ellipse. Blobs cut by the border are listed apart.
     """
     flat = flat_field(image)
     first = _dark_blobs(cv2.GaussianBlur(flat, (0, 0), 0.7))
@@ -93,8 +93,8 @@ def _dark_blobs(smooth):
 
 
 def _ink(smooth, diameter, apart):
-    """Mask of what is darker than half of the depth of its dot; dots have the ``diameter`` and
-    are ``apart``."""
+    """Mask of pixels darker than half of the depth of their dot; ``diameter`` and distance
+    ``apart`` of dots in pixels."""
     depth = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, _square(diameter))
     np.divide(smooth, depth, out=depth)
     np.subtract(1, depth, out=depth)
@@ -136,16 +136,16 @@ def _counts(small, odd):
 
 
 def _centres(flat, labels, good, count, area):
-    """Centroid of the ink and fill of every component; rows of bad components mean nothing."""
+    """Centroid of the ink and fill of every component; rows of bad components are undefined."""
     size = int(np.sqrt(np.median(area[good]))) + 2
     white = cv2.dilate(flat, np.ones((2 * size + 1,) * 2, np.uint8))
     white = cv2.erode(white, np.ones((size, size), np.uint8))
     white = cv2.blur(white, (2 * size + 1,) * 2)
     deepest = np.zeros(count, np.float32)
-    for which, rows, columns in _pixels(labels, good, _RIM):
+    for which, rows, columns in _pixels(labels, good, _MARGIN):
         np.maximum.at(deepest, which, white[rows, columns] - flat[rows, columns])
     mass, x, y, xx, yy, xy = np.zeros((6, count))
-    for which, rows, columns in _pixels(labels, good, _RIM):
+    for which, rows, columns in _pixels(labels, good, _MARGIN):
         depth = white[rows, columns] - flat[rows, columns]
         ink = np.clip(depth - _DARK * deepest[which], 0, None).astype(np.float64)
         for total, weights in (mass, ink), (x, ink * columns), (y, ink * rows):
@@ -162,17 +162,17 @@ def _centres(flat, labels, good, count, area):
     return np.stack([x, y], axis=1), fill
 
 
-def _pixels(labels, good, rim):
-    """Component, row and column of the pixels of the ``good`` components and of those that are no
-    component's, but at most ``rim`` pixels away; strip after strip, in the order of the rows."""
+def _pixels(labels, good, margin):
+    """Component, row and column of the pixels of the ``good`` components and of free pixels at
+    most ``margin`` pixels away; one strip at a time, in the order of the rows."""
     number = np.where(good, np.arange(len(good)), 0).astype(np.float32)
-    around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * rim + 1,) * 2)
+    around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1,) * 2)
     height = max(1, _STRIP // labels.shape[1])
     for top in range(0, len(labels), height):
-        above = min(rim, top)
-        part = labels[top - above:top + height + rim]
+        above = min(margin, top)
+        part = labels[top - above:top + height + margin]
         near = number[part]
-        if rim:
+        if margin:
             near = np.where(part > 0, near, cv2.dilate(near, around))
         rows, columns = np.nonzero(near[above:above + height])
         yield near[above:above + height][rows, columns].astype(np.intp), rows + top, columns

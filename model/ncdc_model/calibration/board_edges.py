@@ -1,4 +1,4 @@
-"""Holds a lattice of corners against the edges between them, and reads it along the squares."""
+"""Checks a lattice of corners by the edges between them, and reads it along the squares."""
 
 import numpy as np
 from scipy.ndimage import map_coordinates
@@ -8,15 +8,15 @@ __all__ = ["are_squares", "on_edges", "readings"]
 _ALONG = np.array([0.2, 0.35, 0.5, 0.65, 0.8])    # of the way from one corner to the next
 _ASIDE = 0.1           # of that way: to either side of the edge
 _CONTRAST = 0.3        # of the usual difference of both sides
-_SEEN = 4              # of the five places on an edge
+_SEEN = 4              # of the five samples on an edge
 _GOOD = 0.5            # of a corner's edges
 _INSET = 0.12          # of a square, from its corners: where a circle does not reach
-_FILLED = 0.8          # of these places must be as dark or bright as the middle of their square
+_FILLED = 0.8          # of these samples must be as dark or bright as the middle of their square
 
 
 def readings():
-    """Matrices (2, 2) by which a walked index may be read along the squares: the walk takes the
-    steps to the nearest corners, which on a board seen from far aside may be diagonals."""
+    """Matrices (2, 2) that may turn the steps of a lattice into those along the squares: steps to
+    the nearest corners may be diagonals on a board seen from a flat angle."""
     yield np.eye(2, dtype=int)
     for shear in (1, -1, 2, -2):
         yield np.array([[1, shear], [0, 1]])
@@ -24,12 +24,12 @@ def readings():
 
 
 def are_squares(picture, index, xy):
-    """Whether the cells of a lattice ``index``, ``xy`` (n, 2) are dark and bright by turns up to
-    their corners: circles that touch are dark and bright by turns too, but round."""
-    place = {tuple(key): point for key, point in zip(index.tolist(), xy)}
+    """Whether the cells of a lattice ``index``, ``xy`` (n, 2) alternate between dark and bright up
+    to their corners: circles that touch alternate too, but are round."""
+    position = {tuple(key): point for key, point in zip(index.tolist(), xy)}
     spots, signs = [], []
-    for i, j in place:
-        cell = [place.get(key) for key in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+    for i, j in position:
+        cell = [position.get(key) for key in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
         if all(corner is not None for corner in cell):
             middle = sum(cell) / 4
             spots.append([middle, *(middle + (1 - 2 * _INSET) * (corner - middle)
@@ -48,9 +48,9 @@ def are_squares(picture, index, xy):
 def on_edges(picture, index, xy):
     """Which corners (n,) have edges between black and white towards the corners next to them.
 
-    On both sides of each edge the brightness is compared at five places. A corner is kept if at
-    half of its edges or more at least four of them differ in the right direction by 0.3 of what is
-    usual. What is no corner of the board, but lies where one would, has no such edges.
+    The brightness on both sides of each edge is compared at five positions. An edge is good if at
+    least four differ in the right direction by 0.3 of the usual difference. A corner needs at
+    least half of its edges good.
 
     Parameters
     ----------
@@ -58,9 +58,9 @@ def on_edges(picture, index, xy):
         Grey.
     index, xy : ndarray, shape (n, 2)
     """
-    place = {tuple(key): k for k, key in enumerate(index.tolist())}
-    pairs = np.array([(k, place[key], axis) for (i, j), k in place.items()
-                      for axis, key in enumerate(((i + 1, j), (i, j + 1))) if key in place]
+    number_of = {tuple(key): k for k, key in enumerate(index.tolist())}
+    pairs = np.array([(k, number_of[key], axis) for (i, j), k in number_of.items()
+                      for axis, key in enumerate(((i + 1, j), (i, j + 1))) if key in number_of]
                      ).reshape(-1, 3)
     if not len(pairs):
         return np.zeros(len(xy), bool)

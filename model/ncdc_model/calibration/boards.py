@@ -5,11 +5,11 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from ncdc_model.calibration.belief import believed, place_of
 from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
 from ncdc_model.calibration.exposure import with_exposure
 from ncdc_model.calibration.focus import with_focus
+from ncdc_model.calibration.outliers import location_text, without_outliers
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.subpixel import refine
 from ncdc_spec.errors import InputError
@@ -24,14 +24,14 @@ _COPY = 1_500_000      # pixels of the copy that it searches of a larger one
 
 
 def find_boards(image):
-    """All chessboards in the picture, PhotoPoints each, the one of most corners first.
+    """All chessboards in the picture, PhotoPoints each, the one with most corners first.
 
     i grows to the right and j downwards; the smallest of each is 0.
     """
     grey, boards = grey_picture(image), []
     for board in find_corner_lattices(grey):
         try:
-            boards.append(_examined(image, grey, _held(image, board.index, board.xy)))
+            boards.append(_examined(image, grey, _without_outliers(image, board.index, board.xy)))
         except InputError:
             pass
     boards = [board for board in boards if len(board.index) >= 9]
@@ -39,7 +39,7 @@ def find_boards(image):
 
 
 def find_chessboard(image, columns, rows):
-    """Inner corners of a chessboard, ``columns`` x ``rows``, as PhotoPoints; a part will do.
+    """Inner corners of a chessboard, ``columns`` x ``rows``, as PhotoPoints; or of a part.
 
     Raises
     ------
@@ -50,9 +50,9 @@ def find_chessboard(image, columns, rows):
 
 
 def board_of_size(boards, columns, rows, image):
-    """The one of ``boards``, as of :func:`find_boards`, that is ``columns`` x ``rows`` or a part.
+    """The one of ``boards`` of :func:`find_boards` that is ``columns`` x ``rows`` or a part.
 
-    Where none is whole, OpenCV looks for it too in what ``image()`` returns; it takes more time.
+    If none is whole, OpenCV also searches the result of ``image()``, which takes more time.
     Raises :class:`InputError` as :func:`find_chessboard`.
     """
     for side, count in (("columns", columns), ("rows", rows)):
@@ -78,7 +78,7 @@ def board_of_size(boards, columns, rows, image):
                          f"{_ENOUGH} are needed")
     others = [board for board in boards if not _overlap(board, best)]
     return _turned(replace(best, remarks=tuple(
-        f"another chessboard, {len(board.index)} corners {place_of(board)}, is not used"
+        f"another chessboard, {len(board.index)} corners {location_text(board)}, is not used"
         for board in others)), columns, rows)
 
 
@@ -106,14 +106,14 @@ def grey_picture(image):
     return np.clip(flat, 0, 255, out=flat).astype(np.uint8)
 
 
-def _held(image, index, xy):
+def _without_outliers(image, index, xy):
     order = np.lexsort(index.T)
-    return believed(image.shape[1::-1], PhotoPoints(index=index[order], xy=xy[order],
+    return without_outliers(image.shape[1::-1], PhotoPoints(index=index[order], xy=xy[order],
                                                     area=np.zeros(len(xy))))
 
 
 def _examined(image, grey, board):
-    """``board`` with what is wrong with the photo."""
+    """``board`` with warnings on focus and exposure."""
     return with_exposure(image, with_focus(grey, board))
 
 
@@ -123,19 +123,19 @@ def _fits(board, columns, rows):
 
 
 def _overlap(first, second):
-    """Whether two boards are one: the middle of one lies within the other."""
+    """Whether two boards are the same: the middle of one lies within the other."""
     middle = first.xy.mean(axis=0)
     return bool(((middle > second.xy.min(axis=0)) & (middle < second.xy.max(axis=0))).all())
 
 
 def _turned(board, columns, rows):
-    """``board`` numbered along ``columns``, where it fits only so: by a quarter turn, no flip."""
+    """``board``, turned by a quarter if it only fits so; it is not reflected."""
     across, down = np.ptp(board.index, axis=0) + 1
     index = board.index
     if not (across <= columns and down <= rows):
         index = np.stack([index[:, 1], -index[:, 0]], axis=1)
         index = index - index.min(axis=0)
-        # Of both quarter turns the one whose first point lies further to the top left.
+        # Of the two quarter turns take the one whose first point lies further to the top left.
         first, last = (index.sum(axis=1) == value for value in
                        (index.sum(axis=1).min(), index.sum(axis=1).max()))
         if board.xy[first].sum(axis=1).mean() > board.xy[last].sum(axis=1).mean():
@@ -146,10 +146,10 @@ def _turned(board, columns, rows):
 
 
 def _by_opencv(image, columns, rows):
-    """Those of OpenCV's corners that are a chessboard's and agree with each other, or None.
+    """OpenCV's corners, if they pass the check of squares, without outliers; else None.
 
-    At the rim of a fisheye OpenCV has placed corners far outside the board. A picture of more than
-    two million pixels is searched in a smaller copy.
+    OpenCV has found corners far outside the board at the edge of a fisheye picture. A picture of
+    more than two million pixels is searched in a smaller copy.
     """
     grey = whole = grey_picture(image)
     scale = 1.0, 1.0
@@ -173,6 +173,6 @@ def _by_opencv(image, columns, rows):
         return None
     try:
         xy = refine(whole, index, (xy + 0.5) * scale - 0.5, _SCALE * max(scale))
-        return _examined(image, whole, _held(image, index, xy))
+        return _examined(image, whole, _without_outliers(image, index, xy))
     except InputError:
         return None

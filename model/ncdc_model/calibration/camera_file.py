@@ -1,4 +1,4 @@
-"""Camera files, of other programs and our own, as the exact map of a corrected frame."""
+"""Camera files, of other programs and of NCDC, as the exact map of a corrected frame."""
 
 import hashlib
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class CameraMap:
     undistort : callable
         Its inverse; not-a-number where there is none.
     model : str
-        Which model the file holds, for reports.
+        Name of the lens model, for reports.
     digest : str
         Twelve hex digits of the hash of the file.
     notes, warnings : tuple of str
@@ -62,8 +62,8 @@ class CameraMap:
 def load_camera_map(path, size=None, zoom=None, camera=None, sensor=None):
     """Read a camera file and choose the corrected frame.
 
-    Understood are the files of :mod:`ncdc_model.calibration.files`: OpenCV, ROS, BoofCV, Kalibr,
-    camodocal, COLMAP, mrcal, MATLAB, RealSense, NeRF, and the camera file (TOML) of
+    The formats are those of :mod:`ncdc_model.calibration.files`: OpenCV, ROS, BoofCV, Kalibr,
+    camodocal, COLMAP, mrcal, MATLAB, RealSense, NeRF; and the camera file (TOML) of
     :class:`ncdc_model.lens.Camera`.
 
     Parameters
@@ -73,18 +73,18 @@ def load_camera_map(path, size=None, zoom=None, camera=None, sensor=None):
         Corrected width and height; default that of the distorted image.
     zoom : str or float, optional
         fit, fill or the magnification in the middle, as in :func:`ncdc_model.lens.choose_frame`.
-        Without size and zoom, the frame is that of the file, where it holds one: a projection
-        matrix, or the frame of our own file; else zoom is fit.
+        Without size and zoom, the frame is that of the file, if it holds one: a projection
+        matrix, or the frame of an NCDC file; else zoom is fit.
     camera : str, optional
         Which of several cameras in the file.
     sensor : (int, int), optional
-        Width and height of the frames that are to be corrected: where the file does not say, or
-        another size of the same aspect.
+        Width and height of the frames to be corrected: if the file does not state them, or another
+        size of the same aspect.
 
     Raises
     ------
     InputError
-        If the file cannot be read, lacks a value, holds an unknown model or one that does not
+        If the file cannot be read, lacks a value, holds an unknown model, one that does not
         suit the zoom or the sensor, or not the ``camera``.
     """
     content = read_bytes(path)
@@ -131,8 +131,8 @@ def _digest(content):
 def training_grid(back_map, geometry, grid=GRID, border=BORDER, without=None):
     """Exact training pairs (u, v, x, y) of a known map, each of shape (N,).
 
-    A grid over the corrected frame where it is valid, and points along the border of the valid
-    region, where a network that is fitted to a grid alone errs most.
+    They are a grid over the valid part of the corrected frame and points along the border of the
+    valid region, where a network fitted to a grid alone has its largest errors.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def training_grid(back_map, geometry, grid=GRID, border=BORDER, without=None):
     grid : (int, int)
         Columns and rows.
     border : int
-        Most points on the border.
+        Points on the border, at most.
     without : ndarray of bool, shape (height, width), optional
         Pixels from which no pair is taken.
 

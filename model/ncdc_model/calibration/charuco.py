@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ncdc_model.calibration.belief import believed
 from ncdc_model.calibration.boards import find_boards, grey_picture
+from ncdc_model.calibration.outliers import without_outliers
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sampling import sample
 from ncdc_model.calibration.subpixel import refine
@@ -15,25 +15,25 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["find_any_charuco", "find_charuco", "has_markers"]
 
-# The largest of each family holds the markers of the smaller ones.
+# The largest dictionary of each family includes the smaller ones.
 _FAMILIES = ("DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000",
              "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h11")
-_MARKERS = 4           # that a board shows at least
+_MARKERS = 4           # of a board, at least
 _CORNERS = 12
 _SCALE = 2.0           # pixels: blur at which OpenCV finds corners
-_RIMS = 0.38, 0.5, 0.62, 0.74   # of the way from a square's middle to its side
-_PLAIN = 0.25          # of a chessboard's squares are bright at least; half of a whole one's
-_AGREEING = 4          # corners whose numbers by markers are those of the lattice, at least
-_SAME = 0.15           # of a step: OpenCV's corner and the lattice's are one
+_RIMS = 0.38, 0.5, 0.62, 0.74   # of the distance from a square's middle to its side
+_PLAIN = 0.25          # of a chessboard's squares are bright, at least; half of a whole board's
+_AGREEING = 4          # corners whose marker numbers agree with the lattice, at least
+_SAME = 0.15           # of a step: largest distance of OpenCV's corner from the lattice's
 _SIDES = range(3, 25)  # squares that a board of unknown size may have in a row
 
 
 def find_charuco(image, columns, rows, boards=None):
     """Inner corners of a board of ``columns`` x ``rows`` squares, as far as they are seen.
 
-    The family of the markers and their size are told from the picture. OpenCV numbers corners by
-    the markers beside them, so that part of a board has the numbers of the whole one; the corners
-    themselves are those of the lattice of squares, which must have the same numbers up to a turn.
+    The family of the markers and their size are read from the picture. OpenCV numbers corners by
+    the markers next to them, so that part of a board has the numbers of the whole one. The corners
+    are those of the lattice of squares, which must have the same numbers up to a rotation.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def find_charuco(image, columns, rows, boards=None):
 def _numbered(image, index, xy, size, boards):
     """PhotoPoints of the board's ``index`` and ``xy`` by markers, on the lattice that agrees best.
 
-    None if a lattice is seen and the markers' numbers are not those of its corners.
+    The result is None if a lattice is seen and the markers' numbers are not those of its corners.
     """
     best, votes, met = None, 0, 0
     for board in boards:
@@ -89,22 +89,22 @@ def _numbered(image, index, xy, size, boards):
         if boards and len(boards[0].index) >= len(index):
             return None
         best = PhotoPoints(index=index, xy=xy, area=np.zeros(len(xy)))
-        return _believed(image, best)
+        return _renumbered_checked(image, best)
     if votes < _AGREEING or votes < met / 2:
         return None
     return _completed(image, best, index, xy)
 
 
-def _believed(image, photo):
-    """The believed points of ``photo``, with the markers' numbers, which need not begin at 0."""
-    number = {tuple(place): key for place, key in zip(photo.xy.tolist(), photo.index)}
-    held = believed(image.shape[1::-1], photo)
-    return replace(held, index=np.array([number[tuple(place)] for place in held.xy.tolist()],
+def _renumbered_checked(image, photo):
+    """``photo`` without outliers, with the markers' numbers, which need not begin at 0."""
+    number = {tuple(position): key for position, key in zip(photo.xy.tolist(), photo.index)}
+    held = without_outliers(image.shape[1::-1], photo)
+    return replace(held, index=np.array([number[tuple(position)] for position in held.xy.tolist()],
                                         int).reshape(-1, 2))
 
 
 def _completed(image, board, index, xy):
-    """``board`` with those of OpenCV's corners that its lattice lacks, if they are believed."""
+    """``board`` with those of OpenCV's corners that its lattice lacks, outliers excepted."""
     there = set(map(tuple, board.index.tolist()))
     more = [k for k, key in enumerate(index.tolist()) if tuple(key) not in there]
     if more:
@@ -112,7 +112,7 @@ def _completed(image, board, index, xy):
                             xy=np.vstack([board.xy, xy[more]]),
                             area=np.zeros(len(board.index) + len(more)), dropped=board.dropped,
                             rejected=board.rejected, warnings=board.warnings)
-        board = _believed(image, every)
+        board = _renumbered_checked(image, every)
     order = np.lexsort(board.index.T)
     return replace(board, index=board.index[order], xy=board.xy[order], area=board.area[order],
                    cut=board.cut[order])
@@ -125,7 +125,7 @@ def _step(board):
 
 
 def _renumbered(index, seen, wanted):
-    """``index`` turned and shifted so that most of ``seen`` become ``wanted``, and how many do."""
+    """``index`` turned and shifted so that most of ``seen`` become ``wanted``, and their number."""
     best = index, 0
     for turn in (np.array([[1, 0], [0, 1]]), np.array([[0, 1], [-1, 0]]),
                  np.array([[-1, 0], [0, -1]]), np.array([[0, -1], [1, 0]])):
@@ -137,14 +137,15 @@ def _renumbered(index, seen, wanted):
 
 def has_markers(image, board):
     """Whether the white squares of ``board``, PhotoPoints of a chessboard in ``image``, carry
-    markers: a marker's rim is black, so that few squares are bright near their sides."""
-    grey, place = grey_picture(image), {tuple(k): p for k, p in zip(board.index.tolist(), board.xy)}
+    markers: a marker's border is black, so that few squares are bright near their sides."""
+    grey = grey_picture(image)
+    position = {tuple(k): p for k, p in zip(board.index.tolist(), board.xy)}
     spots = []
-    for i, j in place:
-        corners = [place.get(key) for key in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+    for i, j in position:
+        corners = [position.get(key) for key in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
         if all(corner is not None for corner in corners):
             middle, sides = sum(corners) / 4, zip(corners, corners[1:] + corners[:1])
-            # A marker of 0.4 to 0.9 of a square has its rim at one of these places.
+            # A marker of 0.4 to 0.9 of a square has its border at one of these positions.
             spots.append([middle + part * ((a + b) / 2 - middle) for a, b in sides
                           for part in _RIMS])
     if not spots:
@@ -185,7 +186,7 @@ def _dictionary(family):
 
 
 def _markers(grey):
-    """Family, corners and numbers of the markers of that family of which most are seen."""
+    """Family, corners and numbers of the markers of the family of which most are seen."""
     best = None, (), np.empty(0, int)
     for family in _FAMILIES:
         corners, ids, _ = cv2.aruco.ArucoDetector(_dictionary(family)).detectMarkers(grey)
@@ -195,7 +196,7 @@ def _markers(grey):
 
 
 def _corners(grey, family, corners, ids, columns, rows):
-    """Places (n, 2) and numbers (n,) of the inner corners, or (None, None)."""
+    """Positions (n, 2) and numbers (n,) of the inner corners, or (None, None)."""
     best = None, None
     for old in (False, True):
         board = cv2.aruco.CharucoBoard((columns, rows), 1.0, _marker_size(corners, ids),
@@ -213,12 +214,12 @@ def _corners(grey, family, corners, ids, columns, rows):
 
 
 def _marker_size(corners, ids):
-    """Side of a marker in squares: markers with following numbers are two squares apart."""
-    place = {int(number): corner.reshape(4, 2) for number, corner in zip(ids, corners)}
+    """Side of a marker in squares: markers with consecutive numbers are two squares apart."""
+    position = {int(number): corner.reshape(4, 2) for number, corner in zip(ids, corners)}
     sizes = []
-    for number, corner in place.items():
-        if number + 1 in place:
-            apart = np.linalg.norm(place[number + 1].mean(axis=0) - corner.mean(axis=0)) / 2
+    for number, corner in position.items():
+        if number + 1 in position:
+            apart = np.linalg.norm(position[number + 1].mean(axis=0) - corner.mean(axis=0)) / 2
             side = np.mean(np.linalg.norm(corner - np.roll(corner, 1, axis=0), axis=1))
             sizes.append(side / apart)
     return float(np.clip(np.median(sizes), 0.2, 0.95)) if sizes else 0.75

@@ -1,4 +1,4 @@
-"""Finds where the squares of chessboards touch, and the lattices of these corners."""
+"""Finds the inner corners of chessboards and their lattices."""
 
 from dataclasses import dataclass
 
@@ -12,17 +12,17 @@ from ncdc_model.calibration.subpixel import refine
 
 __all__ = ["CornerLattice", "check_squares", "find_corner_lattices"]
 
-_SIDE = 1300           # pixels of the longer side at which corners are looked for
+_SIDE = 1300           # pixels of the longer side of the searched copy
 _SCALES = 1.5, 2.5, 4.5, 8.0    # pixels: a sharp photo, and blurred ones
 _RING = 2.2            # scales: radius of the ring around a corner
 _TURN = 32             # samples on it
-_LIKE = 0.75           # least correlation of the ring with itself turned by half a turn
+_LIKE = 0.75           # smallest correlation of the ring with itself turned by half a turn
 _MIDDLE = 0.22, 0.78   # a corner's brightness, between the ring's darkest and brightest
 _CONTRAST = 0.12       # of the usual corner's contrast: fainter ones are texture
-_MOST = 4000           # candidates
-_LEAST = 9             # corners of a lattice
-_ALIKE = 0.8           # of a board's squares and corners must be as a chessboard's
-_INSET = 0.22          # of a square, from its rim: where its brightness is looked at
+_MAX_CANDIDATES = 4000
+_MIN_CORNERS = 9       # of a lattice
+_ALIKE = 0.8           # of a board's squares and corners must look like a chessboard's
+_INSET = 0.22          # of a square, from its sides: where its brightness is sampled
 
 
 @dataclass(frozen=True)
@@ -35,12 +35,12 @@ class CornerLattice:
 
 
 def find_corner_lattices(grey, most=2):
-    """The boards, at most ``most``, that the grey picture shows, the one of most corners first.
+    """Boards, at most ``most``, that the grey picture shows, the one with most corners first.
 
     A corner is a saddle of brightness whose surroundings look the same after half a turn, dark and
-    bright twice each, and whose own brightness lies between. Corners are looked for at several
-    scales, the lattices are walked as those of dots, and their squares must be dark and bright by
-    turns. Saddles between round dots are not: there it is as bright as on the page.
+    bright twice each, and whose own brightness lies between. Corners are searched for at several
+    scales and numbered like dots. Their squares must alternate between dark and bright. Saddles
+    between round dots do not qualify: they are as bright as the page.
 
     Returns
     -------
@@ -64,32 +64,32 @@ def find_corner_lattices(grey, most=2):
 
 def _at_scale(grey, scale, most):
     smooth = cv2.GaussianBlur(grey, (0, 0), scale)
-    places = _saddles(smooth, scale)
-    if len(places) < _LEAST:
+    positions = _saddles(smooth, scale)
+    if len(positions) < _MIN_CORNERS:
         return []
     boards = []
-    for lattice in find_lattices(places, np.median(places, axis=0), most + 1):
-        index, xy = lattice.index, places[lattice.where]
+    for lattice in find_lattices(positions, np.median(positions, axis=0), most + 1):
+        index, xy = lattice.index, positions[lattice.where]
         for reading in readings():
             keep = check_squares(smooth, index @ reading, xy)
-            if keep.sum() >= max(_LEAST, _ALIKE * len(index)) and are_squares(
+            if keep.sum() >= max(_MIN_CORNERS, _ALIKE * len(index)) and are_squares(
                     smooth, (index @ reading)[keep], xy[keep]):
                 index = index @ reading
                 keep[keep] = on_edges(smooth, index[keep], xy[keep])
                 break
         else:
             continue
-        if keep.sum() >= max(_LEAST, _ALIKE * len(index)):
+        if keep.sum() >= max(_MIN_CORNERS, _ALIKE * len(index)):
             keep = trimmed(index, keep)
         else:
             keep &= False
-        if keep.sum() >= _LEAST:
+        if keep.sum() >= _MIN_CORNERS:
             boards.append(CornerLattice(index[keep] - index[keep].min(axis=0), xy[keep], scale))
     return sorted(boards, key=lambda board: -len(board.xy))[:most]
 
 
 def _saddles(smooth, scale):
-    """Places (n, 2) of the corners at one scale."""
+    """Positions (n, 2) of the corners at one scale."""
     dx, dy = (cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3, scale=1 / 8)
               for order in ((1, 0), (0, 1)))
     xx, xy = (cv2.Sobel(dx, cv2.CV_32F, *order, ksize=3, scale=1 / 8)
@@ -101,37 +101,37 @@ def _saddles(smooth, scale):
     margin = int(np.ceil(1.2 * _RING * scale)) + 1
     peak[:margin] = peak[-margin:] = peak[:, :margin] = peak[:, -margin:] = False
     rows, columns = np.nonzero(peak)
-    # A saddle's own place: where the gradient vanishes.
+    # Move to the saddle's sub-pixel position, where the gradient vanishes.
     a, b, c = xx[rows, columns], xy[rows, columns], yy[rows, columns]
     g, h = dx[rows, columns], dy[rows, columns]
     det = a * c - b * b
     move = np.stack([(-g * c + h * b) / det, (g * b - h * a) / det], axis=1)
     near = np.abs(move).max(axis=1) < max(1.0, scale)
-    order = np.argsort(-strength[rows, columns][near])[:_MOST]
-    places = (np.stack([columns, rows], axis=1) + move)[near][order]
-    return places[_cornerlike(smooth, places, _RING * scale)]
+    order = np.argsort(-strength[rows, columns][near])[:_MAX_CANDIDATES]
+    positions = (np.stack([columns, rows], axis=1) + move)[near][order]
+    return positions[_cornerlike(smooth, positions, _RING * scale)]
 
 
-def _cornerlike(smooth, places, radius):
-    """Which ``places`` have a ring of two dark and two bright parts around them."""
-    if not len(places):
+def _cornerlike(smooth, positions, radius):
+    """Which ``positions`` have a ring of two dark and two bright parts around them."""
+    if not len(positions):
         return np.zeros(0, bool)
     turns = 2 * np.pi * np.arange(_TURN) / _TURN
     ring = radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    at = places[:, None] + ring
+    at = positions[:, None] + ring
     values = _sample(smooth, at)
-    middle = _sample(smooth, places)
+    middle = _sample(smooth, positions)
     low, high = np.percentile(values, (10, 90), axis=1)
     level = (middle - low) / np.maximum(high - low, 1e-6)
     off = values - values.mean(axis=1, keepdims=True)
     power = np.maximum((off * off).sum(axis=1), 1e-9)
-    alike = (off * np.roll(off, _TURN // 2, axis=1)).sum(axis=1) / power
+    symmetry = (off * np.roll(off, _TURN // 2, axis=1)).sum(axis=1) / power
     bright = values > ((low + high) / 2)[:, None]
     changes = (bright != np.roll(bright, 1, axis=1)).sum(axis=1)
-    good = ((changes == 4) & (alike > _LIKE) & (level > _MIDDLE[0]) & (level < _MIDDLE[1])
+    good = ((changes == 4) & (symmetry > _LIKE) & (level > _MIDDLE[0]) & (level < _MIDDLE[1])
             & (high > low + 1))
     if good.any():
-        # Contrast relative to the brightness, so that a dark photo or corner counts as much.
+        # Contrast relative to the brightness, so that dark photos and corners count as much.
         contrast = (high - low) / np.maximum(high + low, 8)
         good &= contrast > _CONTRAST * np.percentile(contrast[good], 90)
     return good
@@ -142,12 +142,12 @@ def _sample(picture, at):
 
 
 def check_squares(picture, index, xy):
-    """Which corners belong to squares that are dark and bright by turns, each all over.
+    """Which corners belong to squares that alternate between dark and bright.
 
-    Every square of four corners is looked at in its middle and towards its four sides: all five
-    places must lie on one side of the brightness half-way to the squares beside it. So a lattice
-    that skips lines of corners fails, and one over anything else. A corner with no square of its
-    own is not kept.
+    Every square of four corners is sampled in its middle and towards its four sides. At least four
+    of the five samples must lie on one side of the brightness half-way to the adjacent squares. A
+    lattice that skips lines of corners fails, and so does one over anything else. A corner without
+    a good square is dropped.
 
     Parameters
     ----------
@@ -159,10 +159,10 @@ def check_squares(picture, index, xy):
     -------
     ndarray of bool, shape (n,)
     """
-    place = np.full((*(np.ptp(index, axis=0) + 2), 2), np.nan)
+    position = np.full((*(np.ptp(index, axis=0) + 2), 2), np.nan)
     origin = index.min(axis=0)
-    place[tuple((index - origin).T)] = xy
-    corners = place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]
+    position[tuple((index - origin).T)] = xy
+    corners = position[:-1, :-1], position[1:, :-1], position[1:, 1:], position[:-1, 1:]
     whole = np.isfinite(sum(corners)).all(axis=2)
     s, r = 0.5, _INSET
     spots = []
@@ -173,7 +173,7 @@ def check_squares(picture, index, xy):
     middle = np.where(whole, np.median(values, axis=2), np.nan)
     i, j = np.indices(whole.shape)
     sign = np.where((i + j) % 2, 1, -1)
-    # Half-way between each square and those beside it, from the two means.
+    # Half-way between each square and the adjacent ones, from the two means.
     level = _level(middle, sign)
     side = (values - level[:, :, None]) * sign[:, :, None]
     votes = np.sign(side[..., 0][whole & np.isfinite(level)])
@@ -182,8 +182,8 @@ def check_squares(picture, index, xy):
     side = side * (1 if votes.sum() >= 0 else -1)
     # Markers of a ChArUco board, pen or glare may hide one of the five.
     good = whole & ((side > 0).sum(axis=2) >= 4) & (side[..., 0] > -np.inf)
-    touched = np.zeros(place.shape[:2], bool)
-    bad = np.zeros(place.shape[:2], int)
+    touched = np.zeros(position.shape[:2], bool)
+    bad = np.zeros(position.shape[:2], int)
     for di in (0, 1):
         for dj in (0, 1):
             touched[di:di + good.shape[0], dj:dj + good.shape[1]] |= good
@@ -205,7 +205,7 @@ def _level(middle, sign):
 
 
 def trimmed(index, keep):
-    """``keep`` without lines at the rim of which most places are empty."""
+    """``keep`` without lines at the edge of which most positions are empty."""
     keep = keep.copy()
     while keep.any():
         before = keep.sum()

@@ -1,4 +1,4 @@
-"""What of the lattice that is seen is not used: many points, whole lines, or a region."""
+"""Unused parts of the visible lattice: many points, whole lines, or a region."""
 
 from collections import Counter
 
@@ -9,24 +9,24 @@ from scipy.spatial import cKDTree
 __all__ = ["uncovered"]
 
 _UNUSED = 0.10         # of the points seen on the lattice
-_FEW = 5               # points: fewer are no tenth of anything
-_LINE = 0.25           # of the points seen on a line: if no more are used, the line is left out
-_REGION = 9            # connected places of a region
-_LARGE = 0.02          # the same, of all places
+_FEW = 5               # points: fewer are not reported
+_LINE = 0.25           # of the points seen on a line: a line with no more used ones is reported
+_REGION = 9            # connected lattice positions without a point that are reported
+_LARGE = 0.02          # the same, in parts of all positions
 _STRAY = "not on the grid"
 
 
 def uncovered(photo, name="", staggered=False):
-    """Sentences on what of a photo's lattice is not used, PhotoPoints; a list.
+    """List of sentences on the unused parts of the lattice of a photo, PhotoPoints.
 
-    The points that had a number and were dropped get one again from the used points next to them.
-    More than a tenth of all is named with its reasons, a row or column of which a quarter or less
-    is used with its number, and so is a region of at least nine places without a point.
+    Dropped points get a number again from the used points next to them. More than a tenth of all
+    points is reported with its reasons, and a row or column of which a quarter or less is used
+    with its number. So is a region of at least nine positions without a point.
     """
     photo = photo.whole
     dropped = [(x, y, reason) for x, y, reason in photo.dropped if reason != _STRAY]
     index = _halved(photo.index) if staggered else photo.index
-    where = placed(index, photo.xy, np.array([place[:2] for place in dropped]).reshape(-1, 2))
+    where = numbered(index, photo.xy, np.array([point[:2] for point in dropped]).reshape(-1, 2))
     used = set(map(tuple, index.tolist()))
     unused = {tuple(key): k for k, key in enumerate(where.tolist()) if tuple(key) not in used}
     found, head = [], f"{name}: " if name else ""
@@ -42,24 +42,26 @@ def uncovered(photo, name="", staggered=False):
     return found + _regions(head, index, photo.xy)
 
 
-def placed(index, xy, more):
-    """Column and row (k, 2) of further places ``more`` (k, 2), nearest first, each from the six
-    points that have a number and lie next to it; the first with one keeps it."""
-    numbers, places = index.astype(float), xy.copy()
+def numbered(index, xy, more):
+    """Column and row (k, 2) of further positions ``more`` (k, 2).
+
+    Each is extrapolated from the six nearest numbered points; the nearest positions come first.
+    """
+    numbers, positions = index.astype(float), xy.copy()
     result = np.full((len(more), 2), -10**6)
     for k in np.argsort(cKDTree(xy).query(more)[0]) if len(more) and len(xy) >= 6 else ():
-        near = cKDTree(places).query(more[k], 6)[1]
-        terms = np.column_stack([places[near] - more[k], np.ones(6)])
+        near = cKDTree(positions).query(more[k], 6)[1]
+        terms = np.column_stack([positions[near] - more[k], np.ones(6)])
         number = np.rint(np.linalg.lstsq(terms, numbers[near], rcond=1e-6)[0][2])
         result[k] = number
-        numbers, places = np.vstack([numbers, number]), np.vstack([places, more[k]])
+        numbers, positions = np.vstack([numbers, number]), np.vstack([positions, more[k]])
     return result
 
 
 def _lines(head, index, xy, unused, dropped):
-    """Rows and columns that were seen, nearly as long as the others, and are not used."""
+    """Sentences on rows and columns nearly as long as the others that are not used."""
     every = np.vstack([index, np.array(list(unused), int).reshape(-1, 2)])
-    places = np.vstack([xy, np.array([dropped[k][:2] for k in unused.values()]).reshape(-1, 2)])
+    positions = np.vstack([xy, np.array([dropped[k][:2] for k in unused.values()]).reshape(-1, 2)])
     taken, found = np.arange(len(every)) < len(index), []
     for axis, name in enumerate(("column", "row")):
         lines, counts = np.unique(every[:, axis], return_counts=True)
@@ -68,7 +70,7 @@ def _lines(head, index, xy, unused, dropped):
                and taken[every[:, axis] == line].sum() <= _LINE * count]
         for first, last in _runs(out):
             on = (every[:, axis] >= first) & (every[:, axis] <= last)
-            ends = places[on][np.argsort(every[on, 1 - axis])][[0, -1]]
+            ends = positions[on][np.argsort(every[on, 1 - axis])][[0, -1]]
             lines = f"{name} {first} is" if first == last else f"{name}s {first} to {last} are"
             found.append(f"{head}{lines} left out, from ({ends[0, 0]:.0f}, {ends[0, 1]:.0f}) to "
                          f"({ends[1, 0]:.0f}, {ends[1, 1]:.0f}): {taken[on].sum()} of {on.sum()} "
@@ -77,13 +79,13 @@ def _lines(head, index, xy, unused, dropped):
 
 
 def _runs(numbers):
-    """First and last of the runs of consecutive numbers, rising."""
+    """First and last of each run of consecutive numbers, ascending."""
     parts = np.split(np.array(numbers), np.flatnonzero(np.diff(numbers) > 1) + 1)
     return [(part[0], part[-1]) for part in parts if len(part)]
 
 
 def _regions(head, index, xy):
-    """Regions within the lattice that have no point."""
+    """Sentences on regions within the lattice that have no point."""
     origin = index.min(axis=0)
     there = np.zeros(np.ptp(index, axis=0) + 1, bool)
     there[tuple((index - origin).T)] = True
@@ -94,12 +96,13 @@ def _regions(head, index, xy):
     labels, count = ndimage.label(inside & ~there)
     found = []
     for number in range(1, count + 1):
-        places = np.argwhere(labels == number) + origin
-        if len(places) >= max(_REGION, _LARGE * inside.sum()):
-            near = cKDTree(index).query(places, 3)[1].ravel()
-            found.append(f"{head}a region of {len(places)} places of the lattice has no point, "
-                         f"around {_spot(xy[near])}, columns {places[:, 0].min()} to "
-                         f"{places[:, 0].max()}, rows {places[:, 1].min()} to {places[:, 1].max()}")
+        positions = np.argwhere(labels == number) + origin
+        if len(positions) >= max(_REGION, _LARGE * inside.sum()):
+            near = cKDTree(index).query(positions, 3)[1].ravel()
+            found.append(f"{head}a region of {len(positions)} positions of the lattice has no "
+                         f"point, around {_spot(xy[near])}, columns {positions[:, 0].min()} to "
+                         f"{positions[:, 0].max()}, rows {positions[:, 1].min()} to "
+                         f"{positions[:, 1].max()}")
     return found
 
 
@@ -109,6 +112,6 @@ def _spot(xy):
 
 
 def _halved(index):
-    """Of a staggered grid: numbers along its two oblique steps."""
+    """Numbers along the two oblique steps of a staggered grid."""
     a, b = (index - index[0]).T
     return np.stack([(a + b) // 2, (a - b) // 2], axis=1)

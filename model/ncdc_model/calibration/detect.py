@@ -1,4 +1,4 @@
-"""From photos to numbered points: the target's name, and one photo after the other."""
+"""Numbered points of a target on one or more photos."""
 
 from collections import Counter
 from dataclasses import replace
@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from ncdc_model.calibration.boards import board_of_size, grey_picture
+from ncdc_model.calibration.detection_result import MIN_DOTS, DetectionResult
 from ncdc_model.calibration.fiducials import other_board
 from ncdc_model.calibration.grids import grid_of_size
 from ncdc_model.calibration.points import TARGETS, TargetPoints
-from ncdc_model.calibration.sight import MIN_DOTS, Look
 from ncdc_model.calibration.smooth import MIN_POINTS, misfit
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MIN_SIZE
@@ -49,12 +49,15 @@ def parse_target(text):
 def detect_points(images, target="auto"):
     """Points of the target on every one of ``images``, pairs (name, uint8 image).
 
-    ``images`` may be an iterator, and in place of an image may be a function that returns it: it
-    is called again when needed, so that only one photo is in memory. ``auto`` settles on the kind
-    and size of target that most photos show; parts of it do not count against the whole. A photo
-    without the target, of another size in pixels than most, with the very points of an earlier
-    one, or for which its function raises InputError, is left out with its reason, unless it is the
-    only one; of a target that is seen in part, the part is used.
+    ``images`` may be an iterator. An image may be a function that returns it, which is called
+    again when needed, so that only one photo is in memory. ``auto`` takes the kind and size of
+    target that most photos show; a part counts as the whole target, and the part is used. A photo
+    is rejected with its reason if it
+
+    - does not show the target,
+    - has another size in pixels than most,
+    - has the same points as an earlier one, or
+    - cannot be read: its function raises InputError. The error of a single photo is raised.
 
     Raises
     ------
@@ -62,27 +65,27 @@ def detect_points(images, target="auto"):
         If ``target`` is not understood or no photo is usable.
     """
     kind, columns, rows = parse_target(target)
-    looks, rejected = _looks(images, kind)
+    results, rejected = _results(images, kind)
     choice = ""
     if kind == "auto":
-        kind, columns, rows, choice = _agreed(looks, rejected)
-    size = _common_size(looks, rejected)
+        kind, columns, rows, choice = _agreed(results, rejected)
+    size = _common_size(results, rejected)
     photos = []
-    for look in looks:
-        if look.name in rejected:
+    for result in results:
+        if result.name in rejected:
             continue
         try:
-            found = _found(look, kind, columns, rows)
-            twin = next((photo.name for photo in photos if _same(photo, found)), None)
-            if twin:
-                raise InputError(f"it shows the same as {twin}: points within {_SAME} pixels of "
-                                 f"each other")
+            found = _found(result, kind, columns, rows)
+            duplicate = next((photo.name for photo in photos if _same(photo, found)), None)
+            if duplicate:
+                raise InputError(f"it shows the same as {duplicate}: points within {_SAME} pixels "
+                                 f"of each other")
         except InputError as error:
-            rejected[look.name] = str(error)
+            rejected[result.name] = str(error)
             continue
         finally:
-            look.release()
-        photos.append(replace(found, name=Path(look.name).name))
+            result.release()
+        photos.append(replace(found, name=Path(result.name).name))
     if not photos:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
         raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")
@@ -91,101 +94,102 @@ def detect_points(images, target="auto"):
                         target_size=None if columns is None else (columns, rows))
 
 
-def _looks(images, kind):
-    """A :class:`Look` at each photo, and why some are of no use. With ``auto`` each is
-    recognised."""
-    looks, rejected, seen, unread = [], {}, set(), []
+def _results(images, kind):
+    """A :class:`DetectionResult` of each photo, and why some are rejected. With ``auto`` the target
+    of each is recognised."""
+    results, rejected, seen, unread = [], {}, set(), []
     for name, image in images:
         name = f"{name} (again)" if str(name) in seen else str(name)
         seen.add(name)
         try:
-            look = Look(name, image)
+            result = DetectionResult(name, image)
         except InputError as error:
             unread.append(error)
             rejected[name] = str(error)
             continue
-        looks.append(look)
-        if min(look.size) < MIN_SIZE:
-            rejected[name] = (f"it is {look.size[0]}x{look.size[1]}, {MIN_SIZE} pixels on a side "
-                              f"are the limit")
-        elif max(look.size) > _MAX_PHOTO:
-            rejected[name] = (f"it is {look.size[0]}x{look.size[1]}, {_MAX_PHOTO} pixels on a side "
-                              f"are the limit")
+        results.append(result)
+        if min(result.size) < MIN_SIZE:
+            rejected[name] = (f"it is {result.size[0]}x{result.size[1]}, {MIN_SIZE} pixels on a "
+                              f"side are the limit")
+        elif max(result.size) > _MAX_PHOTO:
+            rejected[name] = (f"it is {result.size[0]}x{result.size[1]}, {_MAX_PHOTO} pixels on a "
+                              f"side are the limit")
         else:
-            look.prepare(kind)
+            result.prepare(kind)
     if unread and len(seen) == 1:
         raise unread[0]
-    return looks, rejected
+    return results, rejected
 
 
-def _common_size(looks, rejected):
-    """Width and height of most photos, of the first of these if as many have another; the others
-    are rejected by name."""
-    sizes = Counter(look.size for look in looks if look.name not in rejected)
+def _common_size(results, rejected):
+    """Width and height of most photos, of the first ones if as many have another; photos of other
+    sizes are added to ``rejected``."""
+    sizes = Counter(result.size for result in results if result.name not in rejected)
     if not sizes:
         return None
     size = sizes.most_common(1)[0][0]
-    for look in looks:
-        if look.size != size and look.name not in rejected:
+    for result in results:
+        if result.size != size and result.name not in rejected:
             most = "most photos are" if sizes[size] > 1 else "the first photo is"
-            rejected[look.name] = (f"it is {look.size[0]}x{look.size[1]}, {most} "
+            rejected[result.name] = (f"it is {result.size[0]}x{result.size[1]}, {most} "
                                    f"{size[0]}x{size[1]}")
     return size
 
 
-def _agreed(looks, rejected):
+def _agreed(results, rejected):
     """Kind, columns and rows that most photos show, and a sentence on how many do."""
-    sights = {}
-    for look in looks:
-        if look.name in rejected:
+    targets = {}
+    for result in results:
+        if result.name in rejected:
             continue
-        if look.sight is not None:
-            sights[look.name] = look.sight
-    if not sights:
-        rejected.update((look.name, look.doubt) for look in looks if look.name not in rejected)
+        if result.target is not None:
+            targets[result.name] = result.target
+    if not targets:
+        rejected.update((result.name, result.doubt) for result in results
+                        if result.name not in rejected)
         reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
         raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")
-    votes = Counter((sight.kind, *sorted((sight.columns or 0, sight.rows or 0), reverse=True))
-                    for sight in sights.values())
-    # Of sizes that as many photos show the largest: a part of a target is no other target.
+    votes = Counter((found.kind, *sorted((found.columns or 0, found.rows or 0), reverse=True))
+                    for found in targets.values())
+    # The largest of sizes that as many photos show: a part of a target is no other target.
     winner = max(votes, key=lambda key: (votes[key], key[1] * key[2]))
-    first = next(sight for sight in sights.values()
-                 if (sight.kind, *sorted((sight.columns or 0, sight.rows or 0), reverse=True))
+    first = next(found for found in targets.values()
+                 if (found.kind, *sorted((found.columns or 0, found.rows or 0), reverse=True))
                  == winner)
     name = first.kind if first.columns is None else f"{first.kind}:{first.columns}x{first.rows}"
-    choice = f"{name}, which {votes[winner]} of {len(looks)} photos show"
-    for photo, sight in sights.items():
-        if sight.kind != first.kind and not {sight.kind, first.kind} <= {"dots", "circles"}:
-            rejected[photo] = f"it shows {sight}, most photos show {name}"
+    choice = f"{name}, which {votes[winner]} of {len(results)} photos show"
+    for photo, found in targets.items():
+        if found.kind != first.kind and not {found.kind, first.kind} <= {"dots", "circles"}:
+            rejected[photo] = f"it shows {found}, most photos show {name}"
     return first.kind, first.columns, first.rows, choice
 
 
-def _found(look, kind, columns, rows):
+def _found(result, kind, columns, rows):
     """Points on one photo as PhotoPoints; the InputError names another board, if it shows one."""
     try:
-        return _find(look, kind, columns, rows)
+        return _find(result, kind, columns, rows)
     except InputError as error:
-        if look.doubt:
-            raise InputError(look.doubt) from error
-        raise InputError(other_board(grey_picture(look.image), kind == "charuco")
+        if result.doubt:
+            raise InputError(result.doubt) from error
+        raise InputError(other_board(grey_picture(result.image), kind == "charuco")
                          or str(error)) from error
 
 
-def _find(look, kind, columns, rows):
+def _find(result, kind, columns, rows):
     if kind == "dots":
-        return look.page
+        return result.page
     if kind in ("circles", "acircles"):
-        return grid_of_size(look.spots, columns, rows, kind == "acircles")
+        return grid_of_size(result.spots, columns, rows, kind == "acircles")
     if kind == "charuco":
-        return look.charuco(columns, rows)
-    return board_of_size(look.boards, columns, rows, lambda: look.image)
+        return result.charuco(columns, rows)
+    return board_of_size(result.boards, columns, rows, lambda: result.image)
 
 
 def _same(first, second):
     """Whether two photos' points are the same, apart from the noise of a copied file."""
-    place = {tuple(key): point for key, point in zip(first.index.tolist(), first.xy)}
-    common = [(place[tuple(key)], point) for key, point in zip(second.index.tolist(), second.xy)
-              if tuple(key) in place]
+    position = {tuple(key): point for key, point in zip(first.index.tolist(), first.xy)}
+    common = [(position[tuple(key)], point) for key, point in zip(second.index.tolist(), second.xy)
+              if tuple(key) in position]
     if len(common) < 0.9 * max(len(first.index), len(second.index)):
         return False
     a, b = np.array(common).swapaxes(0, 1)

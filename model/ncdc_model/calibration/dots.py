@@ -5,25 +5,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ncdc_model.calibration.alike import alike
-from ncdc_model.calibration.belief import believed, place_of, separated
+from ncdc_model.calibration.background import contrast, on_one_background
 from ncdc_model.calibration.blobs import Blobs, find_blobs
 from ncdc_model.calibration.boards import grey_picture
+from ncdc_model.calibration.border_dots import recover_cut_dots
 from ncdc_model.calibration.focus import with_focus
-from ncdc_model.calibration.ground import contrast, on_one_ground
 from ncdc_model.calibration.lattice import find_lattices
-from ncdc_model.calibration.neighbours import Doubt, fits_in
+from ncdc_model.calibration.neighbours import OutlierReason, fits_in
+from ncdc_model.calibration.outliers import location_text, split_at_kinks, without_outliers
+from ncdc_model.calibration.patch_consistency import consistent_patches
 from ncdc_model.calibration.points import PhotoPoints
-from ncdc_model.calibration.rim import recover_cut_dots
 from ncdc_spec.errors import InputError
 
 __all__ = ["Spots", "dots_of", "find_dots", "find_spots"]
 
-_JOINED = 0.90         # of a lattice's points must be believed, else it may be two that join
-_ALIKE = 1.7           # times as large as its only neighbour a dot at the rim may be
-_ENOUGH = 25           # numbered dots below which a photo does not show a page of dots
-_NEXT = 3.5            # steps between two lattices that may be one page's
-_INVERTED = 12         # bright spots on one lattice that are a target
+_JOINED = 0.90         # of a lattice's points must be good, else it may be two that join
+_ALIKE = 1.7           # largest ratio of the sizes of a dot at the edge and its only neighbour
+_ENOUGH = 25           # numbered dots: a page of dots has as many or more
+_NEXT = 3.5            # steps between two lattices of one page, at most
+_INVERTED = 12         # bright spots on one lattice that form a target
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,14 @@ class Spots:
     Parameters
     ----------
     size : (int, int)
-        Of the photo.
+        Width and height of the photo.
     blobs : Blobs
     lattices : tuple of PhotoPoints
-        Those that are believed, the one of most points first; steps may be oblique.
+        Those without outliers, the one with most points first; steps may be oblique.
     doubt : str
-        Why no lattice is believed, if one was seen.
+        Why a lattice was rejected, if one was.
     inverted : bool
-        Whether the spots are bright ones on dark ground, found in :meth:`dark`.
+        Whether the spots are bright on a dark background, found in the negative.
     """
     size: tuple
     blobs: Blobs
@@ -56,14 +56,14 @@ class Spots:
 def find_spots(image):
     """:class:`Spots` of the uint8 ``image``, (h, w) raw or grey, or (h, w, 3) RGB.
 
-    Dark ones on bright ground; where these form hardly a lattice, bright ones on dark ground.
+    They are dark on bright, or bright on dark if the dark ones hardly form a lattice.
     """
     found = _spots(image)
     if _count(found) < _ENOUGH:
         bright = _spots(255 - image)
         if _count(bright) >= max(_INVERTED, 2 * _count(found)):
             found = replace(bright, inverted=True, lattices=tuple(
-                replace(photo, remarks=(*photo.remarks, "its dots are bright on dark ground"))
+                replace(photo, remarks=(*photo.remarks, "its dots are bright on a dark background"))
                 for photo in bright.lattices))
     grey = grey_picture(found.dark(image))
     return replace(found, lattices=tuple(with_focus(grey, photo) for photo in found.lattices))
@@ -77,18 +77,18 @@ def _spots(image):
     blobs, size, doubt = find_blobs(image), image.shape[1::-1], ""
     lattices = []
     for lattice in find_lattices(blobs.xy, (np.array(size) - 1) / 2):
-        walked = alike(image, on_one_ground(image, _of_lattice(blobs, lattice)))
+        walked = consistent_patches(image, on_one_background(image, _of_lattice(blobs, lattice)))
         walked = replace(walked, contrast=contrast(image, walked))
         try:
-            whole = believed(size, walked)
+            whole = without_outliers(size, walked)
             if len(whole.index) > _JOINED * len(walked.index):
                 lattices.append(whole)
                 continue
         except InputError as error:
             doubt = doubt or str(error)
-        for part in separated(walked):
+        for part in split_at_kinks(walked):
             try:
-                lattices.append(believed(size, part))
+                lattices.append(without_outliers(size, part))
             except InputError as error:
                 doubt = doubt or str(error)
     lattices = [photo for photo in lattices if len(photo.index) >= 9]
@@ -130,7 +130,7 @@ def dots_of(spots, image):
         raise InputError(spots.doubt or f"{count} dots on one lattice were found, at least "
                                         f"{_ENOUGH} are needed")
     page = _supported(spots.lattices[0])
-    cut_xy, cut_index, cut_area = _believed_cut(page, *recover_cut_dots(
+    cut_xy, cut_index, cut_area = _predicted_cut(page, *recover_cut_dots(
         image, page.xy, page.index, page.area))
     rejected = dict(page.rejected)
     cut = _without(spots.blobs.cut, cut_xy, page.area)
@@ -139,15 +139,16 @@ def dots_of(spots, image):
     index = np.vstack([page.index, cut_index])
     others = [other for other in spots.lattices[1:] if len(other.index) >= _ENOUGH]
     joined = tuple(
-        f"{len(other.index)} dots {place_of(other)}, right next to those that are used, do not "
-        f"continue their lines and are not used: the page may be of two sheets, folded, or another"
+        f"{len(other.index)} dots {location_text(other)}, right next to those that are used, do "
+        f"not continue their lines and are not used: the page may be of two sheets, folded, or "
+        f"another"
         for other in others if _join(page, other))
     return replace(
         page, index=index - index.min(axis=0), xy=np.vstack([page.xy, cut_xy]),
         area=np.concatenate([page.area, cut_area]), rejected=rejected,
         cut=np.arange(len(index)) >= len(page.xy), warnings=page.warnings + joined,
         remarks=page.remarks + tuple(
-            f"another page, {len(other.index)} dots {place_of(other)}, is not used"
+            f"another page, {len(other.index)} dots {location_text(other)}, is not used"
             for other in others if not _join(page, other)))
 
 
@@ -159,16 +160,15 @@ def _join(page, other):
 
 
 def _supported(page):
-    """``page`` without dots that only one other dot stands beside, which is not as large: an outer
-    row of specks needs more."""
+    """``page`` without dots whose only neighbour has another size: they may be specks."""
     there = {tuple(key): area for key, area in zip(page.index.tolist(), page.area)}
     keep = np.ones(len(page.index), bool)
     for k, (i, j) in enumerate(page.index.tolist()):
-        beside = [there[key] for key in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
+        adjacent = [there[key] for key in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
                   if key in there]
-        keep[k] = len(beside) > 1 or (
-            len(beside) == 1 and _ALIKE > page.area[k] / beside[0] > 1 / _ALIKE)
-    reason = Doubt.LONELY.value
+        keep[k] = len(adjacent) > 1 or (
+            len(adjacent) == 1 and _ALIKE > page.area[k] / adjacent[0] > 1 / _ALIKE)
+    reason = OutlierReason.LONELY.value
     dropped = tuple((float(x), float(y), reason) for x, y in page.xy[~keep])
     rejected = {**page.rejected}
     if dropped:
@@ -177,8 +177,8 @@ def _supported(page):
                    cut=page.cut[keep], rejected=rejected, dropped=page.dropped + dropped)
 
 
-def _believed_cut(page, xy, index, area):
-    """Of the dots that the border cuts those that the whole ones of ``page`` predict."""
+def _predicted_cut(page, xy, index, area):
+    """Those of the dots cut by the border that the whole ones of ``page`` predict."""
     if not len(xy):
         return xy, index, area
     good = fits_in(page.index, page.xy, index, xy, page.agreement)

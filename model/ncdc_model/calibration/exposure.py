@@ -1,4 +1,4 @@
-"""Finds overexposed boards: where white is clipped it flows over the edges."""
+"""Finds overexposed boards: clipped white widens beyond the edges."""
 
 from dataclasses import replace
 
@@ -6,21 +6,21 @@ import numpy as np
 
 __all__ = ["with_exposure"]
 
-_WHITE = 254           # grey levels: as bright as can be
-_CLIPPED = 0.2         # of the places looked at, half of which are on white squares
-_PLACES = np.array([(0.5, 0.5), (0.2, 0.5), (0.8, 0.5), (0.5, 0.2), (0.5, 0.8)])   # of a square
+_WHITE = 254           # grey level of a clipped pixel
+_CLIPPED = 0.2         # of the samples, half of which are on white squares
+_SAMPLES = np.array([(0.5, 0.5), (0.2, 0.5), (0.8, 0.5), (0.5, 0.2), (0.5, 0.8)])   # of a square
 
 
 def with_exposure(image, photo):
     """``photo``, PhotoPoints of a chessboard in the uint8 ``image``, with a warning if more than a
     fifth of its squares, or two fifths of the white ones, are clipped."""
-    place = {tuple(key): point for key, point in zip(photo.index.tolist(), photo.xy)}
-    cells = [[place.get(key) for key in ((i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1))]
-             for i, j in place]
+    position = {tuple(key): point for key, point in zip(photo.index.tolist(), photo.xy)}
+    cells = [[position.get(key) for key in ((i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1))]
+             for i, j in position]
     cells = np.array([cell for cell in cells if all(corner is not None for corner in cell)])
     if not len(cells):
         return photo
-    u, v = _PLACES.T
+    u, v = _SAMPLES.T
     weights = np.stack([(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v])
     x, y = np.rint(np.einsum("ck,ncd->nkd", weights, cells)).astype(int).reshape(-1, 2).T
     darkest = image if image.ndim == 2 else image.min(axis=2)

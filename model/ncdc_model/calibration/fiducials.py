@@ -5,12 +5,12 @@ import numpy as np
 
 __all__ = ["other_board"]
 
-_SIDE = 1300           # pixels of the longer side at which markers are looked for
+_SIDE = 1300           # pixels of the longer side of the searched copy
 _ENOUGH = 6            # different markers of one family: fewer may be texture
 _CORRECTED = 0.3       # of the wrong cells that a family can correct: more may be texture
 _ODD_BORDER = 0.1      # of the cells of a marker's border may be bright
 _APRIL = "DICT_APRILTAG_36h11"
-# The largest of each family holds the markers of the smaller ones.
+# The largest dictionary of each family includes the smaller ones.
 _FAMILIES = (_APRIL, "DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000",
              "DICT_ARUCO_ORIGINAL", "DICT_ARUCO_MIP_36h12", "DICT_APRILTAG_16h5",
              "DICT_APRILTAG_25h9")
@@ -37,8 +37,7 @@ def other_board(grey, april_only=False):
 
 
 def _count(grey, family, border):
-    """How many different markers of the ``family``, their border ``border`` cells wide, are
-    seen."""
+    """Number of different markers of the ``family`` with a border of ``border`` cells."""
     settings = cv2.aruco.DetectorParameters()
     settings.markerBorderBits, settings.errorCorrectionRate = border, _CORRECTED
     settings.maxErroneousBitsInBorderRate = _ODD_BORDER

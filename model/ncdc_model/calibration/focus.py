@@ -1,4 +1,4 @@
-"""Finds photos of which a part is out of focus: there points move towards what is sharp."""
+"""Finds photos of which a part is out of focus: points there are displaced."""
 
 from dataclasses import replace
 
@@ -11,11 +11,11 @@ from ncdc_model.calibration.subpixel import edge_blur, gaps
 
 __all__ = ["dot_blur", "part_out_of_focus", "with_focus"]
 
-_SAMPLES = 33          # between a dot's centre and half of the way to the next
-_ENDS = 20, 90         # percentiles of the blur that stand for the sharp and the blurred part
+_SAMPLES = 33          # between a dot's centre and half of the distance to the next
+_ENDS = 20, 90         # percentiles of the blur, of the sharp and of the blurred part
 _BLURRED = 4.0         # pixels of a Gaussian: less moves no point by a pixel
-_TIMES = 2.5           # as blurred as the sharp part
-_LEAST = 20            # points that tell
+_TIMES = 2.5           # ratio to the blur of the sharp part
+_MIN_POINTS = 20            # with a known blur
 
 
 def with_focus(grey, photo):
@@ -28,11 +28,11 @@ def part_out_of_focus(grey, photo):
     """One sentence if the edges of a part of ``photo``, PhotoPoints of ``grey`` (h, w), are far
     more blurred than those of the rest, else an empty one.
 
-    Next to the line where the focus ends a dot or corner is sharp on one side only, and its place
-    moves. The blur of each point is the median of its own and its neighbours'.
+    A dot or corner at the boundary of the sharp part is sharp on one side only, which displaces
+    it. The blur of each point is the median of its own and its neighbours'.
     """
     photo = photo.whole
-    if len(photo.index) < _LEAST:
+    if len(photo.index) < _MIN_POINTS:
         return ""
     if photo.area.any():
         blur = dot_blur(grey, photo)
@@ -40,10 +40,10 @@ def part_out_of_focus(grey, photo):
         blur = edge_blur(grey, photo.xy, gaps(photo.index, photo.xy))
     near = neighbours(photo.index)
     around = np.column_stack([np.where(near >= 0, blur[near], np.nan), blur])
-    told = np.isfinite(around).sum(axis=1) >= 3
-    if told.sum() < _LEAST:
+    known = np.isfinite(around).sum(axis=1) >= 3
+    if known.sum() < _MIN_POINTS:
         return ""
-    blur, xy = np.nanmedian(around[told], axis=1), photo.xy[told]
+    blur, xy = np.nanmedian(around[known], axis=1), photo.xy[known]
     sharp, soft = np.percentile(blur, _ENDS)
     if soft < _BLURRED or soft < _TIMES * sharp:
         return ""
@@ -58,11 +58,11 @@ def part_out_of_focus(grey, photo):
 def dot_blur(grey, photo):
     """Blur (n,), a Gaussian's sigma in pixels, of the softest edge of each dot towards the dots
     next to it; not-a-number for a dot that has none."""
-    place = {tuple(key): k for k, key in enumerate(photo.index.tolist())}
-    pairs = np.array([(k, place[key]) for (i, j), k in place.items()
+    number_of = {tuple(key): k for k, key in enumerate(photo.index.tolist())}
+    pairs = np.array([(k, number_of[key]) for (i, j), k in number_of.items()
                       for key in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1),
                                   (i + 1, j + 1), (i - 1, j - 1), (i + 1, j - 1), (i - 1, j + 1))
-                      if key in place]).reshape(-1, 2)
+                      if key in number_of]).reshape(-1, 2)
     blur = np.full(len(photo.index), np.nan)
     if not len(pairs):
         return blur

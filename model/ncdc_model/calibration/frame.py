@@ -1,4 +1,4 @@
-"""The ideal frame: what a flat target's points are in a picture without distortion."""
+"""The ideal frame: positions of a flat target's points in a picture without distortion."""
 
 from dataclasses import dataclass, replace
 
@@ -6,53 +6,53 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.quality import Dropped, check_share
-from ncdc_model.calibration.relief import find_relief
 from ncdc_model.calibration.same_relief import proven
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
+from ncdc_model.calibration.target_flatness import find_relief
 from ncdc_model.lens import Camera, choose_frame
 from ncdc_model.threads import one_thread
 from ncdc_spec.errors import InputError
 
 __all__ = ["IdealFrame", "ideal_frame"]
 
-_MARGIN = 0.05         # of the corrected size: points farther outside do not help to train
-_LINES = 3             # rows and columns: with two, nothing tells a lens from a tilted page
+_MARGIN = 0.05         # of the corrected size: points farther outside are not used in training
+_LINES = 3             # rows and columns: two do not separate a lens from a tilted page
 _ROUND = "dots", "circles", "acircles"
-_GROSS = 8.0           # times the usual residual, but at least 3 pixels: farther from the smooth
-_GROSS_PIXELS = 3.0    # lens than its neighbours are, a point was numbered or detected wrongly
+_GROSS = 8.0           # times the usual residual, but at least 3 pixels: a point whose residual
+_GROSS_PIXELS = 3.0    # differs by more from its neighbours' was numbered or detected wrongly
 
 
 @dataclass(frozen=True)
 class IdealFrame:
-    """Training pairs, and the flat picture that they belong to.
+    """Training pairs and the flat picture to which they belong.
 
     Parameters
     ----------
     camera : Camera
         The smooth lens, with the corrected frame; describes the points up to ``rms``.
     homographies : tuple of ndarray, shape (3, 3)
-        Take (column, row, 1) of each photo's target to corrected pixels.
+        Matrices from (column, row, 1) of each photo's target to corrected pixels.
     corrected, distorted : ndarray, shape (n, 2)
-        Pairs (u, v) and (x, y) in pixels. (u, v) are exactly the homography's of the index;
-        (x, y) are measured, less what the target's dots and relief move them by.
+        Pairs (u, v) and (x, y) in pixels. (u, v) is exactly the homography of the index. (x, y) is
+        measured, and corrected for the target's dots and relief.
     index : ndarray of int, shape (n, 2)
         Column and row on the target.
     photo : ndarray of int, shape (n,)
-        Which photo each pair is from.
+        Photo of each pair.
     rms : float
         Root mean square distance, in distorted pixels, of the used points from the smooth lens.
     rejected : dict
-        How many points were not used, by their reason, a :class:`Dropped`.
+        Number of points not used, by their reason, a :class:`Dropped`.
     along, relief : ndarray, shape (n, 2)
-        Directions in which a dent of the target moves the points, and by how many pixels the
-        target's relief had moved them before (x, y) were put right; see
-        :func:`ncdc_model.calibration.relief.find_relief`.
+        Directions in which a dent of the target moves the points, and the pixels by which (x, y)
+        were corrected for relief; see
+        :func:`ncdc_model.calibration.target_flatness.find_relief`.
     degrees : tuple of int
-        Of the polynomial that the smooth lens lacks, for each photo.
+        Degree of the polynomial that the smooth lens lacks, per photo.
     names, numbers : tuple
-        Of the photos: their names, and which of the points' photos they are.
+        Names of the photos, and their numbers among the points' photos.
     gross : tuple of (int, (int, int))
-        Photo and index of the points that are off the smooth lens by more than their neighbours.
+        Photo and index of the points that are farther off the smooth lens than their neighbours.
     """
     camera: Camera
     homographies: tuple
@@ -74,14 +74,13 @@ class IdealFrame:
 def ideal_frame(points, size=None, zoom="fit"):
     """Training pairs of :class:`TargetPoints` for a corrected picture of ``size`` at ``zoom``.
 
-    A smooth lens and the target's poses are fitted to all photos at once. The flat picture is
-    what a pinhole camera in the same place and position sees: its rows and columns are parallel
-    to the sensor's at the centre of distortion, whatever the rotation and tilt of the target, and
-    its scale and place follow from ``zoom`` (see :func:`ncdc_model.lens.choose_frame`; at zoom
-    1 the magnification in the middle is 1). The centre of gravity of a round dot's picture is
-    moved by the lens and by perspective; it is corrected for the size of the dots. The target is
-    taken as flat. Only if the user states a relief, or several photos prove the same one, is what
-    it moves the points by taken off.
+    A smooth lens and the target's poses are fitted to all photos at once. The flat picture is that
+    of a pinhole camera in the same pose. Its rows and columns are parallel to the sensor's at the
+    centre of distortion, whatever the rotation and tilt of the target. Its scale and origin follow
+    from ``zoom`` (see :func:`ncdc_model.lens.choose_frame`; at zoom 1 the magnification in the
+    middle is 1). Lens and perspective shift the centroid of a round dot's picture; this is
+    corrected for the size of the dots. The target is taken as flat, unless the user states a
+    relief or several photos prove the same one: then the points are corrected for it.
 
     Raises
     ------
@@ -118,7 +117,7 @@ def ideal_frame(points, size=None, zoom="fit"):
 
 
 def _usable_photos(points):
-    """Photos of enough whole points, their numbers, and how many other points there are."""
+    """Photos with enough whole points, their numbers, and the counts of unused points."""
     photos, numbers, rejected = [], [], {}
     for number, photo in enumerate(points.photos):
         _count(rejected, Dropped.CUT, int(photo.cut.sum()))
@@ -135,7 +134,7 @@ def _usable_photos(points):
 
 
 def _spread(index):
-    """Whether the points ``index`` (n, 2) have enough rows and columns, and not on one line."""
+    """Whether the points ``index`` (n, 2) are on enough rows and columns and not on one line."""
     if min(len(np.unique(part)) for part in index.T) < _LINES:
         return False
     (a, b), (_, d) = np.cov(index.T)
@@ -144,9 +143,9 @@ def _spread(index):
 
 @dataclass(frozen=True)
 class _Fitted:
-    """A smooth lens fitted to photos; of each photo its points, put right for dots and relief.
+    """A smooth lens fitted to photos, and their points, corrected for dots and relief.
 
-    ``cells``: column and row, as far apart as the target's; ``xy``: distorted pixels.
+    ``cells``: column and row, scaled to the target's distances; ``xy``: distorted pixels.
     """
     fit: object
     photos: list
@@ -168,14 +167,14 @@ def _fit(points, photos):
               for k in range(len(photos))]
     relief = _stated(points.page, photos, xy, relief)
     if any(part.found for part in relief):
-        xy = [place - part.shift for place, part in zip(xy, relief)]
+        xy = [point - part.shift for point, part in zip(xy, relief)]
         fit = fit_smooth(points.size, list(zip(cells, xy)), fit)
     return _Fitted(fit, photos, cells, xy, relief)
 
 
 def _stated(page, photos, xy, relief):
-    """``relief`` of each photo, taken as flat unless the user says or several photos prove that
-    there is one."""
+    """``relief`` of each photo, taken as flat unless the user states it or several photos prove
+    it."""
     if page == "relief":
         return relief
     shown = np.zeros(len(relief), bool)
@@ -187,12 +186,12 @@ def _stated(page, photos, xy, relief):
 
 
 def _pairs(fitted, frame, rejected):
-    """Points of all photos that are used, as arrays, after those that are gross; the others are
-    counted in ``rejected``.
+    """The gross points, then arrays of the used points of all photos: (u, v), (x, y), index,
+    photo, distance from the smooth lens, direction and shift of the relief.
 
-    (u, v), (x, y), index, photo, distance from the smooth lens, direction and shift of the relief.
+    The others are counted in ``rejected``.
     """
-    fit, size, kept, wrong = fitted.fit, np.array(frame.size), [], []
+    fit, size, used_pairs, wrong = fitted.fit, np.array(frame.size), [], []
     residual = [fit.pixels(number, cells) - fitted.xy[number]
                 for number, cells in enumerate(fitted.cells)]
     far = [np.linalg.norm(offset, axis=1) for offset in residual]
@@ -201,7 +200,7 @@ def _pairs(fitted, frame, rejected):
         rays = fit.rays(number, cells)
         with np.errstate(divide="ignore", invalid="ignore"):
             uv = np.stack(frame.pixel(rays[:, 0] / rays[:, 2], rays[:, 1] / rays[:, 2]), axis=1)
-        gross = _against_neighbours(cells, residual[number]) > limit
+        gross = _distance_from_neighbours(cells, residual[number]) > limit
         margin = _MARGIN * size
         inside = ((uv >= -margin) & (uv <= size - 1 + margin)).all(axis=1)
         inside &= rays[:, 2] > 0
@@ -209,13 +208,13 @@ def _pairs(fitted, frame, rejected):
         wrong += [(number, tuple(key)) for key in fitted.photos[number].index[gross].tolist()]
         _count(rejected, Dropped.OUTSIDE, int((~inside & ~gross).sum()))
         use, relief = inside & ~gross, fitted.relief[number]
-        kept.append((uv[use], fitted.xy[number][use], fitted.photos[number].index[use],
+        used_pairs.append((uv[use], fitted.xy[number][use], fitted.photos[number].index[use],
                      np.full(int(use.sum()), number), distance[use], relief.along[use],
                      relief.shift[use]))
-    return tuple(wrong), [np.concatenate(part) for part in zip(*kept)]
+    return tuple(wrong), [np.concatenate(part) for part in zip(*used_pairs)]
 
 
-def _against_neighbours(index, residual):
+def _distance_from_neighbours(index, residual):
     """Distance of each point's residual from the median of its eight nearest neighbours'."""
     nearest = cKDTree(index).query(index, min(9, len(index)))[1][:, 1:]
     return np.linalg.norm(residual - np.median(residual[nearest], axis=1), axis=1)
@@ -227,7 +226,7 @@ def _count(rejected, reason, count):
 
 
 def _eccentricity(fit, number, index, photo):
-    """Centre of gravity of each dot's picture minus the picture of its centre, (n, 2) pixels.
+    """Centroid of each dot's picture minus the picture of its centre, (n, 2) pixels.
 
     The dots' radius on the target follows from their areas. The integrals over a disc are those
     of the seven-point formula of degree five.
@@ -248,5 +247,5 @@ def _eccentricity(fit, number, index, photo):
     ring = radius * np.sqrt(2 / 3) * np.stack([np.cos(turns), np.sin(turns)], axis=1)
     offsets, weights = np.vstack([[0, 0], ring]), np.array([1 / 4] + [1 / 8] * 6)
     mass = np.array([weight * stretch(offset) for weight, offset in zip(weights, offsets)])
-    places = np.array([pixels(offset) for offset in offsets])
-    return (mass[:, :, None] * places).sum(axis=0) / mass.sum(axis=0)[:, None] - places[0]
+    points = np.array([pixels(offset) for offset in offsets])
+    return (mass[:, :, None] * points).sum(axis=0) / mass.sum(axis=0)[:, None] - points[0]

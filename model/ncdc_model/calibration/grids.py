@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from ncdc_model.calibration.belief import believed, place_of
 from ncdc_model.calibration.blobs import flat_field
 from ncdc_model.calibration.dots import find_spots
+from ncdc_model.calibration.outliers import location_text, without_outliers
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sampling import sample
 from ncdc_spec.errors import InputError
@@ -15,8 +15,8 @@ from ncdc_spec.errors import InputError
 __all__ = ["Grid", "corners_touch", "find_circles", "find_grid", "grid_of_size", "read_grid"]
 
 _ENOUGH = 12           # circles of a grid
-_TOUCH = 0.75          # of the brightness between circles: less is the corner of two squares
-_LINE = 0.5            # of a line's places must be filled, else it is a stray or two
+_TOUCH = 0.75          # of the brightness between circles: corners of two squares have less
+_LINE = 0.5            # of a line's positions must have a circle, else its circles are strays
 _STRAY = "not on the grid"
 
 
@@ -27,11 +27,11 @@ class Grid:
     Parameters
     ----------
     photo : PhotoPoints
-        Indices from 0. Those of a staggered grid count half steps, so that every other place of
-        each line is empty: column plus row is even everywhere, or odd everywhere.
+        Indices from 0. A staggered grid counts half steps, so that every other position of each
+        line is empty: column plus row is even everywhere, or odd everywhere.
     staggered : bool
     filled : float
-        Part of the places of the surrounding rectangle that have a circle.
+        Part of the positions of the surrounding rectangle that have a circle.
     """
     photo: PhotoPoints
     staggered: bool
@@ -39,17 +39,17 @@ class Grid:
 
 
 def find_circles(image, columns, rows, staggered=False):
-    """Centres of a grid of dark circles as PhotoPoints; a part of the grid will do.
+    """Centres of a grid of dark circles as PhotoPoints; a part of the grid is sufficient.
 
     Parameters
     ----------
     image : ndarray of uint8
         (h, w) raw or grey, or (h, w, 3) RGB.
     columns, rows : int
-        Of the grid as it lies in any quarter turn; of a staggered one the circles in a line and
-        the lines, as OpenCV counts them.
+        Size of the grid in any quarter turn. Of a staggered grid: circles in a line, and lines, as
+        OpenCV counts them.
     staggered : bool
-        Whether every other line is moved by half a step.
+        Whether every other line is shifted by half a step.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def grid_of_size(spots, columns, rows, staggered=False):
     best = max(fitting, key=lambda grid: (len(grid.photo.index) == columns * rows,
                                           len(grid.photo.index)))
     return replace(best.photo, remarks=best.photo.remarks + tuple(
-        f"another grid, {len(grid.photo.index)} circles {place_of(grid.photo)}, is not used"
+        f"another grid, {len(grid.photo.index)} circles {location_text(grid.photo)}, is not used"
         for grid in grids if grid is not best))
 
 
@@ -87,20 +87,19 @@ def _fits(grid, size):
 
 
 def find_grid(image, staggered=None):
-    """The grid of most dark circles that the picture shows, a :class:`Grid`, or None.
+    """The :class:`Grid` with most dark circles in the picture, or None.
 
-    ``staggered``: which kind is looked for; default both.
+    ``staggered``: which kind is searched for; default both.
     """
     spots = find_spots(image)
     return read_grid(spots.size, spots.lattices[0], staggered) if spots.lattices else None
 
 
 def read_grid(size, lattice, staggered=None):
-    """The :class:`Grid` that a ``lattice``, PhotoPoints of a photo of ``size``, is; or None.
+    """The ``lattice``, PhotoPoints of a photo of ``size``, as a :class:`Grid`, or None.
 
-    The lattice of the circles was walked without knowing whether it is a square one, or a
-    staggered one, which is a lattice too: one with oblique steps. Of all ways to read it that one
-    is taken whose circles fill their surrounding rectangle best.
+    The lattice may be square or staggered: a staggered grid is a lattice with oblique steps. The
+    result is the reading whose circles fill their surrounding rectangle best.
     """
     best = None
     for kind in (False, True) if staggered is None else (staggered,):
@@ -110,8 +109,8 @@ def read_grid(size, lattice, staggered=None):
             if keep.sum() < _ENOUGH:
                 continue
             span = np.ptp(index[keep], axis=0) + 1
-            places = np.prod(span) / (2 if kind else 1)
-            score = keep.sum() * keep.sum() / places, _upright(index[keep], lattice.xy[keep])
+            positions = np.prod(span) / (2 if kind else 1)
+            score = keep.sum() * keep.sum() / positions, _upright(index[keep], lattice.xy[keep])
             if best is None or score > best[0]:
                 best = score, kind, index, keep
     if best is None:
@@ -126,27 +125,27 @@ def read_grid(size, lattice, staggered=None):
     photo = replace(lattice, index=index, xy=lattice.xy[keep], area=lattice.area[keep],
                     cut=lattice.cut[keep], rejected=rejected, dropped=dropped)
     if not kind and len(photo.index) >= 9:
-        photo = believed(size, photo)
+        photo = without_outliers(size, photo)
     if len(photo.index) < _ENOUGH:
         return None
-    places = np.prod(np.ptp(photo.index, axis=0) + 1) / (2 if kind else 1)
-    return Grid(photo, kind, float(len(photo.index) / places))
+    positions = np.prod(np.ptp(photo.index, axis=0) + 1) / (2 if kind else 1)
+    return Grid(photo, kind, float(len(photo.index) / positions))
 
 
 def corners_touch(image, grid):
     """Whether the spots of a staggered :class:`Grid` are the black squares of a chessboard.
 
-    Black squares touch at their corners: half-way between two it is half as bright as on white,
-    between two circles as bright.
+    Black squares touch at their corners: half-way between two the brightness is half that of
+    white. Between two circles it is that of white.
     """
     flat = cv2.GaussianBlur(flat_field(image), (0, 0), 1)
-    place = {tuple(key): point for key, point in zip(grid.photo.index.tolist(), grid.photo.xy)}
+    position = {tuple(key): point for key, point in zip(grid.photo.index.tolist(), grid.photo.xy)}
     spots, between = [], []
-    for (i, j), point in place.items():
+    for (i, j), point in position.items():
         for other in ((i + 1, j + 1), (i - 1, j + 1)):
-            if other in place:
+            if other in position:
                 spots.append(point)
-                between.append((point + place[other]) / 2)
+                between.append((point + position[other]) / 2)
     if not between:
         return False
     dark, half = (np.median(sample(flat, points)) for points in (spots, between))
@@ -157,7 +156,7 @@ def corners_touch(image, grid):
 
 
 def _readings(staggered):
-    """Matrices that turn the walk's steps into columns and rows, none of them mirrored."""
+    """Matrices from the lattice's steps to columns and rows, without reflections."""
     ends = ([(1, 1), (1, -1), (-1, 1), (-1, -1), (2, 0), (-2, 0), (0, 2), (0, -2)] if staggered
             else [(1, 0), (-1, 0), (0, 1), (0, -1)])
     area = 2 if staggered else 1
@@ -178,7 +177,7 @@ def _inside(index):
             lines, counts = np.unique(index[keep, axis], return_counts=True)
             usual = np.median(counts)
             for line, count in zip(lines, counts):
-                # Only lines at the rim: one within may have lost circles.
+                # Only lines at the edge: an inner one may have lost circles.
                 if line in (lines[0], lines[-1]) and count < _LINE * usual:
                     keep &= index[:, axis] != line
         if keep.sum() == before:
@@ -186,7 +185,7 @@ def _inside(index):
 
 
 def _upright(index, xy):
-    """How far columns run to the right and rows downwards: at most 2, rounded to compare."""
+    """Degree, at most 2, to which columns run right and rows down; rounded for comparison."""
     terms = np.column_stack([index, np.ones(len(index))])
     steps = np.linalg.lstsq(terms, xy, rcond=None)[0][:2]
     steps = steps / np.maximum(np.linalg.norm(steps, axis=1, keepdims=True), 1e-12)

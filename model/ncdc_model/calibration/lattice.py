@@ -1,4 +1,4 @@
-"""Walks distorted square lattices of points, each from a point of its own, and numbers them."""
+"""Numbers the points of distorted square lattices, step by step from a first point."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,13 @@ from scipy.spatial import cKDTree
 
 __all__ = ["Lattice", "find_lattices", "number_lattice"]
 
-_REACH = 0.30          # of a step: farthest that a point may lie from where it is expected
+_REACH = 0.30          # of a step: largest distance of a point from its expected position
 _CROSS = 0.35          # the same, of the four neighbours that a walk starts with
 _AGREE = 0.20          # of a step: farthest from the mean of its two neighbours in a line
-_SEEDS = 12            # points nearest the middle that a walk may start from
-_SPREAD = 150          # more of them all over the picture, if those lead nowhere
-_CROSSES = 24          # of which that many, with neighbours on four sides, are tried
-_SMALL = 9             # points that a lattice has at least
+_SEEDS = 12            # points nearest the middle from which a walk may start
+_SPREAD = 150          # more of them anywhere in the picture, if those fail
+_CROSSES = 24          # of these that are tried: points with neighbours on four sides
+_SMALL = 9             # points of a lattice, at least
 
 
 @dataclass(frozen=True)
@@ -46,14 +46,13 @@ def number_lattice(xy, middle):
 
 
 def find_lattices(xy, middle, most=3):
-    """The square lattices, at most ``most``, that the points ``xy`` (n, 2) lie on, largest first.
+    """Square lattices, at most ``most``, of the points ``xy`` (n, 2), largest first.
 
-    A walk starts at a point near ``middle``, (x, y), or, if that has no neighbours on four sides
-    or leads nowhere, anywhere in the picture: the middle may be covered. Each step expects the next
-    point where the step vectors of its nearest numbered neighbours put it; so the vectors follow
-    the distortion all over the picture, and around a hole. Afterwards every number is checked
-    against the neighbours on either side. i grows to the right and j downwards; the smallest of
-    each is 0.
+    A walk starts at a point near ``middle``, (x, y). The middle may be covered: if such a point
+    has no neighbours on four sides, or few points are reached, the walk starts elsewhere. Each
+    step predicts the next point by the step vectors of its nearest numbered neighbours. So the
+    vectors follow the distortion across the picture and around holes. Then the neighbours on
+    either side check every number. i grows to the right and j downwards; the smallest is 0.
 
     Returns
     -------
@@ -84,7 +83,7 @@ def _largest_walk(xy, middle):
     for number, seed in enumerate(np.concatenate([np.atleast_1d(near), spread])):
         if tried[seed] or len(best) > 0.5 * len(xy):
             continue
-        # Near the middle is tried first; that is enough if it leads far.
+        # Points near the middle come first; that is enough if the walk is long.
         if number >= len(near) and (crosses >= _CROSSES or len(best) > 0.3 * len(xy)):
             break
         tried[seed] = True
@@ -100,7 +99,7 @@ def _largest_walk(xy, middle):
 
 
 def _first_steps(xy, tree, seed):
-    """Step vectors to the right and downwards at point ``seed``, or None if it has no cross."""
+    """Step vectors right and down at point ``seed``, or None without neighbours on four sides."""
     _, near = tree.query(xy[seed], min(9, len(xy)))
     vectors = xy[near[1:]] - xy[seed]
     first = vectors[0]
@@ -182,9 +181,9 @@ def _steps(xy, found, key, inherited):
 def _checked(xy, found):
     """``found`` without the points that lie off the line of their neighbours.
 
-    The worst is taken out first and the rest judged anew, so that one stray point does not take
-    its neighbours with it. A point without two neighbours in any line, as in a corner, is
-    judged by the steps of the lines beside it; without those it is taken out.
+    The worst is removed first and the rest checked again, so that one stray point does not remove
+    its neighbours. A point without two neighbours in any line, as in a corner, is checked by the
+    steps of the adjacent lines; without those it is removed.
     """
     found = dict(found)
     scores = {key: _misfit(xy, found, key) for key in found}
@@ -195,7 +194,7 @@ def _checked(xy, found):
         out = [key for key, score in scores.items() if np.isinf(score)] or [worst]
         for key in out:
             del found[key], scores[key]
-        # A point is judged by others up to two columns and rows away.
+        # Points up to two columns and rows away affect the check.
         for key in {(i + di, j + dj) for i, j in out for di in range(-2, 3) for dj in range(-2, 3)}:
             if key in found:
                 scores[key] = _misfit(xy, found, key)
@@ -213,16 +212,16 @@ def _misfit(xy, found, key):
                 continue
             step = (xy[second] - xy[first]) / (b - a)
             offset = np.linalg.norm(point - xy[first] + a * step) / np.linalg.norm(step)
-            # Beyond the ends of a line the curve of the lens adds up: three steps' worth.
+            # Extrapolation beyond the end of a line triples the error by the lens's curvature.
             worst = max(worst, offset if (a, b) == (-1, 1) else offset / 3)
     return worst if worst >= 0 else _lonely_misfit(xy, found, key)
 
 
 def _lonely_misfit(xy, found, key):
-    """:func:`_misfit` of a point at the rim that has no two neighbours in a line.
+    """:func:`_misfit` of a point at the edge that has no two neighbours in a line.
 
-    Its step from a neighbour must be that of the line beside it: level with it, or one further
-    in, where the step may have changed by twice as much.
+    Its step from a neighbour must be that of the adjacent line: at the same position, or one
+    further in, where the step may have changed by twice as much.
     """
     scores = []
     for away in ((1, 0), (-1, 0), (0, 1), (0, -1)):

@@ -1,13 +1,13 @@
-"""What a calibration is worth: straight lines on points that a map has not seen, and the floor."""
+"""Accuracy of a calibration: straightness on held-out points, and its floor."""
 
 import numpy as np
 
-from ncdc_model.calibration.relief import line_scatter, polynomial
-from ncdc_model.calibration.straightness import corrected_places, straightness
+from ncdc_model.calibration.straightness import corrected_positions, straightness
+from ncdc_model.calibration.target_flatness import line_scatter, polynomial
 
 __all__ = ["COMMON_WIDTH", "measure_map", "measure_smooth"]
 
-COMMON_WIDTH = 1280    # corrected pixels: figures of pictures of different size compare at it
+COMMON_WIDTH = 1280    # corrected pixels: scale for figures of pictures of different size
 
 _FOLDS = 7
 
@@ -15,7 +15,7 @@ _FOLDS = 7
 def measure_smooth(frame):
     """Straightness of an :class:`IdealFrame` by cross-validation, without a network.
 
-    Each seventh of the points is corrected by the smooth lens and a polynomial in column and row
+    Each seventh of the points is corrected by the smooth lens and by a polynomial in column and row
     per photo that were fitted to the other six. The result is a dict as of :func:`measure_map`.
     """
     back_map = frame.camera.back_map
@@ -44,7 +44,7 @@ def measure_map(frame, back_map, measured=None):
     back_map : callable
         (u, v) -> (x, y).
     measured : ndarray of bool, shape (n,), optional
-        Points of ``frame`` that count: those held out of training.
+        Points of ``frame`` that are measured: those held out of training.
 
     Returns
     -------
@@ -54,21 +54,22 @@ def measure_map(frame, back_map, measured=None):
         for a picture scaled to a width of 1280; ``straightness_as_flat_rms_px``: the same with
         the target's relief left in; ``relief_rms_px``: distorted pixels, 0 for a flat target;
         ``repeatability_px``: scatter of a point about its line's smooth course, rms on one axis,
-        distorted pixels; ``straightness_floor_rms_px``: what that alone would give. The last two
-        are not-a-number if no photo has 200 points.
+        distorted pixels; ``straightness_floor_rms_px``: straightness due to it alone. The last
+        two are not-a-number if no photo has 200 points.
     """
     return _measure(frame, back_map, frame.distorted, measured)
 
 
 def _measure(frame, back_map, distorted, measured=None):
-    def places(xy):
-        return corrected_places(back_map, frame.corrected, xy)
+    def positions(xy):
+        return corrected_positions(back_map, frame.corrected, xy)
 
     def result(xy):
-        return straightness(places(xy), frame.index, frame.photo, measured)
+        return straightness(positions(xy), frame.index, frame.photo, measured)
     straight = result(distorted)
     across = np.stack([-frame.along[:, 1], frame.along[:, 0]], axis=1)
-    magnified = np.linalg.norm(places(frame.distorted + across) - places(frame.distorted), axis=1)
+    magnified = np.linalg.norm(positions(frame.distorted + across) - positions(frame.distorted),
+                               axis=1)
     scatter, floor = [], []
     for number in range(len(frame.names)):
         on = frame.photo == number

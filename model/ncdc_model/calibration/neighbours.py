@@ -1,4 +1,4 @@
-"""Holds each numbered point against the place and size that its neighbours predict."""
+"""Compares position and size of each numbered point with its neighbours' prediction."""
 
 import warnings
 from dataclasses import dataclass
@@ -7,75 +7,77 @@ from enum import Enum
 import numpy as np
 from scipy import ndimage
 
-__all__ = ["Doubt", "Held", "displaced", "fits_in", "hold", "neighbours", "parts"]
+__all__ = ["NeighbourCheck", "OutlierReason", "check_neighbours", "displaced", "fits_in",
+           "neighbours", "parts"]
 
 _WINDOW = 2            # columns and rows to either side that predict a point
-# How much the change of a step, and the change of that change, are held back where few neighbours
-# tell them, in points' worth.
+# Regularisation of the change of a step, and of the change of that change, where few neighbours
+# determine them, in weights of a point.
 _RIDGE = np.array([1e-6, 0.02, 0.02, 0.2, 0.2, 0.2])
-# Times the usual distance from the predicted place: farther is wrong. A lens leaves less than a
-# polynomial, and a photo of few points can spare none of the care.
+# Times the usual distance from the predicted position: a point farther off is an outlier. A lens
+# fits better than a polynomial, and a photo of few points needs the tighter limit.
 _SIGMAS, _SIGMAS_LENS = 9.0, 5.0
-_MANY = 300            # points: more are not few
+_MANY = 300            # points: a photo with more has many
 _FLOOR = 0.60, 0.012   # pixels and parts of a step that a point may be off in any case
-_SIZE_SIGMAS = 5.0     # times the usual difference of sizes: more is another thing than a dot
+_SIZE_SIGMAS = 5.0     # times the usual difference of sizes: more is no dot
 _KINK = 0.4, 4.0       # pixels, and times the usual: a line that bends more than nearby lines do
-_RIM_FLOOR = 0.80      # pixels that a whole line at the rim may be off in any case
-_RIM_WIDER = 1.6       # times what is allowed of places within: the lens bends most at the rim
-_HALF_SIZE = 0.55       # logarithm of how many times larger or smaller than those around it
-_NEAR_BORDER = 2.2     # steps from the photo's border: a rim that is farther away is the page's
-_WITHIN = 0.5          # times what is allowed within, of such a rim
-_RIM_SIZE = 1.7        # times what is allowed of sizes within: the light falls off to the rim
-_CUT_FLOOR = 2.0       # pixels that a dot which the border cuts may be off in any case
-# Relative difference of sizes that is allowed in any case: from, to, and over the root of the area.
+_RIM_FLOOR = 0.80      # pixels that a whole line at the edge may be off in any case
+_RIM_WIDER = 1.6       # times the limit of inner positions: the lens bends most at the edge
+_HALF_SIZE = 0.55       # logarithm of the ratio of a dot's size to those around it
+_NEAR_BORDER = 2.2     # steps from the photo's border: an edge farther away is that of the page
+_WITHIN = 0.5          # times the limit of inner positions, at such an edge
+_RIM_SIZE = 1.7        # times the limit of inner sizes: the light falls off towards the edge
+_CUT_FLOOR = 2.0       # pixels that a dot cut by the border may be off in any case
+# Relative difference of sizes allowed in any case: smallest, largest, and times root of the area.
 _SIZE = 0.15, 0.35, 3.5
 _ROUNDS = 60
-_LEAST = 3             # neighbours within the window that a point needs
-# Terms of the polynomial for that many points at least: it takes off most of the lens.
+_MIN_NEIGHBOURS = 3             # within the window, that a point needs
+# (points, degree) of the polynomial that removes most of the lens, for that many points or more.
 _DEGREES = (150, 5), (60, 4), (24, 3), (0, 2)
 
 
-class Doubt(Enum):
-    """Why a numbered point is not believed; the value is the text for people."""
-    PLACE = "not where its neighbours predict it"
+class OutlierReason(Enum):
+    """Why a numbered point is an outlier; the value is the text for people."""
+    POSITION = "not where its neighbours predict it"
     SIZE = "of another size than its neighbours"
     RIM = "at the rim, and not where the lines further in predict it"
-    LONELY = "with too few neighbours to tell"
+    LONELY = "with too few neighbours to check it"
     APART = "apart from the rest of the target"
 
 
 @dataclass(frozen=True)
-class Held:
-    """What is left of numbered points.
+class NeighbourCheck:
+    """Result of :func:`check_neighbours`.
 
     Parameters
     ----------
     keep : ndarray of bool, shape (n,)
-    doubts : dict of int to Doubt
-        Of the points that are not kept.
+        Which points agree with their neighbours.
+    reasons : dict of int to OutlierReason
+        Reason of each of the other points.
     sigma : float
-        Usual distance of a kept point from its prediction on one axis, in pixels.
+        Usual distance of a good point from its prediction on one axis, in pixels.
     step : float
         Usual distance of neighbours in pixels.
     worst : float
-        The largest distance of a kept point from its prediction, in pixels.
+        The largest distance of a good point from its prediction, in pixels.
     """
     keep: np.ndarray
-    doubts: dict
+    reasons: dict
     sigma: float
     step: float
     worst: float
 
 
-def hold(index, xy, area=None, smooth=None, size=None):
-    """Tell which numbered points of one lattice are where, and as large as, the others say.
+def check_neighbours(index, xy, area=None, smooth=None, size=None):
+    """Compare position and size of numbered points of one lattice with their neighbours'.
 
-    A polynomial in column and row, or ``smooth``, takes off most of the lens. What is left at a
-    point is predicted by its neighbours alone, up to two columns and rows away, by least squares of
-    a parabola; a point farther off than usual is dropped, the worst of its surroundings first, and
-    the others are judged anew. Points whose area differs from their neighbours' by more than usual
-    are dropped likewise, and so are lines at the rim that those further in do not predict, and what
-    lies apart from the largest connected part.
+    A polynomial in column and row, or ``smooth``, removes most of the lens. The neighbours of a
+    point, up to two columns and rows away, predict the rest by least squares of a parabola. A
+    point farther off than usual is dropped, the worst of its surroundings first; then the others
+    are predicted again. Dropped likewise are points whose area differs from their neighbours' by
+    more than usual, lines at the edge that the inner lines do not predict, and points apart from
+    the largest connected part.
 
     Parameters
     ----------
@@ -84,17 +86,17 @@ def hold(index, xy, area=None, smooth=None, size=None):
     xy : ndarray, shape (n, 2)
     area : ndarray, shape (n,), optional
     smooth : ndarray, shape (n, 2), optional
-        Where a smooth lens has the points: what too few points for a polynomial are held against.
+        Positions that a smooth lens predicts: used where the points are too few for a polynomial.
     size : (int, int), optional
-        Of the photo. The rim of a page that ends within it, or at something that covers it, is held
-        to less than one that the photo's border cuts, where the lens bends most.
+        Width and height of the photo. The limits at the edge of a page that ends within it, or at
+        something that covers it, are tighter than at the photo's border, where the lens bends most.
 
     Returns
     -------
-    Held
+    NeighbourCheck
     """
     window = _Window(index)
-    keep, doubts, step = np.ones(len(index), bool), {}, _step(window, xy)
+    keep, reasons, step = np.ones(len(index), bool), {}, _step(window, xy)
     far, sigma = np.zeros(len(index)), 0.0
     for _ in range(_ROUNDS):
         rest = xy if smooth is None else xy - smooth
@@ -108,40 +110,40 @@ def hold(index, xy, area=None, smooth=None, size=None):
         limit = np.maximum(max(_FLOOR[0], sigmas * sigma), _FLOOR[1] * step) * usual
         score = np.where(keep, far / limit, 0)
         bad = window.worst(score) & (score > 1)
-        lonely = keep & (count < _LEAST)
+        lonely = keep & (count < _MIN_NEIGHBOURS)
         if area is not None and not bad.any():
             score = np.where(keep, _size_score(window, area, keep), 0)
             sized = window.worst(score) & (score > 1)
-            _note(doubts, sized, Doubt.SIZE)
+            _note(reasons, sized, OutlierReason.SIZE)
             keep &= ~sized
             if sized.any():
                 continue
-        _note(doubts, bad, Doubt.PLACE)
-        _note(doubts, lonely & ~bad, Doubt.LONELY)
+        _note(reasons, bad, OutlierReason.POSITION)
+        _note(reasons, lonely & ~bad, OutlierReason.LONELY)
         keep &= ~(bad | lonely)
         if not (bad | lonely).any():
             rim = keep & _rim_is_off(window, rest, area, keep,
                                      _rim_limits(xy, step, size, sigmas * sigma))
-            _note(doubts, rim, Doubt.RIM)
+            _note(reasons, rim, OutlierReason.RIM)
             keep &= ~rim
             if not rim.any():
                 break
     apart = keep & ~window.largest(keep)
-    _note(doubts, apart, Doubt.APART)
+    _note(reasons, apart, OutlierReason.APART)
     keep &= ~apart
-    return Held(keep, doubts, sigma, float(np.median(step)) if len(step) else 0.0,
+    return NeighbourCheck(keep, reasons, sigma, float(np.median(step)) if len(step) else 0.0,
                 float(far[keep].max(initial=0.0)))
 
 
 def neighbours(index):
-    """Which of the points ``index`` (n, 2) are up to two columns and rows away: (n, 24), -1 where
-    there is none."""
+    """Numbers (n, 24) of the points up to two columns and rows away from each of ``index`` (n, 2);
+    -1 where there is none."""
     return _Window(index).near
 
 
 def displaced(index, xy):
-    """Distance (n,) of each point from where its neighbours predict it, over what is usual for as
-    many neighbours: pixels."""
+    """Distance (n,) in pixels of each point from where its neighbours predict it, over the usual
+    factor for as many neighbours."""
     window, keep = _Window(index), np.ones(len(index), bool)
     rest = xy - _smooth(window, xy, keep)
     predicted, gain, _ = _predicted(window, rest, keep)
@@ -149,16 +151,18 @@ def displaced(index, xy):
 
 
 def parts(index, xy):
-    """Number (n,) of the part, -1 for none, that each point of a lattice belongs to when it is cut
-    where its lines have a kink: where two targets, or one and its mirror image, happen to join."""
+    """Number (n,) of the part that each point of a lattice belongs to, -1 for none.
+
+    Parts end where lines have a kink: there two targets, or one and its mirror image, join.
+    """
     window = _Window(index)
-    place = {tuple(offset): k for k, offset in enumerate(window.offsets.tolist())}
+    slot = {tuple(offset): k for k, offset in enumerate(window.offsets.tolist())}
     kink = np.zeros(len(index))
     for before, after in (((-1, 0), (1, 0)), ((0, -1), (0, 1))):
-        first, second = window.near[:, place[before]], window.near[:, place[after]]
+        first, second = window.near[:, slot[before]], window.near[:, slot[after]]
         both = (first >= 0) & (second >= 0)
         bend = np.where(both[:, None], xy[first] + xy[second] - 2 * xy, np.nan)
-        # The lens bends lines too, but those nearby alike.
+        # The lens bends lines too, but nearby ones by the same amount.
         near = np.where((window.near >= 0)[:, :, None], bend[window.near], np.nan)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
@@ -173,24 +177,24 @@ def parts(index, xy):
 
 
 def fits_in(index, xy, more_index, more_xy, sigma):
-    """Which of further points, (k, 2) each, are where the held points ``index``, ``xy`` predict
-    them; ``sigma`` as of :class:`Held`."""
+    """Which of further points, (k, 2) each, are where the good points ``index``, ``xy`` predict
+    them; ``sigma`` as of :class:`NeighbourCheck`."""
     window = _Window(np.vstack([index, more_index]))
-    places = np.vstack([xy, more_xy])
-    keep = np.arange(len(places)) < len(index)
-    rest = places - _smooth(window, places, keep)
+    positions = np.vstack([xy, more_xy])
+    keep = np.arange(len(positions)) < len(index)
+    rest = positions - _smooth(window, positions, keep)
     predicted, gain, _ = _predicted(window, rest, keep)
     off = np.linalg.norm(rest - predicted, axis=1)
     limit = max(_CUT_FLOOR, _SIGMAS * sigma) * np.sqrt(1 + gain)
     return (off <= limit)[len(index):]
 
 
-def _note(doubts, which, doubt):
-    doubts.update(dict.fromkeys(np.flatnonzero(which).tolist(), doubt))
+def _note(reasons, which, reason):
+    reasons.update(dict.fromkeys(np.flatnonzero(which).tolist(), reason))
 
 
 class _Window:
-    """The neighbours of the points ``index`` (n, 2): ``near`` (n, k), -1 where there is none, at
+    """Neighbours of the points ``index`` (n, 2): ``near`` (n, k), -1 where there is none, at
     the ``offsets`` (k, 2)."""
 
     def __init__(self, index):
@@ -223,7 +227,7 @@ class _Window:
 
 
 def _step(window, xy):
-    """Distance (n,) of each point from its nearest neighbours in a line, the usual one if none."""
+    """Distance (n,) of each point from its neighbours in a line, the usual one if it has none."""
     sides = np.abs(window.offsets).sum(axis=1) == 1
     near = window.near[:, sides]
     away = np.linalg.norm(xy[near] - xy[:, None], axis=2)
@@ -241,7 +245,7 @@ def _terms(index, degree):
 
 
 def _smooth(window, xy, keep):
-    """Places (n, 2) by a polynomial in column and row, robustly fitted to the points ``keep``."""
+    """Positions (n, 2) by a polynomial in column and row, a robust fit to the points ``keep``."""
     degree = next(degree for count, degree in _DEGREES if keep.sum() >= count)
     terms, weight = _terms(window.index, degree), keep.astype(float)
     for _ in range(4):
@@ -254,8 +258,8 @@ def _smooth(window, xy, keep):
 
 
 def _rim_limits(xy, step, size, allowed):
-    """What points (n,) at the rim may be off: pixels before the gain, pixels in any case, and times
-    the usual limit of sizes. ``allowed``: pixels for points within."""
+    """Limits of points (n,) at the edge: pixels before the gain, pixels in any case, and factors of
+    the usual limit of sizes. ``allowed``: pixels for inner points."""
     wider, sizes = np.full(len(xy), _RIM_WIDER), np.full(len(xy), _RIM_SIZE)
     if size is not None and len(xy) > _MANY:
         border = np.minimum(xy, np.array(size) - 1 - xy).min(axis=1)
@@ -265,9 +269,9 @@ def _rim_limits(xy, step, size, allowed):
 
 
 def _rim_is_off(window, rest, area, keep, limits):
-    """Points of lines at the rim that the lines further in do not predict: neither place nor size.
+    """Points of lines at the edge whose position or size the inner lines do not predict.
 
-    A line of dots that something cuts lengthwise agrees with itself. ``limits``: as of
+    Dots of a line that something cuts lengthwise agree with each other. ``limits``: see
     :func:`_rim_limits`.
     """
     wrong = np.zeros(len(rest), bool)
@@ -279,17 +283,17 @@ def _rim_is_off(window, rest, area, keep, limits):
             predicted, gain, count = _predicted(window, rest, keep, beyond < 0)
             off = np.linalg.norm(rest - predicted, axis=1)
             limit = np.maximum(limits[1], limits[0] * np.sqrt(1 + gain))
-            told = edge & (count > _LEAST + 1)
-            wrong |= told & (off > limit)
+            known = edge & (count > _MIN_NEIGHBOURS + 1)
+            wrong |= known & (off > limit)
             if area is not None:
                 score = _size_score(window, area, keep, beyond < 0)
-                wrong |= told & (score > limits[2])
+                wrong |= known & (score > limits[2])
     return wrong
 
 
 def _predicted(window, values, keep, which=slice(None)):
-    """Prediction (n, d) of ``values`` (n, d) at each point by the others in ``keep``, with its gain
-    and how many tell it; ``which`` of the window's offsets may."""
+    """Prediction (n, d) of ``values`` (n, d) at each point by its neighbours in ``keep``, its gain,
+    and their number; ``which``: offsets of the window that are used."""
     near_ones = window.near[:, which]
     i, j = window.offsets[which].T.astype(float)
     terms = np.stack([np.ones_like(i), i, j, i * i, i * j, j * j], axis=1)
@@ -305,16 +309,16 @@ def _predicted(window, values, keep, which=slice(None)):
 
 
 def _size_score(window, area, keep, which=slice(None)):
-    """By how much, in what is allowed, each area differs from what its neighbours predict."""
+    """Difference (n,) of each area from its neighbours' prediction, in units of the limit."""
     size = np.log(np.maximum(area, 1e-9))[:, None]
     predicted, gain, _ = _predicted(window, size - np.median(size), keep, which)
     off = np.abs(size - np.median(size) - predicted)[:, 0] / np.sqrt(1 + gain)
     usual = 1.4826 * float(np.median(off[keep])) if keep.any() else 0.0
-    # The area of a small dot is uncertain by its rim.
+    # The edge makes the area of a small dot uncertain.
     floor = np.clip(_SIZE[2] / np.sqrt(np.maximum(area, 1)), *_SIZE[:2])
     score = off / np.maximum(floor, _SIZE_SIGMAS * usual)
-    # Beside a hand few neighbours predict little; but no dot has half the size of those around it.
+    # Near a hand few neighbours predict little, but no dot has half the size of those around it.
     there = (window.near >= 0) & keep[window.near]
     around = np.ma.median(np.ma.masked_array(size[window.near, 0], ~there), axis=1)
     return np.maximum(score, np.abs(size[:, 0] - around.filled(0)) / _HALF_SIZE * (
-        there.sum(axis=1) >= _LEAST))
+        there.sum(axis=1) >= _MIN_NEIGHBOURS))

@@ -1,4 +1,4 @@
-"""Draws the numbered points over the photo, so that a wrong number is seen at a glance."""
+"""Draws the numbered points over the photo, to make a wrong number visible."""
 
 import cv2
 import numpy as np
@@ -13,52 +13,52 @@ _MAGNIFY = 1, 2, 5, 10, 20, 50, 100, 200, 500
 def draw_points(image, photo, frame=None, number=0):
     """RGB uint8 picture of ``image`` with ``photo``'s points and the lines of their lattice.
 
-    Neighbours in a row are joined by a line whose colour tells the row, neighbours in a column
-    likewise; a line that crosses others shows a wrong number. Every point has a dot, hollow where
-    the border cuts it, point (0, 0) a ring, and its number is written at every fifth where there is
-    room. With ``frame`` (the :class:`IdealFrame` of the photos, of which this is ``number``) an
-    arrow leads from each point to where the smooth lens has it, magnified as the text at the
-    bottom tells, and points that were dropped are crossed out.
+    A line joins the neighbours in a row, in a colour for the row, and likewise those in a column;
+    a line that crosses others shows a wrong number. Every point has a dot, hollow where the border
+    cuts it, point (0, 0) also a ring. Every fifth point of every fifth row has its number. With
+    ``frame`` (the :class:`IdealFrame` of the photos, of which this is ``number``) an arrow leads
+    from each point to the smooth lens's position, magnified as the text at the bottom says, and
+    dropped points are crossed out.
     """
-    # The photo recedes behind the drawing.
+    # A paler photo makes the drawing stand out.
     picture = cv2.LUT(image, (96 + 0.6 * np.arange(256)).astype(np.uint8))
     if picture.ndim == 2:
         picture = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
     scale = max(1.0, picture.shape[1] / 1280)
     thick = max(1, round(scale))
-    place = {tuple(key): point for key, point in zip(photo.index.tolist(), photo.xy)}
+    position = {tuple(key): point for key, point in zip(photo.index.tolist(), photo.xy)}
     cut = {tuple(key) for key in photo.index[photo.cut].tolist()}
 
     def fixed(point):
         return tuple(int(round(value * (1 << _SHIFT))) for value in point)
-    # In a staggered grid the neighbours of a line are two half steps away.
-    step = 1 if len({sum(key) % 2 for key in place}) > 1 or len(place) < 2 else 2
+    # Neighbours in a line of a staggered grid are two half steps away.
+    step = 1 if len({sum(key) % 2 for key in position}) > 1 or len(position) < 2 else 2
     lengths = []
-    for (i, j), point in place.items():
+    for (i, j), point in position.items():
         for key, line in (((i + step, j), j), ((i, j + step), i)):
-            if key in place:
-                lengths.append(np.linalg.norm(place[key] - point))
-                cv2.line(picture, fixed(point), fixed(place[key]), _colour(line), thick,
+            if key in position:
+                lengths.append(np.linalg.norm(position[key] - point))
+                cv2.line(picture, fixed(point), fixed(position[key]), _colour(line), thick,
                          cv2.LINE_AA, _SHIFT)
-    for (i, j), point in place.items():
+    for (i, j), point in position.items():
         cv2.circle(picture, fixed(point), fixed([(2.5 if (i, j) in cut else 1.5) * scale])[0],
                    (200, 0, 0), thick if (i, j) in cut else -1, cv2.LINE_AA, _SHIFT)
         if i % 5 == 0 and j % 5 == 0:
             x, y = (int(round(value + 3 * scale)) for value in point)
             cv2.putText(picture, f"{i},{j}", (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.33 * scale,
                         (0, 0, 0), thick, cv2.LINE_AA)
-    if (0, 0) in place:
-        cv2.circle(picture, fixed(place[0, 0]), fixed([5 * scale])[0], (200, 0, 0), thick,
+    if (0, 0) in position:
+        cv2.circle(picture, fixed(position[0, 0]), fixed([5 * scale])[0], (200, 0, 0), thick,
                    cv2.LINE_AA, _SHIFT)
     if frame is not None and number in frame.numbers:
         on = frame.photo == frame.numbers.index(number)
         step = float(np.median(lengths)) if lengths else 20.0
-        _residuals(picture, photo, frame, on, place, step, scale, fixed)
+        _residuals(picture, photo, frame, on, position, step, scale, fixed)
     return picture
 
 
-def _residuals(picture, photo, frame, on, place, step, scale, fixed):
-    """Arrows from the used points to the smooth lens's places; crosses over dropped ones."""
+def _residuals(picture, photo, frame, on, position, step, scale, fixed):
+    """Arrows from the used points to the smooth lens's positions; crosses over dropped ones."""
     residual = np.stack(frame.camera.back_map(*frame.corrected[on].T), axis=1) - frame.distorted[on]
     usual = float(np.sqrt(np.mean(residual**2) * 2)) if on.any() else 0.0
     wanted = _ARROW * step / max(usual, 1e-6)
@@ -66,16 +66,16 @@ def _residuals(picture, photo, frame, on, place, step, scale, fixed):
     thick = max(1, round(scale))
     used = {tuple(key) for key in frame.index[on].tolist()}
     for key, offset in zip(frame.index[on].tolist(), residual):
-        start = place[tuple(key)]
+        start = position[tuple(key)]
         cv2.arrowedLine(picture, fixed(start), fixed(start + magnify * offset), (0, 0, 0), thick,
                         cv2.LINE_AA, _SHIFT, 0.25)
-    for key, point in place.items():
+    for key, point in position.items():
         if key not in used and not photo.cut[(photo.index == key).all(axis=1)].any():
             for sign in (1, -1):
                 arm = np.array([4.0, 4.0 * sign]) * scale
                 cv2.line(picture, fixed(point - arm), fixed(point + arm), (230, 0, 0), 2 * thick,
                          cv2.LINE_AA, _SHIFT)
-    text = f"arrows: {magnify} x the way to the smooth lens, {usual:.2f} px rms"
+    text = f"arrows: {magnify} x the distance to the smooth lens, {usual:.2f} px rms"
     height, font = picture.shape[0], cv2.FONT_HERSHEY_SIMPLEX
     (wide, high), below = cv2.getTextSize(text, font, 0.5 * scale, thick)
     cv2.rectangle(picture, (0, height - high - 3 * below), (wide + 2 * below, height),
@@ -85,6 +85,6 @@ def _residuals(picture, photo, frame, on, place, step, scale, fixed):
 
 
 def _colour(number):
-    """One of six well separated colours, by turns."""
+    """One of six well separated colours, in turn."""
     return ((214, 39, 40), (31, 119, 180), (44, 160, 44), (148, 60, 189), (200, 120, 0),
             (0, 150, 160))[number % 6]

@@ -13,7 +13,7 @@ from ncdc_spec.geometry import MAX_SIZE
 __all__ = ["PAGES", "PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
 
 VERSION = 1
-PAGES = "", "flat", "relief"     # what a person says of the target's shape
+PAGES = "", "flat", "relief"     # the target's shape, as the user states it
 TARGETS = ("dots", "circles", "acircles", "chessboard", "charuco")
 
 
@@ -28,25 +28,25 @@ class PhotoPoints:
     xy : ndarray, shape (n, 2)
         Distorted pixels; pixel centres are integers.
     area : ndarray, shape (n,)
-        Size of the dots in square pixels; zeros where the target's points have none.
+        Area of the dots in square pixels; zeros for points without an area.
     rejected : dict
-        How many candidates have no number, by reason.
+        Number of candidates without a number, by reason.
     name : str
         File name of the photo.
     cut : ndarray of bool, shape (n,), optional
         Dots that the picture's border cuts: numbered, but too uncertain to fit a lens to.
     dropped : tuple of (float, float, str)
-        Place and reason of points that had a number and were not believed. Not in the file.
+        x, y and reason of the outliers, which had a number. Not in the file.
     agreement : float
-        How far, in pixels on one axis, a point usually is from where its neighbours predict it;
+        Usual distance, in pixels on one axis, of a point from its neighbours' prediction;
         not-a-number if not known. Not in the file.
     contrast : float
-        By what part of the page's brightness dots usually are darker than the page between them;
+        Usual contrast of dots with the page between them, in parts of the page's brightness;
         not-a-number if not known. Not in the file.
     remarks : tuple of str
-        What else there is to say of the photo. Not in the file.
+        Sentences on other things in the photo. Not in the file.
     warnings : tuple of str
-        What is wrong with the photo. Not in the file.
+        Sentences on what is wrong with the photo. Not in the file.
     """
     index: np.ndarray
     xy: np.ndarray
@@ -65,8 +65,7 @@ class PhotoPoints:
             object.__setattr__(self, "cut", np.zeros(len(self.index), bool))
 
     def without(self, drop, reason):
-        """The photo without the numbered points that ``drop`` marks, which are not believed; what
-        is left is numbered from 0 on."""
+        """The photo without the outliers that ``drop`` marks; the others are numbered from 0 on."""
         if not drop.any():
             return self
         keep = ~drop
@@ -102,12 +101,12 @@ class TargetPoints:
     aspect : float
         Distance of two rows over that of two columns on the target.
     choice : str
-        What was chosen, and how many photos show it, if nobody said which target. Not in the file.
+        The target found, and the number of photos with it, if none was named. Not in the file.
     target_size : (int, int), optional
         Columns and rows of the target, whether seen or not. Not in the file.
     page : str
-        What the user states of the target's shape: ``flat``, ``relief`` (it has one, which is
-        taken off), or nothing.
+        The target's shape, as the user states it: ``flat``, ``relief`` (it has one, for which the
+        points are corrected), or empty.
 
     Raises
     ------

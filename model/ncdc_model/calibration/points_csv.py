@@ -14,12 +14,12 @@ __all__ = ["STYLES", "is_points_csv", "load_csv", "points_csv", "save_csv"]
 _CORRESPONDENCES = "photo,object_x,object_y,object_z,image_x,image_y"
 _LINES = "photo,direction,line,y,x"
 _NEEDED = "object_x", "object_y", "image_x", "image_y"
-_EXACT = 1e-3          # of the pitch: how far object points may be off their lattice
+_EXACT = 1e-3          # of the pitch: tolerance of object points on their lattice
 _LARGEST = 1000        # steps of the lattice along one axis
 
 
 def points_csv(points, style):
-    """Text of the :class:`TargetPoints` in one of :data:`STYLES`.
+    """CSV text of the :class:`TargetPoints` in one of :data:`STYLES`.
 
     opencv : object point (x, y, 0), in steps from column to column of the target, and image
         point, as ``cv2.calibrateCamera`` takes them.
@@ -103,7 +103,7 @@ def load_csv(path, size=None):
             on = np.array([photo == name for photo in photos])
             parts.append(PhotoPoints(index[on], values[on, 2:], np.zeros(int(on.sum())),
                                      name=name))
-        # Corners are where they are seen: nothing is known of a dot's size.
+        # As corners: the file has no sizes of dots, which a correction would need.
         return TargetPoints("chessboard", tuple(size), tuple(parts),
                             aspect=float(lattice[1][1] / lattice[0][1]))
     except InputError as error:
@@ -116,7 +116,7 @@ def _rows(text):
     reader = csv.DictReader(io.StringIO(text, newline=""), skipinitialspace=True)
     names = [str(name).strip() for name in reader.fieldnames or ()]
     if ",".join(names) == _LINES:
-        raise InputError("it is in the style of Discorpy, whose lines have no object points; "
+        raise InputError("it is in the style of Discorpy, which has no object points; "
                          "ncdc export --style opencv writes them")
     missing = [name for name in _NEEDED if name not in names]
     if missing:
@@ -145,31 +145,31 @@ def _rows(text):
 
 def _lattice(values, name):
     """Steps (n,) of ``values`` on their lattice, whole numbers from 0 on, and its pitch."""
-    places = np.unique(values)
-    gaps = np.diff(places)
-    reach = np.ptp(places)
+    distinct = np.unique(values)
+    gaps = np.diff(distinct)
+    reach = np.ptp(distinct)
     gaps = gaps[gaps > 1e-6 * reach]
     if not gaps.size:
-        raise InputError(f"{name} is {places[0]:g} in every line, three rows and columns at least "
-                         f"are needed")
+        raise InputError(f"{name} is {distinct[0]:g} in every line, three rows and columns at "
+                         f"least are needed")
     pitch = gaps.min()
     for gap in gaps:
         pitch = _common(pitch, gap)
-    steps = np.rint((values - places[0]) / pitch)
-    # Once more by all of them, as the smallest gap is rounded in the file.
+    steps = np.rint((values - distinct[0]) / pitch)
+    # Refine the pitch by all values, as the smallest gap is rounded in the file.
     far = steps > 0
-    pitch = float(np.sum((values - places[0])[far]) / np.sum(steps[far]))
-    steps = np.rint((values - places[0]) / pitch)
-    miss = np.abs((values - places[0]) / pitch - steps).max()
+    pitch = float(np.sum((values - distinct[0])[far]) / np.sum(steps[far]))
+    steps = np.rint((values - distinct[0]) / pitch)
+    miss = np.abs((values - distinct[0]) / pitch - steps).max()
     if steps.max() > _LARGEST or miss > 0.02:
-        raise InputError(f"the values of {name} lie on no lattice: {len(places)} different ones "
-                         f"from {places[0]:g} to {places[-1]:g} have no common step")
+        raise InputError(f"the values of {name} lie on no lattice: {len(distinct)} values "
+                         f"from {distinct[0]:g} to {distinct[-1]:g} have no common step")
     return steps.astype(np.int64), pitch
 
 
 def _common(a, b):
-    """Largest common part of two lengths, which may be a little off."""
-    least = _EXACT * min(a, b)
-    while b > least:
+    """Largest common divisor of two lengths, with a tolerance."""
+    tolerance = _EXACT * min(a, b)
+    while b > tolerance:
         a, b = b, abs(a - b * np.rint(a / b))
     return a

@@ -1,4 +1,4 @@
-"""Warnings about points that a network should not be trained on without a second look."""
+"""Warnings about points that should be checked before a network is trained on them."""
 
 from enum import Enum
 
@@ -10,20 +10,20 @@ from ncdc_model.calibration.seams import find_seam, seam_text
 
 __all__ = ["Dropped", "check_share", "uneven", "warnings_of"]
 
-_SCATTER = 0.25        # pixels: a point farther off its line's smooth course than this is noisy
-_LOST = 0.02           # of the places within the target that have no point
+_SCATTER = 0.25        # pixels from a line's smooth course: a point farther off is noisy
+_LOST = 0.02           # of the positions within the target that have no point
 _DROPPED = 0.02        # of the points that disagree with their neighbours
-# Pixels on an axis: of points that scatter more some may be off by a pixel. Centroids of circles on
+# Pixels on an axis: if points scatter by more, some may be off by a pixel. Centroids of circles on
 # clean photos scatter by up to 0.30, corners by up to 0.16.
 _UNSURE, _UNSURE_CORNERS = 0.35, 0.22
-_PALE = 0.50           # of the page's brightness by which dots are darker than it: less is blurred
-_BENT = 1.0            # pixels: lines that are straight only to this, rms, are none
-# Pixels, and parts of the picture's width: what the smooth lens leaves of one photo's points, rms,
-# is more than what such a lens leaves of an even one. Several photos tell more of the lens.
+_PALE = 0.50           # contrast of dots in parts of the page's brightness: blurred ones have less
+_BENT = 1.0            # pixels rms: lines that are less straight are wrong
+# Pixels, and parts of the picture's width: largest rms residual of the smooth lens on one photo of
+# an even target. The last is the factor for several photos, which determine the lens better.
 _UNEVEN, _UNEVEN_WIDTH, _UNEVEN_MANY = 0.15, 1 / 8000, 4.0
-_AROUND = 9            # points whose median says how far off a place is
-_ODD = 5.0             # times the usual distance from the lens: a photo beyond is not like others
-_RUINED = 0.10         # the same: beyond this it is not a few points that are wrong
+_AROUND = 9            # points whose median is the residual at a position
+_ODD = 5.0             # times the usual distance from the lens: a photo farther off is odd
+_RUINED = 0.10         # the same: with more, the points cannot be used
 
 
 class Dropped(Enum):
@@ -35,7 +35,7 @@ class Dropped(Enum):
 
 
 def check_share(rejected, count):
-    """One sentence if so many of ``count`` points disagree that the rest can not be trusted."""
+    """One sentence if so many of ``count`` points disagree that the rest cannot be trusted."""
     wrong = rejected.get(Dropped.GROSS, 0)
     if wrong > _RUINED * count:
         return (f"{wrong} of {count} points, {100 * wrong / count:.1f} %, disagree with their "
@@ -44,9 +44,9 @@ def check_share(rejected, count):
 
 
 def warnings_of(points, frame, measured):
-    """What is odd about :class:`TargetPoints` and their :class:`IdealFrame`, a sentence each.
+    """Sentences on what is odd about :class:`TargetPoints` and their :class:`IdealFrame`.
 
-    ``measured`` is what :func:`ncdc_model.calibration.measure.measure_smooth` says of the frame.
+    ``measured``: result of :func:`ncdc_model.calibration.measure.measure_smooth` for the frame.
     """
     found, scatter = [], measured["repeatability_px"]
     unsure = _UNSURE_CORNERS if points.target in ("chessboard", "charuco") else _UNSURE
@@ -58,7 +58,7 @@ def warnings_of(points, frame, measured):
         if photo.contrast < _PALE:
             found.append(f"{photo.name}: dots are usually only {100 * photo.contrast:.0f} % darker "
                          f"than the page, less than {100 * _PALE:.0f} %: out of focus or "
-                         f"overexposed, points at the rim may be off by more than a pixel")
+                         f"overexposed, points at the edge may be off by more than a pixel")
         found += [f"{photo.name}: {text}" for text in photo.warnings]
         found += uncovered(photo, photo.name, points.target == "acircles")
     found += _seams(frame, points)
@@ -72,10 +72,10 @@ def warnings_of(points, frame, measured):
         found.append(f"the points scatter by {scatter:.2f} px rms about their lines, more than "
                      f"{_SCATTER} px: noise, blur or motion")
     for photo in points.photos:
-        places, lost = _places(photo.index)
-        if lost > _LOST * places:
-            found.append(f"{photo.name}: {lost} of {places} places between other points, "
-                         f"{100 * lost / places:.1f} %, have no point")
+        positions, lost = _positions(photo.index)
+        if lost > _LOST * positions:
+            found.append(f"{photo.name}: {lost} of {positions} positions between other points, "
+                         f"{100 * lost / positions:.1f} %, have no point")
     wrong, count = frame.rejected.get(Dropped.GROSS, 0), points.count
     if wrong > _DROPPED * count:
         found.append(f"{wrong} of {count} points, {100 * wrong / count:.1f} %, disagree with their "
@@ -87,7 +87,7 @@ def _seams(frame, points):
     """A sentence for each photo whose lattice has a step."""
     if points.target == "acircles":
         return []
-    rest, found = -_left(frame), []
+    rest, found = -_residuals(frame), []
     for number, name in enumerate(frame.names):
         on = frame.photo == number
         seam = find_seam(frame.index[on], frame.distorted[on], rest[on],
@@ -98,15 +98,15 @@ def _seams(frame, points):
 
 
 def uneven(points, frame):
-    """A sentence with size and place, in a list, if no smooth lens explains the points of a flat
-    target; none if the user states that it is flat."""
-    rest = _left(frame)
+    """List of one sentence, with size and position, if no smooth lens explains the points of a flat
+    target; empty if the user states that it is flat."""
+    rest = _residuals(frame)
     scatter = float(np.nanmean([0.0, *(photo.agreement for photo in points.photos)]))
     rms = float(np.sqrt(max(np.mean((rest**2).sum(axis=1)) - 2 * scatter**2, 0)))
     limit = max(_UNEVEN, _UNEVEN_WIDTH * points.size[0])
     if points.page == "flat" or rms <= limit * (1 if len(frame.names) == 1 else _UNEVEN_MANY):
         return []
-    # A single wrong point is no bend: of each place what most points around it say.
+    # A single wrong point is no bend: take the median of the points around each.
     near = cKDTree(frame.distorted).query(frame.distorted, min(_AROUND, len(rest)))[1]
     off = np.linalg.norm(np.median(rest[near], axis=1), axis=1)
     (x, y), worst = frame.distorted[off.argmax()], off.max()
@@ -119,14 +119,14 @@ def uneven(points, frame):
             f"states that it is flat{state}"]
 
 
-def _left(frame):
-    """Pixels (n, 2) from each point to where the smooth lens has it."""
+def _residuals(frame):
+    """Pixels (n, 2) from each point to the smooth lens's prediction."""
     return np.stack(frame.camera.back_map(*frame.corrected.T), axis=1) - frame.distorted
 
 
 def _odd_photos(frame):
-    """Photos whose points are off the lens that all photos share by far more than the others."""
-    off = np.linalg.norm(_left(frame), axis=1)
+    """Sentences on photos whose points are much farther off the common lens than the others'."""
+    off = np.linalg.norm(_residuals(frame), axis=1)
     medians = [float(np.median(off[frame.photo == k])) if (frame.photo == k).any() else 0.0
                for k in range(len(frame.names))]
     usual = float(np.median(medians))
@@ -136,8 +136,8 @@ def _odd_photos(frame):
             if len(medians) > 2 and value > max(_ODD * usual, 1.0)]
 
 
-def _places(index):
-    """Places that have points on both sides in their row and in their column; those without one."""
+def _positions(index):
+    """Count of positions between points in both their row and column, and of those without one."""
     index = index - index.min(axis=0)
     there = np.zeros(index.max(axis=0) + 1, bool)
     there[tuple(index.T)] = True
@@ -148,6 +148,6 @@ def _places(index):
         inside &= before & after
     i, j = np.indices(there.shape)
     parities = np.bincount((i + j)[there] % 2, minlength=2)
-    if parities.min() == 0:            # staggered: every other place is none
+    if parities.min() == 0:            # staggered: every other position is empty
         inside &= (i + j) % 2 == int(parities.argmax())
     return int(inside.sum()), int((inside & ~there).sum())

@@ -1,4 +1,4 @@
-"""What is wrong with remap tables, told before anything is trained on them."""
+"""Checks of remap tables before anything is trained on them."""
 
 import numpy as np
 
@@ -6,14 +6,14 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["check_finite", "check_meaning", "check_smooth", "folded_warning", "sensor_warning"]
 
-LEAST_INSIDE = .1      # of the corrected pixels have a source in the sensor
-LEAST_MIDDLE = .5      # likewise, if the middle of the corrected picture has none
-MIRRORED = .9          # of these have a negative area
-LEAST_KEPT = .5        # of these do not fold back and hang together
+MIN_INSIDE = .1      # of the corrected pixels must have a source in the sensor
+MIN_MIDDLE = .5      # the same, if the middle of the corrected picture has none
+MIRRORED = .9          # of these have a negative area in a mirrored map
+MIN_SMOOTH = .5        # of these must be connected and not fold back
 SHRUNK = 1 / 16        # area in the sensor of a corrected pixel: less is a fourfold magnification
-MOST_NOISE = .5        # pixels rms
-SOME_NOISE = .05       # likewise, worth a warning
-JUMP = 8               # usual steps between neighbours
+MAX_NOISE = .5        # pixels rms
+SOME_NOISE = .05       # the same, for a warning
+JUMP = 8               # times the usual step between neighbours
 
 
 def check_finite(names, tables):
@@ -30,7 +30,7 @@ def check_finite(names, tables):
 
 
 def check_meaning(x, y, geometry):
-    """Refuse tables that are no source pixels in a sensor of that size, and say what they may be.
+    """Reject tables that hold no source pixels of a sensor of that size; the message says why.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def check_meaning(x, y, geometry):
                          f"{height - 1} are needed")
     share = inside.mean()
     middle = inside[inside.shape[0] // 2, inside.shape[1] // 2]
-    if share < (LEAST_INSIDE if middle else LEAST_MIDDLE):
+    if share < (MIN_INSIDE if middle else MIN_MIDDLE):
         raise InputError(f"only {100 * share:.1f} % of the map's pixels have a source in a sensor "
                          f"of {width}x{height}{'' if middle else ', the middle has none'}; the "
                          f"tables reach from ({x.min():g}, {y.min():g}) to ({x.max():g}, "
@@ -73,7 +73,7 @@ def _other_meaning(x, y, geometry):
     small = np.abs(np.median(_area(x, y))) < SHRUNK**2
     others = {"coordinates of 0 to 1": (x * (width - 1), y * (height - 1)),
               "coordinates of -1 to 1": ((x + 1) / 2 * (width - 1), (y + 1) / 2 * (height - 1))}
-    # A real magnification, too, makes small steps: but its sources lie in the sensor.
+    # A real magnification has small steps too, but its sources lie in the sensor.
     if inside < .9 or small:
         others["offsets from the corrected pixel"] = x + u, y + v
     for meaning, (a, b) in others.items():
@@ -94,9 +94,9 @@ def _area(x, y):
 
 
 def check_smooth(x, y, inside, valid):
-    """Refuse what no smooth network can follow; return a warning, or None.
+    """Reject a map that no smooth network can fit; return a warning, or None.
 
-    ``inside``: pixels with a source in the sensor; ``valid``: of these, what
+    ``inside``: pixels with a source in the sensor; ``valid``: those of them that
     :func:`ncdc_model.golden.valid.valid_mask` keeps.
 
     Raises
@@ -107,31 +107,31 @@ def check_smooth(x, y, inside, valid):
     tables = x, y
     _check_steps(x, y, inside)
     noise = max(_noise(table, inside, axis) for table in tables for axis in (0, 1))
-    if noise > MOST_NOISE:
+    if noise > MAX_NOISE:
         raise InputError(f"the map is not smooth: from pixel to pixel it scatters by {noise:.2f} "
-                         f"px, {MOST_NOISE:g} is the limit")
-    if valid.sum() < LEAST_KEPT * inside.sum():
+                         f"px, {MAX_NOISE:g} is the limit")
+    if valid.sum() < MIN_SMOOTH * inside.sum():
         raise InputError(f"the map is folded: of {inside.sum()} pixels whose source lies in the "
-                         f"sensor, {valid.sum()} do not fold back and hang together, "
-                         f"{100 * LEAST_KEPT:.0f} % are the limit")
+                         f"sensor, {valid.sum()} are connected and do not fold back, "
+                         f"{100 * MIN_SMOOTH:.0f} % are the limit")
     _check_jumps(x, y, valid)
     if noise > SOME_NOISE:
         return (f"from pixel to pixel the map scatters by {noise:.2f} px, which no network "
-                f"follows: the largest error will be more than that")
+                f"can fit: the largest error will be more than that")
     return None
 
 
 def _check_steps(x, y, inside):
     if not any(_differences(table, inside, axis, 2).any() for table in (x, y) for axis in (0, 1)):
-        return     # a plain shift may well be one of whole pixels
+        return     # a plain shift may be one of whole pixels
     sources = np.stack([x[inside], y[inside]])
     if (sources == sources.round()).all():
         raise InputError("the tables hold whole pixels: they are rounded, by up to half a pixel, "
                          "so that no network can come nearer")
-    most = sources.max()
-    if most > 64 and (sources == sources.astype(np.float16)).all():
-        raise InputError(f"the tables have been through 16-bit floats, whose steps at {most:g} "
-                         f"are {np.spacing(np.float16(most)):g} px; float32 is needed")
+    largest = sources.max()
+    if largest > 64 and (sources == sources.astype(np.float16)).all():
+        raise InputError(f"the tables have been through 16-bit floats, whose steps at {largest:g} "
+                         f"are {np.spacing(np.float16(largest)):g} px; float32 is needed")
 
 
 def _differences(table, inside, axis, order):
@@ -143,7 +143,7 @@ def _differences(table, inside, axis, order):
 
 
 def _noise(table, inside, axis):
-    """Scatter of single values in pixels rms: robust, and blind to what is smooth."""
+    """Scatter of single values in pixels rms: robust, without the smooth part."""
     third = _differences(table, inside, axis, 3)
     # Third differences of white noise have 1 + 9 + 9 + 1 times its variance.
     return 1.4826 * float(np.median(np.abs(third))) / 20**.5 if len(third) else 0.0
@@ -175,7 +175,7 @@ def folded_warning(inside, valid):
 
 
 def sensor_warning(x, y, inside, geometry):
-    """A sentence if much of the map goes on beyond the sensor, as it does if that is too small."""
+    """A sentence if much of the map continues beyond the sensor: its size may be wrong."""
     beyond = ~inside
     # Pixels that are marked as without a source all have the same value.
     same = np.zeros(x.shape, bool)

@@ -40,9 +40,9 @@ class RemapFile:
     names : (str, str)
         What the file calls them, for messages.
     sensor : (int, int) or None
-        Width and height of the distorted image, where the file tells them.
+        Width and height of the distorted image, if the file has them.
     kind : str
-        How they are kept, for reports.
+        Format of the tables, for reports.
     digest : str
         Twelve hex digits of the hash of the files.
     """
@@ -81,10 +81,10 @@ def _holds_map(path):
 def read_remap(paths, camera=None):
     """Read a map from one file with both tables, or from two with one table each.
 
-    Understood are pairs of float arrays x and y, one float array of two channels, and the
-    fixed-point pairs of ``cv2.convertMaps`` (CV_16SC2 and CV_16UC1). The names of a pair differ in
-    one character, x and y or 1 and 2. ``camera``: of a file with several maps, part of the first
-    array's name of the one that is meant.
+    A map is a pair of float arrays x and y, one float array of two channels, or a fixed-point
+    pair of ``cv2.convertMaps`` (CV_16SC2 and CV_16UC1). The names of a pair differ in one
+    character, x and y or 1 and 2. ``camera`` chooses one of several maps in a file by a part of
+    its first array's name.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def _tiff(content):
 
 
 def _openexr(path):
-    import OpenEXR  # a second when first imported, which few need
+    import OpenEXR  # takes a second
     with OpenEXR.File(str(path), separate_channels=True) as file:
         channels = {name: channel.pixels for name, channel in file.channels().items()}
     if len(channels) != 1:
@@ -168,7 +168,7 @@ def _openexr(path):
 
 
 def _storage(content):
-    """Values of OpenCV's FileStorage; of any other file, none."""
+    """Values of OpenCV's FileStorage; empty for any other file."""
     if content.startswith((b"%YAML", b"<?xml")) or b'"opencv-matrix"' in content[:1 << 16]:
         table = file_storage(content.decode())
         return table if isinstance(table, dict) else {}
@@ -176,9 +176,9 @@ def _storage(content):
 
 
 def _maps(arrays):
-    """(first, second) names of the maps among ``arrays``; second is None of one with two channels.
+    """Names (first, second) of the maps in ``arrays``; second is None for one of two channels.
 
-    Names are compared from their ends, so that map11, map12, map21 and map22 are two maps. Smaller
+    Names are compared from their ends, so that map11, map12, map21 and map22 are two maps. Small
     arrays, such as the matrices of a camera, are no maps.
     """
     large = [name for name, array in arrays.items()
@@ -187,10 +187,10 @@ def _maps(arrays):
     for first, second in _ENDS:
         pairs, taken = [], set()
         for name in sorted(large):
-            for place in reversed(range(len(name))):
-                end = name[place]
-                other = name[:place] + (second.upper() if end.isupper() else second) \
-                    + name[place + 1:]
+            for position in reversed(range(len(name))):
+                end = name[position]
+                other = name[:position] + (second.upper() if end.isupper() else second) \
+                    + name[position + 1:]
                 if end.lower() == first and other in large and not {name, other} & taken:
                     pairs.append((name, other))
                     taken |= {name, other}
@@ -201,7 +201,7 @@ def _maps(arrays):
 
 
 def _chosen(subject, maps, camera, arrays):
-    """Names of the map that ``camera`` means, or of the only one."""
+    """Names of the map that ``camera`` chooses, or of the only one."""
     if not maps:
         shapes = ", ".join(f"{name} {'x'.join(map(str, array.shape))}" for name, array in
                            arrays.items() if isinstance(array, np.ndarray)) or "no array"
@@ -229,7 +229,7 @@ def _single(path, table):
 
 
 def _decoded(subject, names, arrays):
-    """(x, y, kind) of a map's arrays as they are kept."""
+    """x, y and format of a map's arrays, as the file has them."""
     arrays = [array[..., 0] if array.shape[2:] == (1,) else array for array in arrays]
     sizes = [f"{array.shape[1]}x{array.shape[0]}" for array in arrays if array.size]
     if len(sizes) == 2 and sizes[0] != sizes[1]:
@@ -245,9 +245,9 @@ def _decoded(subject, names, arrays):
             shape = "x".join(map(str, (first if array is None else array).shape))
             raise InputError(f"{subject}: {name} is {shape}, a map has two arrays of one channel")
         if array.dtype not in (np.float32, np.float64):
-            raise InputError(f"{subject}: {name} holds {array.dtype} values, which cannot tell a "
-                             f"hundredth of a pixel: float32 or float64 is needed, or the int16 and"
-                             f" uint16 pair of cv2.convertMaps")
+            raise InputError(f"{subject}: {name} holds {array.dtype} values, which cannot resolve "
+                             f"a hundredth of a pixel: float32 or float64 is needed, or the int16 "
+                             f"and uint16 pair of cv2.convertMaps")
     return (first.astype(np.float64), second.astype(np.float64),
             f"remap tables, {first.dtype}")
 
@@ -259,7 +259,7 @@ def _fixed_point(subject, names, whole, fraction):
                          f"fractions, is missing")
     if fraction.ndim != 2 or fraction.dtype not in (np.int16, np.uint16):
         raise InputError(f"{subject}: {names[1]} holds {fraction.dtype} values, uint16 is needed "
-                         f"beside the int16 of {names[0]}")
+                         f"with the int16 of {names[0]}")
     bits, limit = fraction.astype(np.int64), 1 << 2 * _FRACTION
     if bits.min() < 0 or bits.max() >= limit:
         raise InputError(f"{subject}: {names[1]} holds {bits.min()} to {bits.max()}, the limits of "
@@ -270,11 +270,11 @@ def _fixed_point(subject, names, whole, fraction):
 
 
 def _sensor(subject, tables):
-    """(width, height) that one of the files tells under the name sensor, or None."""
+    """Width and height under the name sensor in one of the files, or None."""
     for table in tables:
         if "sensor" in table:
             value = table["sensor"]
-            # OpenCV 5 keeps an array of one dimension as a table of its own.
+            # OpenCV 5 stores an array of one dimension as a table of its own.
             value = np.ravel(value["data"] if isinstance(value, dict) else value)
             if len(value) != 2 or value.dtype.kind not in "iuf" or (value != value.round()).any():
                 raise InputError(f"{subject}: sensor is {value.tolist()}, width and height in "

@@ -1,4 +1,4 @@
-"""A map from elsewhere, as tables for OpenCV's ``remap``: the exact map of a corrected frame."""
+"""Tables for OpenCV's ``remap`` as the exact map of a corrected frame."""
 
 from dataclasses import dataclass, replace
 
@@ -21,7 +21,7 @@ __all__ = ["RemapMap", "load_remap"]
 
 @dataclass(frozen=True)
 class RemapMap:
-    """Source pixels of every corrected pixel.
+    """Source pixel of every corrected pixel.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class RemapMap:
         Not-a-number where the corrected pixel is not valid (:func:`~ncdc_model.golden.valid.valid_mask`).
     geometry : Geometry
     model : str
-        How the tables are kept, for reports.
+        Format of the tables, for reports.
     digest : str
         Twelve hex digits of the hash of the files.
     warnings : tuple of str
@@ -54,13 +54,13 @@ class RemapMap:
 
     @property
     def reach(self):
-        """Least and largest source column, and row, as two pairs."""
+        """Smallest and largest source column, and row, as two pairs."""
         return tuple((float(np.nanmin(table)), float(np.nanmax(table)))
                      for table in (self.x, self.y))
 
 
 def _between(a, b, part):
-    # A pixel without a source must not reach one that lies exactly beside it.
+    # A pixel without a source must not affect an exact result at the next pixel.
     return np.where(part == 0, a, a + part * (b - a))
 
 
@@ -72,7 +72,7 @@ def load_remap(paths, sensor=None, camera=None, **options):
     paths : sequence of path
         One file, or the two of x and y.
     sensor : (int, int), optional
-        Width and height of the distorted image, if the file does not tell.
+        Width and height of the distorted image, if the file does not state it.
     camera : str, optional
         Which of several maps in the file.
     options
@@ -104,8 +104,8 @@ def load_remap(paths, sensor=None, camera=None, **options):
 def _marked(x, y):
     """The tables with -1 where they hold (0, 0), if several pixels do.
 
-    No two pixels of a smooth map have one source: zero is the mark of having none, which the first
-    sample of the sensor would be taken for.
+    No two pixels of a smooth map have the same source: zero then marks pixels without one. It would
+    be taken for the first sample of the sensor.
     """
     zero = (x == 0) & (y == 0)
     if zero.sum() < 2:

@@ -1,4 +1,4 @@
-"""Proof of relief: the same heights of the same page in photos from different places."""
+"""Proof of relief: the same heights of the same page in photos from different positions."""
 
 import numpy as np
 from scipy.interpolate import griddata
@@ -6,24 +6,23 @@ from scipy.signal import fftconvolve
 
 __all__ = ["proven"]
 
-_ALIKE = 0.8           # correlation of two photos' heights from which on they are the same page's
-_LENS = 0.5            # times that: more, picture on picture, and it may be the lens's
+_ALIKE = 0.8           # correlation of two photos' heights above which they show the same page
+_LENS = 0.5            # times that: a larger correlation at equal pixels may come from the lens
 _COMMON = 100          # points that both photos show
 
 
 def proven(indices, points, heights):
     """Which of the photos show a relief that another photo, taken from elsewhere, shows too.
 
-    The numbers of dots begin anew with each photo. So two photos' heights are laid over each
-    other at every shift and quarter turn; where they agree best, they are the same page's, if
-    they correlate to 0.8 there. A flaw of the lens would do that too, wherever the page is: it is
-    at the same place of the picture. So relief is proven only if the heights are much less alike
-    where the pictures lie over each other.
+    The numbers of dots begin anew with each photo. So two photos' heights are compared at every
+    shift and quarter turn. They show the same page if the largest correlation is 0.8 or more. A
+    lens flaw would correlate as well, but at the same pixels of both pictures. So relief is proven
+    only if the heights at equal pixels correlate much less.
 
     Parameters
     ----------
     indices, points, heights : sequence of ndarray
-        Of each photo (n, 2), pixels (n, 2) and (n,), with no points if it shows no relief.
+        Arrays (n, 2), (n, 2) in pixels and (n,) per photo; no points if it shows no relief.
 
     Returns
     -------
@@ -62,7 +61,7 @@ def _on_page(index, height, other_index, other_height):
 
 
 def _on_picture(xy, height, other_xy, other_height):
-    """Correlation of two photos' heights at the same places of the picture."""
+    """Correlation of two photos' heights at equal positions in the picture."""
     there = griddata(other_xy, other_height, xy)
     both = np.isfinite(there)
     if both.sum() < _COMMON:
@@ -71,7 +70,7 @@ def _on_picture(xy, height, other_xy, other_height):
 
 
 def _grid(index, height):
-    """Heights, about their mean and of standard deviation one, and ones where there are points."""
+    """Heights, normalised to mean 0 and standard deviation 1, and ones where there are points."""
     index = index - index.min(axis=0)
     values, there = np.zeros((2, *(index.max(axis=0) + 1)))
     values[tuple(index.T)] = (height - height.mean()) / max(height.std(), 1e-12)

@@ -1,23 +1,23 @@
-"""Tests each gap between the lines of a lattice for a step: no lens makes one, two sheets do."""
+"""Tests each gap between the lines of a lattice for a step, as two sheets of paper make one."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.calibration.relief import polynomial
+from ncdc_model.calibration.target_flatness import polynomial
 
 __all__ = ["Seam", "find_seam", "seam_text", "steps"]
 
-_SIDE = 4              # points on either side of a gap that are looked at
-_LEAST = 3, 2          # of them that must be there; the second on lines of fewer than ten points
+_SIDE = 4              # points on either side of a gap that are used
+_MIN_POINTS = 3, 2     # of these that must exist; the second for lines of fewer than ten points
 _SHORT = 10
-_DEGREE = 5            # of the polynomial that takes off most of the lens
-_SLOPES = 21           # ways that a seam may lie across the lines, at most half a column per row
+_DEGREE = 5            # of the polynomial that removes most of the lens
+_SLOPES = 21           # slopes of a seam that are tried, up to half a column per row
 _LINES = 5             # lines that must show the step
-_STEP = 0.6            # pixels, for up to a width of 1280: a smaller step moves no point by 0.5
+_STEP = 0.6            # pixels, for a width of up to 1280: a smaller step moves no point by 0.5
 _WIDTH = 1280
 _SIGMAS = 8.0          # times the standard error of the median step
-_ELSEWHERE = 2.5       # times the largest of other gaps, nearby if opposite: bumps and waves
+_ELSEWHERE = 2.5       # times the largest step of other gaps: bumps and waves have similar ones
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,11 @@ class Seam:
     axis : int
         0 for a gap between columns, 1 for one between rows.
     gap : int
-        Column or row beyond which it lies, in the middle of the other axis.
+        Column or row after which it lies, in the middle of the other axis.
     step : ndarray, shape (2,)
-        Pixels by which what lies beyond is moved.
+        Pixels by which the points after it are moved.
     ends : ndarray, shape (2, 2)
-        Pixels of its first and last place.
+        Pixels of its first and last position.
     """
     axis: int
     gap: int
@@ -44,9 +44,9 @@ class Seam:
 def steps(index, xy, axis):
     """Step (gaps, lines, 2) in pixels across each gap along ``axis``, and its gain (gaps, lines).
 
-    Along each line one cubic is fitted to up to four points on either side, together with a step
-    in the gap; a parabola where there are fewer than seven points. The gain is the variance of the
-    step over that of a point; not-a-number where too few points are.
+    One cubic and a step in the gap are fitted to up to four points on either side along each line;
+    with fewer than seven points, one parabola. The gain is the variance of the step over that of a
+    point; not-a-number where the points are too few.
     """
     grid = _grid(index, xy)
     if axis:
@@ -58,8 +58,9 @@ def steps(index, xy, axis):
     there = np.isfinite(window[..., 0])
     offset = np.arange(2 * _SIDE) - _SIDE + 0.5
     terms = np.stack([offset > 0, offset**0, offset, offset**2, offset**3], axis=1).astype(float)
-    least = _LEAST[grid.shape[0] < _SHORT]
-    enough = (there[..., :_SIDE].sum(axis=2) >= least) & (there[..., _SIDE:].sum(axis=2) >= least)
+    minimum = _MIN_POINTS[grid.shape[0] < _SHORT]
+    enough = ((there[..., :_SIDE].sum(axis=2) >= minimum)
+              & (there[..., _SIDE:].sum(axis=2) >= minimum))
     number = there.sum(axis=2)
     step, gain = np.full((*number.shape, 2), np.nan), np.full(number.shape, np.nan)
     for parts, which in ((5, enough & (number >= 7)), (4, enough & (number >= 5) & (number < 7))):
@@ -79,19 +80,18 @@ def steps(index, xy, axis):
 def find_seam(index, xy, rest, width=0):
     """The :class:`Seam` of the points ``index`` (n, 2), ``xy`` (n, 2) of a lattice, or None.
 
-    ``rest`` (n, 2): pixels that a smooth lens leaves of them.
+    ``rest`` (n, 2): their residuals from a smooth lens, in pixels.
 
-    The steps of all lines across one gap, which may lie askew, or of half of the lines, agree there
-    and not elsewhere: the median of both coordinates is far larger than its standard error, and
-    than those of all gaps away from it. A bump of the lens shows in few lines, a wave of the page
-    in more gaps than one. ``width``: of the photo; on those wider than 1280 a step must be larger
-    in proportion.
+    The steps of all lines, or of half of the lines, agree in one gap, which may be oblique, and
+    not elsewhere: their median is much larger than its standard error and than the medians of the
+    other gaps. A bump of the lens affects few lines, a wave of the page several gaps. ``width``:
+    of the photo; the minimum step is larger in proportion above 1280.
     """
     origin = index.min(axis=0)
     index = index - origin
     rest, best = rest - _smooth(index, rest), None
     fields = [steps(index, rest, axis) for axis in (0, 1)]
-    # A seam is across one axis only; the other tells how much points scatter.
+    # A seam is across one axis only; the other gives the scatter of the points.
     sigma = min((_scatter(*field) for field in fields if np.isfinite(field[1]).any()), default=0.0)
     for axis, (step, gain) in enumerate(fields):
         if np.isfinite(gain).any() and step.shape[1] >= _LINES:
@@ -119,20 +119,20 @@ def seam_text(seam):
 
 
 def _smooth(index, xy):
-    """Places (n, 2) by a polynomial in column and row."""
+    """Positions (n, 2) by a polynomial in column and row."""
     degree = min(_DEGREE, *np.ptp(index, axis=0))
     basis = polynomial(index, degree)
     return basis @ np.linalg.lstsq(basis, xy, rcond=1e-9)[0]
 
 
 def _scatter(step, gain):
-    """Standard deviation of a point that the scatter of all ``step`` shows."""
+    """Standard deviation of a point, estimated from the scatter of all ``step``."""
     off = np.abs(step - np.nanmedian(step, axis=(0, 1))) / np.sqrt(gain)[..., None]
     return float(1.4826 * np.nanmedian(off))
 
 
-def _largest(step, gain, sigma, least):
-    """(score, gap, slope, step) of the most certain step; a score of 1 is the limit. None if no
+def _largest(step, gain, sigma, minimum):
+    """Score, gap, slope and size of the most certain step; a score of 1 is the limit. None if no
     gap has enough lines."""
     gaps, lines = step.shape[:2]
     best = None
@@ -155,7 +155,7 @@ def _largest(step, gain, sigma, least):
             spread = np.nanmedian(np.where(inside[k], gain[at[0][k], row], np.nan))
             uneven = 1.4826 * np.nanmedian(np.linalg.norm(seen[k] - found[k], axis=1))
             error = 1.25 * max(sigma * np.sqrt(spread), uneven) / np.sqrt(count[k])
-            certain = size[k] / max(least, _SIGMAS * error)
+            certain = size[k] / max(minimum, _SIGMAS * error)
             if best is None or certain > best[0]:
                 best = certain, k, slope, found[k], _ELSEWHERE * rivals.max(initial=0.0)
     if best is None:

@@ -1,10 +1,10 @@
-"""One smooth lens and a pose of the target per photo, fitted together to the points."""
+"""Fits one smooth lens and a pose of the target per photo to the points."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.calibration.settle import settle
+from ncdc_model.calibration.refine import refine
 from ncdc_model.calibration.smooth_problem import MIN_POINTS, ROBUST, Problem
 from ncdc_model.calibration.smooth_vector import camera_of, project, unpack
 from ncdc_model.lens import Camera
@@ -20,21 +20,21 @@ class SmoothFit:
     Parameters
     ----------
     camera : Camera
-        Radial (equidistant with polynomial), decentring, thin prism, tilted sensor and pixels that
-        are no squares; frame as the image.
+        Radial (equidistant with polynomial), decentring, thin prism, tilted sensor, pixels that
+        are not square; its frame is the image.
     planes : tuple of ndarray, shape (3, 3)
         Take (column, row, 1) of a photo's target to a direction in camera coordinates.
     vector : ndarray
         The parameters that were fitted.
-    doubt : float
-        How much what is usual of a lens counts, up to 1.
+    prior : float
+        Weight of the prior of the lens, up to 1.
     flawed : bool
-        Whether the camera has the flaws that only a lens well explained may have.
+        Whether the camera has the flaws of :mod:`ncdc_model.calibration.smooth_vector`.
     """
     camera: Camera
     planes: tuple
     vector: np.ndarray
-    doubt: float
+    prior: float
     flawed: bool
 
     def rays(self, photo, index):
@@ -62,10 +62,10 @@ def fit_smooth(size, photos, near=None, rough=False):
     """Robust least squares of the distance between points and their projections, in pixels.
 
     The target is flat with equal distances along columns and rows up to a common ratio, which
-    is fitted too. So a tilt of the page is explained by its pose and does not end up in the
+    is fitted too. So the pose explains a tilt of the page, which does not distort the
     lens. The lens: equidistant with a polynomial of four terms, free centre and focal length,
     decentring (equation (14) of the paper), thin prism of first order (Weng's), a tilted sensor
-    and the aspect of its pixels. What is usual of a lens counts as much as the points leave open.
+    and the aspect of its pixels. A prior decides what the points do not determine.
 
     Parameters
     ----------
@@ -74,9 +74,9 @@ def fit_smooth(size, photos, near=None, rough=False):
     photos : sequence of (index, xy)
         Arrays (n, 2) of each photo.
     near : SmoothFit, optional
-        Of nearly the same points: the search starts there.
+        A fit of nearly the same points: the search starts there.
     rough : bool
-        Whether a fit of some of the points will do, which may differ in its last digits.
+        Fit only some of the points; the last digits may differ from machine to machine.
 
     Returns
     -------
@@ -91,17 +91,17 @@ def fit_smooth(size, photos, near=None, rough=False):
         if len(index) < MIN_POINTS:
             raise InputError(f"a photo has {len(index)} points, at least {MIN_POINTS} are needed")
     problem = Problem(size, photos)
-    start, doubt, flawed = ((near.vector, near.doubt, near.flawed) if near else
+    start, prior, flawed = ((near.vector, near.prior, near.flawed) if near else
                             problem.part().searched())
-    vector = start if rough else settle(
-        lambda vector: problem.residuals(vector, doubt),
-        lambda vector, steps: problem.derivatives(vector, steps, doubt, flawed), start,
+    vector = start if rough else refine(
+        lambda vector: problem.residuals(vector, prior),
+        lambda vector, steps: problem.derivatives(vector, steps, prior, flawed), start,
         ROBUST)
-    typical = np.median(np.abs(problem.residuals(vector, doubt)))
+    typical = np.median(np.abs(problem.residuals(vector, prior)))
     if not typical < 0.02 * max(size):
         raise InputError(f"no smooth lens explains the points: half of them are off by more than "
                          f"{typical:.1f} pixels")
-    return SmoothFit(camera_of(vector, size), tuple(unpack(vector)[1]), vector, doubt, flawed)
+    return SmoothFit(camera_of(vector, size), tuple(unpack(vector)[1]), vector, prior, flawed)
 
 
 def misfit(size, photos):

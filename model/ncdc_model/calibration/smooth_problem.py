@@ -1,4 +1,4 @@
-"""Points of photos of a flat target, and the smooth camera that explains them best."""
+"""Fits a smooth camera to the points of photos of a flat target."""
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -9,33 +9,33 @@ __all__ = ["MIN_POINTS", "ROBUST", "Problem"]
 
 MIN_POINTS = 12        # of a photo: its pose has six unknowns, the lens has nine more
 _FOCALS = (0.3, 0.45, 0.7, 1.1)     # first guesses, in image widths
-ROBUST = 0.5           # pixels: residuals beyond count linearly
+ROBUST = 0.5           # pixels: larger residuals count linearly
 
-# One photo cannot tell an asymmetric lens from a tilted page, nor a long lens near the page from a
-# short one far away: what is usual of a lens decides. Mean and standard deviation of the focal
-# length (its logarithm, in widths), the centre (from the middle, in widths) and the others in the
-# order above. Photos from several sides do tell; then the usual counts for little.
+# One photo does not separate an asymmetric lens from a tilted page, nor a long lens near the page
+# from a short one far away: a prior decides. Mean and standard deviation of the focal length (its
+# logarithm, in widths), the centre (from the middle, in widths) and the others in the order of the
+# vector. Photos from several sides determine the lens; then the prior has little weight.
 _MEAN = np.array([np.log(0.5)] + [0.0] * (LENS - 1))
 _SPREAD = np.array([0.4] + [0.03] * 2 + [0.15] * TERMS + [0.002] * 2 + [0.5] * 2 + [0.002] * 2
                    + [0.02] * 2 + [0.02, 0.01])
-_ALONE, _TOGETHER = 1 / 128, 1 / 1280     # of the width: what one deviation weighs in a residual
-# Of the width: what a lens that is not smooth leaves. Where less is left the points tell the lens,
-# and the usual weighs less in proportion, down to its least part. Nothing but the usual tells the
-# higher terms of a decentring that is hardly there.
+_ALONE, _TOGETHER = 1 / 128, 1 / 1280     # of the width: residual of one deviation
+# Of the width: residual of a lens that is not smooth. With smaller residuals the points determine
+# the lens, and the prior's weight is reduced in proportion, down to its minimum. Only the prior
+# determines the higher terms of a very small decentring.
 _LEFT = 1 / 2000
-_LEAST = np.array([0.01] * (5 + TERMS) + [0.1] * 2 + [0.01] * 6)
-# The flaws are believed only where they explain most of what is left without them: else they would
-# take up a bent page, or an uneven lens.
+_MIN_PRIOR = np.array([0.01] * (5 + TERMS) + [0.1] * 2 + [0.01] * 6)
+# Flaws are fitted only where they explain most of the residual without them: else they would absorb
+# a bent page, or an uneven lens.
 _EXPLAINS = 1.0, 0.4
-_SETTLED = 0.8         # of what the usual weighed: if less is due the fit is made again
-_BLOCK = 1 << 15       # numbers that are worked on at a time
-_PROBE = 1e-6          # of a parameter: by which it is moved for a derivative
-_SOME = 600            # points of all photos that a search is made on
-_ROUNDS = 6            # of fits, each weighing the usual by what the one before has left
+_SETTLED = 0.8         # of the prior's last weight: with less the fit is repeated
+_BLOCK = 1 << 15       # numbers that are computed at a time
+_PROBE = 1e-6          # of a parameter: step of a derivative
+_SOME = 600            # points of all photos that are used in a search
+_ROUNDS = 6            # of fits, each with the prior's weight from the residual of the previous one
 
 
 class Problem:
-    """Points of photos, and how far a vector of parameters is from them."""
+    """Residuals of a vector of parameters at the points of photos."""
 
     def __init__(self, size, photos):
         self.size = size
@@ -44,12 +44,12 @@ class Problem:
         self.measured = np.concatenate(self.points)
         self.cells = np.concatenate(self.indices)
         self.owner = np.repeat(np.arange(len(photos)), [len(xy) for xy in self.points])
-        self.usual = size[0] * max(_ALONE / len(photos)**2, _TOGETHER) / _SPREAD
+        self.prior_scale = size[0] * max(_ALONE / len(photos)**2, _TOGETHER) / _SPREAD
 
     def part(self):
-        """The problem of some of each photo's points: a search needs no more."""
-        most, rng = max(_SOME // len(self.points), MIN_POINTS), np.random.default_rng(1)
-        chosen = [rng.permutation(len(xy))[:most] for xy in self.points]
+        """The problem with some of each photo's points, enough for a search."""
+        limit, rng = max(_SOME // len(self.points), MIN_POINTS), np.random.default_rng(1)
+        chosen = [rng.permutation(len(xy))[:limit] for xy in self.points]
         return Problem(self.size, [(index[some], xy[some]) for index, xy, some in
                                    zip(self.indices, self.points, chosen)])
 
@@ -62,19 +62,19 @@ class Problem:
         off = np.stack(project(lens, *rays), axis=-1) - self.measured
         return np.nan_to_num(off.reshape(*off.shape[:-2], -1), nan=1e4)
 
-    def residuals(self, vectors, doubt=1.0):
-        """The errors, and ``doubt`` times how unusual the lens is, of vectors (..., m)."""
+    def residuals(self, vectors, prior=1.0):
+        """Errors, and ``prior`` times the deviation from the prior, of vectors (..., m)."""
         lens = vectors[..., :LENS].copy()
         lens[..., 0] = np.log(np.maximum(lens[..., 0], 1.0) / self.size[0])
         lens[..., 1:3] = (lens[..., 1:3] - (np.array(self.size) - 1) / 2) / self.size[0]
-        unusual = np.maximum(doubt, _LEAST) * self.usual * (lens - _MEAN)
-        return np.concatenate([self.errors(vectors), unusual], axis=-1)
+        deviation = np.maximum(prior, _MIN_PRIOR) * self.prior_scale * (lens - _MEAN)
+        return np.concatenate([self.errors(vectors), deviation], axis=-1)
 
-    def derivatives(self, vector, steps, doubt=1.0, flawed=True):
-        """Of the residuals by each parameter, moved by its of ``steps`` to either side: a row each,
-        of zeros for the flaws of a camera that is not ``flawed``.
+    def derivatives(self, vector, steps, prior=1.0, flawed=True):
+        """Derivatives of the residuals by each parameter, moved by ``steps`` to either side: a row
+        each, of zeros for the flaws of a camera that is not ``flawed``.
 
-        A photo's pose moves its own points only, so that those of all photos are moved together.
+        A photo's pose moves its own points only, so that all poses are moved together.
         """
         points, poses = 2 * len(self.owner), LENS + np.arange(6)
         probes = [*np.flatnonzero(~FLAWS | flawed), *poses]
@@ -82,10 +82,10 @@ class Problem:
         for move, number in zip(moves, probes):
             which = slice(number, None, 6) if number >= LENS else number
             move[which] = steps[which]
-        most = max(1, _BLOCK // points)
+        limit = max(1, _BLOCK // points)
         moved = np.concatenate([
-            (self.residuals(vector + part, doubt) - self.residuals(vector - part, doubt)) / 2
-            for part in (moves[k:k + most] for k in range(0, len(moves), most))])
+            (self.residuals(vector + part, prior) - self.residuals(vector - part, prior)) / 2
+            for part in (moves[k:k + limit] for k in range(0, len(moves), limit))])
         rows = np.zeros((len(vector), moved.shape[1]))
         rows[probes[:-6]] = moved[:-6] / steps[probes[:-6]][:, None]
         own = np.repeat(6 * self.owner, 2)
@@ -93,16 +93,16 @@ class Problem:
             rows[number + own, np.arange(points)] = move[:points] / steps[number + own]
         return rows
 
-    def solved(self, start, doubt=1.0, flawed=False):
+    def solved(self, start, prior=1.0, flawed=False):
         """Result of a robust least squares from ``start``."""
         return least_squares(
-            self.residuals, start, lambda vector, doubt: self.derivatives(
-                vector, _PROBE * np.maximum(np.abs(vector), 1e-3), doubt, flawed).T,
+            self.residuals, start, lambda vector, prior: self.derivatives(
+                vector, _PROBE * np.maximum(np.abs(vector), 1e-3), prior, flawed).T,
             method="dogbox", x_scale="jac", loss="huber", f_scale=ROBUST, max_nfev=100, ftol=1e-6,
-            args=(doubt,))
+            args=(prior,))
 
     def searched(self):
-        """Vector of the best fit, how much the usual counts in it, and whether it has flaws."""
+        """Vector of the best fit, weight of the prior in it, and whether it has flaws."""
         guesses = sorted((guess(self.size, focal * self.size[0], self.indices, self.points)
                           for focal in _FOCALS),
                          key=lambda guess: np.median(np.abs(self.residuals(guess))))
@@ -112,16 +112,16 @@ class Problem:
         return min((plain, flawed), key=lambda fit: self._left(fit[0]) / _EXPLAINS[fit[2]])
 
     def _refined(self, best, flawed):
-        """:meth:`searched` from the result ``best``; the usual counts for less where less is left.
+        """:meth:`searched` from the result ``best``; the prior's weight follows the residual.
         """
-        doubt = 1.0
+        prior = 1.0
         for _ in range(_ROUNDS):
-            now = float(np.clip(self._left(best.x) / (_LEFT * self.size[0]), _LEAST.min(), 1.0))
-            if not now < _SETTLED * doubt:
+            now = float(np.clip(self._left(best.x) / (_LEFT * self.size[0]), _MIN_PRIOR.min(), 1.0))
+            if not now < _SETTLED * prior:
                 break
-            doubt, best = now, self.solved(best.x, now, flawed)
-        return best.x, doubt, flawed
+            prior, best = now, self.solved(best.x, now, flawed)
+        return best.x, prior, flawed
 
     def _left(self, vector):
-        """What a lens usually leaves on one axis, in pixels."""
+        """Median residual on one axis, in pixels."""
         return float(np.median(np.abs(self.errors(vector))))

@@ -15,11 +15,11 @@ from ncdc_model.lens import AsymmetricSurface, BrownWeng, Camera, Frame, Kannala
 __all__ = ["FLAWS", "LENS", "TERMS", "camera_of", "guess", "project", "unpack"]
 
 TERMS = 4              # of the radial polynomial
-LENS = 3 + TERMS + 4 + 2 + 2 + 1 + 1      # numbers of the lens
-# The higher terms of a decentring, a tilted sensor and pixels that are no squares.
+LENS = 3 + TERMS + 4 + 2 + 2 + 1 + 1      # parameters of the lens
+# The higher terms of a decentring, a tilted sensor and pixels that are not square.
 FLAWS = np.isin(np.arange(LENS), [5 + TERMS, 6 + TERMS, *range(9 + TERMS, 12 + TERMS)])
 
-_MOST = 0.15, 0.10     # by which the pixels' aspect and the target's ratio may differ from 1
+_MAX_RATIO = 0.15, 0.10   # differences of the pixels' aspect and the target's ratio from 1
 
 
 class _Tilts:
@@ -45,8 +45,8 @@ def unpack(vectors):
     photo. The numbers of the lens have a last axis of length one, for points."""
     focal, cx, cy, *rest = (vectors[..., k, None] for k in range(LENS))
     k, (p0, p1, p2, p3, s0, s2, _, _, aspect, ratio) = rest[:TERMS], rest[TERMS:]
-    aspect, ratio = (1 + most * np.tanh(value / most)
-                     for value, most in zip((aspect, ratio), _MOST))
+    aspect, ratio = (1 + limit * np.tanh(value / limit)
+                     for value, limit in zip((aspect, ratio), _MAX_RATIO))
     lens = SimpleNamespace(
         focal=focal, centre=(cx, cy), aspect=aspect, radial=SimpleNamespace(k=k),
         decentring=BrownWeng(p=(p0, p1, p2, p3), s=(s0, 0.0, s2, 0.0)),

@@ -1,10 +1,10 @@
-"""How straight a flat target's rows and columns are in the corrected picture."""
+"""Straightness of a flat target's rows and columns in the corrected picture."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["Straightness", "corrected_places", "straightness"]
+__all__ = ["Straightness", "corrected_positions", "straightness"]
 
 _STEP = 1.0            # corrected pixels: to either side, for the change of a map
 
@@ -39,7 +39,7 @@ def straightness(uv, index, photo=None, measured=None):
     photo : ndarray of int, shape (n,), optional
         Photo that each point was taken from; a line joins points of one photo only.
     measured : ndarray of bool, shape (n,), optional
-        Points whose distances count; the lines are fitted to all.
+        Points whose distances are measured; the lines are fitted to all.
 
     Returns
     -------
@@ -72,11 +72,11 @@ def straightness(uv, index, photo=None, measured=None):
                         tuple(by_line))
 
 
-def corrected_places(back_map, corrected, distorted):
-    """Where measured points come to lie in the picture that ``back_map`` corrects, (n, 2).
+def corrected_positions(back_map, corrected, distorted):
+    """Positions (n, 2) of measured points in the picture that ``back_map`` corrects.
 
-    ``corrected`` (n, 2) is where they should, so that the inverse of the map is needed nearby only:
-    its linear part there.
+    ``corrected`` (n, 2) are the ideal positions, near which the linear part of the inverse map is
+    sufficient.
     """
     def at(du, dv):
         return np.stack(back_map(corrected[:, 0] + du, corrected[:, 1] + dv), axis=1)

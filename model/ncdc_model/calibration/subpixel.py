@@ -1,4 +1,4 @@
-"""Sub-pixel places of a board's corners, and the blur of their edges."""
+"""Sub-pixel positions of a board's corners, and the blur of their edges."""
 
 import cv2
 import numpy as np
@@ -6,33 +6,33 @@ from scipy.ndimage import map_coordinates
 
 __all__ = ["edge_blur", "gaps", "refine"]
 
-_SCALE = 1.0, 2.0      # pixels: Gaussian that a corner's place is found at, from and to
-_PART = 0.09           # of the way to the nearest corner: the same
+_SCALE = 1.0, 2.0      # pixels: smallest and largest Gaussian that a corner is found at
+_PART = 0.09           # the same, in parts of the distance to the nearest corner
 _TWICE = 2.0           # times that scale: the second one
-_APART = 0.5           # pixels between the places at both: less is a corner of four equal squares
+_APART = 0.5           # pixels between the positions at both: less means four equal squares
 _SHARP = 3.0           # pixels of blur: less is sharp
-_HALF = 5              # pixels to either side that a sharp corner's edges are seen in, at most
+_HALF = 5              # pixels to either side: largest window on a sharp corner's edges
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-3)
-_STEPS = 8             # of Newton, at most
-_RINGS = 0.35, 0.13    # of the way to the nearest corner: radius at which edges are looked at;
+_STEPS = 8             # Newton iterations, at most
+_RINGS = 0.35, 0.13    # of the distance to the nearest corner: radius at which edges are sampled;
                        # the second where markers lie in the squares
 _SAMPLES = 96          # on the ring
 
 
 def refine(grey, index, xy, scale):
-    """Saddle points of the brightness next to first places of corners.
+    """Saddle points of the brightness near first positions of corners.
 
-    At half of a turn a corner looks like itself, however much it is blurred: so the saddle of the
-    smoothed brightness is its place, at every scale. A parabola is fitted to nine places one scale
-    apart, and moved to where it is level, until it stays. Where the place at twice the scale is
-    another, the squares are lit unevenly: there a sharp corner is where its edges point. A
-    corner that moves by more than ``scale`` and a pixel, or has no saddle, keeps its first place.
+    A corner looks the same after half a turn, however much it is blurred. So its position is the
+    saddle of the smoothed brightness at every scale. A parabola is fitted to nine samples one scale
+    apart, and moved to where it is level, until it stays. If the position at twice the scale is
+    another, the squares are lit unevenly: then the edges determine a sharp corner's position.
+    A corner without a saddle, or that moves by more than ``scale`` and a pixel, is not changed.
 
     Parameters
     ----------
     grey : ndarray of uint8, shape (h, w)
     index, xy : ndarray, shape (n, 2)
-        Column and row, and first places.
+        Column and row, and first positions.
     scale : float
         Blur in pixels at which the corners were found.
 
@@ -47,7 +47,7 @@ def refine(grey, index, xy, scale):
     light = grey.astype(np.float32)
     moved, found = _saddles(light, xy, sigma)
     again, still = _saddles(light, moved, _TWICE * sigma)
-    # In a shadow or glare the four squares differ: their edges tell better, if they are sharp.
+    # The four squares differ in a shadow or glare: use their edges, if they are sharp.
     uneven = found & ~(still & (np.linalg.norm(again - moved, axis=1) < _APART))
     if uneven.any():
         uneven[uneven] = ~(edge_blur(grey, xy[uneven], near[uneven]) >= _SHARP)
@@ -57,7 +57,7 @@ def refine(grey, index, xy, scale):
 
 
 def _by_edges(grey, xy, near):
-    """Places (n, 2) past which the brightness' gradient points all around."""
+    """Positions (n, 2) of the corners by OpenCV's ``cornerSubPix``, which uses the edges."""
     moved, limit = xy.astype(np.float64).copy(), np.array(grey.shape[::-1])
     half = int(np.clip(near.min() / 3, 2, _HALF)) if len(near) else 2
     inside = ((xy > half + 1) & (xy < limit - half - 2)).all(axis=1)
@@ -69,16 +69,16 @@ def _by_edges(grey, xy, near):
 
 
 def _saddles(light, xy, sigma):
-    """Places (n, 2) of the saddles near ``xy`` (n, 2) of ``light`` smoothed by Gaussians of
-    ``sigma`` (n,) pixels, and whether there is one each (n,)."""
+    """Positions (n, 2) of the saddles near ``xy`` (n, 2) of ``light`` smoothed by Gaussians of
+    ``sigma`` (n,) pixels, and whether each exists (n,)."""
     i, j = (part.ravel() for part in np.meshgrid((-1.0, 0.0, 1.0), (-1.0, 0.0, 1.0)))
     fit = np.linalg.pinv(np.stack([np.ones(9), i, j, i * i, i * j, j * j], axis=1))
-    place, found = xy.astype(np.float64).copy(), np.ones(len(xy), bool)
-    # Quarter steps of the scale, so that few pictures are smoothed.
+    position, found = xy.astype(np.float64).copy(), np.ones(len(xy), bool)
+    # Quarter steps of the scale limit the number of smoothed pictures.
     level = np.maximum(np.rint(4 * sigma), 4) / 4
     for scale in np.unique(level):
         on = level == scale
-        smooth, at = cv2.GaussianBlur(light, (0, 0), scale), place[on]
+        smooth, at = cv2.GaussianBlur(light, (0, 0), scale), position[on]
         is_saddle = np.ones(len(at), bool)
         offset = scale * np.stack([i, j], axis=1)
         for _ in range(_STEPS):
@@ -93,14 +93,14 @@ def _saddles(light, xy, sigma):
             move = move / safe[:, None]
             length = np.linalg.norm(move, axis=1, keepdims=True)
             at = at + np.where(is_saddle[:, None], scale * move / np.maximum(1, length), 0)
-        place[on], found[on] = at, is_saddle
-    return place, found
+        position[on], found[on] = at, is_saddle
+    return position, found
 
 
 def edge_blur(grey, xy, gap):
     """Blur (n,), a Gaussian's sigma in pixels, of the softest of the four edges that meet at each
-    of ``xy`` (n, 2), seen on a ring; ``gap`` (n,): pixels to the nearest corner. Not-a-number where
-    the ring does not change four times."""
+    of ``xy`` (n, 2), sampled on a ring; ``gap`` (n,): pixels to the nearest corner. Not-a-number
+    where the ring does not change four times."""
     smooth = cv2.GaussianBlur(grey, (0, 0), 0.7)
     wide, narrow = (_blur_on_ring(smooth, xy, part * gap[:, None]) for part in _RINGS)
     return np.where(np.isfinite(wide), wide, narrow)
@@ -118,18 +118,19 @@ def _blur_on_ring(smooth, xy, radius):
         4 * np.pi * radius / _SAMPLES)
     around = np.max([np.roll(slope, k, axis=1) for k in range(-4, 5)], axis=0)
     slopes = np.where(crossing, around, np.inf).min(axis=1)
-    told = (crossing.sum(axis=1) == 4) & (slopes > 0)
-    return np.where(told, (high - low) / np.sqrt(2 * np.pi) / np.where(told, slopes, 1), np.nan)
+    known = (crossing.sum(axis=1) == 4) & (slopes > 0)
+    return np.where(known, (high - low) / np.sqrt(2 * np.pi) / np.where(known, slopes, 1), np.nan)
 
 
 def gaps(index, xy):
     """Distance (n,) of each corner from the nearest of its neighbours on the lattice."""
-    place = {tuple(key): k for k, key in enumerate(index.tolist())}
+    number_of = {tuple(key): k for k, key in enumerate(index.tolist())}
     near = np.full(len(xy), np.inf)
-    for (i, j), k in place.items():
+    for (i, j), k in number_of.items():
         for key in ((i + 1, j), (i, j + 1)):
-            if key in place:
-                far = np.linalg.norm(xy[place[key]] - xy[k])
-                near[k], near[place[key]] = min(near[k], far), min(near[place[key]], far)
+            if key in number_of:
+                other = number_of[key]
+                far = np.linalg.norm(xy[other] - xy[k])
+                near[k], near[other] = min(near[k], far), min(near[other], far)
     known = near[np.isfinite(near)]
     return np.where(np.isfinite(near), near, np.median(known) if len(known) else 12.0)

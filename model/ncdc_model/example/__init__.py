@@ -1,4 +1,4 @@
-"""The built-in example: a known camera, its photo of a dot target, a scene to look at."""
+"""The built-in example: a known camera, its photo of a dot target, and a scene."""
 
 from ncdc_model.example.camera import BAYER, example_camera
 from ncdc_model.example.scene import noise_picture, scene_at, scene_light, scene_photo

@@ -6,8 +6,8 @@ __all__ = ["BAYER", "example_camera"]
 
 BAYER = "RGGB"
 
-# Horizontal view 104 degrees, between an equidistant lens and a perspective one. The flaws:
-# decentred elements, thin prism, a sensor tilted by about one degree, an axis that misses the
+# Horizontal view of 104 degrees, between an equidistant lens and a perspective one. The flaws:
+# decentred elements, thin prism, a sensor tilted by about one degree, an axis off the
 # middle by 5 pixels, and an asymmetric surface of up to 1.5 pixels.
 _EXAMPLE = {
     "width": 640, "height": 480, "radial": "kb", "k": [0.035, 0.012, -0.004, 0.001],

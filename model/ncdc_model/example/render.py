@@ -1,4 +1,4 @@
-"""What a sensor behind a known lens records: exact rays, supersampling, colour filter, noise."""
+"""Simulates a sensor and a known lens: exact rays, supersampling, colour filter, noise."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from ncdc_model.images import mosaic
 __all__ = ["expose", "ideal_samples", "sensor"]
 
 SUBSAMPLES = 3         # per pixel and axis, centred on the pixel
-_KNOTS = 4             # pixels between the exact inverses that the ray field passes through
+_KNOTS = 4             # pixels between the exact inverses of the ray field
 
 
 def ideal_samples(camera):
@@ -16,7 +16,7 @@ def ideal_samples(camera):
     The lens is inverted exactly on a grid of every fourth pixel; a bicubic spline through it
     differs from the inverse by less than 1e-4 pixels in between.
     """
-    from scipy.interpolate import RectBivariateSpline  # 30 MB, which few need
+    from scipy.interpolate import RectBivariateSpline  # takes 30 MB
 
     width, height = camera.size
     kx = np.arange(-_KNOTS, width + 2 * _KNOTS, _KNOTS)
@@ -35,7 +35,7 @@ def expose(samples):
 
 
 def sensor(light, bayer, seed, gain=0.35, read=0.8):
-    """Raw uint8 frame of linear ``light`` (h, w, 3) in 0..255 behind a colour filter.
+    """Raw uint8 frame of linear ``light`` (h, w, 3) in 0..255 through a colour filter.
 
     Noise is Gaussian with variance ``gain`` * light / 16 + ``read``**2: photon and read noise in
     counts; rounded to nearest and clipped.

@@ -1,4 +1,4 @@
-"""The example's scene to look at: a house front over a tiled square, straight lines throughout."""
+"""The example's scene: a house front over a tiled square, with many straight lines."""
 
 import numpy as np
 

@@ -11,7 +11,7 @@ __all__ = ["COLUMNS", "PAGE_TO_IDEAL", "PITCH", "RADIUS", "ROWS", "page_dots", "
 COLUMNS, ROWS = 31, 23     # dots
 PITCH = 10.0               # millimetres between neighbouring dots
 RADIUS = 2.3               # millimetres
-_BAND = 32 * SUBSAMPLES    # rows of subsamples at a time: each takes 100 bytes meanwhile
+_BAND = 32 * SUBSAMPLES    # rows of subsamples at a time: each needs 100 bytes temporarily
 
 # Homography from the page (millimetres, origin in its middle) to the ideal plane of the camera:
 # the page is turned by 0.7 degrees in its plane and tilted by about 3 degrees.
@@ -42,12 +42,12 @@ def target_photo(camera, seed=1, bayer=BAYER):
     :func:`sensor`.
     """
     a, b = ideal_samples(camera)
-    rim = np.empty_like(a)
+    edge = np.empty_like(a)
     bands = [slice(top, top + _BAND) for top in range(0, len(a), _BAND)]
     for rows in bands:
-        rim[rows] = _rim(a[rows], b[rows])
+        edge[rows] = _edge(a[rows], b[rows])
     del a, b
-    page = np.concatenate([expose(0.88 - 0.82 * _ink(rim, rows)) for rows in bands])
+    page = np.concatenate([expose(0.88 - 0.82 * _ink(edge, rows)) for rows in bands])
     height, width = camera.size[1], camera.size[0]
     x, y = np.meshgrid(np.arange(width) / width - 0.5, np.arange(height) / width - 0.375)
     lamp = 1.0 - 0.25 * (x + y) - 0.85 * (x * x + y * y)
@@ -55,8 +55,8 @@ def target_photo(camera, seed=1, bayer=BAYER):
     return sensor(light, bayer, seed)
 
 
-def _rim(a, b):
-    """Distance in millimetres from ideal points to the rim of the nearest dot, negative inside."""
+def _edge(a, b):
+    """Distance in millimetres from ideal points to the edge of the nearest dot, negative inside."""
     back = np.linalg.inv(PAGE_TO_IDEAL)
     w = back[2, 0] * a + back[2, 1] * b + back[2, 2]
     page_x = (back[0, 0] * a + back[0, 1] * b + back[0, 2]) / w
@@ -66,14 +66,14 @@ def _rim(a, b):
     return np.hypot(page_x - PITCH * i, page_y - PITCH * j) - RADIUS
 
 
-def _ink(rim, rows):
-    """Share of ink, 0 to 1, of the subsamples in a slice of rows of ``rim``.
+def _ink(edge, rows):
+    """Part of ink, 0 to 1, of the subsamples in a slice of rows of ``edge``.
 
     The distance is divided by its change per subsample: an edge one subsample wide, so that the
     coverage of a pixel is not a multiple of 1/9.
     """
     first = max(0, rows.start - 1)
-    part = rim[first:rows.stop + 1]             # a row more to either side, for the change
+    part = edge[first:rows.stop + 1]             # one more row on either side, for the change
     slope = np.hypot(*np.gradient(part))
     ink = np.clip(0.5 - part / np.maximum(slope, 1e-9), 0, 1)
-    return ink[rows.start - first:][:len(rim[rows])]
+    return ink[rows.start - first:][:len(edge[rows])]

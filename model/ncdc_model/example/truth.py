@@ -1,4 +1,4 @@
-"""The true map of the example's corrected frame, which no photo can tell but we know."""
+"""The true map of the example's corrected frame, known from its simulation."""
 
 import cv2
 import numpy as np
@@ -18,11 +18,11 @@ def true_map(camera, photo, homography):
     Parameters
     ----------
     camera : Camera
-        The example's.
+        The example's camera.
     photo : PhotoPoints
         Points found on the example's photo; their indices count from an arbitrary dot.
     homography : nine numbers
-        Takes the points' indices to corrected pixels, from the descriptor's provenance.
+        From the points' indices to corrected pixels, in the descriptor's provenance.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""White balance and tone of corrected pixels, and the sums that they are estimated from."""
+"""White balance and tone of corrected pixels, and the sums for their estimation."""
 
 import math
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ GREY_WORLD = "grey-world"
 
 @dataclass(frozen=True)
 class ColourSums:
-    """Sums of the colours of those pixels of a frame that have a source, before gain and tone.
+    """Sums of the colours of the pixels with a source in a frame, before gain and tone.
 
-    At most 4096 x 4096 x 255, which 32 bits hold.
+    They are at most 4096 x 4096 x 255 and fit in 32 bits.
     """
     red: int
     green: int
@@ -28,13 +28,13 @@ class ColourSums:
 
     @classmethod
     def of(cls, corrected):
-        """Those of the :class:`ncdc_model.golden.corrector.Corrected` frame without gain and tone."""
+        """Sums of the :class:`ncdc_model.golden.corrector.Corrected` frame without gain and tone."""
         seen = corrected.picture[~corrected.blank]
         return cls(*seen.sum(axis=0, dtype=np.int64).tolist(), len(seen))
 
     @property
     def colours(self):
-        """Of red, green and blue."""
+        """Sums of red, green and blue."""
         return self.red, self.green, self.blue
 
     @property
@@ -45,9 +45,9 @@ class ColourSums:
 
 
 def coloured(corrected, colour):
-    """The picture of a :class:`ncdc_model.golden.corrector.Corrected` frame by ``colour``.
+    """The picture of a :class:`ncdc_model.golden.corrector.Corrected` frame after ``colour``.
 
-    Of each colour c of a pixel with a source, in integers::
+    Each colour c of a pixel with a source is, in integers::
 
         v = min(255, floor((gain_c in + 128) / 256))
         out = toned(v)
@@ -56,7 +56,7 @@ def coloured(corrected, colour):
     """
     products = np.arange(256)[:, None] * np.array(colour.gains, np.int64)
     balanced = np.minimum(255, products + (1 << GAIN_F_BITS - 1) >> GAIN_F_BITS)
-    out = toned(balanced, colour.tone)          # of every value (row) of every colour (column)
+    out = toned(balanced, colour.tone)          # for every value (row) and colour (column)
     return np.where(corrected.blank[..., None], corrected.picture,
                     out[corrected.picture, np.arange(3)])
 
@@ -77,12 +77,12 @@ def gains_of(text):
 
 
 def _gain(name, text):
-    """The gain ``text`` of the colour ``name`` in 256ths, at least one of them."""
+    """The gain ``text`` of the colour ``name`` in 256ths, at least 1."""
     try:
         gain = float(text)
     except ValueError:
         raise InputError(f"the gain of {name} is {text!r}, a number is needed") from None
-    if not 1 <= gain * UNITY <= LARGEST_GAIN:      # neither does "nan"
+    if not 1 <= gain * UNITY <= LARGEST_GAIN:      # "nan" fails too
         raise InputError(f"the gain of {name} is {text.strip()}, the limits are "
                          f"{1 / UNITY} and {LARGEST_GAIN / UNITY}")
     return math.floor(gain * UNITY + 0.5)

@@ -1,11 +1,11 @@
-"""The whole frame in integers: what the generated Verilog must give, bit for bit."""
+"""Reference model of the whole frame in integers; the Verilog matches it bit for bit."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from ncdc_model.golden.network import coordinates
-from ncdc_model.golden.picture import bilinear, fetches, place_colours, raw_windows, window_address
+from ncdc_model.golden.picture import bilinear, corner_colours, fetches, raw_windows, window_address
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import scan_order
 
@@ -16,8 +16,9 @@ _ROWS = 32  # corrected rows at a time: bounds the memory that the windows take
 
 @dataclass(frozen=True)
 class Corrected:
-    """A corrected frame: ``picture`` (height, width, 3) uint8 RGB, ``blank`` (height, width),
-    true where the pixel has no source, and ``fetches``, the windows that ``multiport`` reads."""
+    """A corrected frame: ``picture`` (height, width, 3) uint8 RGB; ``blank`` (height, width),
+    true for a pixel without a source; ``fetches``, the number of windows that ``multiport`` reads.
+    """
     picture: np.ndarray
     blank: np.ndarray
     fetches: int
@@ -36,7 +37,7 @@ def check_raw(raw, geometry):
 def correct(descriptor, raw, progress=lambda done, total: None, strip=0):
     """Correct the ``raw`` Bayer frame (distorted height, width) uint8; returns :class:`Corrected`.
 
-    ``progress(done, total)`` is called with the corrected rows done. ``strip``: of
+    ``progress(done, total)`` is called with the corrected rows done. ``strip``: as in
     :func:`ncdc_spec.geometry.scan_order`; only the number of fetches depends on it.
 
     Raises
@@ -52,8 +53,8 @@ def correct(descriptor, raw, progress=lambda done, total: None, strip=0):
     valid = np.empty((height, width), bool)
     origins = np.empty((2, height, width), np.int64)
     for rows, x0, y0, fx, fy, not_blank in window_bands(descriptor):
-        places = place_colours(windows[y0, x0], x0, y0, geometry)
-        picture[rows] = bilinear(places, fx, fy, coordinate.f_bits,
+        corners = corner_colours(windows[y0, x0], x0, y0, geometry)
+        picture[rows] = bilinear(corners, fx, fy, coordinate.f_bits,
                                  geometry.interpolation.unit_bits)
         origins[:, rows], valid[rows] = (x0, y0), not_blank
         progress(rows.stop, height)
@@ -63,9 +64,9 @@ def correct(descriptor, raw, progress=lambda done, total: None, strip=0):
 
 
 def window_bands(descriptor):
-    """The windows of a frame, a band of rows at a time: (slice of rows, x0, y0, fx, fy, valid).
+    """Windows of a frame, a band of rows at a time: (slice of rows, x0, y0, fx, fy, valid).
 
-    The first five are of :func:`ncdc_model.golden.picture.window_address`; ``valid`` is false where
+    x0, y0, fx, fy are of :func:`ncdc_model.golden.picture.window_address`; ``valid`` is false where
     the pixel is blank. Each array has the shape (rows of the band, corrected width).
     """
     geometry = descriptor.geometry

@@ -1,4 +1,4 @@
-"""The front end in integers: scan, hidden neurons, tan-sigmoid, output neurons."""
+"""Reference model of the front end in integers: scan, neurons, tan-sigmoid."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ __all__ = ["coordinates", "frame_coordinates", "hidden_neuron", "network", "norm
 def normalised_scan(u, v, geometry, formats):
     """Raw ``formats.input`` coordinates (x, y) of corrected pixels ``u``, ``v`` (integers).
 
-    origin + u * step, exact in :data:`SCAN`, rounded once.
+    The result is origin + u * step, exact in :data:`SCAN`, rounded once.
     """
     origin_x, step_x, origin_y, step_y = geometry.scan()
     shift = SCAN.f_bits - formats.input.f_bits
@@ -33,7 +33,7 @@ def hidden_neuron(x, y, weights, bias, formats):
 def output_neuron(activations, weights, bias, formats, inputs=None, skip=None):
     """Raw coordinate in pixels: weights . activations + bias, exact, rounded once, saturated.
 
-    Denormalisation is part of it: the weights are in pixels. ``activations``: the raw
+    The weights are in pixels, so that denormalisation is included. ``activations``: the raw
     tan-sigmoid results, one array per hidden neuron. With a skip path also + skip . inputs:
     ``inputs`` are the raw (x, y) of the hidden neurons, ``skip`` the two weights. The sum has the
     fraction bits of the finer products.
@@ -56,8 +56,8 @@ def output_neuron(activations, weights, bias, formats, inputs=None, skip=None):
 def network(descriptor, x, y, formats=None):
     """Raw coordinates (x', y') of raw normalised (x, y), of one shape: all neurons.
 
-    ``formats``: those of the descriptor's :attr:`network_formats` if absent; of others only input
-    and coordinate may differ.
+    ``formats``: by default the descriptor's :attr:`network_formats`; others may differ from them in
+    input and coordinate only.
     """
     d, formats = descriptor, formats or descriptor.network_formats
     activations = [tansig(hidden_neuron(x, y, weights, bias, formats), d.tansig)
@@ -70,7 +70,7 @@ def network(descriptor, x, y, formats=None):
 def coordinates(descriptor, u, v):
     """Raw back-map coordinates (x', y') in ``formats.coordinate`` of corrected pixels (u, v).
 
-    Where the network is evaluated at nodes (``descriptor.nodes`` above 1), the sum of
+    If the network is evaluated at nodes (``descriptor.nodes`` above 1), the sum of
     :func:`ncdc_model.golden.nodes.sums_between` is exact and rounded once.
     """
     d, formats = descriptor, descriptor.network_formats
@@ -79,7 +79,7 @@ def coordinates(descriptor, u, v):
     u, v = np.broadcast_arrays(np.asarray(u, np.int64), np.asarray(v, np.int64))
     if not u.size:
         return np.zeros((2, *u.shape), np.int64)
-    # Each row of the pixels is evaluated at all nodes from its first to its last pixel's.
+    # Evaluate all nodes from those of the first to those of the last pixel, in each row.
     rows, row = np.unique(v, return_inverse=True)
     first, last = u.min() // d.nodes - 1, u.max() // d.nodes + 2
     columns, lines = np.meshgrid(np.arange(first, last + 1) * d.nodes, rows)
@@ -89,7 +89,7 @@ def coordinates(descriptor, u, v):
 
 
 def round_between(sums, descriptor):
-    """The coordinates of 4 S^2 times their value between nodes: the one rounding behind nodes."""
+    """Coordinates of 4 S^2 times their value between nodes: the only rounding after the nodes."""
     fine, coarse = descriptor.network_formats.coordinate, descriptor.formats.coordinate
     shift = 2 + 2 * (descriptor.nodes.bit_length() - 1) + fine.f_bits - coarse.f_bits
     return requantise(sums, shift, coarse)

@@ -1,10 +1,11 @@
-"""The network at nodes: coordinates between them by a line and the mean of two second differences.
+"""The network at nodes (grid points): coordinates between them are interpolated.
 
-Between the nodes P1 and P2 of a row, S pixels apart, with their neighbours P0 and P3::
+The interpolation is a line and the mean of two second differences. Between the nodes P1 and P2 of
+a row, S pixels apart, with their neighbours P0 and P3::
 
     x(j) = P1 + j (P2 - P1) / S - j (S - j) / (4 S^2) ((P3 - P2) - (P1 - P0)),    0 <= j < S
 
-Node k lies at the corrected column k S, whatever the strip, so that the coordinates do not depend
+Node k is at the corrected column k S in every strip, so that the coordinates do not depend
 on the order of the scan. ``docs/explanation/nodes.md`` derives the error.
 """
 
@@ -15,7 +16,7 @@ from ncdc_spec.nodes import NODES, nodes_fit
 __all__ = ["CURVATURE_LIMIT", "between", "curvature", "interpolated_map", "largest_nodes",
            "sums_between"]
 
-CURVATURE_LIMIT = .001      # px, that the interpolation may miss the network by
+CURVATURE_LIMIT = .001      # px, largest error of the interpolation
 
 _ROWS = 128                 # corrected rows at a time: bounds the memory
 
@@ -27,13 +28,13 @@ def sums_between(p0, p1, p2, p3, j, nodes):
 
 
 def between(nodes_of, u, nodes):
-    """4 S^2 x at columns ``u`` (real or whole), by ``nodes_of(k)``, node k of each one's row."""
+    """4 S^2 x at columns ``u`` (real or whole); ``nodes_of(k)``: node k of each pixel's row."""
     k = np.floor_divide(u, nodes)
     return sums_between(*(nodes_of(k + step) for step in (-1, 0, 1, 2)), u - k * nodes, nodes)
 
 
 def interpolated_map(back_map, nodes):
-    """The map (u, v) -> (x, y) between nodes of the map ``back_map``, nothing rounded."""
+    """The map (u, v) -> (x, y) between nodes of the map ``back_map``, without rounding."""
     if nodes == 1:
         return back_map
 
@@ -43,7 +44,7 @@ def interpolated_map(back_map, nodes):
         row = row.reshape(v.shape)
         first, last = u.min() // nodes - 1, u.max() // nodes + 2
         grid = np.arange(first, last + 1) * nodes
-        if rows.size * grid.size > 4 * u.size:      # points here and there: no grid of rows
+        if rows.size * grid.size > 4 * u.size:      # scattered points: no grid of rows
             values = [np.stack(back_map((u // nodes + step) * nodes, v)) for step in
                       (-1, 0, 1, 2)]
             k = u // nodes
@@ -56,15 +57,15 @@ def interpolated_map(back_map, nodes):
 
 
 def curvature(back_map, geometry, valid, choices=NODES):
-    """By how much :func:`interpolated_map` misses ``back_map``: {S: pixels}.
+    """Error of :func:`interpolated_map` from ``back_map``: {S: pixels}.
 
-    The largest difference on an axis over every valid pixel, for each S of ``choices`` that fits
-    the picture's width.
+    It is the largest difference on an axis over all valid pixels, for each S of ``choices`` that
+    fits the picture's width.
 
     Parameters
     ----------
     back_map : callable
-        A smooth map, also beside the picture: the float network's.
+        A smooth map, also outside the picture: the float network's.
     geometry : Geometry
     valid : ValidRows
     choices : sequence of int
@@ -87,5 +88,5 @@ def curvature(back_map, geometry, valid, choices=NODES):
 
 
 def largest_nodes(found):
-    """The largest S of :func:`curvature` ``found`` that keeps the limit; 1 if no other does."""
+    """The largest S of :func:`curvature` ``found`` within the limit; 1 if no other is."""
     return max(nodes for nodes, miss in found.items() if miss <= CURVATURE_LIMIT)

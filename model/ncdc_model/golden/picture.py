@@ -4,12 +4,12 @@ import numpy as np
 
 from ncdc_spec.interpolation import FAST
 
-__all__ = ["bayer_quads", "bilinear", "fetches", "gradient_colours", "grey_places",
-           "place_colours", "raw_windows", "window_address"]
+__all__ = ["bayer_quads", "bilinear", "corner_colours", "fetches", "gradient_colours",
+           "grey_corners", "raw_windows", "window_address"]
 
-# Weights of the samples around one in sixteenths, by which it gets the colours that it has not,
-# by Malvar, He and Cutler ("High-quality linear interpolation for demosaicing of Bayer-patterned
-# color images", 2004). A sample's own colour is itself.
+# Weights in sixteenths of the samples around one, for the colours that it does not measure, by
+# Malvar, He and Cutler ("High-quality linear interpolation for demosaicing of Bayer-patterned
+# color images", 2004). Its own colour is the sample itself.
 _GREEN_AT_CHROMA = np.array([[0, 0, -2, 0, 0],          # green, at a red or blue sample
                              [0, 0, 4, 0, 0],
                              [-2, 4, 8, 4, -2],
@@ -31,14 +31,14 @@ _OWN[2, 2] = 16
 
 
 def window_address(x, y, geometry, coordinate):
-    """The first place around raw coordinates (x', y'), and where between the places they lie.
+    """First corner of the interpolation at raw coordinates (x', y'), and the fractions after it.
 
     Returns x0, y0 (pixels), fx, fy (raw fractions of ``coordinate.f_bits`` bits) and ``inside``.
     x0 = floor(x' - offset) with the offset of the interpolation: the fast one's quads have their
-    centres half a pixel right of and below their first samples. Places that leave the image by
-    one row or column are moved back in, to the picture's edge: whether a pixel has a source is
-    decided by the valid rows, and the network's error there must not blank a pixel that has one.
-    Further out, ``inside`` is false and x0 = y0 = fx = fy = 0.
+    centres half a pixel right of and below their first samples. Sources outside the image by one
+    row or column are clamped to its edge: the valid rows decide whether a pixel has a source, and
+    the network's error there must not blank a pixel that has one. Farther outside, ``inside`` is
+    false and x0 = y0 = fx = fy = 0.
     """
     core = geometry.interpolation.core
     offset = int(geometry.interpolation.offset * (1 << coordinate.f_bits))
@@ -55,9 +55,9 @@ def window_address(x, y, geometry, coordinate):
 
 
 def fetches(x0, y0, used):
-    """Windows that the ``multiport`` fetcher reads: one whenever the quad changes.
+    """Number of windows that the ``multiport`` fetcher reads: one whenever the quad changes.
 
-    ``x0``, ``y0``, ``used``: of the pixels in scan order; a pixel not ``used`` reads nothing.
+    ``x0``, ``y0``, ``used``: arrays in scan order; a pixel not ``used`` reads nothing.
     """
     origins = np.stack([np.ravel(x0), np.ravel(y0)])[:, np.ravel(used)]
     if origins.shape[1] == 0:
@@ -68,9 +68,9 @@ def fetches(x0, y0, used):
 def bayer_quads(window, x0, y0, phase):
     """Four colours of each 3x3 raw ``window`` (..., 3, 3), shape (2, 2, 3, ...).
 
-    Quad (j, i) is the 2x2 samples from row j, column i on: each holds one red, two green, one
-    blue. Green is the sum of the two, 9 bit (units of a half); red and blue are doubled, so that
-    all three are in units of a half. ``phase``: (column, row) parity of the red samples.
+    Quad (j, i) has the 2x2 samples from row j, column i on: one red, two green, one blue. Green is
+    the sum of the two, 9 bits in units of a half. Red and blue are doubled, so that all three are
+    in units of a half. ``phase``: (column, row) parity of the red samples.
     """
     right, below = (np.asarray(x0) + phase[0]) & 1, (np.asarray(y0) + phase[1]) & 1
     quads = np.empty((2, 2, 3, *window.shape[:-2]), np.int64)
@@ -91,12 +91,12 @@ def bayer_quads(window, x0, y0, phase):
 def gradient_colours(window, x0, y0, phase):
     """Four colours of each 6x6 raw ``window`` (..., 6, 6), shape (2, 2, 3, ...).
 
-    Place (j, i) is the sample in row 2 + j, column 2 + i of the window. All colours are exact, in
+    Corner (j, i) is the sample in row 2 + j, column 2 + i of the window. All colours are exact, in
     units of a sixteenth; they are not clamped. ``phase``: (column, row) parity of the red samples;
-    ``x0``, ``y0``: column and row of the first place in the frame.
+    ``x0``, ``y0``: column and row of the first corner in the frame.
     """
     right, below = (np.asarray(x0) + phase[0]) & 1, (np.asarray(y0) + phase[1]) & 1
-    places = np.empty((2, 2, 3, *window.shape[:-2]), np.int64)
+    colours = np.empty((2, 2, 3, *window.shape[:-2]), np.int64)
     for j in range(2):
         for i in range(2):
             around = window[..., j:j + 5, i:i + 5].astype(np.int64)
@@ -104,15 +104,15 @@ def gradient_colours(window, x0, y0, phase):
                 (around * kernel).sum(axis=(-2, -1)) for kernel in
                 (_OWN, _GREEN_AT_CHROMA, _ACROSS_AT_GREEN, _DOWN_AT_GREEN, _CHROMA_AT_CHROMA))
             red_row, red_column = (below + j) % 2 == 0, (right + i) % 2 == 0
-            places[j, i, 0] = np.where(red_row, np.where(red_column, own, across),
+            colours[j, i, 0] = np.where(red_row, np.where(red_column, own, across),
                                        np.where(red_column, down, chroma))
-            places[j, i, 1] = np.where(red_row == red_column, green, own)
-            places[j, i, 2] = np.where(red_row, np.where(red_column, chroma, down),
+            colours[j, i, 1] = np.where(red_row == red_column, green, own)
+            colours[j, i, 2] = np.where(red_row, np.where(red_column, chroma, down),
                                        np.where(red_column, across, own))
-    return places
+    return colours
 
 
-def grey_places(window):
+def grey_corners(window):
     """The four samples in the middle of each 6x6 grey ``window``, shape (2, 2, 3, ...).
 
     Each in all three colours, in units of a sixteenth, as of :func:`gradient_colours`.
@@ -122,7 +122,7 @@ def grey_places(window):
 
 
 def raw_windows(raw, interpolation):
-    """The windows of a raw frame (height, width), by the sample that names their first place.
+    """The windows of a raw frame (height, width), indexed by their first corner.
 
     Element [y0, x0] is the window, (window, window). Samples outside the frame are mirrored about
     its first and last row and column, which keeps the pattern of the colour filter.
@@ -131,11 +131,11 @@ def raw_windows(raw, interpolation):
     return np.lib.stride_tricks.sliding_window_view(framed, (interpolation.window,) * 2)
 
 
-def place_colours(window, x0, y0, geometry):
-    """Colours of the four places of each raw ``window``, by the sensor and the interpolation of
-    ``geometry``: see ``bayer_quads``, ``gradient_colours`` and ``grey_places``."""
+def corner_colours(window, x0, y0, geometry):
+    """Colours of the four corners of each raw ``window``, by the sensor and the interpolation of
+    ``geometry``: see ``bayer_quads``, ``gradient_colours`` and ``grey_corners``."""
     if geometry.mono:
-        return grey_places(window)
+        return grey_corners(window)
     decode = bayer_quads if geometry.interpolation == FAST else gradient_colours
     return decode(window, x0, y0, geometry.phase)
 
@@ -144,7 +144,7 @@ def bilinear(quads, fx, fy, f_bits, unit_bits=FAST.unit_bits):
     """8-bit colours (..., 3) at (fx, fy) between the four ``quads``, equations (30)-(32).
 
     ``quads``: (2, 2, 3, ...) in units of ``2**-unit_bits``; ``fx``, ``fy``: fractions of
-    ``f_bits`` bits. Exact but for one rounding (half up) at the end, and clamped to 0..255 then.
+    ``f_bits`` bits. The result is rounded once (half up) and then clamped to 0..255.
     """
     one = 1 << f_bits
     upper, lower = ((one - fx) * quads[j, 0] + fx * quads[j, 1] for j in range(2))

@@ -13,15 +13,15 @@ from ncdc_spec.files import replace_file
 __all__ = ["SUFFIXES", "remap_tables", "save_tables"]
 
 SUFFIXES = (".npz", ".yml", ".yaml", ".xml", ".json")
-# Far enough outside for the border colour, whatever the interpolation's reach.
+# Far enough outside for the border colour with any interpolation.
 _NOWHERE = -16.0
 
 
 def remap_tables(descriptor):
     """Source pixel (map_x, map_y) of every corrected pixel, float32 (height, width).
 
-    The integer network's coordinates, which the hardware computes, without loss. Pixels that the
-    hardware leaves blank lie at -16: ``cv2.remap`` gives them the border colour.
+    They are the integer network's coordinates, as in the hardware, without loss. Pixels that the
+    hardware leaves blank have -16: ``cv2.remap`` gives them the border colour.
     """
     blank = ~np.concatenate([band[-1] for band in window_bands(descriptor)])
     scale = 2.0**-descriptor.formats.coordinate.f_bits

@@ -1,4 +1,4 @@
-"""How far a tan-sigmoid's results are from the exact function, and its properties."""
+"""Errors of a tan-sigmoid's results from the exact function, and its properties."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 
 __all__ = ["Accuracy", "exact_error", "measure"]
 
-# Bound of the error of the double precision tanh, which lies below one.
+# Bound of the error of the double precision tanh, which is below one.
 _DOUBLE = 2.0**-50
 _CHUNK = 1 << 18    # values at a time
 
@@ -19,20 +19,20 @@ class Accuracy:
     Parameters
     ----------
     inputs : int
-        Values of the input that were measured.
+        Number of measured input values.
     max_ulp : float
-        Largest error, that of ``worst_input`` (raw), in multi-precision; exact to P 2**(P - 49).
+        Largest error, at ``worst_input`` (raw), in multi-precision; exact to P 2**(P - 49).
     within_half : int
         Results within half an ulp of the exact value.
     hard_cases : int
-        Results so close to half an ulp that multi-precision decided.
+        Results close to half an ulp, which multi-precision decided.
     mse : float
         Mean squared error of the real values.
     odd, zero, monotonic : bool
-        f(-n) = -f(n) wherever both were measured, f(0) = 0 if measured, and a larger input never
-        gives a smaller result.
+        f(-n) = -f(n) if both were measured, f(0) = 0 if measured, and a larger input never gives a
+        smaller result.
     saturated : bool
-        No result is beyond those of the format's ends, which are opposite; if both were measured.
+        Results at the format's ends are opposite, and no result is beyond them; if measured.
     """
     inputs: int
     max_ulp: float
@@ -62,7 +62,7 @@ def exact_error(n, raw, design):
 def measure(n, raw, design):
     """Compare results with the exact f(n) = tanh(n / 2), equation (17) with gamma = 1.
 
-    Doubles are used where their error cannot decide, multi-precision elsewhere.
+    Doubles are used if their error does not matter, else multi-precision.
 
     Parameters
     ----------

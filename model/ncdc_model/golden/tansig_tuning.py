@@ -1,4 +1,4 @@
-"""Choice of table entries that makes a tan-sigmoid monotonic."""
+"""Chooses table entries that make a tan-sigmoid monotonic."""
 
 import numpy as np
 
@@ -8,10 +8,10 @@ __all__ = ["monotonic_tuning"]
 def monotonic_tuning(design, reach=12):
     """Changes of table entries by which no output decreases: dict of entry and change.
 
-    Every input is evaluated with every change of its entry up to +-``reach``, which is a matter
-    of seconds. Among all choices without a decrease, inside an entry's part of the input or where
-    two meet, one with the least sum of \\|change\\| is taken, always the same. The untuned table
-    of ``design`` is what is changed, whatever tuning it has already.
+    Every input is evaluated with every change of its entry up to +-``reach``, which takes seconds.
+    A choice is monotonic if no output decreases within an entry's part of the input or where two
+    meet. The result is the choice of smallest sum of \\|change\\|, always the same. The changes
+    are to the untuned table of ``design``.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The valid region: which corrected pixels have a source, told from those that only seem to."""
+"""The valid region: the corrected pixels with a source."""
 
 from dataclasses import dataclass
 
@@ -16,14 +16,13 @@ _ROWS = 128            # corrected rows at a time: bounds the memory
 
 @dataclass(frozen=True)
 class Calibrated:
-    """Where calibrated points cover the map.
+    """The part of the map that calibrated points cover.
 
     A pixel is covered if its source lies in the convex hull of the points in the distorted
     image, or if it is at most ``reach`` from a calibrated point in the corrected image. The hull
-    is taken on the distorted side because the image there is a rectangle that a target can
-    fill, while its corrected counterpart is a concave pincushion. The distance is taken on the
-    corrected side because a network that saturates beyond its points packs far pixels into few
-    distorted ones.
+    is taken in the distorted image, a rectangle that a target can fill; in the corrected one it is
+    a concave pincushion. The distance is taken in the corrected image, since a network that
+    saturates beyond its points maps distant pixels to few distorted ones.
 
     Parameters
     ----------
@@ -32,7 +31,7 @@ class Calibrated:
     x, y : ndarray, shape (N,)
         Distorted pixels.
     reach : float
-        In corrected pixels; :data:`REACH` times :func:`grid_pitch` is what training takes.
+        Corrected pixels; training uses :data:`REACH` times :func:`grid_pitch`.
     """
     u: np.ndarray
     v: np.ndarray
@@ -53,7 +52,7 @@ class Calibrated:
     def _near(self, geometry):
         """Pixels within ``reach`` of a point: bool (corrected height, width)."""
         width, height = geometry.corrected
-        # Points beyond the frame's edge vouch for pixels inside: measure on a larger canvas.
+        # Points beyond the frame's edge cover pixels inside: measure on a larger canvas.
         margin = int(np.ceil(self.reach)) + 1
         canvas = np.ones((height + 2 * margin, width + 2 * margin), np.uint8)
         column = np.round(self.u).astype(np.int64) + margin
@@ -76,8 +75,8 @@ class Calibrated:
 def grid_pitch(photos):
     """Median distance of a point to its nearest neighbour on the same photo.
 
-    ``photos``: sequence of (u, v), the corrected pixels of each photo's points. Photos are
-    taken apart because the points of two may fall close together. One point has no pitch: 0.
+    ``photos``: sequence of (u, v), the corrected pixels of each photo's points. Photos count
+    separately because the points of two may be close together. The pitch of one point is 0.
     """
     nearest = [cKDTree(np.stack([u, v], axis=1)).query(np.stack([u, v], axis=1), 2)[0][:, 1]
                for u, v in photos if len(u) > 1]
@@ -96,14 +95,14 @@ def valid_mask(map_function, geometry, within=None):
     ----------
     map_function : callable
         (x, y) distorted pixels of arrays (u, v) of corrected pixels; not-a-number where there
-        is no source. The camera's exact map where it is known, else the float network.
+        is no source. The camera's exact map if it is known, else the float network.
     geometry : Geometry
     within : ndarray of bool, shape (height, width), optional
         Pixels that can have a source at all.
     """
     mask = np.empty(geometry.corrected[::-1], bool)
     for rows, x, y in _bands(map_function, geometry, halo=1):
-        # Where a neighbour has no source there is no derivative, and no sign of folding.
+        # Without a source at a neighbour there is no derivative, and no fold is detected.
         folded = (np.gradient(x, axis=1) * np.gradient(y, axis=0)
                   - np.gradient(x, axis=0) * np.gradient(y, axis=1)) <= 0
         first = min(rows.start, 1)
@@ -144,5 +143,5 @@ def grown(mask, distance):
 
 
 def lost_pixels(mask, rows):
-    """How many pixels of ``mask`` the spans ``rows`` do not hold."""
+    """Number of pixels of ``mask`` that the spans ``rows`` do not include."""
     return int((mask & ~rows.mask(mask.shape[1])).sum())

@@ -1,7 +1,7 @@
-"""Camera models: pinhole, radial, decentred, tilted, asymmetric, and all of them together.
+"""Camera models: pinhole, radial, decentred, tilted, asymmetric, and their combination.
 
 Every model has ``distort`` (ideal point to distorted point) and ``undistort`` (its inverse);
-both take and return two arrays of any one shape, and give not-a-number outside their domain.
+both take and return two arrays of a common shape, with not-a-number outside their domain.
 """
 
 from ncdc_model.lens.camera import Camera

@@ -24,7 +24,7 @@ _SURFACE = ("scale", "bump_centres", "bump_sigmas", "bump_vectors", "poly")
 
 @dataclass(frozen=True)
 class Camera:
-    """Corrected pixel to distorted pixel through every stage of a real, cheap camera.
+    """Map from corrected to distorted pixels through every stage of a real, low-cost camera.
 
     ``back_map`` of (u, v): the ideal point (a, b) of the corrected frame; ``radial``;
     ``decentring`` (14) and thin prism; ``tilt``; distorted pixel = ``focal`` (x, ``aspect`` y) +
@@ -58,7 +58,7 @@ class Camera:
     aspect: float = 1.0
 
     def distort(self, a, b):
-        """Distorted pixel of the ideal point (a, b); not-a-number beyond the lens's view."""
+        """Distorted pixel of the ideal point (a, b); not-a-number outside the lens's view."""
         x, y = self.tilt.distort(*self.decentring.distort(*self.radial.distort(a, b)))
         return self.surface.distort(self.focal * x + self.centre[0],
                                     self.focal * self.aspect * y + self.centre[1])
@@ -88,7 +88,7 @@ class Camera:
         return self.distort(a / z, b / z)
 
     def ray(self, x, y):
-        """Unit direction, shape (..., 3), that the distorted pixel (x, y) looks in."""
+        """Unit direction, shape (..., 3), of the distorted pixel (x, y)."""
         a, b = self.undistort(x, y)
         ray = np.stack([a, b, np.ones_like(a)], axis=-1)
         return ray / np.linalg.norm(ray, axis=-1, keepdims=True)

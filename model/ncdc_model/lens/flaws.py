@@ -22,8 +22,8 @@ class BrownWeng:
         yd = y (1 + k0 q + k1 q^2 + ...)
              + (2 p0 x y + p1 (q + 2 y^2)) (1 + p2 q + ...) + s2 q + s3 q^2
 
-    The thin prism terms s are Weng's. Coefficients belong to the units of the points.
-    ``undistort`` yields not-a-number where it finds no inverse, as beyond the fold of the model.
+    The thin prism terms s are Weng's. The units of the coefficients are those of the points.
+    ``undistort`` gives not-a-number without an inverse, as beyond the fold of the model.
     """
     k: tuple = ()
     p: tuple = (0.0, 0.0)
@@ -91,7 +91,7 @@ def _project(matrix, x, y):
 
 @dataclass(frozen=True)
 class AsymmetricSurface:
-    """Smooth displacement in pixels that no symmetric model describes: bumps and a polynomial.
+    """Smooth asymmetric displacement in pixels: bumps and a polynomial.
 
     With X = (x - cx) / (W/2), Y = (y - cy) / (W/2), r2 = X^2 + Y^2, (cx, cy) the image's middle::
 
@@ -141,7 +141,7 @@ class AsymmetricSurface:
         return x + self.scale * dx, y + self.scale * dy
 
     def undistort(self, x, y):
-        """Pixel whose displaced one is (x, y)."""
+        """Pixel that is displaced to (x, y)."""
         if not self.scale:
             return np.asarray(x, np.float64), np.asarray(y, np.float64)
         return planar_inverse(self.distort, x, y, self.size[0] / 2)

@@ -1,4 +1,4 @@
-"""The corrected picture's place in the ideal plane, and how it is chosen from a zoom."""
+"""Position of the corrected picture in the ideal plane, and its choice by a zoom."""
 
 from dataclasses import dataclass
 
@@ -9,9 +9,9 @@ from ncdc_spec.geometry import MAX_SIZE, Geometry
 
 __all__ = ["Frame", "choose_frame", "parse_zoom"]
 
-MAX_STRETCH = 8.0      # a frame that magnifies the middle less than 1/8 shows a blur at its rim
-_OFF = {True: 1 / 20, False: 1 / 6}    # of the image's sides, by whether zoom is a number: farther
-                                       # from its middle no frame is centred, see choose_frame
+MAX_STRETCH = 8.0      # a frame that magnifies the middle less than 1/8 is blurred at its edge
+_OFF = {True: 1 / 20, False: 1 / 6}    # of the image's sides, by whether zoom is a number: largest
+                                       # distance of a frame's centre, see choose_frame
 
 
 @dataclass(frozen=True)
@@ -63,10 +63,10 @@ def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
     corrected width; then some corrected pixels have no source. ``fill``: the smallest zoom at
     which every corrected pixel has a whole 3x3 raw window. A number: corrected pixels per
     distorted pixel at the middle. The frame is centred between the edges of the middle row and
-    of the middle column. Of a wide lens that is not quite centred, this point lies far off the
-    axis; if its source is more than a sixth of the image off the image's middle (at a number, a
-    twentieth), or if an edge has no ideal point, the frame is centred on the lens's axis. Then
-    ``fit`` puts the farther edge on the frame's border.
+    of the middle column. This point is far off the axis of a wide lens that is not exactly
+    centred. The frame is centred on the lens's axis if the source of the point is more than a
+    sixth of the image off its middle (at a number, a twentieth), or if an edge has no ideal point.
+    Then ``fit`` puts the farther edge on the frame's border.
 
     Parameters
     ----------
@@ -79,8 +79,8 @@ def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
     Raises
     ------
     InputError
-        If the zoom is none of these, a size is out of range, or the lens sees so far that the
-        edges of the image have no place (or none of use) in a flat picture.
+        If the zoom is none of these, a size is out of range, or the lens's view is so wide that
+        the edges of the image have no (or no usable) position in a flat picture.
     """
     zoom = parse_zoom(zoom)
     geometry = Geometry(*size, *distorted_size)
@@ -101,7 +101,7 @@ def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
     if isinstance(zoom, float):
         return frame(zoom * magnification)
     if not np.isfinite(a[:2]).all():
-        raise InputError(f"zoom {zoom} needs a place in the flat picture for the left and right "
+        raise InputError(f"zoom {zoom} needs a position in the flat picture for the left and right "
                          f"edges of the image, which this lens sees at 90 degrees or more")
     fit = frame((width - 1) / ((a[1] - a[0]) if between else
                                2 * max(middle[0] - a[0], a[1] - middle[0])))
@@ -115,7 +115,7 @@ def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
 
 
 def _distance(to_distorted, point, size):
-    """How far the source of the ideal ``point`` is off the middle of the image, in its sides."""
+    """Distance of the source of the ideal ``point`` from the image's middle, in its sides."""
     x, y = to_distorted(*(np.array([value]) for value in point))
     parts = [abs(value[0] - (side - 1) / 2) / side for value, side in zip((x, y), size)]
     return max(parts) if np.isfinite(parts).all() else np.inf

@@ -15,7 +15,7 @@ def monotone_limit(slope, stop, steps=4096):
 def monotone_inverse(function, slope, target, limit, iterations=60):
     """Solve function(r) = target for r in [0, limit], element by element.
 
-    Newton's step is taken where it stays inside the bracket of the root, bisection elsewhere, so
+    Newton's step is used if it stays inside the bracket of the root, else bisection, so
     that any increasing ``function`` converges. Not-a-number outside function(0)..function(limit).
     """
     target = np.asarray(target, np.float64)
@@ -38,10 +38,10 @@ def monotone_inverse(function, slope, target, limit, iterations=60):
 def planar_inverse(function, x, y, scale=1.0, iterations=30):
     """Solve function(a, b) = (x, y) in the plane, element by element, starting at (x, y).
 
-    Newton's method with a central-difference Jacobian; a step that does not bring the point
-    nearer is halved. ``scale`` is the size of one unit of length in the problem (1 for
-    normalised coordinates, about 500 for pixels). Not-a-number where no solution was found to
-    within 1e-9 ``scale``.
+    Newton's method with a central-difference Jacobian; a step that does not reduce the
+    error is halved. ``scale`` is the size of one unit of length in the problem (1 for
+    normalised coordinates, about 500 for pixels). The result is not-a-number without a solution
+    to within 1e-9 ``scale``.
     """
     x, y = (np.array(value, np.float64) for value in np.broadcast_arrays(x, y))
     a, b, h = x.copy(), y.copy(), 1e-6 * scale

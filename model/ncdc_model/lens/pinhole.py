@@ -37,7 +37,7 @@ class Pinhole:
 
     @property
     def matrix(self):
-        """C, 3x3."""
+        """Intrinsic matrix C, 3x3."""
         return np.array([[self.fx, self.skew, self.u0], [0, self.fy, self.v0], [0, 0, 1.0]])
 
     def distort(self, x, y):
@@ -54,7 +54,7 @@ class Pinhole:
         """Pixels of world ``points`` (..., 3), equations (1), (3) and (8) of the paper.
 
         ``turn`` is the 3x3 rotation and ``shift`` the translation from world to camera.
-        Not-a-number for points that are not in front of the camera.
+        The result is not-a-number for points that are not in front of the camera.
         """
         x, y, z = np.moveaxis(np.asarray(points, np.float64) @ turn.T + np.asarray(shift), -1, 0)
         z = np.where(z > 0, z, np.nan)

@@ -1,4 +1,4 @@
-"""Radial lens models: ideal radius to distorted radius, the direction unchanged."""
+"""Radial lens models: ideal radius to distorted radius, without a change of direction."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +11,7 @@ __all__ = ["AsariPolynomial", "KannalaBrandt", "Rational"]
 
 
 class _Radial:
-    """Shared by the radial models; each provides ``centre``, ``_forward`` and ``_backward``."""
+    """Base of the radial models; each provides ``centre``, ``_forward`` and ``_backward``."""
     centre = (0.0, 0.0)
 
     def distort(self, x, y):
@@ -36,7 +36,7 @@ class AsariPolynomial(_Radial):
     """Radial polynomial of Asari, equations (9)-(11) of the paper, as a back-map.
 
     ``distort`` takes a corrected radius rho to the distorted rho' = sum over n of a[n] rho**n;
-    the angle (10) stays. a[0] must be zero for the map to be continuous at the centre.
+    the angle (10) does not change. a[0] must be zero for a map continuous at the centre.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class AsariPolynomial(_Radial):
     centre : (float, float)
         Centre of distortion.
     limit : float
-        Largest corrected radius; cut to where the polynomial stops increasing.
+        Largest corrected radius; limited to where the polynomial stops increasing.
     """
     a: tuple
     centre: tuple = (0.0, 0.0)

@@ -1,4 +1,4 @@
-"""Camera RAW files by LibRaw: the raw frame, never the preview in the same file."""
+"""Reads the raw frame of camera RAW files by LibRaw, never their preview."""
 
 from io import BytesIO
 
@@ -14,25 +14,25 @@ __all__ = ["UnknownRaw", "read_camera_raw"]
 
 
 class UnknownRaw(InputError):
-    """A file that LibRaw does not know."""
+    """A file that LibRaw does not support."""
 
 
 def read_camera_raw(path, content, bits, warn):
     """The :class:`Photo` with the raw frame in ``content`` of the camera RAW file ``path``.
 
-    The frame is the active area, without the sensor's masked margins. Of each colour's samples its
-    black level is taken off, and what is left up to the white level is scaled to eight bits. How
-    the camera was held changes nothing.
+    The frame is the active area, without the sensor's masked margins. The black level of each
+    colour is subtracted, and the range up to the white level is scaled to eight bits. The
+    orientation of the camera is ignored.
 
     Raises
     ------
     InputError
-        If the filter pattern is not Bayer's, the file holds no raw frame, or ``bits`` is not what
-        it declares.
+        If the filter pattern is not Bayer's, the file holds no raw frame, or ``bits`` differs from
+        its declaration.
     UnknownRaw
-        If LibRaw does not know the file.
+        If LibRaw does not support the file.
     """
-    import rawpy  # 0.1 s when first imported, which few need
+    import rawpy  # takes 0.1 s
     try:
         with captured_stderr(), rawpy.imread(BytesIO(content)) as raw:
             photo, sentence = _frame(path, raw, bits)
@@ -45,7 +45,7 @@ def read_camera_raw(path, content, bits, warn):
 
 
 def _frame(path, raw, bits):
-    """(photo, sentence on what was taken) of an opened file."""
+    """The photo of an opened file, and a sentence on how it was read."""
     if raw.raw_type.name != "Flat":
         raise InputError(f"{path} is a camera RAW file without a raw frame: its pixels have "
                          f"several colours each (linear RAW); save it as a TIFF")

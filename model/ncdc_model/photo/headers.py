@@ -1,4 +1,4 @@
-"""What the header of a PNG, PNM or JPEG 2000 file says of its samples, which OpenCV drops."""
+"""Reads the range of samples from headers of PNG, PNM, JPEG 2000, which OpenCV drops."""
 
 import re
 
@@ -14,9 +14,9 @@ _CONTAINER = 255, 65535
 
 
 def declared_white(kind, content, samples):
-    """(samples, largest value that they can have by the header, or None if it only says 16 bits).
+    """Samples and their largest value by the header; None if that only says 16 bits.
 
-    ``samples`` are those that OpenCV decoded of ``content``. Those of a PNG whose sBIT chunk
+    ``samples``: decoded from ``content`` by OpenCV. Samples of a PNG whose sBIT chunk
     declares fewer bits than it stores are shifted down to that number.
     """
     if kind is Kind.PNG:
@@ -25,7 +25,7 @@ def declared_white(kind, content, samples):
     if kind is Kind.PNM and (match := _PNM.match(content) or _PAM.match(content)):
         declared = int(match[1])
         if content[1:2] in b"23" and declared < 256:
-            declared = 255      # OpenCV scales samples in ASCII, and these alone
+            declared = 255      # OpenCV scales only samples in ASCII
     elif kind is Kind.JPEG_2000 and (start := content.find(b"\xff\x4f\xff\x51")) >= 0:
         declared = (1 << (content[start + 42] & 0x7f) + 1) - 1
     elif kind is Kind.AVIF and samples.dtype == np.uint16:
@@ -54,15 +54,15 @@ def _chunks(content):
 
 
 def is_grey_png(content):
-    """Whether the header of a PNG says grey with alpha, which OpenCV decodes as four channels."""
+    """Whether a PNG is grey with alpha, which OpenCV decodes as four channels."""
     return content[25] == 4
 
 
 def _by_sbit(content, samples):
     """Samples of a PNG and their largest value, by its sBIT chunk.
 
-    The standard has n bits in the upper n, and below them zeros, their repetition, or what linear
-    scaling gives. Many write them in the lower n, with zeros above.
+    The standard has n bits in the upper n; the others are zeros, a repetition, or those of linear
+    scaling. Many programs write them in the lower n, with zeros above.
     """
     size = 8 * samples.dtype.itemsize
     chunk = dict(_chunks(content)).get(b"sBIT", b"")
@@ -83,7 +83,7 @@ def _by_sbit(content, samples):
 
 
 def pnm_pictures(content):
-    """Number of pictures in a binary PNM file, whose first one OpenCV reads; 1 of other files."""
+    """Number of pictures in a binary PNM file, of which OpenCV reads the first; else 1."""
     match = re.match(rb"P([456])(?:\s|#[^\n]*\n)+(\d+)(?:\s|#[^\n]*\n)+(\d+)", content)
     if not match:
         return 1

@@ -1,4 +1,4 @@
-"""The format of a file by its first bytes, and formats that are named but not read."""
+"""Format of a file by its first bytes, and known formats that are not supported."""
 
 from enum import Enum
 
@@ -8,7 +8,7 @@ __all__ = ["Kind", "kind_of"]
 
 
 class Kind(Enum):
-    """Formats that need a reader or a check of their own; the value is the name in messages."""
+    """Formats with their own reader or check; the value is the name in messages."""
     PNG = "PNG"
     JPEG = "JPEG"
     JPEG_2000 = "JPEG 2000"
@@ -28,7 +28,7 @@ _READ = (
     (b"\xff\x4f\xff\x51", Kind.JPEG_2000), (b"\0\0\0\x0cjP  \r\n", Kind.JPEG_2000),
     (b"GIF8", Kind.GIF), (b"BM", Kind.BMP), (b"\x93NUMPY", Kind.NUMPY),
     *((b"P%d" % digit, Kind.PNM) for digit in range(1, 8)),
-    # Canon, Olympus, Panasonic and Phase One put a mark of their own on a file like a TIFF.
+    # Canon, Olympus, Panasonic and Phase One have their own signatures on a file like a TIFF.
     (b"II*\0\x10\0\0\0CR", Kind.CAMERA_RAW), (b"IIRO", Kind.CAMERA_RAW),
     (b"IIRS", Kind.CAMERA_RAW), (b"MMOR", Kind.CAMERA_RAW), (b"IIU\0", Kind.CAMERA_RAW),
     (b"IIII", Kind.CAMERA_RAW), (b"MMMM", Kind.CAMERA_RAW),
@@ -99,7 +99,7 @@ def _boxes(head, path):
     if brand in (b"avif", b"avis"):
         return Kind.AVIF
     if brand in _HEIF:
-        # A general brand is followed by the codecs' ones.
+        # The codecs' brands are after a general one.
         if b"avif" in head[16:int.from_bytes(head[:4])]:
             return Kind.AVIF
         raise InputError(f"{path} is a HEIF photo (HEIC), which is not supported; {_HEIC}")

@@ -1,4 +1,4 @@
-"""Arrays in NumPy's .npy files: one frame or several."""
+"""Reads arrays in NumPy's .npy files: one frame or several."""
 
 from io import BytesIO
 
@@ -16,7 +16,7 @@ _SHAPES = "(height, width), (frames, height, width), (height, width, 3) or (fram
 
 
 def read_npy(path, content, bits, warn):
-    """The :class:`Photo` in ``content`` of the .npy file ``path``; of several frames the first.
+    """The :class:`Photo` in ``content`` of the .npy file ``path``; the first of several frames.
 
     Raises
     ------
@@ -25,7 +25,7 @@ def read_npy(path, content, bits, warn):
     """
     try:
         samples = np.load(BytesIO(content), allow_pickle=False)
-    except Exception as error:      # also those of Python's tokenizer, which reads the header
+    except Exception as error:      # also from Python's tokenizer, which reads the header
         reason = str(error).splitlines()[:1] or [type(error).__name__]
         raise InputError(f"{path} is a NumPy file that cannot be read: {reason[0]}") from error
     if samples.dtype.kind != "u" or samples.dtype.itemsize > 2:

@@ -1,4 +1,4 @@
-"""Image files that OpenCV decodes: PNG, JPEG, PNM, BMP, WebP, GIF, AVIF, JPEG 2000 and others."""
+"""Reads image files by OpenCV: PNG, JPEG, PNM, BMP, WebP, GIF, AVIF, JPEG 2000 and others."""
 
 import warnings
 from io import BytesIO
@@ -16,13 +16,13 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["read_opencv"]
 
-_PIXELS = 178_000_000      # Pillow's limit as well: more is taken for an attack
+_PIXELS = 178_000_000      # also Pillow's limit, above which it assumes an attack
 
 
 def read_opencv(path, content, kind, bits, warn):
     """The :class:`Photo` in ``content`` of the file ``path``, with its first picture.
 
-    Pillow reads the header alone: size, mode and number of pictures.
+    Pillow reads only the header: size, mode and number of pictures.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def read_opencv(path, content, kind, bits, warn):
 
 
 def _header(path, content):
-    """(mode, number of pictures) of a file by Pillow; (None, 1) of one that it does not know."""
+    """Mode and number of pictures of a file by Pillow; (None, 1) for an unknown one."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -62,7 +62,7 @@ def _header(path, content):
                 size, mode, pictures = header.size, header.mode, getattr(header, "n_frames", 1)
     except Image.DecompressionBombError as error:
         raise InputError(f"{path} has too many pixels, {_PIXELS} are the limit: {error}") from error
-    except Exception:       # damaged, which raises many kinds, or unknown to Pillow
+    except Exception:       # many kinds for a damaged or unknown file
         return None, 1
     if size[0] * size[1] > _PIXELS:
         raise InputError(f"{path} has {size[0]}x{size[1]} pixels, {_PIXELS} in all are the limit")
@@ -70,7 +70,7 @@ def _header(path, content):
 
 
 def _decoded(content):
-    """(samples as OpenCV decodes them, or None; lines that the decoder printed)."""
+    """Samples by OpenCV, or None, and the lines that the decoder printed."""
     with captured_stderr() as printed:
         try:
             samples = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
@@ -80,7 +80,7 @@ def _decoded(content):
 
 
 def _channels(image, may_be_grey):
-    """(h, w), or (h, w, 3) in R, G, B order, of OpenCV's B, G, R and perhaps alpha."""
+    """(h, w), or (h, w, 3) in R, G, B order, from OpenCV's B, G, R with or without alpha."""
     if image.ndim == 2 or image.shape[2] == 1:
         return image.reshape(image.shape[:2])
     if image.shape[2] == 2:

@@ -14,12 +14,12 @@ class Photo:
     Parameters
     ----------
     image : ndarray
-        uint8, (height, width) of one channel or (height, width, 3) RGB, rows as the sensor sent
-        them: whatever the file says of its orientation, nothing is turned.
+        uint8, (height, width) of one channel or (height, width, 3) RGB, in the sensor's order of
+        rows: the orientation in the file is ignored.
     bayer : str, optional
-        Filter pattern that the file declares, or ``MONO``; None: it declares none.
+        Filter pattern declared in the file, or ``MONO``; None if there is none.
     lossy : bool
-        Whether JPEG has smoothed the samples, as no raw frame of a colour sensor is.
+        Whether JPEG has smoothed the samples; a raw frame of a colour sensor is never lossy.
     """
     image: np.ndarray
     bayer: str | None = None

@@ -1,4 +1,4 @@
-"""What libraries print while they decode a file."""
+"""Captures the output of libraries that decode a file."""
 
 import logging
 import os
@@ -8,14 +8,14 @@ from contextlib import contextmanager
 
 __all__ = ["captured_stderr"]
 
-logging.getLogger("tifffile").addHandler(logging.NullHandler())     # else it prints to stderr
+logging.getLogger("tifffile").addHandler(logging.NullHandler())     # prevents output to stderr
 
 
 @contextmanager
 def captured_stderr():
     """Yield a list that holds, when the block has ended, the lines written to file descriptor 2.
 
-    OpenCV, libjpeg and LibRaw write there past ``sys.stderr``. Output of other threads in the
+    OpenCV, libjpeg and LibRaw write there directly. Output of other threads in the
     meantime is captured too. A process without a standard error captures nothing.
     """
     lines = []

@@ -13,10 +13,10 @@ _READERS = {Kind.TIFF: read_tiff, Kind.CAMERA_RAW: read_camera_raw, Kind.NUMPY: 
 
 
 def read_photo(path, bits=None, warn=lambda sentence: None):
-    """The :class:`ncdc_model.photo.photo.Photo` in the file ``path``, whatever its suffix.
+    """The :class:`ncdc_model.photo.photo.Photo` in the file ``path``, with any suffix.
 
-    ``bits`` of a sample are needed only where the file does not declare them. ``warn`` is called
-    with a sentence where something is a guess, or only a part of the file is taken.
+    ``bits`` of a sample are needed only if the file does not declare them. ``warn`` is called with
+    a sentence if something is a guess, or only a part of the file is read.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""TIFF files by tifffile: one page as it is stored, without turning, stretching or mixing."""
+"""Reads one page of a TIFF file by tifffile as stored: no rotation, scaling or colour mixing."""
 
 from io import BytesIO
 
@@ -12,21 +12,21 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["read_tiff"]
 
-_PIXELS = 178_000_000                   # as of other formats
+_PIXELS = 178_000_000                   # the limit of other formats
 _REDUCED, _MASK = 1, 4                  # bits of NewSubfileType
 _JPEG = 6, 7                            # compressions
 _CHANNELS = {PHOTOMETRIC.MINISWHITE: 1, PHOTOMETRIC.MINISBLACK: 1, PHOTOMETRIC.RGB: 3,
              PHOTOMETRIC.PALETTE: 1, PHOTOMETRIC.YCBCR: 3, PHOTOMETRIC.CFA: 1}
 _MAKE, _DNG, _CFA_PATTERN, _CFA_SIZE, _WHITE = 271, 50706, 33422, 33421, 50717
-# LinearizationTable, BlackLevel, ActiveArea: the samples are not light on an even scale.
+# LinearizationTable, BlackLevel, ActiveArea: the samples are not linear in light.
 _ALTERED = {50712, 50714, 50829}
 
 
 def read_tiff(path, content, bits, warn):
     """The :class:`Photo` in ``content`` of the TIFF file ``path``.
 
-    Of several pages it is the first that is no preview. A file with a raw frame, as a DNG, NEF or
-    ARW, is read by LibRaw, and if LibRaw does not know it, its page of filtered samples is taken.
+    It is the first page that is no preview. LibRaw reads a file with a raw frame, as a DNG, NEF or
+    ARW; if LibRaw does not support it, its page of filtered samples is used.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def read_tiff(path, content, bits, warn):
             return _page(path, _first(path, pages, warn), bits, warn, len(content))
     except InputError:
         raise
-    except Exception as error:      # tifffile and its codecs raise many kinds on damaged files
+    except Exception as error:      # tifffile and its codecs raise many kinds for damaged files
         reason = str(error).strip().splitlines()[:1] or [type(error).__name__]
         raise InputError(f"{path} holds no image that can be decoded: it is a TIFF file that is "
                          f"damaged or of a variant that is not supported ({reason[0]})") from error

@@ -1,4 +1,4 @@
-"""What a running camera writes while a frame is corrected."""
+"""Writes of a running camera while a frame is corrected."""
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -11,7 +11,7 @@ __all__ = ["CameraWrites"]
 
 @dataclass(frozen=True)
 class CameraWrites:
-    """The raw frames that come while one is corrected, which begins when the last one is complete.
+    """Writes of raw frames while one is corrected, from the end of the last frame on.
 
     Parameters
     ----------
@@ -20,9 +20,9 @@ class CameraWrites:
     width, height : int
         Samples of a row, rows.
     sample : Fraction
-        Clocks of the corrector from sample to sample.
+        Clocks of the corrector per sample.
     line, frame : Fraction
-        Clocks from row to row and from frame to frame.
+        Clocks per row and per frame, blanking included.
     burst : int
         Words of a burst, at most.
     latency : int
@@ -40,16 +40,18 @@ class CameraWrites:
 
     @classmethod
     def of(cls, timing, ratio, geometry, base, pitch, *, burst, latency):
-        """Those of a sensor's ``timing``; ``ratio``: clocks of the corrector per pixel clock."""
+        """Writes of a sensor with ``timing``; ``ratio``: corrector clocks per pixel clock."""
         return cls(base, pitch, *geometry.distorted, ratio, timing.line_clocks * ratio,
                    timing.frame_clocks * ratio, burst, latency)
 
     def accesses(self, word, block):
-        """(edge, address, words) of each access, one after the other without end; words of ``word``
-        bytes, in blocks of ``block`` bytes that an access does not leave. Edge 0 is that at which
-        the frame before is complete."""
+        """(edge, address, words) of each access, an endless sequence.
+
+        Words have ``word`` bytes; an access does not cross the borders of blocks of ``block``
+        bytes. The previous frame is complete at edge 0.
+        """
         block, size = max(block, word), self.burst * word
-        # The last row of the frame before ends at 0; its rows are `line` apart.
+        # The last row of the previous frame ends at 0; its rows are `line` apart.
         blank = self.frame - (self.height - 1) * self.line - self.width * self.sample
         for number in count():
             for row in range(self.height):
@@ -57,14 +59,14 @@ class CameraWrites:
                 for first in range(0, self.width, size):
                     end = min(first + size, self.width)
                     edge = int(begin + end * self.sample) + self.latency
-                    place = self.base + row * self.pitch + first
-                    stop = place + -(-(end - first) // word) * word
-                    while place < stop:
-                        upto = min(stop, (place // block + 1) * block)
-                        edge += (upto - place) // word
-                        yield edge, place, (upto - place) // word
-                        place = upto
+                    address = self.base + row * self.pitch + first
+                    stop = address + -(-(end - first) // word) * word
+                    while address < stop:
+                        upto = min(stop, (address // block + 1) * block)
+                        edge += (upto - address) // word
+                        yield edge, address, (upto - address) // word
+                        address = upto
 
-    def beside(self, writes, word, block):
+    def merged_with(self, writes, word, block):
         """``writes``, :class:`FrameWrites` or None for a stream, with these on the same port."""
         return replace(writes or FrameWrites(), others=lambda: self.accesses(word, block))

@@ -1,4 +1,4 @@
-"""What the planner has to be told of a corrector's hardware."""
+"""Latencies of a corrector's hardware, for the planner."""
 
 from dataclasses import dataclass
 
@@ -7,11 +7,10 @@ __all__ = ["CorrectorTiming"]
 
 @dataclass(frozen=True)
 class CorrectorTiming:
-    """Clocks between events in a corrector with a tile cache, and what its queues hold.
+    """Clocks between events in a corrector with a tile cache, and capacity of its queues.
 
-    The gateware's parts add these up (``ncdc_hdl.corrector.Corrector.timing``); the planner
-    computes with them and knows none of its own. Each is the least number of clocks from one event
-    to the next.
+    The sums are those of the gateware's parts (``ncdc_hdl.corrector.Corrector.timing``); the
+    planner has no latencies of its own. Each is the minimum number of clocks between two events.
 
     Parameters
     ----------
@@ -28,7 +27,7 @@ class CorrectorTiming:
     push_to_retire : int
         A look-up leaves the tag stage; its window is read.
     retire_to_push : int
-        A window is read; there is room for another look-up.
+        A window is read; there is space for another look-up.
     retire_to_replace : int
         A window is read; a look-up that replaces its tiles may leave.
     push_to_claim : int
@@ -42,14 +41,14 @@ class CorrectorTiming:
     write_burst : int
         Words of a burst of corrected pixels.
     queued_words : int
-        Words of corrected pixels that the burst writer holds.
+        Words of corrected pixels in the burst writer, at most.
     queued_pixels : int
-        Pixels that the interpolator holds.
+        Pixels in the interpolator, at most.
     nodes, node_clocks : int
-        Pixels from node to node, and clocks from one to the next; 1 and the clocks of a group of
-        pixels of a network at every pixel.
+        Distance of nodes in pixels, and clocks per node; 1 and the clocks per group of pixels for
+        a network at every pixel.
     lead : int
-        Clocks that coordinates are made ahead, while those before them wait for the memory.
+        Clocks by which coordinates are computed in advance, while earlier ones wait for memory.
     """
     start: int
     end: int

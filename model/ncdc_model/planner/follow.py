@@ -1,4 +1,4 @@
-"""How long after the camera's last byte the corrected frame is out, if it begins before that."""
+"""Bound of the latency from the camera's last byte to the end of the frame, with early start."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ _ERROR = .01            # of the predicted clocks, see ``predict_clocks``
 
 @dataclass(frozen=True)
 class FollowBound:
-    """Bound for a map, a camera and a memory.
+    """Bound of the latency for a map, a camera and a memory.
 
     Parameters
     ----------
@@ -29,10 +29,9 @@ class FollowBound:
     camera_clocks : int
         From the camera's first byte to its last one.
     pixel : int
-        Pixel, in the order of the scan, whose rows come last in comparison with what is left to
-        do behind it.
+        Pixel, in the order of the scan, that determines the bound.
     rows : int
-        Rows of the raw frame that must be in memory for it.
+        Rows of the raw frame that must be in memory for that pixel.
     """
     clocks: int
     camera_clocks: int
@@ -56,7 +55,7 @@ def camera_line(line, geometry):
     Raises
     ------
     InputError
-        If a row does not fit.
+        If ``line`` is outside its limits.
     """
     if line is None:
         return geometry.distorted_width
@@ -67,33 +66,33 @@ def camera_line(line, geometry):
 
 
 def rows_needed(y0, used, height, interpolation=FAST):
-    """Rows of a raw frame of ``height`` rows that must be in memory for windows whose first place
-    is in row y0: to the end of the tiles of their last rows; none where not ``used``."""
+    """Rows of a raw frame of ``height`` rows that must be in memory for windows with first corners
+    in row y0: up to the end of the tiles of their last rows; 0 where not ``used``."""
     last = (np.asarray(y0) + interpolation.after) | (interpolation.tile_height - 1)
     return np.where(used, np.minimum(last + 1, height), 0)
 
 
 def _rows(line, camera, geometry):
-    """Clocks from row to row of a camera, from a row's first sample to its last, and from there
-    until `camera_rows` counts it: a clock behind its last byte in memory."""
+    """Clocks of a camera per row, from a row's first sample to its last, and from there until
+    `camera_rows` counts it: a clock after its last byte is in memory."""
     if camera is None:
         return camera_line(line, geometry), geometry.distorted_width, 1
     return camera.line, camera.width * camera.sample, camera.latency + 2 * camera.burst + 1
 
 
-def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None, camera=None,
+def follow_bound(descriptor, hardware, memory, timing, *, line=None, addresses=None, camera=None,
                  progress=lambda fraction: None):
     """:class:`FollowBound` of a frame that begins with the camera's.
 
-    Look-up i enters when its rows are there; from then on it takes at most as long to the end of
-    the frame as without a camera, where it entered at e(i) or later::
+    Look-up i enters when its rows are in memory. The time from then to the end of the frame is at
+    most that without a camera, where it entered at e(i) or later::
 
         e(i) = max(i, read(i - pending) + 1)
         end <= max over i of  rows in memory(i) + latency + 1.01 (end without camera - e(i))
 
-    for what delays a look-up is only what was before it. The hundredth is the error of the
-    predicted clocks. A ``camera`` that shares the memory port delays each of them too; its row is
-    in memory when its last burst is, before which one of the corrector may go.
+    since only earlier look-ups delay a look-up. The hundredth is the error of the predicted clocks.
+    A ``camera`` on the same memory port delays each of them too. Its row is in memory after its
+    last burst, which may wait for a burst of the corrector.
 
     Parameters
     ----------
@@ -103,29 +102,29 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, places=None
     memory : LatencyMemory or DramMemory
     timing : CorrectorTiming
     line : int, optional
-        Clocks of a row of a camera with a memory port of its own and a sample per clock; by default
-        without a pause.
-    places : FramePlaces, optional
-        Those after reset if absent.
+        Clocks of a row of a camera with its own memory port and a sample per clock; by default
+        without blanking.
+    addresses : FramePlaces, optional
+        By default those after reset.
     camera : CameraWrites, optional
-        A camera on the same port, in place of ``line``.
+        A camera on the same port, instead of ``line``.
     progress : callable
         Called with the fraction done.
     """
     geometry = descriptor.geometry
-    places = places or FramePlaces.after_reset(geometry, hardware.data_width)
+    addresses = addresses or FramePlaces.after_reset(geometry, hardware.data_width)
     strip, lanes = hardware.strip, hardware.lanes
     line, row, late = _rows(line, camera, geometry)
     windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
     boxes = lookups(windows, strip, lanes)
     block = getattr(memory, "access_bytes", 1)
     writes = None if hardware.stream else frame_writes(
-        geometry, hardware, block, places.target, timing)
-    writes = camera.beside(writes, hardware.data_width // 8, block) if camera else writes
+        geometry, hardware, block, addresses.target, timing)
+    writes = camera.merged_with(writes, hardware.data_width // 8, block) if camera else writes
     free = predict_clocks(
         misses(accesses(boxes), hardware.cache, hardware.split_for(geometry)), boxes, hardware,
-        memory, timing, places, writes, lambda done, total: progress(.5 + .5 * done / total))
-    free.read.settle(len(boxes))
+        memory, timing, addresses, writes, lambda done, total: progress(.5 + .5 * done / total))
+    free.read.apply_postponed(len(boxes))
     _, y0, used = windows.scanned(strip)
     needed = rows_needed(y0, used, geometry.distorted_height, geometry.interpolation)
     # All pixels of a group wait together.

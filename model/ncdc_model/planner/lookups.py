@@ -1,4 +1,4 @@
-"""The look-ups that the cache makes for a frame: boxes of samples in the order of the scan."""
+"""Look-ups of the cache for a frame: boxes of samples in the order of the scan."""
 
 from dataclasses import dataclass
 
@@ -11,28 +11,28 @@ from ncdc_spec.interpolation import FAST, Interpolation
 
 __all__ = ["Lookups", "Windows", "frame_windows", "lookups", "pieces"]
 
-_PLACE = np.int16       # of a sample's column or row: those of a raw frame have 12 bits
-_PIECE = 1 << 18        # look-ups at a time: bounds the memory that their temporary arrays take
+_POSITION = np.int16       # column or row of a sample: those of a raw frame have 12 bits
+_PIECE = 1 << 18        # look-ups at a time: bounds the memory of their temporary arrays
 
 
 def pieces(count):
-    """Slices that cover ``count`` look-ups or pixels in turn, whole groups of pixels each."""
+    """Slices of whole groups of pixels that cover ``count`` look-ups or pixels in turn."""
     return [slice(first, min(first + _PIECE, count)) for first in range(0, count, _PIECE)]
 
 
 @dataclass(frozen=True)
 class Windows:
-    """Where the windows of a corrected frame are: arrays of shape (height, width).
+    """Positions of the windows of a corrected frame: arrays of shape (height, width).
 
     Parameters
     ----------
     x0, y0 : ndarray of int16
-        Column and row that name the first place; zero where the pixel is blank.
+        Column and row of the first corner; zero if the pixel is blank.
     used : ndarray of bool
-        False where the pixel is blank and reads nothing.
+        False if the pixel is blank and reads nothing.
     interpolation : Interpolation
     distorted : (int, int), optional
-        Width and height of the raw frame; needed of an interpolation whose windows may leave it.
+        Width and height of the raw frame, for an interpolation whose windows may leave it.
     """
     x0: np.ndarray
     y0: np.ndarray
@@ -50,7 +50,7 @@ class Windows:
 
 @dataclass(frozen=True)
 class Lookups:
-    """Boxes of samples in the order in which the cache looks them up, arrays of shape (N,).
+    """Boxes of samples in the order of the cache's look-ups, arrays of shape (N,).
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Lookups:
         Corrected pixels of the frame.
     interpolation : Interpolation
     width, strip, lanes : int
-        Columns of the corrected picture and of the scan's strips, 0 for raster; pixels of a group.
+        Columns of the corrected picture and of the scan's strips (0: raster); pixels of a group.
     """
     x0: np.ndarray
     y0: np.ndarray
@@ -91,7 +91,7 @@ class Lookups:
 def frame_windows(descriptor, progress=lambda done, total: None):
     """:class:`Windows` of a trained map; ``progress(done, total)`` counts corrected rows."""
     width, height = descriptor.geometry.corrected
-    x0, y0 = np.empty((2, height, width), _PLACE)
+    x0, y0 = np.empty((2, height, width), _POSITION)
     used = np.empty((height, width), bool)
     for rows, columns, lines, _, _, valid in window_bands(descriptor):
         x0[rows], y0[rows], used[rows] = columns, lines, valid
@@ -103,10 +103,10 @@ def frame_windows(descriptor, progress=lambda done, total: None):
 def lookups(windows, strip=0, lanes=1):
     """:class:`Lookups` of a frame in raster order, or in strips of ``strip`` columns.
 
-    One for each group of ``lanes`` neighbours of a row, if all samples of its pixels, those that
-    are not blank, fit a box that the tile memory gives in one clock: four rows, or eight of an
+    A group of ``lanes`` neighbours of a row is one look-up if all samples of its pixels that are
+    not blank fit a box that the tile memory reads in one clock: four rows, or eight for an
     interpolation with larger windows, and two words of ``Interpolation.box_word`` samples across.
-    Else the group is cut in halves, these likewise.
+    Else the group is divided in halves, and these likewise.
 
     Raises
     ------
@@ -131,8 +131,8 @@ def lookups(windows, strip=0, lanes=1):
 
 
 def _bounds(windows, x0, y0):
-    """First columns, first rows, last columns and last rows of the samples of ``windows`` in the
-    places (x0, y0)."""
+    """First columns, first rows, last columns and last rows of the samples of ``windows`` whose
+    first corners are (x0, y0)."""
     needs, (width, height) = windows.interpolation, windows.distorted
     (x0, x1), (y0, y1) = needs.bounds(x0, width), needs.bounds(y0, height)
     return x0, y0, x1, y1
@@ -141,7 +141,7 @@ def _bounds(windows, x0, y0):
 def _grouped(edges, lanes):
     """The boxes of groups of ``lanes`` pixels, for each pixel, and which pixels begin one.
 
-    A group is cut where it has no box of its own.
+    A group that does not fit a box is divided.
     """
     boxes, begins = edges, np.ones(edges.used.shape, bool)
     size = begins.size
@@ -157,7 +157,7 @@ def _grouped(edges, lanes):
 
 @dataclass(frozen=True)
 class _Edges:
-    """Boxes around runs of pixels of equal length.
+    """Boxes around runs of equally many pixels.
 
     ``word``: samples of a word of the tile memory.
     """
@@ -182,12 +182,12 @@ class _Edges:
                              & (down < needs.tile_rows))
 
     def joined(self):
-        """Boxes around each two neighbours, of which a blank one takes no part."""
+        """Boxes around each two neighbours; blank ones are ignored."""
         a, b = (_Edges(*(array[k::2] for array in self.arrays()), self.interpolation, self.word)
                 for k in (0, 1))
         both = a.used & b.used
-        return _Edges(*(np.where(both, least(one, other), np.where(b.used, other, one))
-                        for one, other, least in zip(a.arrays()[:4], b.arrays()[:4],
+        return _Edges(*(np.where(both, outer(one, other), np.where(b.used, other, one))
+                        for one, other, outer in zip(a.arrays()[:4], b.arrays()[:4],
                                                      (np.minimum,) * 2 + (np.maximum,) * 2)),
                       a.used | b.used, self.interpolation, self.word)
 

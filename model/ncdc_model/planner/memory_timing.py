@@ -1,7 +1,6 @@
-"""Timing of the memories that corrected frames are predicted for and simulated with.
+"""Parameters of memory timing for the prediction and the simulation of corrected frames.
 
-Only parameters: the Verilog model (``sim/ncdc_sim/hdl``) and the predictor count the clocks, each
-with code of its own.
+The Verilog model (``sim/ncdc_sim/hdl``) and the predictor have separate code for them.
 """
 
 import math
@@ -14,7 +13,7 @@ from ncdc_spec.errors import InputError
 __all__ = ["DramMemory", "LatencyMemory", "MEMORIES", "ddr3", "hps", "memory_at", "memory_timing",
            "sdram"]
 
-MAX_PENDING = 64        # read commands that the model of a port can hold
+MAX_PENDING = 64        # read commands that the port's model can queue
 
 
 @dataclass(frozen=True)
@@ -22,21 +21,21 @@ class LatencyMemory:
     """A memory that is a latency and a rate, without rows and banks.
 
     A read command accepted at clock edge t delivers its first word at edge t + latency at the
-    earliest, the next ones no earlier than one clock after each other. Words are paid for out of
-    ``bytes_per_clock``, of which no more than two words' worth (or a granule's) is saved up.
+    earliest, and at most one word per clock. Words consume a credit of ``bytes_per_clock``, which
+    is limited to two words or a granule.
 
     Parameters
     ----------
     latency : (int, int)
-        Clocks, drawn anew for each command from this range, both ends included; 1..10000.
+        Range of clocks, both ends included, drawn at random for each command; 1..10000.
     bytes_per_clock : float or None
-        Bytes that all ports together move per clock; None: every port moves a word per clock.
+        Bytes per clock of all ports together; None: every port moves a word per clock.
     granule : int
-        Bytes that a read costs at least.
-    wait_chance : int
-        How often, of 256 clocks, a port refuses commands for no reason; 0..255.
+        Minimum cost of a read in bytes.
+    wait_probability : int
+        Probability in 256ths that a port stalls commands in a clock; 0..255.
     max_pending : int
-        Read commands that one port holds before it refuses more, 1..64.
+        Read commands that one port queues before it stalls more, 1..64.
 
     Raises
     ------
@@ -46,7 +45,7 @@ class LatencyMemory:
     latency: tuple = (1, 1)
     bytes_per_clock: float | None = None
     granule: int = 1
-    wait_chance: int = 0
+    wait_probability: int = 0
     max_pending: int = MAX_PENDING
 
     def __post_init__(self):
@@ -57,14 +56,15 @@ class LatencyMemory:
         if self.bytes_per_clock is not None and not 0.01 <= self.bytes_per_clock <= 64:
             raise InputError(f"the memory's rate is {self.bytes_per_clock:g} bytes per clock, "
                              "the limits are 0.01 and 64")
-        if not 0 <= self.wait_chance <= 255:
-            raise InputError(f"wait_chance is {self.wait_chance}, the limits are 0 and 255")
+        if not 0 <= self.wait_probability <= 255:
+            raise InputError(f"wait_probability is {self.wait_probability}, "
+                             "the limits are 0 and 255")
         _check_pending(self.max_pending)
 
 
 @dataclass(frozen=True)
 class DramMemory:
-    """A dynamic memory with rows, banks and refresh, and the controller before it.
+    """A dynamic memory with rows, banks and refresh, and its controller.
 
     Intervals are in clocks of the memory (MC); the corrector's clock edge k falls on memory clock
     T(k) = floor(k * ratio). Rules:
@@ -73,27 +73,27 @@ class DramMemory:
     - An *access* is a column command; it moves bytes of one block of ``access_bytes`` aligned
       bytes. A read command is split into the accesses that hold its bytes. The data of an access
       occupies ``word_clocks`` for each of the words of ``word_bytes`` that it touches, n in all.
-    - A command accepted at edge t may be placed from edge t + ``controller_clocks`` on. At each
-      edge at most one access is placed, and only if the column command of the access
-      ``look_ahead`` places before it has been issued: column(n - look_ahead) <= T(k).
+    - A command accepted at edge t may be scheduled from edge t + ``controller_clocks`` on. At each
+      edge at most one access is scheduled, and only if the column command of the access
+      ``look_ahead`` earlier has been issued: column(n - look_ahead) <= T(k).
     - Its commands go to the memory at the first free memory clocks after T(k), one command per
       memory clock: precharge (if another row is open) no earlier than activate + ``ras``,
       read + n and write + n + ``write_to_precharge`` of that bank; activate (if
       its row is not open) no earlier than precharge + ``rp``, activate of that bank + ``rc``,
       activate of any bank + ``rrd``, fourth last activate + ``faw``; column command no earlier
-      than activate + ``rcd`` and, behind the column command before it, n (same direction),
-      n + ``read_to_write`` or n + ``write_to_read``. Column commands keep the order of placement;
+      than activate + ``rcd`` and, after the previous column command, n (same direction),
+      n + ``read_to_write`` or n + ``write_to_read``. Column commands keep the order of scheduling;
       rows stay open.
     - Data that ends with the j-th word (1, 2 ...) that a read touches is on the port at the first
-      edge k with T(k) >= read + ``cas_latency`` + j ``word_clocks`` that is also behind the port's
-      word before it.
-    - Each ``refresh_interval`` a refresh is placed before other accesses: all banks are
-      precharged by one command (under the bounds above, and behind all commands placed), ``rp``
+      edge k with T(k) >= read + ``cas_latency`` + j ``word_clocks`` that is also after the port's
+      previous word.
+    - Each ``refresh_interval`` a refresh is scheduled before other accesses: all banks are
+      precharged by one command (under the bounds above, and after all scheduled commands), ``rp``
       later the refresh, and activates wait ``refresh`` clocks from it.
-    - Read ports take turns by command. Writes come when ``write_batch`` accesses are queued and no
-      read can be placed or as many have been since the last write; or at once while no port holds
-      a read command. Reads come again when one can be placed and ``write_batch`` writes have been
-      placed or none can be.
+    - Read ports are served round-robin by command. Writes start when ``write_batch`` accesses are
+      queued and no read can be scheduled or as many have been since the last write; or at once
+      while no port holds a read command. Reads start again when one can be scheduled and
+      ``write_batch`` writes have been scheduled or none can be.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ class DramMemory:
     rcd, rp, ras, rc, rrd, faw, read_to_write, write_to_read, write_to_precharge, refresh,
     refresh_interval : int
     controller_clocks : int
-        Clocks of the corrector.
+        Latency in clocks of the corrector.
     look_ahead, write_batch, max_pending : int
 
     Raises
@@ -157,10 +157,10 @@ def sdram(clock=100):
 
     20 ns, 20 ns and 70 ns for rcd, rp and refresh: LiteDRAM's table of this part. 42, 63 and
     14 ns for ras, rc and rrd, write recovery 14 ns, 8192 refreshes in 64 ms: data sheets of
-    512 Mbit parts of the speed grade -7 (Alliance AS4C32M16SB). Bursts of four words, cut short by
-    the next command where fewer are needed; the bus rests for one clock between read and written
-    data. The controller's 3 clocks give a read of an open row its first word after 8, as measured
-    on LiteDRAM's native port.
+    512 Mbit parts of the speed grade -7 (Alliance AS4C32M16SB). Bursts of four words, truncated by
+    the next command where fewer are needed; the bus is idle for one clock between read and written
+    data. With the controller's 3 clocks a read of an open row has its first word after 8 clocks,
+    as measured on LiteDRAM's native port.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def sdram(clock=100):
 
 
 def ddr3(clock=100):
-    """One DDR3-800 of 2 Gbit, x16, behind a controller at ``clock`` MHz: 400 MHz, bursts of 8
+    """One DDR3-800 of 2 Gbit, x16, with a controller at ``clock`` MHz: 400 MHz, bursts of 8
     (16 bytes), 8 banks of 2 KB rows.
 
     JESD79-3, speed bin 800E (6-6-6) and 2 KB pages: rcd and rp 15 ns, ras 37.5 ns, rc 52.5 ns,
@@ -199,8 +199,8 @@ def ddr3(clock=100):
     clock = _clock(clock, 400, "ddr3")
     period = Fraction(5, 2)
 
-    def clocks(ns, least=0):
-        return max(least, math.ceil(Fraction(ns) / period))
+    def clocks(ns, minimum=0):
+        return max(minimum, math.ceil(Fraction(ns) / period))
 
     cas, write = 6, 5
     return DramMemory(
@@ -217,13 +217,13 @@ def hps(clock=100):
     """The DDR3 of a Cyclone V SoC at the ports from the FPGA to its hard memory controller, as on
     the DE10-Nano: two DDR3-800 of 4 Gbit, x16, side by side, ports at ``clock`` MHz.
 
-    Chips as :func:`ddr3`'s, but for the refresh of 4 Gbit, 260 ns (JESD79-3); a burst of 8 moves 32
-    bytes. Of the ports ("Cyclone V Hard Processor System Technical Reference Manual", 683126,
-    version 21.2) it is published that bursts count 1 to 1024 words, their most a power of two
-    (12.12.1.1), that a full queue of commands holds the next one off (12.5.1), and that ports of
-    one priority take turns, SDRAM burst by SDRAM burst (12.6.2), reads before writes, the oldest
-    first (12.6.3). Latency and depth of the queue are not: taken are 24 clocks to the controller
-    and back at 100 MHz, twice those of :func:`ddr3`, and 8 commands.
+    Chips as :func:`ddr3`'s, except for the refresh of 4 Gbit, 260 ns (JESD79-3); a burst of 8 moves
+    32 bytes. The "Cyclone V Hard Processor System Technical Reference Manual" (683126, version
+    21.2) states these rules for the ports: bursts have 1 to 1024 words, a power of two at most
+    (12.12.1.1); a full command queue stalls the next command (12.5.1); ports of equal priority are
+    served round-robin by SDRAM burst (12.6.2), reads before writes, the oldest first (12.6.3).
+    It does not state latency and queue depth: assumed are 24 clocks to the controller and back at
+    100 MHz, twice those of :func:`ddr3`, and 8 commands.
 
     Raises
     ------
@@ -244,13 +244,13 @@ def _clock(clock, limit, name):
     return clock
 
 
-# ``hostile`` imitates no memory: it is there to find faults.
+# ``hostile`` models no real memory: it is for finding faults.
 MEMORIES = {
     "ideal": LatencyMemory(),
     "sdram": sdram(),
     "ddr3": ddr3(),
     "hps": hps(),
-    "hostile": LatencyMemory(latency=(1, 60), bytes_per_clock=6, granule=4, wait_chance=128,
+    "hostile": LatencyMemory(latency=(1, 60), bytes_per_clock=6, granule=4, wait_probability=128,
                              max_pending=4),
 }
 _FIXED = re.compile(r"fixed:(\d+):(\d+(?:\.\d+)?)")
@@ -264,7 +264,7 @@ def memory_timing(memory, others=()):
 
     Names: those of :data:`MEMORIES`; ``sdram@MHZ`` and ``ddr3@MHZ`` at another clock of the
     corrector; ``fixed:LATENCY:BYTES`` with a fixed latency in clocks and bytes per clock.
-    ``others`` are names that the caller knows, for the message of the error.
+    ``others`` are further names of the caller, for the error message.
 
     Raises
     ------
@@ -285,6 +285,6 @@ def memory_timing(memory, others=()):
 
 
 def memory_at(memory, clock_mhz):
-    """The memory of a name, as :func:`memory_timing`, beside a corrector of ``clock_mhz``."""
+    """The memory of a name, as :func:`memory_timing`, for a corrector of ``clock_mhz``."""
     clocked = isinstance(memory, str) and memory in _BY_CLOCK
     return memory_timing(f"{memory}@{clock_mhz:g}" if clocked else memory)

@@ -19,26 +19,26 @@ from ncdc_spec.interpolation import FAST
 __all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "Plan", "STRIPS", "best_split",
            "choose", "plan"]
 
-CACHE_BYTES = 8192, 16384, 32768, 65536     # sizes that are tried
-STRIPS = 64, 128, 256                       # widths that are tried, besides raster
+CACHE_BYTES = 8192, 16384, 32768, 65536     # sizes to try
+STRIPS = 64, 128, 256                       # widths to try in addition to raster
 CLOCK_MHZ = 100.0
 
-# Bytes read over distinct bytes that a choice may cost: a strip reads its neighbours' edges too.
+# Goals for bytes read over distinct bytes: a strip reads its neighbours' edges too.
 _RASTER_GOAL, _STRIP_GOAL = 1.02, 1.15
 _CLOCKS_GOAL = 1.02                         # clocks per pixel
 _COUNT = {1: "one pixel", 2: "two pixels", 4: "four pixels"}
-_GAIN = .99                                 # of the clocks, by a choice further back
+_GAIN = .99                                 # of the clocks: a later choice must be that much faster
 _TIMINGS = 4                                # choices whose clocks are predicted, at most
 
 
 @dataclass(frozen=True)
 class Fixed:
-    """What the user has fixed of what the planner chooses; None leaves it open.
+    """The user's values of what the planner chooses; None leaves it to the planner.
 
     Parameters
     ----------
     cache_bytes : int, optional
-        Samples that the tile cache holds.
+        Bytes of samples in the tile cache.
     split : int, optional
         Register CACHE_SPLIT.
     strip : int, optional
@@ -62,7 +62,7 @@ class Fixed:
 
     @property
     def everything(self):
-        """Whether nothing is left open."""
+        """Whether nothing is left to the planner."""
         return None not in (self.cache_bytes, self.split, self.strip)
 
     def caches(self, interpolation=FAST):
@@ -93,38 +93,38 @@ class Fixed:
 
 @dataclass(frozen=True)
 class Choice:
-    """A hardware with a tile cache, a split and a scan, and how many tiles it reads for a frame."""
+    """Hardware with a tile cache, a split and a scan, and the tiles that it reads for a frame."""
     hardware: Hardware
     misses: int
 
     @property
     def bytes_read(self):
-        """For a frame."""
+        """Bytes read for a frame."""
         return self.misses * self.hardware.cache.tile_bytes
 
     @property
     def amplification_goal(self):
-        """What reads may cost at most, over distinct bytes."""
+        """Largest acceptable ratio of bytes read to distinct bytes."""
         return _STRIP_GOAL if self.hardware.strip else _RASTER_GOAL
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What a configuration makes of a map on a memory.
+    """Predicted figures of a configuration for a map and a memory.
 
     Parameters
     ----------
     hardware : Hardware
-        With the tile cache, the split and the scan that were chosen.
+        With the chosen tile cache, split and scan.
     memory : str
     clock_mhz : float
     pixels, misses, clocks, interlock, credit : int
-        Of a frame: corrected pixels, tiles read, clocks, clocks waited, see
+        Figures of a frame: corrected pixels, tiles read, clocks, stall clocks, see
         :class:`ncdc_model.planner.timing.Clocks`.
     distinct : int
-        Bytes of the raw frame that some window holds.
+        Bytes of the raw frame that are in any window.
     worst : float
-        Bytes read per pixel in the worst 8192 pixels in a row.
+        Bytes read per pixel in the worst 8192 consecutive pixels.
     live : int
         Bytes of the tiles between first and last use, at most.
     """
@@ -152,7 +152,7 @@ class Plan:
 
     @property
     def frames_per_second(self):
-        """At the plan's clock."""
+        """Frames per second at the plan's clock."""
         return self.clock_mhz * 1e6 / self.clocks
 
     def report(self):
@@ -172,11 +172,11 @@ class Plan:
 
 
 def choose(windows, distinct, geometry, hardware, fixed=Fixed(), progress=lambda fraction: None):
-    """What can be made of ``hardware`` for a map, the best first: list of :class:`Choice`.
+    """Configurations of ``hardware`` for a map, the best first: list of :class:`Choice`.
 
-    The smallest tile cache comes first that reads little more than the distinct bytes (2 % more;
-    15 % in strips, whose edges are read twice); of one size, what reads least. Those that read more
-    follow, by what they read.
+    First come configurations that read little more than the distinct bytes (2 % more; 15 % in
+    strips, whose edges are read twice), by cache size and then by bytes read. The others come
+    after them, by bytes read.
 
     Parameters
     ----------
@@ -215,17 +215,17 @@ def choose(windows, distinct, geometry, hardware, fixed=Fixed(), progress=lambda
 def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK_MHZ, rate=None,
          progress=lambda fraction: None):
     """:class:`Plan` of the first of :func:`choose` that needs at most 1.02 clocks per pixel (of
-    each lane), or that corrects ``rate`` frames per second if that is given; else of the fastest.
+    each lane), or that corrects ``rate`` frames per second if given; else of the fastest.
 
-    The frames lie where they do after reset.
+    The frames are at their addresses after reset.
 
     Parameters
     ----------
     descriptor : Descriptor
     hardware : Hardware
-        Its tile cache, split and strip are chosen; the corrected pixels' format counts.
+        The planner chooses its tile cache, split and strip; the format of the pixels is used.
     memory : str
-        Of :func:`ncdc_model.planner.memory_timing.memory_timing`; ``sdram`` and ``ddr3`` at ``clock_mhz``.
+        As for :func:`ncdc_model.planner.memory_timing.memory_timing`; ``sdram``, ``ddr3`` at the clock.
     timing : callable
         :class:`CorrectorTiming` of a corrector of this descriptor and a hardware: strips may need
         other units than a raster.
@@ -242,7 +242,7 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
     ------
     InputError
         If a value is outside its limits, the format would lose the camera's colours, or no
-        configuration holds the map at the rate.
+        configuration reaches the rate.
     """
     model = memory_at(memory, clock_mhz)
     if rate is not None and not rate > 0:
@@ -275,12 +275,12 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
 
 
 def _limit(geometry, lanes, clock_mhz, rate):
-    """Clocks of a frame that are few enough.
+    """Largest acceptable number of clocks of a frame.
 
     Raises
     ------
     InputError
-        If a pixel per clock and lane would not be.
+        If a pixel per clock and lane is not fast enough.
     """
     pixels = geometry.corrected_width * geometry.corrected_height
     limit = _CLOCKS_GOAL * pixels / lanes if rate is None else clock_mhz * 1e6 / rate
@@ -293,13 +293,13 @@ def _limit(geometry, lanes, clock_mhz, rate):
 
 def _timed(windows, geometry, hardware, memory, timing, progress):
     """Figures of a frame, under their names in :class:`Plan`."""
-    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    addresses = FramePlaces.after_reset(geometry, hardware.data_width)
     boxes = lookups(windows, hardware.strip, hardware.lanes)
     accessed = accesses(boxes)
     missed = misses(accessed, hardware.cache, hardware.split)
     writes = None if hardware.stream else frame_writes(
-        geometry, hardware, getattr(memory, "access_bytes", 1), places.target, timing)
-    clocks = predict_clocks(missed, boxes, hardware, memory, timing, places, writes, progress)
+        geometry, hardware, getattr(memory, "access_bytes", 1), addresses.target, timing)
+    clocks = predict_clocks(missed, boxes, hardware, memory, timing, addresses, writes, progress)
     return {"pixels": boxes.pixels, "misses": len(missed), "clocks": clocks.clocks,
             "interlock": clocks.interlock, "credit": clocks.credit,
             "worst": worst_span(missed, len(boxes), hardware.cache.tile_bytes),
@@ -307,7 +307,7 @@ def _timed(windows, geometry, hardware, memory, timing, progress):
 
 
 def _worth_timing(choices):
-    """The best of each size and scan, in order: of one size and scan, what reads more is slower."""
+    """The best choice of each size and scan, in order: those that read more are slower."""
     seen = set()
     for choice in choices:
         key = choice.hardware.cache.tiles, choice.hardware.strip
@@ -318,7 +318,7 @@ def _worth_timing(choices):
 
 def best_split(descriptor, hardware):
     """The split of the tile cache of ``hardware`` that reads the fewest tiles for ``descriptor``;
-    its own, of several that do."""
+    the default one if several do."""
     accessed = accesses(lookups(frame_windows(descriptor), hardware.strip, hardware.lanes))
     own = hardware.split_for(descriptor.geometry)
     return min(range(hardware.cache.max_split + 1),

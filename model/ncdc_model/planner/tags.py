@@ -1,4 +1,4 @@
-"""Golden twin of the cache's tag stage: which accesses miss, and what they evict."""
+"""Reference model of the cache's tag stage: which accesses miss, and what they evict."""
 
 from dataclasses import dataclass
 
@@ -16,17 +16,17 @@ _ROW = 12              # bits of a tile's column in its number
 
 @dataclass(frozen=True)
 class Accesses:
-    """Tiles that the look-ups of a scan touch, bank by bank; runs of one tile are one entry.
+    """Tiles that the look-ups of a scan touch, by bank; runs of one tile are one entry.
 
     Parameters
     ----------
     banks : tuple of (first, last, tile)
-        Of each tag bank three arrays of int32: look-up in which a run of accesses to one tile
+        Three arrays of int32 for each tag bank: look-up in which a run of accesses to one tile
         begins, the last look-up of the run, the tile's number (row << 12 | column).
     lookups : int
         Look-ups of the scan, those that read nothing included.
     interpolation : Interpolation
-        Which tiles there are.
+        Determines the size of the tiles.
     """
     banks: tuple
     lookups: int
@@ -45,7 +45,7 @@ class Misses:
     tile : ndarray of int64, shape (M,)
         Number of the tile: row << 12 | column.
     victim : ndarray of int64, shape (M,)
-        The last look-up that used what the place held before; -1 if it was empty.
+        The last look-up that used the slot's previous tile; -1 if it was empty.
     """
     lookup: np.ndarray
     bank: np.ndarray
@@ -87,7 +87,7 @@ def _all_runs(boxes, ty):
     """First and last look-up of each run of look-ups that touch the same tiles, and those tiles'
     first and last column, first and last row; ``ty``: log2 of a tile's rows.
 
-    Neighbours mostly touch the same tiles: a run is one access from here on.
+    Neighbours mostly touch the same tiles: a run becomes one access.
     """
     parts = []
     for piece in pieces(len(boxes)):
@@ -96,14 +96,14 @@ def _all_runs(boxes, ty):
                  boxes.y1[used] >> ty)
         parts.append(_runs(used, used, edges))
     firsts, lasts, edges = zip(*parts)
-    # A run may go on from one piece to the next.
+    # A run may continue from one piece to the next.
     return _runs(np.concatenate(firsts), np.concatenate(lasts),
                  [np.concatenate(edge) for edge in zip(*edges)])
 
 
 def _runs(first, last, edges):
     """The runs ``first`` to ``last`` of look-ups, each with ``edges``, four arrays: neighbours of
-    the same edges joined to one. Returns (first, last, edges)."""
+    equal edges are joined. Returns (first, last, edges)."""
     fresh = np.ones(len(first), bool)
     fresh[1:] = np.logical_or.reduce([np.diff(edge) != 0 for edge in edges])
     start = np.flatnonzero(fresh)
@@ -114,15 +114,15 @@ def _runs(first, last, edges):
 def misses(accessed, options, split):
     """:class:`Misses` of a cache that starts empty.
 
-    Direct mapped: an access misses unless the access before it to the same place was of the same
-    tile.
+    The cache is direct mapped: an access misses unless the previous access to its slot was to the
+    same tile.
 
     Parameters
     ----------
     accessed : Accesses
     options : CacheOptions
     split : int
-        log2 of the sets that count a tile's column.
+        log2 of the sets along a tile's column.
 
     Raises
     ------
@@ -135,11 +135,11 @@ def misses(accessed, options, split):
     found = []
     for bank, (first, last, tile) in enumerate(accessed.banks):
         column, row = tile & ((1 << _ROW) - 1), tile >> _ROW
-        place = ((row >> across & (ky - 1)) * kx + (column >> 1 & (kx - 1))).astype(np.uint16)
-        order = np.argsort(place, kind="stable")
-        same_place = np.diff(place[order], prepend=place[order[:1]] + 1) == 0
-        missed = ~same_place | (np.diff(tile[order], prepend=-1) != 0)
-        before = np.where(same_place, np.roll(last[order], 1), -1)
+        slot = ((row >> across & (ky - 1)) * kx + (column >> 1 & (kx - 1))).astype(np.uint16)
+        order = np.argsort(slot, kind="stable")
+        same_slot = np.diff(slot[order], prepend=slot[order[:1]] + 1) == 0
+        missed = ~same_slot | (np.diff(tile[order], prepend=-1) != 0)
+        before = np.where(same_slot, np.roll(last[order], 1), -1)
         which = order[missed]
         found.append((first[which], np.full(len(which), bank), tile[which], before[missed]))
     lookup, bank, tile, victim = (np.concatenate(part, dtype=np.int64) for part in zip(*found))

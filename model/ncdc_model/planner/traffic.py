@@ -1,4 +1,4 @@
-"""What a map demands of the memory, whatever fetches it, and what the cache makes of it."""
+"""Memory traffic of a map: minimum, worst case, and minimum size of a cache."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ _ROWS = 64                                  # corrected rows at a time
 
 
 def distinct_bytes(windows, geometry):
-    """Samples of the raw frame that some window of the frame holds, a byte each."""
+    """Number of samples, a byte each, of the raw frame that are in any window."""
     touched = np.zeros(geometry.distorted[::-1], bool)
     for top in range(0, len(windows.used), _ROWS):
         x0, y0, used = (array[top:top + _ROWS] for array in (windows.x0, windows.y0, windows.used))
@@ -25,7 +25,7 @@ def distinct_bytes(windows, geometry):
 
 
 def worst_span(missed, lookups, tile_bytes, span=SPAN):
-    """Bytes per look-up in the ``span`` look-ups in a row that read most, of tiles of
+    """Bytes per look-up in the ``span`` consecutive look-ups that read most; tiles have
     ``tile_bytes``.
 
     A frame of fewer look-ups is one span.
@@ -37,13 +37,13 @@ def worst_span(missed, lookups, tile_bytes, span=SPAN):
 
 
 def live_tiles(accessed):
-    """Tiles between their first and their last use, at most at any time of the frame.
+    """Largest number of tiles between their first and last use at any time of the frame.
 
-    As many a cache needs to hold that reads no tile twice.
+    A cache of that size reads no tile twice.
     """
     begins, ends = [], []
     for first, last, tile in accessed.banks:
-        order = np.argsort(tile, kind="stable")         # tile by tile, its uses in order of time
+        order = np.argsort(tile, kind="stable")         # by tile, its uses in order of time
         fresh = np.diff(tile[order], prepend=-1) != 0
         begins.append(first[order[fresh]])
         ends.append(last[order[np.roll(fresh, -1)]])

@@ -1,4 +1,4 @@
-"""What a frame writes to memory: accesses of the corrected picture, in the order of the scan."""
+"""Write accesses of a corrected picture to memory, in the order of the scan."""
 
 from dataclasses import dataclass, replace
 
@@ -9,7 +9,7 @@ from ncdc_spec.frames import output_format
 __all__ = ["FrameWrites", "frame_writes"]
 
 
-_PIECE = 1 << 16        # accesses at a time: bounds the memory that their arrays take
+_PIECE = 1 << 16        # accesses at a time: bounds the memory of their arrays
 
 
 @dataclass(frozen=True)
@@ -19,14 +19,14 @@ class FrameWrites:
     Parameters
     ----------
     count : int
-        How many.
+        Number of accesses.
     parts : callable
-        ``parts()`` gives them piece by piece, of each four int arrays of the same length. First
-        byte; words of the port that the access is put together from; number, in the order of the
-        scan, of the last pixel of its burst: then the burst begins; and number of the first pixel
-        that the full writer holds up until the access is on the bus.
+        ``parts()`` gives them piece by piece, as four int arrays of the same length. First byte of
+        the access; its words of the port; number, in the order of the scan, of the last pixel of
+        its burst, which then begins; and number of the first pixel that the full writer stalls
+        until the access is on the bus.
     others : callable, optional
-        ``others()`` gives what somebody else writes through the same port: (edge, address, words)
+        ``others()`` gives the writes of another host through the same port: (edge, address, words)
         of each access, the edge at which its last word could be accepted, ascending.
     """
     count: int = 0
@@ -34,12 +34,12 @@ class FrameWrites:
     others: object = None
 
     def accesses(self):
-        """(address, words, last pixel, pixel held up) of each access, as :attr:`parts` has them."""
+        """(address, words, last pixel, stalled pixel) of each access, as :attr:`parts` has them."""
         for part in self.parts():
             yield from zip(*(array.tolist() for array in part))
 
     def by_lookup(self, pixel):
-        """The same with the numbers of look-ups, whose first pixels are ``pixel``."""
+        """The same with numbers of look-ups instead of pixels; ``pixel``: their first pixels."""
         def parts():
             for address, words, *numbers in self.parts():
                 yield address, words, *(
@@ -57,18 +57,18 @@ def frame_writes(geometry, hardware, block, base, timing):
     hardware : Hardware
         Data width, strips, and format of the pixels.
     block : int
-        Bytes of the aligned blocks that an access does not leave.
+        Bytes of the aligned blocks; no access crosses their borders.
     base : int
         Byte address of the frame.
     timing : CorrectorTiming
-        Words of a burst, and what the queues hold.
+        Words of a burst, and capacity of the queues.
     """
     word, strip, burst = hardware.data_width // 8, hardware.strip, timing.write_burst
     pixel_bytes = output_format(hardware.format).pixel_bytes
     width, height = geometry.corrected
     block = max(block, word)
     if strip:
-        # A row of a strip ends its burst.
+        # The end of a row of a strip ends the burst.
         left = np.repeat(np.arange(0, width, strip), height)
         row = np.tile(np.arange(height), -(-width // strip))
         pixels = np.minimum(strip, width - left)

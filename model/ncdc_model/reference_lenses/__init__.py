@@ -1,9 +1,9 @@
-"""Eight simulated wide-angle lenses with flaws, on which accuracy is compared, and their dots.
+"""Eight simulated wide-angle lenses with flaws for comparing accuracy, and their dots.
 
-PC105 and PC120 are about as hard as the lenses of the paper's Table III must have been. The others
-see 105 or 120 degrees, across the width or (d) across the diagonal; kb and br tell the radial
-model, Kannala-Brandt or rational. ``lenses.json`` holds the parameters of
-:meth:`Camera.from_dict`, and as ``check`` exact values (u, v, x, y) of the back-map.
+PC105 and PC120 are about as difficult as the lenses of the paper's Table III. The others view
+105 or 120 degrees, across the width or (d) across the diagonal; kb and br name the radial model,
+Kannala-Brandt or rational. ``lenses.json`` holds the parameters of :meth:`Camera.from_dict`, and as
+``check`` exact values (u, v, x, y) of the back-map.
 """
 
 import json
@@ -24,9 +24,9 @@ REFERENCE_LENSES = ("PC105", "PC120", "105kb", "105br", "105dbr", "120kb", "120b
 
 COLUMNS, ROWS = 31, 21      # dots over the corrected frame
 INSET = 8                   # pixels from the frame's border to the outermost dots
-MARGIN = 6                  # pixels that a dot's centre keeps from the border of the photo
+MARGIN = 6                  # smallest distance of a dot's centre from the photo's border in pixels
 NOISE = 0.05                # standard deviation per axis, distorted pixels
-SEED = 1000                 # of the noise that the accuracy goals were set on
+SEED = 1000                 # of the noise for which the accuracy goals were set
 DIGITS = 6                  # of the dots, as in a points file
 
 
@@ -50,7 +50,7 @@ class ReferenceLens:
     name : str
         One of :data:`REFERENCE_LENSES`.
     residual : float
-        0 to 1 times the lens's own. What is left at 0 is its radial distortion, decentring, thin
+        Factor 0 to 1 of the lens's own residual. At 0 it has radial distortion, decentring, thin
         prism and tilted sensor, as in OpenCV's models.
 
     Raises
@@ -71,7 +71,7 @@ class ReferenceLens:
         self.geometry = Geometry(*self.camera.frame.size, *self.camera.size)
 
     def dots(self, noise=NOISE, seed=SEED):
-        """A :class:`Problem`: the dots of a page that the photo shows, with Gaussian noise.
+        """The visible dots of a page, with Gaussian noise, as a :class:`Problem`.
 
         The page fills the corrected frame; ``noise`` is in pixels per axis.
         """
@@ -80,15 +80,15 @@ class ReferenceLens:
                            np.linspace(INSET, height - 1 - INSET, ROWS))
         x, y = self.camera.back_map(u, v)
         seen = _inside(x, y, self.geometry, MARGIN)
-        # Noise of the whole page, seen or not, so that all lenses of one seed have the same.
+        # Noise of all dots, visible or not, so that all lenses of one seed have the same noise.
         dx, dy = noise * np.random.default_rng(seed).standard_normal((2, ROWS, COLUMNS))
         values = (np.round(value[seen], DIGITS) for value in (u, v, x + dx, y + dy))
         return Problem(*values, self.geometry)
 
     def truth(self, step=1):
-        """Every corrected pixel (u, v) with a source, and the source (x, y): a :class:`Problem`.
+        """All corrected pixels (u, v) with sources (x, y), as a :class:`Problem`.
 
-        ``step``: every how many-th column and row.
+        ``step``: distance of columns and rows.
         """
         width, height = self.geometry.corrected
         u, v = np.meshgrid(np.arange(0.0, width, step), np.arange(0.0, height, step))

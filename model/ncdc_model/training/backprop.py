@@ -12,12 +12,12 @@ __all__ = ["BackPropagation", "Stop", "train_backprop"]
 
 @dataclass(frozen=True)
 class Stop:
-    """When back-propagation ends, whichever comes first.
+    """Conditions to end back-propagation; the first that holds ends it.
 
     Parameters
     ----------
     epochs : int
-        Most passes over the pairs.
+        Passes over the pairs, at most.
     target_mse : float
         A network's MSE is at most this, in px^2.
     patience : int
@@ -29,9 +29,9 @@ class Stop:
 
 
 class BackPropagation:
-    """Networks trained side by side by equations (15)-(22) of the paper, gamma = 1.
+    """Networks trained in parallel by equations (15)-(22) of the paper, gamma = 1.
 
-    Where (21) multiplies by the output of the neuron itself, a misprint, this takes the neuron's
+    (21) multiplies by the output of the neuron itself, a misprint; this multiplies by the neuron's
     input. All errors are computed before a weight changes.
 
     Parameters
@@ -58,10 +58,10 @@ class BackPropagation:
         self._change_hidden, self._change_output = np.empty_like(hidden), np.empty_like(output)
 
     def learn(self, pattern, target):
-        """Change every weight for one pattern; return its errors before that, shape (R, 2, 1).
+        """Change every weight for one pattern; return its previous errors, shape (R, 2, 1).
 
-        ``pattern``: x, y, 1 as (3, 1); ``target``: (2, 1). The result is overwritten by the next
-        call.
+        ``pattern``: x, y, 1 as (3, 1); ``target``: (2, 1). The next call overwrites the
+        result.
         """
         # (15)-(18): feed-forward; f(n) = tanh(n / 2).
         _product(self.hidden, pattern[:, 0], self._terms[0], self._n)
@@ -100,7 +100,7 @@ class BackPropagation:
 
 
 def _product(matrix, row, terms, out):
-    """Matrix times vector, the vector as a row; not by the BLAS, whose sums differ by machine."""
+    """Matrix times vector, the vector as a row; without the BLAS, whose sums differ by machine."""
     np.multiply(matrix, row, out=terms)
     np.add.reduce(terms, axis=2, keepdims=True, out=out)
 
@@ -110,7 +110,7 @@ def train_backprop(problem, neurons, seed=0, progress=None, runs=8, rates=(.05, 
 
     Equations (15)-(22) of the paper with gamma = 1 and no momentum. Initial weights and biases
     are uniform in -1..1, distorted coordinates are normalised to -1..1 of the image. The
-    patterns of an epoch come in an order drawn anew. The weights of the best epoch are kept.
+    patterns have a new random order in every epoch. The result has the weights of the best epoch.
 
     Parameters
     ----------
@@ -120,9 +120,9 @@ def train_backprop(problem, neurons, seed=0, progress=None, runs=8, rates=(.05, 
     progress : callable, optional
         Called with (fraction of the epochs done, MSE in px^2 so far).
     runs : int
-        Networks trained side by side from different weights.
+        Networks trained in parallel from different weights.
     rates : sequence of float
-        Learning rates, dealt to the runs in turn.
+        Learning rates, assigned to the runs in turn.
     stop : Stop
 
     Returns
@@ -156,13 +156,13 @@ def train_backprop(problem, neurons, seed=0, progress=None, runs=8, rates=(.05, 
 
 
 def _epochs(networks, problem, normalised, random, stop, progress):
-    """Epoch after epoch; (hidden, output) weights of the best network or None, learning curve.
+    """Train all epochs: (hidden, output) weights of the best network or None, learning curve.
 
     ``normalised``: the targets that the networks learn, and pixels per unit of each axis.
     """
     targets, scale = normalised
     patterns = np.concatenate([problem.inputs, np.ones((1, len(problem)))])
-    # One MSE in pixels needs the scale of each axis: weigh the squared errors by it.
+    # One MSE in pixels needs the scale of each axis as weight of the squared errors.
     pixels = patterns, targets * scale
     diverged = 1e3 * (_in_pixels(networks, scale).errors(*pixels) / len(problem)).max()
     best, curve, last, watched = None, [], 0, np.inf

@@ -1,4 +1,4 @@
-"""What is chosen of a training, beside its points and the number of hidden neurons."""
+"""Options of a training, except its points and the number of hidden neurons."""
 
 from dataclasses import dataclass, field
 
@@ -15,7 +15,7 @@ HELD_OUT = 7       # one point in seven, by hash, is held out
 
 @dataclass(frozen=True)
 class TrainingChoices:
-    """How a network is trained, and how it becomes integers.
+    """Options of training a network and rounding it to integers.
 
     Parameters
     ----------
@@ -24,23 +24,23 @@ class TrainingChoices:
     seed : int
         The same seed gives the same network.
     held_out : int
-        One point in ``held_out`` measures only; 0 trains on all.
+        One point in ``held_out`` is used for measuring only; 0 trains on all.
     skip : bool
-        With a linear path from the inputs straight to the outputs (trainer lm only).
+        With a linear path from the inputs directly to the outputs (trainer lm only).
     options : dict
         Further arguments of the trainer, such as ``starts`` of lm or ``stop`` of ebp.
     formats : Formats
-        Of the descriptor.
+        Formats of the descriptor.
     weight_bits : int or None
-        Weights and inputs get formats of so many bits that fit the network
+        Weights and inputs get formats of that many bits, fitted to the network
         (:func:`ncdc_model.training.rounding.fitted_formats`); None: those of ``formats``.
     variant : str
-        Of the descriptor's tan-sigmoid.
+        Variant of the descriptor's tan-sigmoid.
     gamma : float
-        Of equation (17); the hidden weights make good for it.
+        gamma of equation (17); the hidden weights are rescaled to compensate.
     nodes : int or "auto"
         Distance of the nodes, see ``Descriptor.nodes``; auto: the largest whose curvature error
-        on this map keeps ``ncdc_model.golden.nodes.CURVATURE_LIMIT``.
+        on this map is within ``ncdc_model.golden.nodes.CURVATURE_LIMIT``.
 
     Raises
     ------

@@ -14,28 +14,28 @@ from ncdc_model.training.problem import MIN_POINTS_PER_NEURON, Problem, split
 from ncdc_model.training.train import train
 from ncdc_spec.errors import InputError
 
-__all__ = ["GOAL", "MOST_NEURONS", "choose_camera"]
+__all__ = ["GOAL", "MAX_TRIED", "choose_camera"]
 
-MOST_NEURONS = 16
-GOAL = .1              # pixels: the largest error that is wanted if none is asked for
-NEARLY = 1.1           # of the best largest error: a smaller network is preferred up to that
+MAX_TRIED = 16
+GOAL = .1              # pixels: the wanted limit of the largest error, by default
+NEARLY = 1.1           # times the best largest error: a smaller network is preferred up to that
 
 
 def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=None, tried=None):
-    """Train networks of 1, 2, ... 16 hidden neurons up to the first that meets ``max_error``.
+    """Train networks of 1, 2, ... 16 hidden neurons until one meets ``max_error``.
 
     The error is the largest distance in distorted pixels of float and of integer network: at
-    every valid pixel where the source has the exact map, else at the held-out points inside the
-    frame and, as estimated, in the whole valid region. Each network is that of
-    :func:`ncdc_model.training.pipeline.train_camera`: none depends on those before it. Points too
-    few for 16 neurons end the row earlier.
+    every valid pixel if the source has the exact map, else at the held-out points inside the
+    frame and, as an estimate, in the whole valid region. Each network is that of
+    :func:`ncdc_model.training.pipeline.train_camera` and does not depend on the others. With too
+    few points for 16 neurons the series ends earlier.
 
     Parameters
     ----------
     source : Source
     max_error : float, optional
-        Pixels that must be met. Without it :data:`GOAL` is tried for, and if no network meets it,
-        the smallest is taken whose largest error is at most :data:`NEARLY` times the least.
+        Limit in pixels that must be met. Without it the goal is :data:`GOAL`. If no network meets
+        that, the smallest is taken whose largest error is at most :data:`NEARLY` times the best.
     choices : TrainingChoices
     progress : callable, optional
         Called with (hidden neurons, fraction of their training done, MSE in px^2).
@@ -46,8 +46,8 @@ def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=No
     -------
     TrainedCamera
         Its report also has ``max_error_px``, ``max_error_met`` and ``tried``: ``hidden_neurons``,
-        ``max`` and ``mean`` error of every network. Of a network whose float error is above the
-        limit these are the float errors.
+        ``max`` and ``mean`` error of every network. If its float error is above the
+        limit, these are float errors.
 
     Raises
     ------
@@ -57,12 +57,12 @@ def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=No
     limit = GOAL if max_error is None else max_error
     if not (math.isfinite(limit) and limit > 0):
         raise InputError(f"the maximum error is {limit:g} px, it must be positive")
-    judge = _judge(source, choices.held_out)
+    reference = _reference_pairs(source, choices.held_out)
     rows, trainings = [], []
-    for neurons in range(1, _most(source, choices) + 1):
+    for neurons in range(1, _largest_tried(source, choices) + 1):
         training = train(source.pairs, source.geometry, neurons, choices,
                          partial(progress, neurons) if progress else None, source.anchors)
-        errors = _errors(float_map(training.network, source.geometry), judge, source.region)
+        errors = _errors(float_map(training.network, source.geometry), reference, source.region)
         trained = describe(source, training, choices) if errors["max"] <= limit else None
         if trained:
             errors["max"] = max(errors["max"], trained.report["map_error_fixed_px"]["max"])
@@ -85,14 +85,14 @@ def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=No
     return replace(trained, descriptor=descriptor, report=trained.report | facts)
 
 
-def _most(source, choices):
-    """The most hidden neurons that are tried: no more than the points can determine."""
+def _largest_tried(source, choices):
+    """Largest number of hidden neurons to try: no more than the points can determine."""
     taught = len(source.pairs[0]) - int(split(len(source.pairs[0]), choices.held_out).sum())
-    return max(1, min(MOST_NEURONS, taught // MIN_POINTS_PER_NEURON))
+    return max(1, min(MAX_TRIED, taught // MIN_POINTS_PER_NEURON))
 
 
-def _judge(source, held_out):
-    """The pairs that judge, as a :class:`Problem`."""
+def _reference_pairs(source, held_out):
+    """The pairs for measuring errors, as a :class:`Problem`."""
     width, height = source.geometry.corrected
     if source.back_map:
         v, u = np.nonzero(valid_mask(source.back_map, source.geometry))
@@ -107,7 +107,7 @@ def _judge(source, held_out):
 
 
 def _errors(back_map, pairs, region):
-    """``max`` and ``mean`` distance in pixels of a map from ``pairs``, and from a region."""
+    """``max`` and ``mean`` error in pixels of a map on ``pairs`` and on a region."""
     x, y = back_map(pairs.u, pairs.v)
     distance = np.hypot(x - pairs.x, y - pairs.y)
     worst = region.errors(back_map)[0]["max"] if region else 0.0

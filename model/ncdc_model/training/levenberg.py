@@ -1,4 +1,4 @@
-"""Default trainer: bounded Levenberg-Marquardt from many starts, the output layer eliminated."""
+"""Default trainer: bounded Levenberg-Marquardt from many starts, with variable projection."""
 
 import numpy as np
 
@@ -10,19 +10,19 @@ __all__ = ["train_levenberg"]
 
 OUTPUT_LIMIT = 2047.0              # pixels, Q12.12
 LINEAR_LIMIT = 8191.0              # pixels, of biases and skip weights, Q14
-RIDGE = 2e-10                      # keeps output weights near 1000 pixels, costs < 1 % in MSE
+RIDGE = 2e-10                      # limits output weights to about 1000 pixels, costs < 1 % in MSE
 SEARCH_POINTS = 700                # the search uses a subset, the polish every point
 
 
 def train_levenberg(problem, neurons, seed=0, starts=64, rounds=6, skip=False, progress=None):
-    """Network of least summed squared error on the pairs of ``problem``, and its learning curve.
+    """Network of minimum squared error on the pairs of ``problem``, and its learning curve.
 
     Equations (15)-(18) of the paper, gamma = 1, trained by Levenberg-Marquardt instead of error
     back-propagation. For given hidden neurons the linear output layer is a least-squares solution,
-    so that only the hidden weights and biases are searched (variable projection); they are kept
-    within the limits of ``varpro``. The search knows three kinds of start:
-    random ones, the best network with one neuron less plus a random neuron, and good networks with
-    one neuron drawn anew. The winner is polished on all pairs.
+    so that only the hidden weights and biases are searched (variable projection), within the limits
+    of ``varpro``. The search has three kinds of start: random ones, the best network with one
+    neuron less plus a random neuron, and good networks with one neuron replaced by a random one.
+    The best is refined on all pairs.
 
     Parameters
     ----------
@@ -30,13 +30,13 @@ def train_levenberg(problem, neurons, seed=0, starts=64, rounds=6, skip=False, p
     neurons : int
         Hidden neurons HN.
     seed : int
-        Same seed, same network, bit for bit, whatever library and threads add the sums.
+        The same seed gives the same network, bit for bit, with any library and number of threads.
     starts : int
         Random starts.
     rounds : int
-        Rounds of redrawing neurons.
+        Rounds of replacing neurons.
     skip : bool
-        With a linear path from the inputs straight to the outputs.
+        With a linear path from the inputs directly to the outputs.
     progress : callable, optional
         Called with (fraction done, MSE in px^2 so far).
 
@@ -76,7 +76,7 @@ class _Search:
             starts, rounds = (self.starts, self.rounds) if last else (self.starts // 3,
                                                                       (self.rounds + 1) // 3)
             share = (.8 if last else .2 / (neurons - first)) / (1 + rounds)
-            # The larger the network, the less random starts find and the more growing does.
+            # In larger networks random starts find less, and grown ones more.
             theta = self._random(starts if size <= 8 else starts // 2, size)
             if smaller is not None:
                 theta = np.concatenate([theta, self._grown(smaller, self.starts // 3)])
@@ -87,12 +87,12 @@ class _Search:
         return self._polish(best)
 
     def _random(self, count, neurons):
-        # Ridges of random direction and steepness through random places, and plain uniform ones.
+        # Ridges of random direction and steepness through random points, and uniform parameters.
         shape = (count // 2, neurons)
         angle, steep = self.random.uniform(0, 2 * np.pi, shape), self.random.uniform(.5, 2, shape)
         w = np.stack([steep * np.cos(angle), steep * np.sin(angle)], axis=-1)
-        place = self.random.uniform(-1.2, 1.2, w.shape)
-        ridges = np.concatenate([w, -(w * place).sum(2, keepdims=True)], axis=2)
+        point = self.random.uniform(-1.2, 1.2, w.shape)
+        ridges = np.concatenate([w, -(w * point).sum(2, keepdims=True)], axis=2)
         reach = self.random.choice([1.0, 3.0], (count - count // 2, 1, 1))
         uniform = reach * self.random.uniform(-1, 1, (len(reach), neurons, 3))
         return np.concatenate([ridges, uniform])
@@ -102,7 +102,7 @@ class _Search:
         return np.concatenate([source, self._random(count, 1)], axis=1)
 
     def _redrawn(self, batch, count):
-        # Copy k of a network gets its neuron k drawn anew.
+        # Copy k of a network has its neuron k replaced by a random one.
         theta = batch.theta[np.arange(count) % len(batch.theta)].copy()
         which = (np.arange(count) // len(batch.theta)
                  + self.random.integers(theta.shape[1])) % theta.shape[1]
@@ -114,12 +114,12 @@ class _Search:
         batch = Batch(theta, self.inputs[:, self.subset], self.targets[:, self.subset], RIDGE,
                       self.skip)
         stages = ((25, .4), (50, .4), (100, .5), (150, .5))
-        for iterations, kept in stages:
+        for iterations, part in stages:
             for _ in range(iterations):
                 batch.step()
                 self.iterations += len(batch.cost)
                 self._record(batch.cost.min())
-            batch.keep(max(4, int(len(batch.cost) * kept)))
+            batch.keep(max(4, int(len(batch.cost) * part)))
         if rivals is not None:
             batch.join(rivals)
         batch.keep_different(4)

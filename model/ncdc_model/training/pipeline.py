@@ -1,4 +1,4 @@
-"""From a source of training pairs to a descriptor with its error table."""
+"""Training of a descriptor from a source of training pairs, with its error table."""
 
 from dataclasses import dataclass, replace
 
@@ -23,15 +23,15 @@ from ncdc_spec.nodes import NODES, check_nodes
 
 __all__ = ["TrainedCamera", "describe", "train_camera"]
 
-LEAST_VALID = 0.05     # of the corrected frame; less is no picture
+MIN_VALID = 0.05     # of the corrected frame
 
 _KINDS = "map_error_float_px", "map_error_fixed_px"
-_SMOOTH = 16           # corrected pixels by which the smooth lens may miss the border
+_SMOOTH = 16           # corrected pixels: tolerance of the border by the smooth lens
 
 
 @dataclass(frozen=True)
 class TrainedCamera:
-    """A descriptor, how it was trained, and its errors.
+    """A descriptor, its training and its errors.
 
     Parameters
     ----------
@@ -40,19 +40,18 @@ class TrainedCamera:
     report : dict
         ``hidden_neurons``, ``skip``, ``trainer``, ``seed``; ``training``, ``held_out`` (not if no
         point is held out), ``beyond_points``, ``region`` and ``frame``, each with
-        ``map_error_float_px`` and ``map_error_fixed_px``; the two of the best
-        evidence there is again at the top, ``measured_on`` says which: ``frame`` where the true
-        map is known, else of points ``region``, estimated over the whole valid region
-        (:mod:`ncdc_model.training.region`); ``beyond_points`` is the part of it beyond the
-        outermost points, ``beyond_points_percent`` how much that is;
-        ``nodes``, their distance, and ``nodes_curvature_px``, by how much that misses the network;
+        ``map_error_float_px`` and ``map_error_fixed_px``. The two of the best evidence are also
+        at the top, and ``measured_on`` names it: ``frame`` if the true map is known, else
+        ``region``, estimated over the whole valid region (:mod:`ncdc_model.training.region`).
+        ``beyond_points`` is its part beyond the outermost points, ``beyond_points_percent`` the
+        size of that part;
+        ``nodes``, their distance, and ``nodes_curvature_px``, their error from the network;
         ``fixed_minus_float_max_px``;
-        ``valid_pixels``, ``valid_percent`` and ``valid_pixels_lost``, those that two spans a
-        row cannot hold; of points ``extrapolated_percent``, valid pixels that lie beyond
-        the points, where the network follows the smooth lens, ``points_dropped``, points that
-        were not used by reason, and the values of
-        :func:`ncdc_model.calibration.measure.measure_map`, on held-out points if there are any;
-        the ``facts`` of the source.
+        ``valid_pixels``, ``valid_percent`` and ``valid_pixels_lost``, those that do not fit in
+        two spans a row; for points ``extrapolated_percent``, valid pixels beyond the points,
+        where the network follows the smooth lens, ``points_dropped``, unused points by reason,
+        and the values of :func:`ncdc_model.calibration.measure.measure_map`, on held-out points
+        if there are any; the ``facts`` of the source.
     error_maps : dict
         ``float`` and ``fixed``: distance to the true map in pixels, float32 (height, width),
         ``nan`` where a pixel has no source; empty if the true map is not known.
@@ -82,7 +81,7 @@ def train_camera(source, neurons, choices=TrainingChoices(), progress=None):
     Raises
     ------
     InputError
-        If the request is bad, a weight leaves its format, or hardly a pixel has a source.
+        If the request is bad, a weight leaves its format, or too few pixels have a source.
     """
     training = train(source.pairs, source.geometry, neurons, choices, progress, source.anchors)
     return describe(source, training, choices)
@@ -91,8 +90,8 @@ def train_camera(source, neurons, choices=TrainingChoices(), progress=None):
 def describe(source, training, choices):
     """Quantise and measure a :class:`Training` of ``source`` by the same ``choices``.
 
-    The valid region comes from the exact map where the source has one, else from the float
-    network, near where the smooth lens has a source.
+    The valid region is that of the exact map if the source has one. Else it is that of the float
+    network, near the valid region of the smooth lens.
 
     Returns
     -------
@@ -101,8 +100,8 @@ def describe(source, training, choices):
     Raises
     ------
     InputError
-        If a weight leaves its format, hardly a pixel has a source, or the nodes asked for miss the
-        map by more than ``ncdc_model.golden.nodes.CURVATURE_LIMIT``.
+        If a weight leaves its format, too few pixels have a source, or the error of the requested
+        nodes is more than ``ncdc_model.golden.nodes.CURVATURE_LIMIT``.
     """
     network = training.network.with_gamma(choices.gamma)
     mask, covered = _regions(source, network)
@@ -142,12 +141,12 @@ def describe(source, training, choices):
 
 
 def _at_nodes(draft, wanted):
-    """``draft`` at nodes of the ``wanted`` distance, and by how many pixels they miss the network.
+    """``draft`` at nodes of the ``wanted`` distance, and their error from the network in pixels.
 
     Raises
     ------
     InputError
-        If they miss it by more than the limit, or the picture is too narrow for them.
+        If the error is above the limit, or the picture is too narrow for them.
     """
     if wanted != "auto":
         check_nodes(wanted, draft.geometry.corrected_width)
@@ -157,9 +156,9 @@ def _at_nodes(draft, wanted):
 
 
 def _regions(source, network, nodes=1):
-    """Masks of the corrected frame: the valid pixels, and those that points cover (or None).
+    """Masks of the corrected frame: the valid pixels, and those covered by points (or None).
 
-    Where the map itself is not known they are those of the network at ``nodes``.
+    If the map itself is not known, they are those of the network at ``nodes``.
     """
     geometry = source.geometry
     back_map = source.back_map or interpolated_map(float_map(network, geometry), nodes)
@@ -169,17 +168,17 @@ def _regions(source, network, nodes=1):
     if source.calibrated:
         covered = source.calibrated.mask(back_map, geometry)
     mask = valid_mask(back_map, geometry, within)
-    if mask.mean() < LEAST_VALID:
+    if mask.mean() < MIN_VALID:
         raise InputError(f"only {100 * mask.mean():.1f} % of the corrected frame has a source with "
-                         f"{network.hidden_neurons} hidden neurons, {100 * LEAST_VALID:.0f} % is "
+                         f"{network.hidden_neurons} hidden neurons, {100 * MIN_VALID:.0f} % is "
                          f"the limit")
     return mask, covered
 
 
 def _error_tables(draft, source, out, frame):
-    """The errors of the descriptor ``draft`` on each part of the evidence, the best part last.
+    """Errors of the descriptor ``draft`` on each set of pairs, the best evidence last.
 
-    ``out``: which pairs are held out; ``frame``: what :func:`evaluate_frame` says.
+    ``out``: which pairs are held out; ``frame``: result of :func:`evaluate_frame`.
     """
     tables = {name: evaluate_points(draft, *(values[part] for values in source.pairs))
               for name, part in {"training": ~out, "held_out": out}.items() if part.any()}

@@ -1,4 +1,4 @@
-"""The training problem: calibrated points, their split, and the errors a network leaves on them."""
+"""The training problem: calibrated points, their split, and errors of a network on them."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ class Problem:
     Parameters
     ----------
     u, v : ndarray, shape (N,)
-        Corrected pixel coordinates; may lie somewhat outside the frame.
+        Corrected pixel coordinates; may be slightly outside the frame.
     x, y : ndarray, shape (N,)
         Distorted pixel coordinates.
     geometry : Geometry
@@ -66,17 +66,17 @@ class Problem:
 
     def check(self, neurons):
         """Raise :class:`InputError` unless the pairs can determine ``neurons`` hidden neurons."""
-        least = MIN_POINTS_PER_NEURON * neurons
-        if len(self) < least:
+        minimum = MIN_POINTS_PER_NEURON * neurons
+        if len(self) < minimum:
             raise InputError(f"{len(self)} training points are too few for {neurons} "
-                             f"hidden neurons, {least} is the limit")
+                             f"hidden neurons, {minimum} is the limit")
 
 
 def split(count, every):
     """Boolean mask, shape (``count``,), of the points held out: about one in ``every``.
 
-    A point's fate is a hash of its index, so that rows and columns of a grid are not singled
-    out; ``every`` = 0 holds out none.
+    A hash of its index decides for each point, so that no rows and columns of a grid are favoured;
+    ``every`` = 0 holds out none.
     """
     if every == 0:
         return np.zeros(count, bool)
@@ -100,8 +100,8 @@ def _hashed(count):
 def errors_of(network, problem):
     """Errors of ``network`` on ``problem``: dict of mse, mean, max and points.
 
-    In pixels of the distorted image: ``mse`` is the mean of dx^2 + dy^2, ``mean`` and ``max``
-    are of the Euclidean distance. No points: the three are ``nan``.
+    Units are pixels of the distorted image. ``mse`` is the mean of dx^2 + dy^2; ``mean`` and
+    ``max`` are of the Euclidean distance. Without points the three are ``nan``.
     """
     if not len(problem):
         return {"mse": float("nan"), "mean": float("nan"), "max": float("nan"), "points": 0}

@@ -1,9 +1,9 @@
-"""The error of a map over its whole valid region, where only points of a target are known.
+"""Estimates the error of a map over its whole valid region from points of a target.
 
-Held-out points lie among the others: between the outermost points and the border of the picture
-they say nothing, nor do they find the largest error. So the true map is estimated everywhere: it
-is the smooth lens, plus what Gaussian process regression ("kriging") makes of what that lens
-leaves at the points. The regression also says how uncertain it is, which counts as error.
+Held-out points lie among the others. They do not measure the map between the outermost points and
+the border of the picture, nor do they find the largest error. So the true map is estimated
+everywhere: it is the smooth lens plus a Gaussian process regression ("kriging") of its residuals at
+the points. The regression also gives its own uncertainty, which counts as error.
 """
 
 from dataclasses import dataclass
@@ -17,26 +17,26 @@ from ncdc_model.training.problem import spread
 
 __all__ = ["Region", "region_of"]
 
-_STEP = 144            # corrected pixels of the longer side between those that are compared
-_BORDER = 4000         # pixels along the border of the region that are, where errors are largest
-_SOME = 600            # points that the scales of the regression are chosen on
-_NEAR = 32             # points that tell a place
+_STEP = 144            # parts of the longer side: distance of the compared pixels
+_BORDER = 4000         # compared pixels along the border of the region, where errors are largest
+_SOME = 600            # points for choosing the scales of the regression
+_NEAR = 32             # nearest points in each regression
 _LENGTHS = 2.0 ** np.arange(-1, 6)      # scales of the residual, in typical distances of points
 _NOISES = 4.0 ** np.arange(-7, 4)       # variance of the points over that of the residual
 _SIGMAS = 3.0          # standard deviations of the estimate that the largest error includes
-_BETWEEN = 1.03        # times the largest error compared: a peak may lie between those pixels
+_BETWEEN = 1.03        # times the largest error: allowance for peaks between the compared pixels
 
 
 @dataclass(frozen=True)
 class Region:
-    """Estimated sources of pixels all over the valid region.
+    """Estimated sources of pixels across the valid region.
 
     Parameters
     ----------
     u, v : ndarray, shape (n,)
         Corrected pixels, whole numbers.
     x, y : ndarray, shape (n,)
-        Where they come from, in distorted pixels.
+        Their sources in distorted pixels.
     sigma : ndarray, shape (n,)
         Standard deviation of x, and of y.
     beyond : ndarray of bool, shape (n,)
@@ -60,11 +60,12 @@ class Region:
     def errors(self, back_map):
         """Error of ``back_map``, (u, v) -> (x, y), in the region, and beyond the points alone.
 
-        Two dicts of ``mse``, ``mean`` and ``max`` as :func:`ncdc_model.evaluate.map_error` gives
-        them: the expected square of the error, and the largest error, in this corrected picture
-        or in the one that another flat picture would make it. The latter includes three standard
-        deviations of its estimate and 3 % for what lies between the pixels compared. The second
-        dict is not-a-number if no pixel lies beyond the points.
+        The result is two dicts of ``mse``, ``mean`` and ``max`` as of
+        :func:`ncdc_model.evaluate.map_error`. ``mse`` is the expected square of the error. ``max``
+        is the largest error, either in this corrected picture or after removing the best
+        homography. It includes three standard deviations of its estimate, and 3 % for peaks
+        between the compared pixels. The second dict is not-a-number if no pixel is beyond the
+        points.
         """
         off = np.stack(back_map(self.u, self.v), axis=1) - np.stack([self.x, self.y], axis=1)
         square = (off**2).sum(axis=1) + 2 * self.sigma**2
@@ -80,7 +81,7 @@ class Region:
         return tuple(result)
 
     def _without_view(self, back_map, off):
-        """``off`` (n, 2) less what the best small homography of the corrected picture explains."""
+        """``off`` (n, 2) minus the part that a small homography of the picture explains."""
         u, v = self.u.astype(np.float64), self.v.astype(np.float64)
         along_u, along_v = (np.stack(back_map(u + du, v + dv), axis=1)
                             - np.stack(back_map(u - du, v - dv), axis=1)
@@ -136,15 +137,15 @@ def _pixels(smooth, geometry):
 
 def _regression(known, rest, at):
     """Mean (m, 2) and standard deviation (m,) at ``at`` (m, 2) of a Gaussian process through
-    ``rest`` (n, 2) at ``known`` (n, 2), from the nearest points of each place."""
+    ``rest`` (n, 2) at ``known`` (n, 2), from the nearest points of each position."""
     length, noise, variance = _scales(known, rest)
     count = min(_NEAR, len(known))
     distance, near = (part.reshape(len(at), -1) for part in cKDTree(known).query(at, count))
     mean, sigma = np.empty_like(at), np.empty(len(at))
     for start in range(0, len(at), 1024):
         block = slice(start, start + 1024)
-        places = known[near[block]]
-        among = np.linalg.norm(places[:, :, None] - places[:, None], axis=3)
+        points = known[near[block]]
+        among = np.linalg.norm(points[:, :, None] - points[:, None], axis=3)
         matrix = _covariance(among, length) + noise * np.eye(count)
         to = _covariance(distance[block], length)
         weight = np.linalg.solve(matrix, to[:, :, None])[:, :, 0]
@@ -154,13 +155,13 @@ def _regression(known, rest, at):
 
 
 def _covariance(distance, length):
-    """Matérn's covariance of order 5/2 over the variance."""
+    """Matérn covariance of order 5/2, divided by the variance."""
     far = np.sqrt(5) * distance / length
     return (1 + far + far * far / 3) * np.exp(-far)
 
 
 def _scales(known, rest):
-    """Length in pixels, noise over variance, and variance of the process of largest likelihood."""
+    """Length in pixels, noise over variance, and variance, of maximum likelihood."""
     some = spread(len(known), _SOME)
     known, rest = known[some], rest[some]
     distance = cdist(known, known)
@@ -179,5 +180,5 @@ def _scales(known, rest):
 
 
 def _inside(points, at):
-    """Whether the places ``at`` (m, 2) lie in the convex hull of ``points`` (n, 2)."""
+    """Whether the positions ``at`` (m, 2) lie in the convex hull of ``points`` (n, 2)."""
     return Delaunay(points).find_simplex(at) >= 0

@@ -1,4 +1,4 @@
-"""Rounding a network to integers so that their errors cancel instead of adding up."""
+"""Rounds a network to integers so that the rounding errors largely cancel."""
 
 from dataclasses import replace
 
@@ -13,26 +13,26 @@ from ncdc_spec.tansig import tansig
 
 __all__ = ["check_weight_bits", "fitted_formats", "round_network"]
 
-SAMPLES = 48           # columns and rows of the grid of pixels that the errors are judged on
-WEIGHT_BITS = 18, 24   # least and most that are asked for
+SAMPLES = 48           # columns and rows of the grid of pixels on which errors are measured
+WEIGHT_BITS = 18, 24   # limits
 
 
 def check_weight_bits(bits):
     """Raise :class:`InputError` unless ``bits`` is 18 to 24."""
-    least, most = WEIGHT_BITS
-    if not least <= bits <= most:
-        raise InputError(f"the weights shall have {bits} bits, the limits are {least} and {most}")
+    low, high = WEIGHT_BITS
+    if not low <= bits <= high:
+        raise InputError(f"the weights shall have {bits} bits, the limits are {low} and {high}")
 
 
 def fitted_formats(network, formats, bits):
-    """``formats`` with weights and inputs of ``bits`` bits, as many of them fraction bits as fit.
+    """``formats`` with weights and inputs of ``bits`` bits and the largest fraction that fits.
 
-    The biases, which enter no product, keep their formats.
+    The formats of the biases, which enter no product, do not change.
     """
     check_weight_bits(bits)
 
     def fitted(values):
-        # One unit less than the limit leaves room for rounding either way.
+        # A limit of one unit less allows rounding in either direction.
         limit = np.abs(values).max() * (1 + 2.0**(3 - bits))
         whole = 1 + max(0, int(np.floor(np.log2(limit))) + 1)
         return Q(whole, bits - whole)
@@ -44,13 +44,13 @@ def fitted_formats(network, formats, bits):
 
 
 def round_network(network, geometry, valid, formats, **about):
-    """Descriptor of ``network`` whose integers together come closest to it.
+    """Descriptor of ``network`` whose integers together approximate it best.
 
-    Rounding each number to nearest adds independent errors. Here the numbers are rounded one
-    after the other, the coarsest first, and those still free take up the error of those that are
-    fixed (the nearest-plane rule of integer least squares), on a grid of valid pixels, in two
-    steps: all numbers, by the network's derivatives; then the output layer once more, on the
-    hidden neurons' integer results.
+    Rounding each number to nearest adds independent errors. Here the numbers are rounded one at a
+    time, the coarsest first, and the free ones compensate for the fixed ones (the nearest-plane
+    rule of integer least squares) on a grid of valid pixels. The first step rounds all numbers by
+    the network's derivatives. The second rounds the output layer again, on the integer results of
+    the hidden neurons.
 
     Parameters: as :meth:`Descriptor.quantise`.
 
@@ -69,7 +69,7 @@ def round_network(network, geometry, valid, formats, **about):
 
 
 def _pixels(geometry, valid):
-    """Valid pixels (u, v) of a grid that has the border of the frame."""
+    """Valid pixels (u, v) of a grid that includes the border of the frame."""
     width, height = geometry.corrected
     u, v = (axis.ravel() for axis in np.meshgrid(
         *(np.unique(np.linspace(0, size - 1, SAMPLES).astype(int)) for size in (width, height))))
@@ -78,7 +78,7 @@ def _pixels(geometry, valid):
 
 
 def _round_all(draft, network, x, y):
-    """``draft`` with the hidden layer that a rounding of all numbers together gives."""
+    """``draft`` with the hidden layer from rounding all numbers together."""
     f = draft.formats
     ones = np.ones_like(x)
     wx, wy = network.hidden_weights.T[:, :, None]
@@ -112,7 +112,7 @@ def _round_all(draft, network, x, y):
 
 
 def _round_output(draft, u, v, goal):
-    """``draft`` with the output layer that comes closest to ``goal``, (2, N) in pixels."""
+    """``draft`` with the output layer that approximates ``goal``, (2, N) in pixels, best."""
     f = draft.formats
     x, y = normalised_scan(u, v, draft.geometry, f)
     columns = [f.tansig.real(tansig(hidden_neuron(x, y, weights, bias, f), draft.tansig))
@@ -130,7 +130,7 @@ def _round_output(draft, u, v, goal):
 
 
 def _nearest_plane(matrix, reals, formats):
-    """Integers z in ``formats`` that make |(z - reals) matrix| small; shape (numbers,).
+    """Integers z in ``formats`` with small |(z - reals) matrix|; shape (numbers,).
 
     ``matrix``, (numbers, outputs): effect of each number, in units of its value, on every output.
     """

@@ -1,4 +1,4 @@
-"""What a network is trained on: points of photos, the file of a calibrated camera, or a map."""
+"""Sources of training pairs: points of photos, the file of a calibrated camera, or a map."""
 
 import json
 from dataclasses import dataclass, field, replace
@@ -30,7 +30,7 @@ _ANCHORS = 31, 21      # columns and rows of the grid of anchors over the whole 
 
 @dataclass(frozen=True)
 class Source:
-    """Training pairs and what else is known of the map.
+    """Training pairs and other data on the map.
 
     The pairs are rounded to 2**-20 pixels: the last bit of a lens's arctangent differs from one
     processor to the next, and a training amplifies any difference.
@@ -41,25 +41,24 @@ class Source:
         Corrected pixels and their sources in the distorted image.
     geometry : Geometry
     back_map : callable or None
-        The exact map (u, v) -> (x, y) over the whole frame, where a camera file or remap tables
-        give it.
+        The exact map (u, v) -> (x, y) over the whole frame, from a camera file or remap tables.
     calibrated : Calibrated or None
-        Where points cover the map, where no exact one is known.
+        The part of the map that points cover, if there is no exact map.
     smooth_map : callable or None
         The smooth lens that was fitted to the points.
     anchors : (u, v, x, y) or None
-        Pairs of the smooth lens where the points do not cover the frame: there the network is
-        to follow that lens, since left alone it would run off.
+        Pairs of the smooth lens where the points do not cover the frame: without them the network
+        would diverge there.
     provenance : dict
         For the descriptor: ``source`` (file name), ``source_kind``, ``source_hash``, ``frame``
         (focal length and centre of the corrected image in pixels, and the vertical focal length
-        over the horizontal one if they differ), and of points ``homography``.
+        over the horizontal one if they differ), and for points ``homography``.
     frame : IdealFrame or None
         The points' rows and columns, whose straightness measures a network.
     facts : dict
-        For the report: of remap tables ``source_columns`` and ``source_rows``, the least and the
-        largest that they read; ``notes`` and ``warnings``, sentences on how the file was read, and
-        on what is odd about it.
+        For the report: for remap tables ``source_columns`` and ``source_rows``, the smallest and
+        the largest that they read; ``notes`` and ``warnings``, sentences on how the file was read,
+        and on what is odd about it.
     """
     pairs: tuple
     geometry: Geometry
@@ -73,7 +72,7 @@ class Source:
 
     @cached_property
     def region(self):
-        """:class:`~ncdc_model.training.region.Region` of points; None where they are not known."""
+        """:class:`~ncdc_model.training.region.Region` of points; None without points."""
         return region_of(self.frame, self.geometry) if self.frame else None
 
     def __post_init__(self):
@@ -90,7 +89,7 @@ def is_points_file(path):
     Raises
     ------
     InputError
-        If it cannot be read, or says that it is one and is no JSON.
+        If it cannot be read, or is named as one but is no JSON.
     """
     try:
         table = parse_text(path, "points file", json.loads)
@@ -111,15 +110,15 @@ def load_source(path, size=None, zoom=None, camera=None, sensor=None, page=None,
     size : (int, int), optional
         Corrected width and height; default that of the photos. A map has its own.
     zoom : str or float, optional
-        As in :func:`ncdc_model.lens.choose_frame`; default fit, or the frame that a camera file
-        asks for, see :func:`~ncdc_model.calibration.camera_file.load_camera_map`.
+        As in :func:`ncdc_model.lens.choose_frame`; default fit, or the frame in a camera file,
+        see :func:`~ncdc_model.calibration.camera_file.load_camera_map`.
     camera : str, optional
         Which of several cameras or maps in a file.
     sensor : (int, int), optional
-        Width and height of the distorted image, of remap tables, camera files and points that do
-        not say; a camera file of another size of the same aspect is scaled.
+        Width and height of the distorted image, for remap tables, camera files and points without
+        them; a camera file of another size of the same aspect is scaled.
     page : str, optional
-        ``flat`` or ``relief``, as in :class:`TargetPoints`; default what the points file says.
+        ``flat`` or ``relief``, as in :class:`TargetPoints`; default that of the points file.
     options
         ``bayer``, ``fill`` and ``interpolation`` as in :class:`Geometry`; the default of the last
         is :data:`ncdc_spec.interpolation.DEFAULT`.
@@ -148,14 +147,14 @@ def load_source(path, size=None, zoom=None, camera=None, sensor=None, page=None,
 
 
 def load_points(path, sensor=None):
-    """:class:`TargetPoints` of a points file or of a CSV of points; None of any other file.
+    """:class:`TargetPoints` of a points file or of a CSV of points; None for any other file.
 
-    ``sensor``: width and height of the photos, which a CSV does not say.
+    ``sensor``: width and height of the photos, which a CSV does not have.
 
     Raises
     ------
     InputError
-        If the file is bad, or the size is not known or another.
+        If the file is bad, or the size is not known or differs.
     """
     if is_points_csv(path):
         return load_csv(path, sensor)
@@ -217,5 +216,5 @@ def _numbers(frame):
 
 
 def _digits(values):
-    """As floats of twelve digits: what follows is the processor's."""
+    """``values`` as floats of twelve digits: further ones depend on the processor."""
     return [float(f"{value:.12g}") for value in values]

@@ -1,4 +1,4 @@
-"""Training a camera's network: the split, the trainer, the report."""
+"""Training of a camera's network: the split, the trainer, the report."""
 
 from dataclasses import dataclass
 
@@ -19,16 +19,16 @@ TRAINERS = {"lm": train_levenberg, "ebp": train_backprop}
 
 @dataclass(frozen=True)
 class Training:
-    """A trained network and how it got there.
+    """A trained network, its learning curve and its errors.
 
     Parameters
     ----------
     network : FloatNetwork
     curve : list of (int, float)
-        Learning curve: iterations or epochs, and MSE in px^2 on all that was trained on.
+        Learning curve: iterations or epochs, and MSE in px^2 on all training pairs.
     training, held_out : dict
-        mse, mean, max (px of the distorted image) and the number of points; the values of no
-        points are ``nan``.
+        mse, mean, max (px of the distorted image) and the number of points; without
+        points the values are ``nan``.
     """
     network: FloatNetwork
     curve: list
@@ -37,7 +37,7 @@ class Training:
 
 
 def check_request(neurons, choices):
-    """Raise :class:`InputError` for what can be told before any point is known."""
+    """Raise :class:`InputError` for a bad request, before any point is known."""
     if not 1 <= neurons <= MAX_NEURONS:
         raise InputError(f"{neurons} hidden neurons are asked for, "
                          f"the limits are 1 and {MAX_NEURONS}")
@@ -64,7 +64,7 @@ def train(pairs, geometry, neurons, choices=TrainingChoices(), progress=None, an
     progress : callable, optional
         Called with (fraction done, MSE in px^2).
     anchors : (u, v, x, y), optional
-        Further pairs to train on that no error is measured on.
+        Further training pairs, on which no error is measured.
 
     Returns
     -------
@@ -80,12 +80,12 @@ def train(pairs, geometry, neurons, choices=TrainingChoices(), progress=None, an
     options = choices.options | ({"skip": True} if choices.skip else {})
     problem = Problem(*pairs, geometry)
     out = split(len(problem), choices.held_out)
-    kept = problem.take(~out)
-    kept.check(neurons)
-    taught = kept
+    own = problem.take(~out)
+    own.check(neurons)
+    taught = own
     if anchors is not None:
-        both = zip((kept.u, kept.v, kept.x, kept.y), anchors)
+        both = zip((own.u, own.v, own.x, own.y), anchors)
         taught = Problem(*map(np.concatenate, both), geometry)
     network, curve = TRAINERS[choices.trainer](taught, neurons, seed=choices.seed,
                                                progress=progress, **options)
-    return Training(network, curve, errors_of(network, kept), errors_of(network, problem.take(out)))
+    return Training(network, curve, errors_of(network, own), errors_of(network, problem.take(out)))

@@ -1,4 +1,4 @@
-"""Levenberg-Marquardt on the hidden layer alone, many networks side by side."""
+"""Levenberg-Marquardt on the hidden layer alone, for many networks in parallel."""
 
 import numpy as np
 
@@ -6,13 +6,13 @@ from ncdc_model.exact import cut, eliminate, products, scale_of, slices, solve
 
 __all__ = ["BIAS_LIMIT", "WEIGHT_LIMIT", "Batch"]
 
-# Inside the formats Q4.20 and Q5.27 of the descriptor by more than their rounding.
+# Limits of the descriptor's formats Q4.20 and Q5.27, minus more than their rounding.
 WEIGHT_LIMIT = 8 - 2.0**-18
 BIAS_LIMIT = 16 - 2.0**-18
 
 
 class Batch:
-    """Networks trained side by side by bounded Levenberg-Marquardt with variable projection.
+    """Networks trained in parallel by bounded Levenberg-Marquardt with variable projection.
 
     Equations (15)-(18) of the paper with gamma = 1. For given hidden neurons the linear output
     layer is the solution of a least-squares problem, so that only the hidden weights and biases
@@ -30,7 +30,7 @@ class Batch:
     skip : bool
     precise : bool
         Hidden outputs in two slices of 22 bits (:mod:`ncdc_model.exact`) instead of one:
-        enough for the last step of a training; the search gets by with one.
+        for the last step of a training; one is sufficient for the search.
     """
 
     _STATE = ("theta", "hidden", "gram", "output", "residual", "cost", "damping", "growth")
@@ -38,7 +38,7 @@ class Batch:
     def __init__(self, theta, inputs, targets, ridge, skip=False, precise=False):
         self.neurons, self.count = theta.shape[1], 2 if precise else 1
         ones = np.ones((1, inputs.shape[1]))
-        # What the output layer sums besides the hidden outputs: x, y (skip path), 1.
+        # Further terms of the output layer: x, y (skip path), 1.
         linear = np.concatenate([inputs, ones]) if skip else ones
         self.linear = slices(linear, scale_of(linear, 1), self.count)
         self.inputs, self.targets, self.ridge = inputs, targets, ridge * inputs.shape[1]
@@ -101,7 +101,7 @@ class Batch:
         weights = np.repeat(self.output[:, :neurons], 3, axis=1)                   # (S, 3 HN, 2)
         residual = [cut(self.residual, scale_of(self.residual, (1, 2)))]
         gradient = (weights * products(derivative, residual)).sum(2)
-        # Kaufman's approximation: derivatives less their projection on the hidden outputs.
+        # Kaufman's approximation: derivatives minus their projection on the hidden outputs.
         terms = self.gram.shape[1]
         joint = np.empty((starts, terms + 3 * neurons, terms + 3 * neurons))
         joint[:, :terms, :terms] = self.gram
@@ -113,7 +113,7 @@ class Batch:
                                                     + second[:, :, None] * second[:, None])
 
     def step(self):
-        """One iteration of every network; returns which of them improved, shape (S,)."""
+        """One iteration of every network; returns whether each improved, shape (S,)."""
         starts, neurons, _ = self.theta.shape
         gradient, normal = self.gauss_newton()
         normal, gradient = self._at_bounds(normal, gradient)
@@ -131,7 +131,7 @@ class Batch:
         gain = (self.cost - cost) / np.maximum(np.abs(expected), 1e-300)
         better = cost < self.cost
         self._replace(better, trial, hidden, gram, output, residual, cost)
-        # Nielsen's rule: shrink by how well the quadratic model predicted, grow ever faster.
+        # Nielsen's rule: shrink by the quality of the quadratic model, grow progressively.
         off = 2 * gain - 1
         shrink = np.clip(1 - off * off * off, 1 / 5, 2)     # a power's last bit may differ
         self.damping = np.clip(np.where(better, self.damping * shrink,
@@ -151,7 +151,7 @@ class Batch:
                 old[better] = new[better]
 
     def _at_bounds(self, normal, gradient):
-        # A parameter at its bound that wants to go further is held.
+        # A parameter at its bound whose gradient points outwards is fixed.
         flat = self.theta.reshape(len(self.theta), -1)
         limit = np.tile(self.limit, self.theta.shape[1])
         held = (np.abs(flat) >= limit) & (gradient * flat > 0)
@@ -163,18 +163,18 @@ class Batch:
         return normal, gradient
 
     def keep(self, count):
-        """Drop all but the ``count`` networks of least cost."""
+        """Drop all but the ``count`` networks of lowest cost."""
         self._select(np.argsort(self.cost, kind="stable")[:count])
 
     def keep_different(self, count):
-        """As :meth:`keep`, but of networks that reached one minimum only the best stays."""
+        """As :meth:`keep`, but only the best of the networks at one minimum remains."""
         order = np.argsort(self.cost, kind="stable")
         cost = self.cost[order]
         fresh = np.concatenate([[True], cost[1:] > cost[:-1] * (1 + 1e-4)])
         self._select(order[fresh][:count])
 
     def join(self, other):
-        """Take in the networks of the batch ``other``, trained on the same points."""
+        """Add the networks of the batch ``other``, trained on the same points."""
         for name in self._STATE:
             axis = 1 if name == "hidden" else 0
             setattr(self, name, np.concatenate([getattr(self, name), getattr(other, name)], axis))

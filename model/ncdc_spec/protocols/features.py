@@ -19,7 +19,7 @@ __all__ = ["AUTO_FEATURES", "FEATURES", "Choice", "Feature", "TEST_PATTERNS", "f
            "system_word"]
 
 _SYSTEM = {word.name: word.address for word in SYSTEM_WORDS}
-_BOOTSTRAP = {place.name: place.address for place in BOOTSTRAP}
+_BOOTSTRAP = {register.name: register.address for register in BOOTSTRAP}
 _LINES_MAX = (1 << 20) - 1      # of the sensor's shutter
 
 
@@ -56,13 +56,13 @@ class Feature:
         Limits of the register.
     high_from : tuple of str
         Names of the features whose difference, or the one whose value, bounds the register
-        besides ``high``.
+        in addition to ``high``.
     step : int
     unit : str
     scale : (int, int)
         A float is register * scale[0] / scale[1].
     scale_from : str
-        Name of a feature that multiplies a float besides, empty if none does.
+        Name of a feature that also multiplies a float, empty if none does.
     choices : tuple of Choice
     locked : bool
         Whether it cannot be written while pictures stream.
@@ -138,9 +138,9 @@ _RATIOS = tuple(Choice(name, value, value) for value, name in enumerate(("Red", 
 
 
 def _text(name):
-    place = next(place for place in BOOTSTRAP if place.name == name)
-    return Feature(name, "text", place.address, "Of the device.", "DeviceControl", access="ro",
-                   length=place.length)
+    register = next(register for register in BOOTSTRAP if register.name == name)
+    return Feature(name, "text", register.address, "Of the device.", "DeviceControl", access="ro",
+                   length=register.length)
 
 
 def _upper_lower(name):

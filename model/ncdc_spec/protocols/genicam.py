@@ -35,7 +35,7 @@ def genicam_xml(colour=True):
             _node(root, one)
             _register(root, one)
     SubElement(root, "Port", Name="Device", NameSpace="Standard")
-    # A line each, not indented: devices have little room for it.
+    # One line each, not indented: devices have little space for it.
     ElementTree.indent(root, "")
     return ElementTree.tostring(root, "utf-8", xml_declaration=True)
 

@@ -18,7 +18,7 @@ __all__ = ["ACCESS_DENIED", "BAD_ALIGNMENT", "BOOTSTRAP", "BUSY", "CAPABILITY", 
 
 PORT = 3956
 
-# Commands; the acknowledge of each has the code behind it.
+# Commands; the acknowledge of each has the next code.
 DISCOVERY, FORCEIP, PACKETRESEND = 0x0002, 0x0004, 0x0040
 READREG, WRITEREG, READMEM, WRITEMEM = 0x0080, 0x0082, 0x0084, 0x0086
 PENDING_ACK = 0x0089            # an acknowledge itself: "not yet, wait so many milliseconds"
@@ -122,7 +122,7 @@ BOOTSTRAP = (
     Place("StreamAddress", 0x0D18, 4, "rw", "IPv4 address of the receiver, or a multicast group"),
     Place("StreamSourcePort", 0x0D1C, 4, "ro", "UDP port that the stream comes from"),
 )
-_BY_NAME = {place.name: place for place in BOOTSTRAP}
+_BY_NAME = {register.name: register for register in BOOTSTRAP}
 
 
 def place(name):
@@ -164,7 +164,7 @@ def acknowledge(command, status, payload=b""):
 
 
 def pending_acknowledge(command):
-    """The bytes that tell whoever sent ``command`` that its answer comes later."""
+    """The bytes of PENDING_ACK for ``command``: its answer comes later."""
     return _ACKNOWLEDGE.pack(SUCCESS, PENDING_ACK, 4, command.request) + struct.pack(
         ">I", PENDING_MS)
 

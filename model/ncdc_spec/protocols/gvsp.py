@@ -43,7 +43,7 @@ def leader(block, time_ns, pixel_format, size, offset=(0, 0)):
 
 
 def trailer(block, packet, height):
-    """The last packet of a picture; ``packet``: number behind the last payload packet."""
+    """The last packet of a picture; ``packet``: number after that of the last payload packet."""
     return header(block, TRAILER, packet) + _TRAILER.pack(0, IMAGE, height)
 
 
@@ -54,5 +54,5 @@ def packet_size(asked):
 
 def payload_packets(size, packet_size):
     """(payload bytes of a packet, number of packets) of a picture of ``size`` bytes."""
-    room = packet_size - HEADERS_BYTES
-    return room, -(-size // room)
+    payload = packet_size - HEADERS_BYTES
+    return payload, -(-size // payload)

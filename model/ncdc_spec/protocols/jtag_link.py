@@ -2,8 +2,8 @@
 
 From the top: kind (8 bits), tag (8), word address (16), word (32). The host scans a request in;
 a later scan brings its answer: the same with the word that was read, or that was written. Before
-there is an answer, and behind it, the kind is 0. The tag is the host's: by it an answer is told
-from that of a request whose host has gone.
+there is an answer, and after it, the kind is 0. The tag is the host's. It distinguishes an answer
+from that to an earlier host.
 """
 
 __all__ = ["BITS", "NOTHING", "READ", "WRITE", "jtag_message"]

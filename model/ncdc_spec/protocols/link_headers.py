@@ -1,4 +1,4 @@
-"""Headers that the packetiser is given: Ethernet, IP, UDP, and GVSP's or Table II's behind them."""
+"""Headers for the packetiser: Ethernet, IP, UDP, then GVSP or Table II."""
 
 import struct
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class Endpoint:
     mac : bytes of length 6
     ip : bytes of length 4
     port : int
-        Of UDP.
+        UDP port.
     """
     mac: bytes
     ip: bytes
@@ -54,8 +54,8 @@ class Headers:
     last_bytes: int
 
 
-def stacked(source, target, behind, payload_bytes):
-    """Ethernet, IP and UDP headers before the header ``behind``, which ``payload_bytes`` follow.
+def stacked(source, target, inner, payload_bytes):
+    """Ethernet, IP and UDP headers before the header ``inner``, which ``payload_bytes`` follow.
 
     The UDP check sum is 0: none, as packets of one header differ in number and payload.
 
@@ -64,7 +64,7 @@ def stacked(source, target, behind, payload_bytes):
     InputError
         If the packet is longer than a jumbo frame's.
     """
-    length = _UDP + len(behind) + payload_bytes
+    length = _UDP + len(inner) + payload_bytes
     if _IP + length > _LONGEST:
         raise InputError(f"a packet has {_IP + length} bytes, the limit is {_LONGEST}")
     # Version and length of the header, identification 0, do not fragment, 64 hops, UDP.
@@ -72,7 +72,7 @@ def stacked(source, target, behind, payload_bytes):
                      target.ip)
     ip = ip[:10] + struct.pack(">H", _check_sum(ip)) + ip[12:]
     return (target.mac + source.mac + b"\x08\x00" + ip
-            + struct.pack(">HHHH", source.port, target.port, length, 0) + behind)
+            + struct.pack(">HHHH", source.port, target.port, length, 0) + inner)
 
 
 def _check_sum(header):

@@ -11,7 +11,7 @@ __all__ = ["BAD", "CRC", "READ", "READ_DONE", "WRITE", "WRITE_DONE", "crc8", "re
 READ, WRITE = ord("R"), ord("W")
 READ_DONE, WRITE_DONE, BAD = ord("r"), ord("w"), ord("?")
 CRC = {"polynomial": 0x07, "initial": 0xFF}
-"""Of eight bits, the upper bit of a byte first, nothing reflected or inverted."""
+"""CRC of eight bits, the upper bit of a byte first, without reflection or inversion."""
 
 
 def crc8(data):

@@ -41,7 +41,7 @@ COMMANDS = (
     Command(READ, "2 bytes", "2 bytes", "Read setting from CMOS sensor register.",
             "the code, the address, the value; the request's data are ignored"),
     Command(WRITE, "2 bytes", "2 bytes", "Write setting to CMOS sensor register.",
-            "the code, the address, the value as read back: another one than sent means refused"),
+            "the code, the address, the value as read back: another one than sent means rejected"),
     Command(RESERVED, "-", "-", "Reserve.", "none"),
     Command(MRAW, "-", "-", "Receive an MRAW package.", "the package of Table II"),
 )

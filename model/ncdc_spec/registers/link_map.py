@@ -57,7 +57,7 @@ LINK = (
     Register("LINK_RESEND_FIRST", 0x09, "rw", Bits(NUMBER_BITS),
              "Number of the first packet to be sent again."),
     Register("LINK_RESEND_LAST", 0x0A, "action", Bits(32),
-             "Writing sends the range again, ahead of new packets.", (
+             "Writing sends the range again, before new packets.", (
                  Flag("NUMBER", (1 << NUMBER_BITS) - 1, "w1", "of the last packet of the range"),
                  Flag("BEFORE", RESEND_BEFORE, "w1", "of the frame before the last one"))),
     Register("LINK_SENT", 0x0B, "ro", _COUNT, "Packets sent, those sent again apart."),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from ncdc_spec.frames import ADDRESS_BITS, MONO8, OUTPUT_FORMATS
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 from ncdc_spec.interpolation import FAST, GRADIENT
-from ncdc_spec.tone import NODE_BITS, NODE_PLACES
+from ncdc_spec.tone import NODE_BITS, NODE_POSITIONS
 from ncdc_spec.white_balance import GAIN_BITS
 
 __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabilities",
@@ -28,9 +28,9 @@ CONSTANTS = ("ID", "DIGEST", "NEURONS", "NODES", "CAPABILITIES", "LARGEST")
 
 # Shadow registers of colour, where there are any.
 COLOUR_SETTINGS = ("GAIN_RED", "GAIN_GREEN", "GAIN_BLUE",
-                   *(f"TONE{k}" for k in range(len(NODE_PLACES))))
+                   *(f"TONE{k}" for k in range(len(NODE_POSITIONS))))
 
-# Registers of the set that say nothing of the lens: DIGEST does not tell of them.
+# Registers of the set that do not depend on the lens: DIGEST does not include them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
                   "TARGET_LIMIT", "OUTPUT_FORMAT", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
                   *COLOUR_SETTINGS)
@@ -45,7 +45,7 @@ INTERPOLATION_BITS = {FAST.name: 0x400, GRADIENT.name: 0x800}       # of CAPABIL
 FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE, FAULT_FORMAT = 1, 2, 4, 8, 16
 FAULT_MEMORY = 32
 
-# Counted while a frame runs; FRAMES beside them counts frames.
+# Counted while a frame runs; FRAMES counts frames.
 COUNTERS = ("CLOCKS", "PIXELS", "FETCHES", "FRONT_END_STALLS", "SINK_STALLS", "DATA_STALLS",
             "INTERLOCK_STALLS", "CREDIT_STALLS", "PENDING_STALLS")
 
@@ -110,12 +110,12 @@ class Register:
         "rw"; "shadow": rw, of the set that a commit makes active; "ro"; "action": flags, each
         with its own access.
     shape : Bits
-        Bits that are kept; a signed value is sign-extended on reading.
+        Stored bits; a signed value is sign-extended on reading.
     text : str
     flags : tuple of Flag
-        Of an "action" register, or of a constant that is made of several.
+        Flags of an "action" register, or of a constant with several parts.
     parameter : tuple
-        Of a register of the network, where its value stands in it: layer ("hidden", "output"),
+        Position in the network of a register's value: layer ("hidden", "output"),
         number of the neuron, "weights", "bias" or "skip", and number of the weight; else empty.
     family : (str, str)
         Name and text with ``j`` for the number of the hidden neuron: those that all hidden
@@ -163,7 +163,7 @@ _FIXED = (
                  "use, or a start while the corrector runs by itself"),
             Flag("BANK", STATUS_BANK, "ro", "bank of the valid rows in use"),
             Flag("ABORTED", STATUS_ABORTED, "ro",
-                 "the last frame lacks pixels: it was aborted, or refused, see `FAULT`"),
+                 "the last frame lacks pixels: it was aborted, or rejected, see `FAULT`"),
             Flag("FAULT", STATUS_FAULT, "ro", "a bit of `FAULT` is set")),
     Register("IRQ_ENABLE", 0x05, "rw", Bits(1), "irq follows STATUS.DONE."),
     Register("VALID_WINDOW", 0x06, "rw", Bits(1),
@@ -210,14 +210,14 @@ _FIXED = (
     Register("FETCHES", 0x1A, "ro", Bits(32), "Windows (multiport), or tiles (cache; of 16x2 "
              "samples, with the fast interpolation 16x4), that the last frame read from memory."),
     Register("FRONT_END_STALLS", 0x1B, "ro", Bits(32),
-             "Clocks in which the last frame's front end waited for room behind it."),
+             "Clocks in which the last frame's front end waited for space downstream."),
     Register("FRAMES", 0x1C, "ro", Bits(32), "Frames completed since reset."),
     Register("SINK_STALLS", 0x1D, "ro", Bits(32),
              "Clocks in which a corrected pixel of the last frame waited for writer or stream."),
     Register("DATA_STALLS", 0x1E, "ro", Bits(32),
              "Clocks in which the last frame's oldest window waited for the memory."),
     Register("INTERLOCK_STALLS", 0x1F, "ro", Bits(32),
-             "Cache fetcher: clocks in which a missing tile waited for the place of one in use."),
+             "Cache fetcher: clocks in which a missing tile waited for the slot of one in use."),
     Register("CREDIT_STALLS", 0x20, "ro", Bits(32),
              "Cache fetcher: clocks in which a window that misses tiles waited as those before it "
              "were not all asked for, as many as allowed being under way."),
@@ -225,27 +225,26 @@ _FIXED = (
              "Cache fetcher: clocks in which a window waited because as many as allowed were "
              "pending."),
     Register("SOURCE_LIMIT", 0x22, "shadow", Bits(ADDRESS_BITS),
-             "Byte address behind the raw frame's place: nothing from there on is read."),
+             "Byte address after the raw frame's buffer: nothing from there on is read."),
     Register("TARGET_LIMIT", 0x23, "shadow", Bits(ADDRESS_BITS),
-             "Byte address behind the corrected frame's place: nothing from there on is written."),
+             "Byte address after the corrected frame's buffer: nothing from there on is written."),
     _action("FAULT", 0x24, "",
             Flag("SOURCE", FAULT_SOURCE, "w1c",
-                 "a sample of the raw frame was not read, because it is not in the place that "
-                 "`SOURCE_BASE` and `SOURCE_LIMIT` enclose: pixels are wrong, or the frame was "
-                 "refused"),
+                 "a sample of the raw frame was not read, because it is not between `SOURCE_BASE` "
+                 "and `SOURCE_LIMIT`: pixels are wrong, or the frame was rejected"),
             Flag("TARGET", FAULT_TARGET, "w1c",
-                 "pixels were not written, because they are not in the place that `TARGET_BASE` "
-                 "and `TARGET_LIMIT` enclose"),
+                 "pixels were not written, because they are not between `TARGET_BASE` and "
+                 "`TARGET_LIMIT`"),
             Flag("ALIGNMENT", FAULT_ALIGNMENT, "w1c",
-                 "a frame was refused: a base or the pitch is no multiple of the memory word"),
+                 "a frame was rejected: a base or the pitch is no multiple of the memory word"),
             Flag("SIZE", FAULT_SIZE, "w1c",
-                 "a frame was refused: a size, the pitch, the strip or the split is beyond its "
+                 "a frame was rejected: a size, the pitch, the strip or the split is beyond its "
                  "limits, or the width no multiple of the pixels per clock"),
             Flag("FORMAT", FAULT_FORMAT, "w1c",
-                 "a frame was refused: `OUTPUT_FORMAT` is none of its values, or "
+                 "a frame was rejected: `OUTPUT_FORMAT` is none of its values, or "
                  f"{MONO8.name} and `BAYER_PHASE` names no grey sensor"),
             Flag("MEMORY", FAULT_MEMORY, "w1c",
-                 "the memory answered a read or a write with an error, which only AXI can tell: "
+                 "the memory answered a read or a write with an error, which only AXI reports: "
                  "pixels are wrong; or it was reset in a frame without the corrector: pixels are "
                  "wrong, or the frame does not end until a reset")),
     _action("CAPABILITIES", CAPABILITIES, "What this instance is.",
@@ -284,10 +283,10 @@ _COLOUR = (
                "before the gain.") for k, name in enumerate(_COLOURS)),
     Register("VALID_PIXELS", 0x47, "ro", Bits(25), "Pixels that these sums are of."),
     *(Register(f"TONE{k}", _TONE + k, "shadow", Bits(NODE_BITS),
-               f"Tone curve: what the value {place} becomes, 0..256.",
+               f"Tone curve: what the value {value} becomes, 0..256.",
                family=("TONEj", "Tone curve: what the value at node j becomes, 0..256; "
                        "j = 0..16."))
-      for k, place in enumerate(NODE_PLACES)))
+      for k, value in enumerate(NODE_POSITIONS)))
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
 
@@ -297,8 +296,8 @@ def network_registers(hidden_neurons, formats):
               ("WEIGHT_Y", ("weights", 1), formats.hidden_weight),
               ("BIAS", ("bias",), formats.hidden_bias))
     rows = [_numbered("HIDDEN{}_" + name, "Hidden neuron {}, " + f"{q}.", j, _HIDDEN + 4 * j + k, q,
-                      ("hidden", j, *place))
-            for j in range(hidden_neurons) for k, (name, place, q) in enumerate(hidden)]
+                      ("hidden", j, *position))
+            for j in range(hidden_neurons) for k, (name, position, q) in enumerate(hidden)]
     q = formats.output_weight
     rows += [_numbered(f"OUTPUT_{axis}_WEIGHT" + "{}", "Weight of hidden neuron {} in output "
                        f"{axis.lower()}', pixels, {q}.", j, _OUTPUT + 4 * j + k, q,
@@ -319,7 +318,7 @@ def network_registers(hidden_neurons, formats):
 
 
 def _numbered(name, text, j, address, q, parameter):
-    """The register of the hidden neuron ``j`` whose ``name`` and ``text`` leave a place for it."""
+    """The register of the hidden neuron ``j``, which is filled in ``name`` and ``text``."""
     return Register(name.format(j), address, "shadow", Bits(q.width, signed=True), text.format(j),
                     parameter=parameter, family=(name.format("j"), text.format("j")))
 
@@ -343,7 +342,7 @@ def capabilities(hardware, width, height):
     hardware : ncdc_spec.hardware.Hardware
         Made for a camera.
     width, height : int
-        Of the largest corrected image.
+        Size of the largest corrected image.
     """
     split = hardware.cache.max_split if hardware.cached else 0
     interpolation = hardware.cache.interpolation if hardware.cached else FAST

@@ -1,4 +1,4 @@
-"""Registers of a whole system beside those of its corrector: camera, frame stores, I2C.
+"""Registers of a whole system in addition to its corrector's: camera, frame stores, I2C.
 
 The corrector's registers lie in front of them, see :mod:`ncdc_spec.registers.register_map`.
 """
@@ -35,7 +35,7 @@ EVENTS = (
 
 I2C_COMMAND_FLAGS = (("WRITE", 0x200, "send `DATA`"), ("READ", 0x400, "receive a byte"),
                      ("NACK", 0x800, "do not acknowledge the byte received"),
-                     ("STOP", 0x1000, "STOP behind it"), ("START", 0x100, "START before it"))
+                     ("STOP", 0x1000, "STOP after it"), ("START", 0x100, "START before it"))
 
 GRID_ROW_MIN = 8        # samples; so small a frame has a middle
 
@@ -96,7 +96,7 @@ def _control():
         _rw("CAMERA_ENABLE", 0x00, Bits(1),
             "1: frames that begin from now on are captured; 0: none after the one under way."),
         _rw("RUN", 0x01, Bits(1),
-            "1: the corrector begins by itself with every new raw frame; `START` is refused."),
+            "1: the corrector begins by itself with every new raw frame; `START` is rejected."),
         _rw("RUN_FOLLOW", 0x02, Bits(1),
             "1: such a frame begins with the camera's and follows it row by row; 0: when the raw "
             "frame is complete."),
@@ -123,10 +123,10 @@ def _settings():
         _rw("RAW_PITCH", 0x0D, _SIZE,
             "Bytes from row to row of a raw frame in memory, a multiple of the memory word."),
         _rw("RAW_BYTES", 0x0E, _COUNT,
-            "Bytes of the place of each raw frame, a multiple of the memory word: rows beyond are "
+            "Bytes of each raw frame's buffer, a multiple of the memory word: rows beyond are "
             "not written, and the frame is bad."),
         _rw("CORRECTED_BYTES", 0x0F, _COUNT,
-            "Bytes of the place of each corrected frame, a multiple of the memory word."),
+            "Bytes of each corrected frame's buffer, a multiple of the memory word."),
     )
 
 
@@ -140,7 +140,7 @@ def _curve():
 
 
 def _grid(row):
-    """Of a system with a grid stage."""
+    """Registers of a system with a grid stage."""
     if row is None:
         return ()
     return (
@@ -183,7 +183,7 @@ def _counts():
 
 
 def _screen(stores):
-    """Of a system with a screen."""
+    """Registers of a system with a screen."""
     if not stores.screens:
         return ()
     return (_ro("SCREEN_SHOWN", 0x3A, "Pictures of the screen that showed a corrected frame, a new "

@@ -1,4 +1,4 @@
-"""What the registers of a system hold after a reset: sizes and places for one camera."""
+"""Values of a system's registers after a reset: sizes and addresses for one camera."""
 
 from ncdc_spec.frames import FramePlaces, output_format, source_bytes, target_bytes
 from ncdc_spec.registers.system_map import Stores
@@ -26,7 +26,7 @@ def _aligned(value):
 
 
 def _sizes(descriptor, hardware):
-    """Pitch of raw frames, bytes of the place of a raw and of a corrected frame."""
+    """Pitch of raw frames, bytes of the buffers of a raw and of a corrected frame."""
     pitch = FramePlaces.after_reset(descriptor.geometry, hardware.data_width).pitch
     return (pitch, _aligned(source_bytes(descriptor.geometry, pitch)),
             _aligned(target_bytes(descriptor.geometry, hardware.data_width,
@@ -43,7 +43,7 @@ def system_values(descriptor, hardware, stores):
     """Register values after a reset, by name, of a system made for ``descriptor``'s camera.
 
     The sensor is taken to send what is captured; raw buffers lie from byte address 0 on, those of
-    corrected frames behind them.
+    corrected frames after them.
     """
     g = descriptor.geometry
     pitch, raw, corrected = _sizes(descriptor, hardware)

@@ -62,13 +62,13 @@ def field_named(text):
 def ways_of(sensor, most):
     """The :class:`Way` to each reduction up to ``most``, as a dict.
 
-    Of two ways the one in which the sensor skips more: it then sends fewer samples, hence more
-    frames per second. The FPGA bins what is left.
+    Of two ways it is the one in which the sensor skips more: fewer samples allow more frames per
+    second. The FPGA bins the rest.
     """
     ways = {}
     for skip in sorted({1, *(skip for skip, _ in sensor.limits.reductions)}):
         for binning in (0, 1):
             way = Way(skip, binning)
             if way.reduction <= most:
-                ways[way.reduction] = way       # a larger skip takes the place of a smaller one
+                ways[way.reduction] = way       # a larger skip replaces a smaller one
     return dict(sorted(ways.items()))

@@ -1,4 +1,4 @@
-"""A sensor's set-up for the raw frames of a geometry, and what capture makes of its frames."""
+"""A sensor's configuration for the raw frames of a geometry, and capture of its frames."""
 
 from itertools import product
 from typing import NamedTuple
@@ -17,14 +17,14 @@ _DROPPED = 2            # columns and rows that the evened grid loses at its end
 
 
 class Crop(NamedTuple):
-    """What capture makes of a sensor's frame: an even grid, of it the raw frame.
+    """Processing of a sensor's frame by capture: an even grid, and the raw frame as a part of it.
 
     Parameters
     ----------
     left, top : int
-        Where the raw frame begins, in what the grid stage makes of the sensor's frame.
+        First column and row of the raw frame in the output of the grid stage.
     weight, binning : int
-        Of :func:`~ncdc_spec.sensors.grid.gridded`; 0 and 0: the frame as it is.
+        Arguments of :func:`~ncdc_spec.sensors.grid.gridded`; 0 and 0: no grid stage.
     """
     left: int
     top: int
@@ -92,7 +92,7 @@ def setup_around(name, geometry, *, field=None, clock_hz=None, **settings):
     way = _way_to(sensor, geometry, wanted, ways)
     _check_corner(sensor, wanted)
     common = {"clock_hz": clock_hz or sensor.pixel_clock_hz, **settings}
-    return _smooth([_placed(sensor, geometry, way, bins, wanted, common)
+    return _smooth([_positioned(sensor, geometry, way, bins, wanted, common)
                     for bins in _bins(sensor, geometry, way)])
 
 
@@ -107,7 +107,7 @@ def shown(plan, crop, geometry):
     size = [way.reduction * part for part in geometry.distorted]
     if way.reduction == 1:
         # Mirrored, the first column of a frame is the last one of its window.
-        begins = [min(places[corner], places[corner + part - 1]) for places, corner, part in zip(
+        begins = [min(line[corner], line[corner + part - 1]) for line, corner, part in zip(
             (plan.columns, plan.rows), crop[:2], geometry.distorted)]
     else:
         begins = [begin + way.reduction * corner + grid_offset(plan, crop)
@@ -202,24 +202,24 @@ def _check_corner(sensor, field):
 
 
 def _smooth(found):
-    """Of pairs of a :class:`Setup` and more, the most bins first, the first that sends frames often
+    """The first of pairs of a :class:`Setup` and more, in order of bins, whose frame rate is high
     enough."""
     rates = [plan.timing.frames_per_second for plan, _ in found]
     enough = min(_SMOOTH_HZ, max(rates))
     return next(one for one, rate in zip(found, rates) if rate >= enough)
 
 
-def _placed(sensor, geometry, way, bins, field, common):
-    """Set-up and crop with which the raw frame is nearest to ``field`` and has its colours."""
+def _positioned(sensor, geometry, way, bins, field, common):
+    """Configuration and crop whose raw frame is nearest to ``field`` and has its colours."""
     width, height = _sent(sensor, geometry, way)
     active = sensor.columns, sensor.rows
     wanted = field.corner or [(all_ - part) / 2 for all_, part in zip(active, field.size)]
     for top, left in product((0, 1), (0, 1)):
         crop = Crop(left, top, grid_weight(way.reduction), way.binning)
-        place = [min(corners, key=lambda one: abs(one + begin - goal)) for corners, begin, goal in (
+        first = [min(corners, key=lambda one: abs(one + begin - goal)) for corners, begin, goal in (
             (corners, way.reduction * corner + _offset(way, bins), goal) for corners, corner, goal
             in zip(_corners(sensor, geometry, way, bins), crop, wanted))]
-        plan = setup(sensor, Settings(width=width, height=height, left=place[0], top=place[1],
+        plan = setup(sensor, Settings(width=width, height=height, left=first[0], top=first[1],
                                       skip=way.skip, bins=bins, **common))
         if geometry.bayer in (MONO, bayer_at(plan.bayer, left, top)):
             return plan, crop

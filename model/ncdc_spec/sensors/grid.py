@@ -4,7 +4,7 @@ Such a sensor reduces each axis by s and keeps the Bayer pattern: of every 2 s a
 sends two samples, the first two pixels, or the means of the same-coloured ones. The samples of such
 a pair lie 1 active pixel apart instead of s. Around the middle of all pairs an even grid has its
 samples at s i + (1 - s) / 2. A sample with an even index lies d = (s - 1) / 2 active pixels
-behind that place, one with an odd index d before it.
+after that position, one with an odd index d before it.
 
 :func:`evened` moves each sample by d, along rows and then along columns. Samples are integers of 12
 bits, with the black level still in them.
@@ -121,8 +121,8 @@ def _moved(lines, weight):
     result = lines[:count].copy()
     for parity, step in ((0, -1), (1, 1)):
         at = np.arange(_UNMOVED + parity, count, 2)
-        before, beyond, own, ahead, far = (lines[at + k * step] for k in (-1, -2, 0, 1, 2))
-        move = 4 * (ahead - before) + 2 * (own - beyond) + (far - beyond)
+        before, beyond, own, after, far = (lines[at + k * step] for k in (-1, -2, 0, 1, 2))
+        move = 4 * (after - before) + 2 * (own - beyond) + (far - beyond)
         total = (own << _SHIFT) + weight * move + (1 << _SHIFT - 1)
         result[at] = np.clip(total >> _SHIFT, 0, _WHITE)
     return result

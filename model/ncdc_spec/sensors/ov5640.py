@@ -2,9 +2,9 @@
 
 Chosen as the third sensor because a module costs little and is sold for nearly every FPGA kit,
 with a parallel port of 8 or 10 bits; the AR0135 has more documented registers and a global shutter,
-but few sell it. Raw Bayer frames without scaling are read, so that its own processor,
-whose corrections would bend colours and edges, takes no part: of the scaler nobody says whether it
-works on raw frames. So it reduces by 2 only.
+but few sell it. Raw Bayer frames are read without scaling, so that its own processor, which would
+change colours and edges, is not used. It is not documented whether the scaler works on raw frames.
+So it reduces by 2 only.
 
 Sources: L, drivers/media/i2c/ov5640.c of Linux: register names, window margins, line lengths, clock
 tree, exposure, gain, mirrors, test patterns. DS, the data sheet OV5640 (2011), names of registers.

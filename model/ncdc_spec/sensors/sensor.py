@@ -38,7 +38,7 @@ class Limits:
         The most lines of a frame, blanking included; where an exposure makes a frame longer by
         itself, the most that are set.
     reductions : tuple of (int, int)
-        Pairs (skip, bins) of :class:`Settings` that it can, besides the unreduced (1, 1).
+        Supported pairs (skip, bins) of :class:`Settings`, except the unreduced (1, 1).
     """
     step: int
     corner_step: int
@@ -84,13 +84,13 @@ class Sensor:
     i2c_address : int
         7 bits.
     pointer_bits, value_bits : int
-        Of a register's address and of a register, 8 or 16, the upper byte first.
+        Bits of a register's address and of a register, 8 or 16, the upper byte first.
     chip_id : tuple of (int, int)
         Registers and what they hold.
     columns, rows : int
         Active pixels.
     bits : int
-        Of a sample; fewer than 12 lie at the top of our 12.
+        Bits of a sample; fewer than 12 are the upper ones of 12.
     bayer : str
         Colours of the active pixels, from the first one on, read without mirrors.
     mirror_keeps_bayer : bool
@@ -101,7 +101,7 @@ class Sensor:
     clock_hz, pixel_clock_hz : int
         Usual external clock, and the pixel clock that is made of it.
     test_patterns : dict of str to int
-        Name and value for the sensor's register; "Off" is always there besides.
+        Name and value for the sensor's register; "Off" is always included.
     limits : Limits
     user_registers : tuple of UserRegister
         What any user of a network may write: exposure, gain and test pattern. None of
@@ -184,7 +184,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Write:
-    """A register write, why it is there, and microseconds to wait behind it."""
+    """A register write, its purpose, and microseconds to wait after it."""
     register: int
     value: int
     meaning: str
@@ -278,14 +278,14 @@ class Setup:
 
     @property
     def columns(self):
-        """Of the active pixels, for each column of the frame: the one read, or the centre of those
-        whose mean it is. A range where the sensor does not reduce, else a list."""
+        """Column of the active pixels for each column of the frame, or the centre of those that are
+        averaged. A range if the sensor does not reduce, else a list."""
         asked = self.settings
         return self._read(asked.left, asked.width, asked.mirror_columns)
 
     @property
     def rows(self):
-        """Of the active pixels, for each row of the frame, as :attr:`columns`."""
+        """Row of the active pixels for each row of the frame, as :attr:`columns`."""
         asked = self.settings
         return self._read(asked.top, asked.height, asked.mirror_rows)
 

@@ -1,4 +1,4 @@
-"""Tan-sigmoid in integers, in three variants behind one interface.
+"""Tan-sigmoid in integers, in three variants with one interface.
 
 Equation (17) of the paper, for n in a signed format::
 
@@ -41,11 +41,11 @@ def design_for(variant="mmhbc", fraction_bits=20, input=Q(5, 19)):
 
 
 def choose_variant(name, hidden_neurons, free_products=None):
-    """The variant that ``name`` means: itself, or for "auto" the smaller one on the board.
+    """The variant ``name``, or for "auto" the smaller one on the board.
 
-    "auto" is ``table`` if ``free_products``, the products of 27 bits that the board has left
-    beside the neurons', suffices for ``hidden_neurons`` tan-sigmoids, else ``mmhbc``; without a
-    board (None) ``mmhbc``.
+    "auto" is ``table`` if ``free_products`` suffices for ``hidden_neurons`` tan-sigmoids, else
+    ``mmhbc``. ``free_products``: multipliers of 27 bits that the neurons leave free on the board;
+    without a board (None) the result is ``mmhbc``.
     """
     if name != "auto":
         return name

@@ -1,8 +1,8 @@
-"""The plain tan-sigmoid, for comparison: hyperbolic CORDIC with repeated iterations, then LVC.
+"""A conventional tan-sigmoid, for comparison: hyperbolic CORDIC with repeats, then LVC.
 
-After Asari's neuron, [15] of the paper: exp(-a) = exp(-integer) exp(-fraction), equation (29),
-the first from a small table, the second by (24)-(28) with x, y and z channels, joined by one
-multiplication.
+It follows Asari's neuron, [15] of the paper: exp(-a) = exp(-integer) exp(-fraction), equation (29).
+A small table has the first factor, and (24)-(28) with x, y and z channels give the second; one
+multiplication joins them.
 """
 
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from ncdc_spec.tansig.lvc import quotient, quotient_error, round_shift
 
 __all__ = ["ClassicDesign"]
 
-_REPEATED = (4, 13)        # iterations done twice: without them the rotation does not converge
-_GROUPS = 1024             # fractions are bounded in so many groups
+_REPEATED = (4, 13)        # repeated iterations: without them the rotation does not converge
+_GROUPS = 1024             # groups of fractions with a bound each
 
 
 @dataclass(frozen=True)
 class ClassicDesign(Design):
-    """The ``classic`` variant; parameters beside those of :class:`Design`:
+    """The ``classic`` variant; parameters in addition to those of :class:`Design`:
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class ClassicDesign(Design):
 
     @cached_property
     def start(self):
-        """First x, raw with W fraction bits: 1 / K, which takes the scale factor (28) back."""
+        """First x, raw with W fraction bits: 1 / K, which cancels the scale factor (28)."""
         with mpmath.workdps(40):
             scale = mpmath.fprod(mpmath.sqrt(1 - mpmath.mpf(4)**-k) for k in self.shifts)
             return int(mpmath.nint(mpmath.ldexp(1 / scale, self.width)))
@@ -100,8 +100,8 @@ class ClassicDesign(Design):
     def fraction_exponential(self, fraction):
         """exp(-fraction) with W fraction bits of the raw ``fraction`` in [0, 1), as x + y.
 
-        The angle z starts at -fraction, so that the first direction is always negative; zero
-        gives a rotation to and fro like any other.
+        The angle z starts at -fraction, so that the first direction is always negative, also for
+        zero.
         """
         z = -(np.asarray(fraction, np.int64) << (self.width - self.input.f_bits))
         x, y = np.full_like(z, self.start), np.zeros_like(z)
@@ -124,21 +124,21 @@ class ClassicDesign(Design):
         return quotient(e, self.width, self.digits)
 
     def _bound(self):
-        """All fractions are evaluated, which gives the rotation's error exactly, and grouped; the
-        product and the quotient are bounded over each group and integer part."""
+        """Error bound: the rotation's error is exact, from all fractions; product and quotient are
+        bounded over each group of fractions and integer part."""
         w, unit = self.width, 2.0**(self.fraction_bits - self.width)
         count = 1 << self.input.f_bits
         fraction = np.arange(count).reshape(min(_GROUPS, count), -1)
         u = self.fraction_exponential(fraction)
         exact = np.exp(-self.input.real(fraction)) * 2.0**w
         error, lo, hi = np.abs(u - exact).max(1), u.min(1), u.max(1)
-        least = exact.min(1)
+        smallest = exact.min(1)
         worst = 0.0
         for integer, entry in enumerate(self.table):
             power = float(mpmath.exp(-integer))
             wrong = error * power + hi * abs(entry / 2.0**w - power) + (.5 if integer else 0)
             e_lo, e_hi = (bound * power for bound in (lo, hi))
-            slope = 2 / ((1 + least * power / 2.0**w) * (1 + e_lo / 2.0**w))
+            slope = 2 / ((1 + smallest * power / 2.0**w) * (1 + e_lo / 2.0**w))
             ends = quotient_error(np.floor(e_lo - wrong), np.ceil(e_hi + wrong), w, self.digits)
             worst = max(worst, float((slope * wrong + ends).max()))
         return .5 + worst * unit

@@ -1,4 +1,4 @@
-"""What every tan-sigmoid variant shares: formats, signs, the check of its error bound."""
+"""Base of the tan-sigmoid variants: formats, signs, the check of the error bound."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ __all__ = ["Design", "tansig"]
 
 @dataclass(frozen=True)
 class Design(ABC):
-    """Parameters of one tan-sigmoid, shared by the golden model and the gateware.
+    """Parameters of one tan-sigmoid, shared by the reference model and the gateware.
 
     Parameters
     ----------
     input : Q
         Format of n; gamma = 1.
     fraction_bits : int
-        Accuracy P of the result in fraction bits; the result carries one more, see ``output``.
+        Accuracy P of the result in fraction bits; the result has one more, see ``output``.
 
     Attributes
     ----------
@@ -31,16 +31,16 @@ class Design(ABC):
     for_bits : classmethod
         ``for_bits(fraction_bits, input)``: the design with derived parameters for an accuracy.
     adders, multipliers, table_bits : int
-        What the gateware needs: adders and subtractors on the data path, products, bits of ROM.
+        Cost in gateware: adders and subtractors on the data path, products, bits of ROM.
     stages : int
-        Arithmetic steps one after the other.
+        Arithmetic steps in sequence.
     bound_ulp : float
         Upper bound of ``|f - result|`` in units of 2**-P, derived from the parameters.
 
     Raises
     ------
     InputError
-        If the parameters do not fit together, or the bound is 1 or more: not faithful.
+        If the parameters are inconsistent, or the bound is 1 or more: not faithful.
     """
     input: Q = Q(5, 19)
     fraction_bits: int = 20
@@ -81,7 +81,7 @@ class Design(ABC):
 
     @cached_property
     def largest(self):
-        """Raw result of the largest magnitude, which the most negative n takes."""
+        """Raw result of the largest magnitude, also used for the most negative n."""
         return int(self.magnitude(np.array([self.input.hi]))[0])
 
     @cached_property
@@ -95,7 +95,7 @@ class Design(ABC):
 
     @abstractmethod
     def _check(self):
-        """Raise InputError if the parameters do not fit together."""
+        """Raise InputError if the parameters are inconsistent."""
 
     @abstractmethod
     def _bound(self):
@@ -108,9 +108,9 @@ _CHUNK = 1 << 15  # values at a time: the working set stays in the cache
 def tansig(n, design):
     """Raw f(n) in ``design.output`` of raw ``n`` in ``design.input``, any shape.
 
-    The result is odd (its last bit is one, an error of at most half a unit of ``fraction_bits``
-    in place of rounding) except f(0) = 0; f(-n) = -f(n) bit for bit; the most negative n, which
-    has no positive twin, gives the value of the one above it.
+    The result is odd except f(0) = 0: its last bit is one, an error of at most half a unit of
+    ``fraction_bits`` instead of rounding. f(-n) = -f(n) bit for bit. The most negative n, which has
+    no positive counterpart, gives the value of n + 1.
     """
     n = np.asarray(n, np.int64)
     result = np.empty(n.size, np.int64)

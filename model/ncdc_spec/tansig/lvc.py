@@ -8,7 +8,7 @@ __all__ = ["largest_rounding", "quotient", "quotient_error", "round_shift"]
 
 
 def round_shift(value, shift):
-    """``value`` >> ``shift``, the last bit shifted out added."""
+    """``value`` >> ``shift``, rounded: the last bit shifted out is added."""
     return (value + (1 << (shift - 1))) >> shift
 
 
@@ -16,7 +16,7 @@ def quotient(u, width, digits):
     """(1 - u) / (1 + u) with ``digits`` digits +-2**-i, the first positive.
 
     ``u``: raw with ``width`` fraction bits. Returns the raw quotient with ``digits`` fraction
-    bits; the digits are odd, so it is.
+    bits, which is odd.
     """
     one = 1 << width
     remainder, divisor = one - u, one + u
@@ -36,17 +36,17 @@ def largest_rounding(lo, hi):
 
 
 def quotient_error(lo, hi, width, digits):
-    """Bound of :func:`quotient`'s error beside the half unit of its last digit, for u in [lo, hi].
+    """Bound of :func:`quotient`'s error, without half a unit of its last digit, u in [lo, hi].
 
     ``lo``, ``hi``: arrays of equal shape, raw with ``width`` fraction bits. Returns |error| of
     the quotient times 2**width.
 
-    Let x = 1 + u, r(i) the exact remainder after the digits d(1..i) that were taken, and E(i) the
-    sum of d(j) rho(j) up to i, where rho(j) is the rounding of x >> j. The digit i + 1 is of the
-    wrong sign only where \\|r(i)\\| <= \\|E(i)\\|, so that by induction
-    \\|r(i)\\| <= x 2**-i + max \\|E(j)\\|, j < i, and the quotient's error is
+    Let x = 1 + u, r(i) the exact remainder after the digits d(1..i), and E(i) the sum of
+    d(j) rho(j) up to i, where rho(j) is the rounding of x >> j. The digit i + 1 has the wrong sign
+    only where \\|r(i)\\| <= \\|E(i)\\|, so that by induction
+    \\|r(i)\\| <= x 2**-i + max \\|E(j)\\|, j < i. The quotient's error is
     \\|r(digits)\\| / x <= 2**-digits + max \\|E(j)\\| / x. The roundings of the low shifts
-    depend on low bits of x, which may be anything: their worst pattern counts; those of the high
+    depend on low bits of x, which are arbitrary: the worst pattern counts. Those of the high
     shifts follow from the interval.
     """
     narrow = max(float((hi - lo).max()), 1)
@@ -63,7 +63,7 @@ def _worst_pattern(bits):
     """Largest sum of the distances of x / 2**i to an integer, i = 1..bits, over integers x.
 
     The distance of x / 2**i depends on i low bits of x: patterns of up to 16 bits are enumerated,
-    and each further bit adds a half at most.
+    and each further bit adds at most a half.
     """
     x = np.arange(1 << min(bits, 16))
     total = sum((np.abs(x / 2.0**i - np.round(x / 2.0**i)) for i in range(1, min(bits, 16) + 1)),

@@ -1,7 +1,7 @@
 """The paper's tan-sigmoid: predicted hyperbolic rotations (MMHBC), then division by LVC.
 
-The paper's structure (Fig. 9): the input is separated into sign, region and fraction; a table
-holds the exponential of the region, rotations multiply it by that of the fraction (MMHBC), and
+The structure is that of the paper's Fig. 9. The input is split into sign, region and fraction. A
+table has the exponential of the region, rotations multiply it by that of the fraction (MMHBC), and
 a linear vectoring CORDIC (LVC) divides.
 """
 
@@ -20,7 +20,7 @@ from ncdc_spec.tansig.mmhbc_bound import error_bound
 
 __all__ = ["TansigDesign"]
 
-# Entries that differ from the rounded exponential, by input, P, W, t: with them no output ever
+# Entries that differ from the rounded exponential, by input, P, W, t: with them no output
 # decreases. Derived by tuning.monotonic_tuning; the error bound is that of the tuned table.
 _TUNED = {
     (Q(5, 19), 16, 21, 4): {12: 1, 21: 1, 23: -1, 27: -1, 31: -1, 34: -1, 47: -1, 67: -1, 73: -1,
@@ -34,14 +34,14 @@ _TUNED = {
 
 @dataclass(frozen=True)
 class TansigDesign(Design):
-    """The ``mmhbc`` variant; parameters beside those of :class:`Design`:
+    """The ``mmhbc`` variant; parameters in addition to those of :class:`Design`:
 
     Parameters
     ----------
     width : int
         Fraction bits W of the exponential and of the quotient's remainder.
     region_bits : int
-        Fraction bits t of the input that address the region table, beside all integer bits.
+        Fraction bits t of the input that address the region table, in addition to the integer bits.
     """
     width: int = 25
     region_bits: int = 5
@@ -81,7 +81,7 @@ class TansigDesign(Design):
 
     @property
     def adders(self):
-        """Magnitude, rotations, 1 - e, digits; the last digit needs none, nor does 1 + e."""
+        """Magnitude, rotations, 1 - e, digits; the last digit and 1 + e need none."""
         return 1 + len(self.shifts) + 1 + self.digits - 1
 
     @property
@@ -98,8 +98,8 @@ class TansigDesign(Design):
     def rounded_table(self):
         """Exponential of each region, rounded to W fraction bits, as a tuple of integers.
 
-        Entry A is exp(-(A 2**-t + c)) / prod(sqrt(1 - 4**-s)): c is the offset that recoding the
-        fine bits from 0/1 to -1/+1 leaves, and the product is the rotations' scale factor, (28).
+        Entry A is exp(-(A 2**-t + c)) / prod(sqrt(1 - 4**-s)): c is the offset from recoding the
+        fine bits from 0/1 to -1/+1, and the product is the rotations' scale factor, (28).
         """
         with mpmath.workdps(40):
             offset = mpmath.fsum(mpmath.mpf(2)**-s for s in self.shifts)
@@ -131,8 +131,8 @@ class TansigDesign(Design):
     def exponential(self, a):
         """exp(-a) with W fraction bits: region table, then one rotation per fine bit.
 
-        x = cosh and y = sinh always enter as x + y (23), and the rotation (24) acts on the sum u
-        as u <- u - d (u >> s): one channel. No z channel either: the fine bits are the
+        x = cosh and y = sinh always enter as x + y (23). The rotation (24) of the sum u is
+        u <- u - d (u >> s): one channel. There is no z channel, since the fine bits are the
         directions.
         """
         return self._rotate(np.array(self.table)[a >> self.fine_bits], a)

@@ -6,7 +6,7 @@ from ncdc_spec.tansig.lvc import largest_rounding, quotient_error, round_shift
 
 __all__ = ["error_bound", "error_terms"]
 
-_KNOWN = 9         # rotations followed exactly; the others are bounded
+_KNOWN = 9         # rotations computed exactly; the others are bounded
 _SLACK = 1e-6      # units of 2**-W: covers the double precision of this computation
 
 
@@ -19,15 +19,15 @@ def error_terms(design, known=_KNOWN):
     """Terms of the bound, in units of 2**-P, as arrays over (regions, known directions).
 
     Returns a dict of ``digit`` (the odd last bit), ``known`` (error of the table entry and of the
-    rotations that are followed exactly), ``rotations`` (roundings of the others), ``angle``
-    (their atanh(2**-s) against 2**-s), ``quotient`` (roundings of the divisor's shifts),
+    rotations that are computed exactly), ``rotations`` (roundings of the others), ``angle``
+    (their atanh(2**-s) minus 2**-s), ``quotient`` (roundings of the divisor's shifts),
     ``total``, and ``a``, the input in the middle of each part.
 
-    Each of the first rotations' directions is followed with the integers themselves: u is then
-    known, and so is its distance to the value v that the exact continuation needs. The
-    roundings of the remaining rotations are bounded over the interval that they can reach, and
-    what an error of e means for f is exact: f(e) - f(u) = 2 (u - e) / ((1 + e) (1 + u)). With
-    ``known`` = 0 only the table's entry is, and each source of error has a term of its own.
+    All directions of the first rotations are computed with the integers themselves. So u is known,
+    and its distance from the value v of an exact continuation. The roundings of the remaining
+    rotations are bounded over the interval that they can reach. The effect of an error of e on f
+    is exact: f(e) - f(u) = 2 (u - e) / ((1 + e) (1 + u)). With ``known`` = 0 only the table's
+    entry is known, and each source of error has its own term.
     """
     w, unit = design.width, 2.0**design.fraction_bits
     known = min(known, len(design.shifts))

@@ -1,7 +1,7 @@
-"""The tan-sigmoid as a table of quadratics: small wherever multipliers are free.
+"""The tan-sigmoid as a table of quadratics: small if multipliers are available.
 
-The magnitude is cut into segments, narrow where f curves and wide at the far end; a table holds
-a quadratic for each, which takes two multiplications and two additions.
+The magnitude is divided into segments, narrow where f curves and wide at the far end. A table has a
+quadratic for each, which takes two multiplications and two additions.
 """
 
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from ncdc_spec.tansig.design import Design
 
 __all__ = ["TableDesign"]
 
-# Extrema of the Chebyshev cubic on [0, 1], and where its first zero is moved to 0.
+# Extrema of the Chebyshev cubic on [0, 1], and the same with its first zero moved to 0.
 _NODES = tuple(mpmath.mpf(k) / 4 for k in (0, 1, 3, 4))
 _NODES_FROM_ZERO = tuple((2 * mpmath.mpf(k) + mpmath.sqrt(3)) / (2 + mpmath.sqrt(3))
                          for k in (-.5, .5, 1))
 _SAMPLES = 256             # per segment, of the error
-# Changes of values, by input, P and parameters: with them no output ever decreases. Derived by
+# Changes of values, by input, P and parameters: with them no output decreases. Derived by
 # tuning.monotonic_tuning; the error bound is that of the tuned table.
 _TUNED = {
     (Q(5, 19), 16, (3, 2, 1), 26, 22): {2: -6, 3: -5, 39: -1, 41: -1, 44: 1, 45: -1, 46: 1, 48: 12,
@@ -36,7 +36,7 @@ _TUNED = {
 
 @dataclass(frozen=True)
 class TableDesign(Design):
-    """The ``table`` variant; parameters beside those of :class:`Design`:
+    """The ``table`` variant; parameters in addition to those of :class:`Design`:
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class TableDesign(Design):
 
     @property
     def position_bits(self):
-        """Bits of the position t in a segment; narrow segments leave low ones zero."""
+        """Bits of the position t in a segment; low ones are zero in narrow segments."""
         return self.input.f_bits - min(self.segment_bits)
 
     @property
@@ -99,7 +99,7 @@ class TableDesign(Design):
         f is value + t (slope - t curvature) for t in [0, 1) over the segment. The quadratic has
         equal errors of alternating sign at the extrema of the Chebyshev cubic, which is one step of
         the Remez exchange; the first one passes through zero. Curvature, slope and value are
-        rounded one after the other, each making good for those before.
+        rounded in this order, each compensating for the previous ones.
         """
         with mpmath.workdps(30):
             return tuple(self._fit(start, width) for start, width in self.segments)
@@ -118,7 +118,7 @@ class TableDesign(Design):
         rows = [[t, -t * t, (-1)**k, 1][:len(nodes)] for k, t in enumerate(nodes)]
         exact = mpmath.lu_solve(mpmath.matrix(rows), mpmath.matrix(f))
         curvature = _nearest(exact[1], self.slope_bits)
-        # At the segment's end the slope makes good for the curvature's rounding.
+        # The slope compensates for the curvature's rounding at the segment's end.
         slope = _nearest(exact[0] - exact[1] + mpmath.ldexp(curvature, -self.slope_bits),
                          self.slope_bits)
         residue = [y - mpmath.ldexp(t * (slope - t * curvature), -self.slope_bits)
@@ -173,7 +173,7 @@ class TableDesign(Design):
         return np.minimum(total >> (below - self.fraction_bits), (1 << self.fraction_bits) - 1)
 
     def _bound(self):
-        """Half a unit of the last bit, the quadratics' largest error, and the truncated product."""
+        """Sum of half a unit of the last bit, the largest error, and the truncated product."""
         starts, widths = (np.array(column)[:, None] for column in zip(*self.segments))
         value, slope, curvature = (np.array(column)[:, None] for column in zip(*self.coefficients))
         t = np.arange(_SAMPLES + 1) / _SAMPLES
@@ -181,12 +181,12 @@ class TableDesign(Design):
         polynomial = (value * 2.0**-self.offset_bits
                       + t * (slope - t * curvature) * 2.0**-self.slope_bits)
         error = np.abs(polynomial - np.tanh(self.input.real(starts + t * widths) / 2))
-        # Between samples: |f'''| <= f' <= 2 exp(-a), and 1/4 at most, bounds the error's curvature.
+        # |f'''| <= f' <= min(1/4, 2 exp(-a)) bounds the error's curvature between samples.
         between = np.minimum(.25, 2 * np.exp(-self.input.real(starts))) * h * (h / _SAMPLES)**2 / 8
         worst = float((error.max(1, keepdims=True) + between).max())
         return .5 + (worst + 2.0**-self.slope_bits) * 2.0**self.fraction_bits
 
 
 def _nearest(value, bits):
-    """Raw integer of ``value`` with so many fraction bits."""
+    """Raw integer of ``value`` with ``bits`` fraction bits."""
     return int(mpmath.nint(mpmath.ldexp(value, bits)))

@@ -1,4 +1,4 @@
-"""What ROS and OpenCV say next to the lens: rectification, projection, binning, region."""
+"""Data of ROS and OpenCV files next to the lens: rectification, projection, binning, region."""
 
 from dataclasses import replace
 
@@ -10,11 +10,11 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["rectified", "windowed"]
 
-_ROTATED = 1e-3        # by how much R R' may differ from 1: files are rounded
+_ROTATED = 1e-3        # largest difference of R R' from 1: files are rounded
 
 
 def rectified(lens, table):
-    """``lens`` seen as ``table`` asks for by rectification_matrix (R) and projection_matrix (P).
+    """``lens`` with the rectification_matrix (R) and projection_matrix (P) of ``table``.
 
     As ``cv2.initUndistortRectifyMap(K, D, R, P)``: R turns the view, P gives the corrected
     picture's focal lengths and centre. R alone is a rectification only in ROS's camera_info, as
@@ -50,7 +50,7 @@ def rectified(lens, table):
 def _value(table, name, short, counts):
     """Numbers of the value ``name``, or of its ``short`` name in camera_info; None if not set."""
     value = table.get(name)
-    # Without K and D, or next to a translation, R and P are something else's.
+    # Without K and D, or with a translation, R and P mean something else.
     for key, others in ((short, {"K", "D"}), (short.lower(), {"k", "d"})):
         if value is None and others <= table.keys() and "T" not in table:
             value = table.get(key)
@@ -75,11 +75,11 @@ def _frame(size, projection):
 
 
 def windowed(lens, table):
-    """``lens`` of the frames that a camera_info describes by its binning and roi.
+    """``lens`` of the frames after the binning and roi of a camera_info.
 
     K and P are for the full resolution: less the offset of the roi and divided by the binning,
-    as ROS's image_geometry does. do_rectify chooses which part of the corrected picture is wanted,
-    not how it is made.
+    as ROS's image_geometry does. do_rectify chooses a part of the corrected picture,
+    not how the picture is computed.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def windowed(lens, table):
 
 
 def _check_binning(lens, binning, size):
-    """Reject a matrix that was calibrated on binned frames: divided again it would be wrong."""
+    """Reject a matrix calibrated on binned frames, which must not be divided again."""
     centre, full = lens.matrix[:2, 2], np.array(lens.size)
     already = (centre < full / 3) & (np.abs(centre - np.array(size) / 2) < np.array(size) / 4)
     if (already & (np.array(binning) > 1)).any():

@@ -1,10 +1,10 @@
-"""Cameras of camodocal, as VINS-Mono, VINS-Fusion and their kin keep them."""
+"""Cameras of camodocal, as VINS-Mono and VINS-Fusion use them."""
 
 from functools import partial
 
 import numpy as np
 
-from ncdc_model.calibration.files.bends import fisheye, perspective, unified_sphere
+from ncdc_model.calibration.files.distortion import fisheye, perspective, unified_sphere
 from ncdc_model.calibration.files.lens import file_lens, matrix_of, numbers
 from ncdc_model.calibration.files.opencv import size_of
 from ncdc_spec.errors import InputError
@@ -26,7 +26,7 @@ def is_camodocal(table):
 def camodocal_lens(table):
     """:class:`FileLens` of PINHOLE, PINHOLE_FULL, KANNALA_BRANDT or MEI.
 
-    KANNALA_BRANDT's k2 ... k5 are read where they stand, among the projection parameters as
+    KANNALA_BRANDT's k2 ... k5 may be among the projection parameters, as
     camodocal writes them, or among the distortion parameters.
 
     Raises
@@ -45,7 +45,7 @@ def camodocal_lens(table):
     matrix = matrix_of(*(projection[name] for name in _FOCAL[model]))
     if model == "MEI":
         xi, = numbers(table["mirror_parameters"]["xi"], "value xi", (1,))
-        bend = partial(unified_sphere, offset=xi, radial=k[:2], tangential=k[2:])
+        distortion = partial(unified_sphere, offset=xi, radial=k[:2], tangential=k[2:])
     else:
-        bend = partial(fisheye if model == "KANNALA_BRANDT" else perspective, coefficients=k)
-    return file_lens(size_of(table), np.asarray(matrix), bend, f"camodocal {model}")
+        distortion = partial(fisheye if model == "KANNALA_BRANDT" else perspective, coefficients=k)
+    return file_lens(size_of(table), np.asarray(matrix), distortion, f"camodocal {model}")

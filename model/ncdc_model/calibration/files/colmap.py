@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from ncdc_model.calibration.files.bends import (
+from ncdc_model.calibration.files.distortion import (
     field_of_view,
     fisheye,
     on_angle,
@@ -18,17 +18,17 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["binary_lens", "is_colmap", "text_lens"]
 
-# COLMAP's numbers of the models, how many focal lengths, and how many coefficients they have.
+# COLMAP's number of each model, its count of focal lengths and its count of coefficients.
 _MODELS = {"SIMPLE_PINHOLE": (0, 1, 0), "PINHOLE": (1, 2, 0), "SIMPLE_RADIAL": (2, 1, 1),
            "RADIAL": (3, 1, 2), "OPENCV": (4, 2, 4), "OPENCV_FISHEYE": (5, 2, 4),
            "FULL_OPENCV": (6, 2, 8), "FOV": (7, 2, 1), "SIMPLE_RADIAL_FISHEYE": (8, 1, 1),
            "RADIAL_FISHEYE": (9, 1, 2), "THIN_PRISM_FISHEYE": (10, 2, 8),
            "SIMPLE_FISHEYE": (14, 1, 0), "FISHEYE": (15, 2, 0)}
-# Known, not supported; where the next camera of cameras.bin starts follows from their sizes.
+# Known, not supported; their sizes give the position of the next camera in cameras.bin.
 _OTHERS = {"RAD_TAN_THIN_PRISM_FISHEYE": (11, 16), "SIMPLE_DIVISION": (12, 4),
            "DIVISION": (13, 5), "EUCM": (16, 6), "EQUIRECTANGULAR": (17, 2)}
 _LINE = re.compile(r"\d+ +[A-Z][A-Z_]+ +\d+ +\d+( +\S+)+")
-_CORNER = 0.5          # COLMAP counts from the corner of the first pixel, we from its centre
+_CORNER = 0.5          # COLMAP counts from the corner of the first pixel, NCDC from its centre
 
 
 def is_colmap(text):
@@ -48,7 +48,7 @@ def text_lens(text, camera=None):
     Raises
     ------
     InputError
-        If the choice is open or absent, or the model unknown or of another number of values.
+        If the camera is not chosen or absent, or the model unknown or of another length.
     """
     cameras = {}
     for line in _lines(text):
@@ -58,7 +58,7 @@ def text_lens(text, camera=None):
 
 
 def binary_lens(content, camera=None):
-    """The same of a cameras.bin."""
+    """:class:`FileLens` of a cameras.bin; as :func:`text_lens`."""
     names = {number: (name, sum(sizes) + 2) for name, (number, *sizes) in _MODELS.items()}
     names |= {number: (name, size) for name, (number, size) in _OTHERS.items()}
     cameras = {}
@@ -89,10 +89,10 @@ def _lens(cameras, camera):
     fx, fy, cx, cy = *values[[0, focals - 1]], *values[focals:focals + 2]
     return file_lens((whole(width, "width"), whole(height, "height")),
                      matrix_of(fx, fy, cx - _CORNER, cy - _CORNER),
-                     _bend(model, values[focals + 2:]), f"COLMAP {model}")
+                     _distortion(model, values[focals + 2:]), f"COLMAP {model}")
 
 
-def _bend(model, k):
+def _distortion(model, k):
     if model == "FOV":
         return lambda a, b: field_of_view(a, b, k[0])
     if model == "OPENCV_FISHEYE":

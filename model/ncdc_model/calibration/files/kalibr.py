@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from ncdc_model.calibration.files.bends import (
+from ncdc_model.calibration.files.distortion import (
     field_of_view,
     fisheye,
     perspective,
@@ -52,12 +52,12 @@ def kalibr_lens(table, camera=None):
     table : dict
         The whole file: cam0, cam1 ..., or one camera without a name.
     camera : str, optional
-        Which one; may be left out where there is one only.
+        Name of one; not needed if there is only one.
 
     Raises
     ------
     InputError
-        If the choice is open or absent, the model is none of the above or has another number of
+        If the camera is not chosen or absent, the model is not supported or has another number of
         values.
     KeyError, TypeError, ValueError
         If a value is missing or of the wrong kind.
@@ -81,10 +81,10 @@ def kalibr_lens(table, camera=None):
     k = coefficients(given, f"{camera} {distortion}", (_COEFFICIENTS[distortion],))
     model = f"{camera} {projection} {distortion}".removesuffix(" none")
     return file_lens((whole(width, "width"), whole(height, "height")), matrix_of(*values[own:]),
-                     _bend(projection, values[:own], distortion, k), model)
+                     _distortion(projection, values[:own], distortion, k), model)
 
 
-def _bend(projection, own, distortion, k):
+def _distortion(projection, own, distortion, k):
     """Distorted point of an ideal one, in units of the focal length."""
     if projection == "omni":
         k = k if len(k) else np.zeros(4)

@@ -1,4 +1,4 @@
-"""Files of other software that are known by their content, and not supported."""
+"""Files of other software that are recognised by their content but not supported."""
 
 import re
 
@@ -6,7 +6,7 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["reject_known_bytes", "reject_known_table", "reject_known_text"]
 
-# What it is, and a pattern of its text. The first that fits counts.
+# Kind of file, and a pattern of its text. The first that fits counts.
 _TEXTS = (
     ("a lensfun profile", r"<lensdatabase|<!DOCTYPE lensdatabase"),
     ("an Adobe lens profile (.lcp)", r"<x:xmpmeta|stCamera:"),
@@ -28,7 +28,7 @@ _TEXTS = (
     ("a picture in PostScript or PDF", r"^%(PDF|!PS)"),
     ("an HTML page", r"(?i)^\s*<!doctype html|^\s*<html"),
 )
-# What it is, and names that its table holds, all of one of the tuples.
+# Kind of file, and names in its table: all of one of the tuples.
 _TABLES = (
     ("a Gyroflow lens profile", (("calib_dimension",), ("fisheye_params",))),
     ("a Kalibr imu file", (("accelerometer_noise_density",), ("gyroscope_noise_density",),

@@ -1,4 +1,4 @@
-"""A lens read from another project's camera file, and what its readers share."""
+"""A lens read from another program's camera file, and functions that its readers share."""
 
 from dataclasses import dataclass, replace
 
@@ -20,23 +20,23 @@ class FileLens:
         Width and height of the distorted image; None if the file does not say.
     matrix : ndarray, shape (3, 3)
         Intrinsic parameters, equation (2) of the paper. Pixel centres are integers.
-    bend : callable
+    distortion : callable
         Distorted point, in units of the focal length, of ideal points (a, b).
     model : str
         Name for reports.
     limit : float
-        Radius of the ideal plane from which on the model folds back.
+        Radius of the ideal plane at which the model folds back.
     rotation : ndarray, shape (3, 3), optional
-        Rectification: takes directions of the camera to those in which the corrected picture is
-        seen. All points (a, b) outside of ``bend`` are of the turned plane.
+        Rectification: takes directions of the camera to those of the corrected
+        picture. All points (a, b) outside of ``distortion`` are of the rotated plane.
     frame : Frame, optional
-        The corrected picture that the file asks for.
+        The corrected picture that the file describes.
     notes, warnings : tuple of str
         Sentences on how the file was read, and on what is odd about it.
     """
     size: tuple | None
     matrix: np.ndarray
-    bend: object
+    distortion: object
     model: str
     limit: float
     rotation: np.ndarray | None = None
@@ -51,7 +51,7 @@ class FileLens:
             a, b = _turned(np.linalg.inv(self.rotation), a, b)
         good = np.hypot(a, b) < self.limit
         with np.errstate(all="ignore"):
-            x, y = self.bend(np.where(good, a, 0), np.where(good, b, 0))
+            x, y = self.distortion(np.where(good, a, 0), np.where(good, b, 0))
         k = self.matrix
         return (np.where(good, k[0, 0] * x + k[0, 1] * y + k[0, 2], np.nan),
                 np.where(good, k[1, 1] * y + k[1, 2], np.nan))
@@ -63,7 +63,7 @@ class FileLens:
         x = (np.asarray(x, np.float64) - k[0, 2] - k[0, 1] * y) / k[0, 0]
 
         def inside(a, b):
-            xb, yb = self.bend(a, b)
+            xb, yb = self.distortion(a, b)
             good = np.hypot(a, b) < self.limit
             return np.where(good, xb, np.nan), np.where(good, yb, np.nan)
         a, b = planar_inverse(inside, x, y, iterations=60)
@@ -86,33 +86,33 @@ def _turned(rotation, a, b):
         return np.where(z > 0, x / z, np.nan), np.where(z > 0, y / z, np.nan)
 
 
-def file_lens(size, matrix, bend, model, **more):
+def file_lens(size, matrix, distortion, model, **more):
     """:class:`FileLens` with its limit; :class:`InputError` if a focal length is not positive."""
     if not (matrix[0, 0] > 0 and matrix[1, 1] > 0):
         raise InputError(f"the focal lengths are {matrix[0, 0]:g} and {matrix[1, 1]:g}, "
                          f"they must be positive")
-    return FileLens(size, matrix, bend, model, _fold(bend), **more)
+    return FileLens(size, matrix, distortion, model, _fold(distortion), **more)
 
 
-def _fold(bend):
+def _fold(distortion):
     """Radius of the ideal plane before which the distorted radius grows in every direction."""
     angle = np.arange(0, 16) * np.pi / 8
     # Equal steps in view angle up to 89.6 degrees.
     radius = np.tan(np.linspace(0, 1.564, 1500))
     with np.errstate(all="ignore"):
-        x, y = bend(*(np.outer(part, radius) for part in (np.cos(angle), np.sin(angle))))
+        x, y = distortion(*(np.outer(part, radius) for part in (np.cos(angle), np.sin(angle))))
         grown = np.hypot(x - x[:, :1], y - y[:, :1])
     falls = ~(np.diff(grown, axis=1) > 0)
     return float(radius[falls.argmax(axis=1)[falls.any(axis=1)].min()]) if falls.any() else np.inf
 
 
 def choose(names, camera, what="cameras"):
-    """The one of ``names`` that ``camera`` says; it may be None where there is only one.
+    """The one of ``names`` that ``camera`` chooses; it may be None if there is only one.
 
     Raises
     ------
     InputError
-        If the choice is open or absent.
+        If there are several and none is chosen, or the chosen one is absent.
     """
     names = [str(name) for name in names]
     shown = ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
@@ -142,9 +142,9 @@ def numbers(value, name, shape=None):
 
 
 def coefficients(value, model, allowed):
-    """``value`` as distortion coefficients, as many as ``allowed`` says.
+    """``value`` as distortion coefficients, one of the numbers ``allowed`` of them.
 
-    Trailing zeros are harmless and cut off. No coefficients are as many zeros.
+    Trailing zeros are removed. No coefficients are read as zeros.
 
     Raises
     ------

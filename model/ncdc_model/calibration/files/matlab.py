@@ -6,7 +6,7 @@ from io import BytesIO
 
 import numpy as np
 
-from ncdc_model.calibration.files.bends import perspective
+from ncdc_model.calibration.files.distortion import perspective
 from ncdc_model.calibration.files.lens import choose, file_lens, matrix_of, numbers, whole
 from ncdc_spec.errors import InputError
 
@@ -22,12 +22,12 @@ def is_script(text):
 
 
 def script_lens(text, camera=None):
-    """:class:`FileLens` of a Calib_Results.m; of a stereo one, ``camera`` is left or right.
+    """:class:`FileLens` of a Calib_Results.m; ``camera`` of a stereo file is left or right.
 
     Raises
     ------
     InputError
-        If the choice is open or absent, or a value is no number.
+        If the camera is not chosen or absent, or a value is no number.
     KeyError
         If a value is missing.
     """
@@ -48,17 +48,17 @@ def mat_lens(content, camera=None):
     Raises
     ------
     InputError
-        If the file is none of MATLAB's before 7.3, holds neither, or the choice is open or absent.
+        If the file is no .mat before 7.3, holds neither, or the camera is not chosen or absent.
     KeyError, TypeError, ValueError
         If a value is missing or of the wrong kind.
     """
     if content.startswith(b"\x89HDF") or b"MATLAB 7.3" in content[:128]:
         raise InputError("it is a .mat of version 7.3, which is not supported; save it with "
                          "-v7")
-    import scipy.io  # a tenth of a second when first imported, which few need
+    import scipy.io  # takes a tenth of a second
     try:
         table = scipy.io.loadmat(BytesIO(content), simplify_cells=True)
-    except Exception as error:      # scipy raises many kinds of a broken file
+    except Exception as error:      # scipy raises many kinds for a broken file
         raise InputError(f"it is no .mat that can be read: {error}") from error
     if any(_NAME.fullmatch(name) and name.startswith("fc") for name in table):
         return _bouguet(table, camera)

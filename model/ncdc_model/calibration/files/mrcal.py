@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from ncdc_model.calibration.files.bends import perspective
+from ncdc_model.calibration.files.distortion import perspective
 from ncdc_model.calibration.files.lens import file_lens, matrix_of, numbers, whole
 from ncdc_spec.errors import InputError
 

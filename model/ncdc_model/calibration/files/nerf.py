@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from ncdc_model.calibration.files.bends import fisheye, unified_sphere
+from ncdc_model.calibration.files.distortion import fisheye, unified_sphere
 from ncdc_model.calibration.files.lens import choose, file_lens, matrix_of, numbers, whole
 from ncdc_spec.errors import InputError
 
@@ -15,7 +15,7 @@ _OWN = ("fl_x", "fl_y", "cx", "cy", "w", "h", "k1", "k2", "k3", "k4", "p1", "p2"
         "camera_angle_x", "camera_angle_y", "camera_model")
 _PERSPECTIVE = ("", "OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL",
                 "PERSPECTIVE")
-_CORNER = 0.5          # pixels count from the corner of the first one, we from its centre
+_CORNER = 0.5          # pixels count from the corner of the first one, in NCDC from its centre
 
 
 def is_nerf(table):
@@ -27,7 +27,7 @@ def is_nerf(table):
 
 
 def nerf_lens(table, camera=None):
-    """:class:`FileLens` of the file's camera; where each frame has its own, ``camera`` is the
+    """:class:`FileLens` of the file's camera; if each frame has its own, ``camera`` is the
     file_path of one.
 
     Models: OPENCV (k1 to k4 of the radius, p1, p2) and OPENCV_FISHEYE.
@@ -35,7 +35,7 @@ def nerf_lens(table, camera=None):
     Raises
     ------
     InputError
-        If the choice is open, or the model unknown.
+        If the camera is not chosen, or the model unknown.
     KeyError, TypeError, ValueError
         If a value is missing or of the wrong kind.
     """
@@ -61,14 +61,14 @@ def nerf_lens(table, camera=None):
     if table.get("is_fisheye") or model == "OPENCV_FISHEYE":
         if tangential.any():
             raise InputError("p1 and p2 are given, which the model OPENCV_FISHEYE does not have")
-        model, bend = "OPENCV_FISHEYE", partial(fisheye, coefficients=radial)
+        model, distortion = "OPENCV_FISHEYE", partial(fisheye, coefficients=radial)
     elif model in _PERSPECTIVE:
-        bend = partial(unified_sphere, offset=0.0, radial=radial, tangential=tangential)
+        distortion = partial(unified_sphere, offset=0.0, radial=radial, tangential=tangential)
     else:
         raise InputError(f"the camera model is {model}, OPENCV or OPENCV_FISHEYE is needed")
     cx, cy = (table[name] if size is None else table.get(name, side / 2)
               for name, side in zip(("cx", "cy"), size or (0, 0)))
-    return file_lens(size, matrix_of(fx, fy, float(cx) - _CORNER, float(cy) - _CORNER), bend,
+    return file_lens(size, matrix_of(fx, fy, float(cx) - _CORNER, float(cy) - _CORNER), distortion,
                      f"NeRF {model or 'OPENCV'}")
 
 

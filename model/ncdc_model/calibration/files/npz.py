@@ -1,4 +1,4 @@
-"""Cameras in NumPy's .npz, as the tutorial of OpenCV keeps them: mtx and dist."""
+"""Cameras in NumPy's .npz, as OpenCV's tutorial writes them: mtx and dist."""
 
 import zipfile
 from io import BytesIO
@@ -39,7 +39,7 @@ def npz_lens(content, camera=None):
 
 
 def _tables(content):
-    """Whether there is an array as large as a map's, of two dimensions."""
+    """Whether the file holds an array of two dimensions that is as large as a map's."""
     with zipfile.ZipFile(BytesIO(content)) as archive:
         for name in archive.namelist():
             with archive.open(name) as file:
@@ -62,7 +62,7 @@ def _arrays(content):
         for name in small:
             try:
                 value = tables[name]
-            except ValueError:      # a list of Python's, as the poses of the tutorial
+            except ValueError:      # a Python list, as the poses of the tutorial
                 continue
             if value.dtype.kind in "biufU":
                 found[name] = value

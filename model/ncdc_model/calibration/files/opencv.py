@@ -1,12 +1,12 @@
-"""Lenses of OpenCV, ROS and BoofCV files, distinguished by what the files hold."""
+"""Lenses of OpenCV, ROS and BoofCV files, distinguished by the names in the files."""
 
 import re
 from functools import partial
 
 import numpy as np
 
-from ncdc_model.calibration.files.bends import fisheye, perspective, unified_sphere
 from ncdc_model.calibration.files.camera_info import rectified, windowed
+from ncdc_model.calibration.files.distortion import fisheye, perspective, unified_sphere
 from ncdc_model.calibration.files.lens import choose, coefficients, file_lens, numbers, whole
 from ncdc_spec.errors import InputError
 
@@ -43,12 +43,12 @@ def opencv_lens(table, camera=None):
 
     Models: OpenCV's perspective one with 4, 5, 8, 12 or 14 coefficients (k1 k2 p1 p2 k3 k4 k5
     k6 s1 s2 s3 s4 tx ty; ROS's plumb_bob and rational_polynomial), OpenCV's fisheye with 4 (ROS's
-    equidistant), its omnidirectional one with xi, and BoofCV's omnidirectional_universal. Which
-    one is said by distortion_model, camera_model or model; without it 4 coefficients named D next
-    to a matrix named K are a fisheye's, as OpenCV's documentation writes them, and others are
+    equidistant), its omnidirectional one with xi, and BoofCV's omnidirectional_universal. The
+    value distortion_model, camera_model or model chooses one. Without it 4 coefficients named D
+    with a matrix named K are a fisheye's, as in OpenCV's documentation, and others are
     perspective. Rectification, projection, binning and region of interest:
-    :mod:`ncdc_model.calibration.files.camera_info`. Of the file of a stereo pair ``camera`` is 1
-    or 2, left or right; of a table of several such tables, the name of one.
+    :mod:`ncdc_model.calibration.files.camera_info`. ``camera`` is 1, 2, left or right for a stereo
+    pair, or the name of one of several tables.
 
     Raises
     ------
@@ -81,13 +81,13 @@ def opencv_lens(table, camera=None):
     if values is None and name != "none":
         warnings.append("the file holds no distortion coefficients: a lens without distortion is "
                         "taken")
-    model, bend = opencv_model(table, name, values)
-    lens = file_lens(size_of(table), matrix, bend, model, warnings=tuple(warnings))
+    model, distortion = opencv_model(table, name, values)
+    lens = file_lens(size_of(table), matrix, distortion, model, warnings=tuple(warnings))
     return windowed(rectified(lens, table), table)
 
 
 def opencv_model(table, name, values):
-    """Name for reports and ``bend`` of the model ``name`` with the coefficients ``values``."""
+    """Name for reports and distortion of the model ``name`` with the coefficients ``values``."""
     wide = name in _FISHEYE or bool(first(table, ("fisheye_model",), 0))
     if not name and "K" in table and "D" in table:
         wide = wide or numbers(values, "distortion coefficients").size == 4
@@ -162,7 +162,7 @@ _REQUIRED = object()
 
 
 def first(table, names, default=_REQUIRED):
-    """The first value of ``names`` in ``table`` that is there."""
+    """The first value of ``names`` that ``table`` has."""
     for name in names:
         if name in table and table[name] is not None:
             return table[name]

@@ -1,4 +1,4 @@
-"""The lens of a camera file, whichever program wrote it."""
+"""Reads the lens from a camera file of any supported program."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -33,14 +33,14 @@ def read_lens(path, content, camera=None, sensor=None):
     camera : str, optional
         Which of several cameras in the file.
     sensor : (int, int), optional
-        Width and height of the frames that are to be corrected. Of the same aspect as the file's,
-        the calibration is scaled to them.
+        Width and height of the frames to be corrected. The calibration is scaled to them if they
+        have the same aspect.
 
     Raises
     ------
     InputError
-        If the file is none that is understood, a value is bad, the choice of the camera is open or
-        absent, or the size is not known, out of range or of another aspect.
+        If the file is not supported, a value is bad, the camera is not chosen or absent, or the
+        size is not known, out of range or of another aspect.
     """
     try:
         lens = _lens(Path(path).suffix.lower(), content, camera)
@@ -50,7 +50,7 @@ def read_lens(path, content, camera=None, sensor=None):
         raise
     except (TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
         raise InputError(f"the camera holds a value of the wrong kind: {error}") from error
-    return _doubted(_sized(lens, sensor))
+    return _checked_centre(_sized(lens, sensor))
 
 
 def _lens(suffix, content, camera):
@@ -127,7 +127,7 @@ def _scaled(lens, sensor):
                                               f"{scale[0]:g}",))
 
 
-def _doubted(lens):
+def _checked_centre(lens):
     """``lens`` with a warning if its centre is far from the middle of the image."""
     centre = lens.matrix[:2, 2]
     if (np.abs(centre / np.array(lens.size) - .5) < .25).all():

@@ -3,7 +3,7 @@
 import re
 from functools import partial
 
-from ncdc_model.calibration.files.bends import (
+from ncdc_model.calibration.files.distortion import (
     field_of_view,
     fisheye,
     modified_brown,
@@ -52,13 +52,13 @@ def printed_cameras(text):
 def realsense_lens(table, camera=None):
     """:class:`FileLens` of the intrinsics; ``camera`` chooses one of several streams.
 
-    The inverse Brown-Conrady model is read without coefficients only: by its description they
-    correct a distorted point, by librealsense's code since 2.36 they distort an ideal one.
+    The inverse Brown-Conrady model is read without coefficients only. By its description they
+    correct a distorted point; in librealsense's code since 2.36 they distort an ideal one.
 
     Raises
     ------
     InputError
-        If the choice is open or absent, the model is unknown, or the inverse one with coefficients.
+        If the camera is not chosen or absent, or the model unknown or inverse with coefficients.
     KeyError, TypeError, ValueError
         If a value is missing or of the wrong kind.
     """
@@ -79,10 +79,10 @@ def realsense_lens(table, camera=None):
         raise InputError("the model inverse_brown_conrady with coefficients is not supported, as "
                          "versions of librealsense differ in what they mean; calibrate the camera "
                          "as brown_conrady, or make a map")
-    bend = {"brown_conrady": partial(perspective, coefficients=k),
+    distortion = {"brown_conrady": partial(perspective, coefficients=k),
             "modified_brown_conrady": partial(modified_brown, coefficients=k),
             "kannala_brandt4": partial(fisheye, coefficients=k[:4]),
             "ftheta": lambda a, b: field_of_view(a, b, k[0])}.get(name, lambda a, b: (a, b))
     return file_lens((whole(chosen["width"], "width"), whole(chosen["height"], "height")),
-                     matrix_of(*(chosen[key] for key in ("fx", "fy", "ppx", "ppy"))), bend,
+                     matrix_of(*(chosen[key] for key in ("fx", "fy", "ppx", "ppy"))), distortion,
                      f"RealSense {name}")

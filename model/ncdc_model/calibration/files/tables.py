@@ -1,4 +1,4 @@
-"""YAML, JSON and OpenCV's FileStorage as plain dictionaries."""
+"""Reads YAML, JSON and OpenCV's FileStorage as plain dictionaries."""
 
 import json
 import re
@@ -103,8 +103,8 @@ def _opencv(text):
     except (cv2.error, SystemError):
         if not text.startswith("%YAML"):
             raise
-        # YAML that OpenCV does not understand, or a mistake that PyYAML names by its column. The
-        # first line stays, as an empty one.
+        # YAML that OpenCV does not understand, or an error whose column PyYAML reports. The first
+        # line becomes an empty one.
         return _one([part for part in yaml.load_all(text[text.index("\n"):], _Loader)
                      if part is not None]) if "\n" in text else {}
 
@@ -146,8 +146,8 @@ def file_storage(text):
 
 
 def _check_matrix(node):
-    """Whether a matrix holds values. One with more than it says makes OpenCV write past its end:
-    rejected."""
+    """Whether a matrix holds values. One with more than its size is rejected: OpenCV would write
+    past its end."""
     kind, data = node.getNode("dt"), node.getNode("data")
     channels = re.fullmatch(r"(\d*)[ucwsifdhUIBb]", kind.string() if kind.isString() else "")
     sides = [node.getNode(name) for name in ("rows", "cols")]

@@ -1,36 +1,36 @@
-"""The minimum of a robust least-squares fit, to digits that do not depend on who adds."""
+"""The minimum of a robust least-squares fit, in digits that are the same on every machine."""
 
 import numpy as np
 
 from ncdc_model.exact import solve
 
-__all__ = ["settle"]
+__all__ = ["refine"]
 
 _STEPS = 200
 _PROBE = 4.0           # px: root of the sum of squares by which a probe moves the residuals
 _GRAIN = 2.0**-14      # of what moves the residuals by 1 px: the result is a multiple of it
 _DONE = 2.0**-12 * _GRAIN   # a step below it is the last: starts differ from machine to machine
-_DAMPED = 1e-6, 1e3    # least damping of a step that has to be repeated, and when to give up
-_EASED = 0.1           # of the damping, after a step that led on
+_DAMPED = 1e-6, 1e3    # smallest damping of a step that has to be repeated, and when to give up
+_EASED = 0.1           # of the damping, after a step that lowered the cost
 
 
-def settle(residuals, derivatives, start, robust):
+def refine(residuals, derivatives, start, robust):
     """Parameters near ``start`` of least Huber cost of ``residuals``, rounded to a coarse grain.
 
     ``scipy.optimize.least_squares`` ends as soon as the cost hardly falls; where exactly depends
-    on the last bits of its linear algebra. From there damped Gauss-Newton steps go on to the
-    minimum itself, whatever the start, until a step is far below the grain.
-    What is left of the order of summation is rounded away.
+    on the last bits of its linear algebra. Damped Gauss-Newton steps go on from there until a step
+    is far below the grain. They reach the same minimum from any start. Rounding to the grain
+    removes what the order of summation leaves.
 
     Parameters
     ----------
     residuals : callable
         Array of residuals of a vector of parameters, in pixels.
     derivatives : callable
-        Of a vector and the steps by which each parameter is moved to either side: the derivatives
-        of the residuals by the parameters, one row a parameter.
+        Takes a vector and the steps by which each parameter is moved to either side. Returns the
+        derivatives of the residuals by the parameters, one row per parameter.
     start : ndarray
-        Close to the minimum. If no step leads on from there, it is returned rounded.
+        Close to the minimum. If no step lowers the cost, it is returned rounded.
     robust : float
         Residuals beyond it count linearly.
     """

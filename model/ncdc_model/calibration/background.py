@@ -1,5 +1,4 @@
-"""Tells spots on the target's own ground from those beyond an edge of brightness."""
-
+"""Separates spots on the target's own background from those beyond an edge of brightness."""
 
 import cv2
 import numpy as np
@@ -7,32 +6,34 @@ from scipy.ndimage import map_coordinates
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-__all__ = ["contrast", "on_one_ground"]
+__all__ = ["contrast", "on_one_background"]
 
-_STEP = 0.75           # brightness of one cell over that of the next: less is an edge
+_STEP = 0.75           # ratio of the brightness of two cells: less is an edge
 _REGION = 20           # cells: a smaller dark part is a mark on the page
 _ACROSS = 3            # cells to either side that are compared
-_REASON = "on ground of another brightness: a reflection, or beyond a shadow's edge"
+_REASON = "on a background of another brightness: a reflection, or beyond a shadow's edge"
 
 
 def contrast(image, photo):
-    """By what part of the page's brightness the dots of ``photo``, PhotoPoints, usually
-    are darker than the page half-way to their neighbours across; not-a-number if none has any."""
-    place = {tuple(key): k for k, key in enumerate(photo.index.tolist())}
-    pairs = np.array([(k, place[i + 1, j + 1]) for (i, j), k in place.items()
-                      if (i + 1, j + 1) in place]).reshape(-1, 2)
+    """Median contrast of the dots of ``photo``, PhotoPoints, in parts of the page's brightness.
+
+    The page is sampled half-way to the diagonal neighbours; not-a-number if no dot has any.
+    """
+    number_of = {tuple(key): k for k, key in enumerate(photo.index.tolist())}
+    pairs = np.array([(k, number_of[i + 1, j + 1]) for (i, j), k in number_of.items()
+                      if (i + 1, j + 1) in number_of]).reshape(-1, 2)
     if not len(pairs):
         return float("nan")
     page = _brightness(image, photo.xy[pairs].mean(axis=1))
     return float(np.median(1 - _brightness(image, photo.xy[pairs[:, 0]]) / page))
 
 
-def on_one_ground(image, photo):
+def on_one_background(image, photo):
     """``photo``, PhotoPoints on a lattice, without those beyond an edge of brightness.
 
-    The middle of each four points is page. Where it is darker by a quarter from one such cell to
-    the next there is an edge: of a shadow, or of the page, in whose shiny frame its dots are seen
-    again at nearly the same distances. Only points of the largest part without an edge are kept.
+    A cell is the page between four points. Two cells have an edge between them if one is darker by
+    a quarter: the edge of a shadow, or of a page whose shiny frame mirrors its dots at nearly the
+    same distances. Only points of the largest part without an edge remain.
     """
     if len(photo.index) < 9:
         return photo
@@ -48,7 +49,7 @@ def on_one_ground(image, photo):
     cell = np.full(whole.shape, -1)
     cell[whole] = np.arange(whole.sum())
     pairs = []
-    # A stroke of a pen darkens a line of cells, but not what lies beyond it.
+    # A pen stroke darkens a line of cells, but not the cells beyond it.
     for one, other in [pair for far in range(1, _ACROSS + 1) for pair in (
             (np.s_[:-far], np.s_[far:]), (np.s_[:, :-far], np.s_[:, far:]))]:
         same = whole[one] & whole[other]
@@ -65,14 +66,14 @@ def on_one_ground(image, photo):
     inside[corners[whole][part == main].ravel()] = True
     drop[corners[whole][part != main].ravel()] = True
     drop &= ~inside
-    # The cell on the edge itself may count as bright: what lies on its other side does not.
+    # The cell on the edge itself may count as bright: points on its other side do not.
     drop[corners[whole][(part != main) & (sizes[part] >= _REGION)].ravel()] = True
     return photo.without(drop, _REASON)
 
 
-def _brightness(image, places):
-    """Of the picture, blurred over some pixels, at ``places`` (n, 2)."""
+def _brightness(image, positions):
+    """Brightness (n,) of the picture, blurred over 4x4 pixels, at ``positions`` (n, 2)."""
     grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     smooth = cv2.blur(grey, (4, 4)).astype(np.float32)
     smooth += 1
-    return map_coordinates(smooth, [places[:, 1], places[:, 0]], order=1, mode="nearest")
+    return map_coordinates(smooth, [positions[:, 1], positions[:, 0]], order=1, mode="nearest")

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ncdc_model.calibration.alike import REASON, alike
 from ncdc_model.calibration.blobs import find_blobs
+from ncdc_model.calibration.patch_consistency import REASON, consistent_patches
 from ncdc_model.calibration.points import PhotoPoints
 
 STEP, RADIUS, VICTIM = 40, 11, 6 * 15 + 7      # pixels, pixels, the dot in row 6 and column 7
@@ -50,7 +50,7 @@ def test_a_clean_tilted_page_keeps_all():
     image, index, xy = page()
     photo = found(image, index, xy)
     assert len(photo.index) == len(index)
-    assert alike(image, photo) is photo
+    assert consistent_patches(image, photo) is photo
 
 
 @pytest.mark.parametrize("spoil", [half_covered, blot_beside])
@@ -61,7 +61,7 @@ def test_a_dot_that_is_not_seen_whole_is_dropped(spoil):
     off = np.linalg.norm(photo.xy - xy[[(index == key).all(axis=1).argmax()
                                         for key in photo.index]], axis=1)
     assert off.max() > 1                    # else there would be nothing to find
-    kept = alike(image, photo)
+    kept = consistent_patches(image, photo)
     away = np.linalg.norm(kept.xy - xy[[(index == key).all(axis=1).argmax()
                                         for key in kept.index]], axis=1)
     assert away.max() < 0.5

@@ -1,4 +1,4 @@
-"""An existing descriptor against points of photos, a camera file or a map."""
+"""Errors of an existing descriptor, measured on points of photos, a camera file or a map."""
 
 from dataclasses import replace
 
@@ -19,13 +19,13 @@ from ncdc_model.lens.inverse import planar_inverse
 from ncdc_model.training.source import load_points
 from ncdc_spec.errors import InputError
 
-__all__ = ["corrected_points", "evaluate_against", "fitted_view"]
+__all__ = ["compare_with_reference", "corrected_points", "fitted_view"]
 
 _WIDE = 0.01       # zoom at which no point of a photo falls outside the frame
 
 
-def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: None):
-    """Errors of ``descriptor`` against a points or camera file or remap tables.
+def compare_with_reference(descriptor, path, camera=None, progress=lambda fraction: None):
+    """Errors of ``descriptor`` compared with a points file, a camera file or remap tables.
 
     ``path``: a path, or two of the tables x and y; ``camera``: which of a camchain, or which of
     several maps in a file. A map is compared at every pixel that is valid in both.
@@ -33,9 +33,9 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
     ``progress`` is called with the fraction done.
 
     A camera file is compared at every valid pixel: in the corrected frame of training
-    (``trained``) if the descriptor is from a camera file. Points leave open from which direction
-    the flat picture is seen, so that a descriptor from points is compared in the plane that fits
-    the float network best (``fitted``). Points are compared where they lie, see
+    (``trained``) if the descriptor is from a camera file. A descriptor from points has an
+    arbitrary view of the flat picture, so that it is compared in the plane that fits the float
+    network best (``fitted``). Points are compared at their positions, see
     :func:`corrected_points`.
 
     Returns
@@ -43,8 +43,8 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
     dict
         ``hidden_neurons``, ``nodes``, ``measured_on`` (frame and its view, points and their pose,
         trained or fitted), ``map_error_float_px``, ``map_error_fixed_px``,
-        ``fixed_minus_float_max_px``, and ``valid_pixels`` or ``points``; of a map
-        ``valid_pixels_differ``, those that have a source in one of the two only; of a camera file
+        ``fixed_minus_float_max_px``, and ``valid_pixels`` or ``points``; for a map
+        ``valid_pixels_differ``, those with a source in one of the two only; for a camera file
         ``notes``, sentences on how it was read.
 
     Raises
@@ -54,7 +54,7 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
     """
     paths, tables = are_remap_files(path)
     if tables:
-        return _against_map(descriptor, paths, camera)
+        return _map_errors(descriptor, paths, camera)
     path, = paths
     points = load_points(path, descriptor.geometry.distorted if is_points_csv(path) else None)
     if points is None:
@@ -74,9 +74,9 @@ def evaluate_against(descriptor, path, camera=None, progress=lambda fraction: No
             **report}
 
 
-def _against_map(descriptor, paths, camera):
+def _map_errors(descriptor, paths, camera):
     geometry, subject = descriptor.geometry, " and ".join(map(str, paths))
-    # Valid by the same rule: which sources are inside depends on the samples around them.
+    # The same rule of validity: which sources are inside depends on the samples around them.
     tables = load_remap(paths, geometry.distorted, camera, bayer=geometry.bayer,
                         interpolation=geometry.interpolation)
     if tables.geometry.corrected != geometry.corrected:
@@ -130,11 +130,11 @@ def fitted_view(descriptor, camera):
 
 
 def corrected_points(descriptor, points, path):
-    """Corrected and distorted pixels of :class:`TargetPoints`, and where the pose is from.
+    """Corrected and distorted pixels of :class:`TargetPoints`, and the origin of the pose.
 
     If the descriptor was trained on these points, the target's pose is that of its provenance
     (``trained``). Points of other photos of the same camera get the homography that fits the
-    float network best (``fitted``): an error that a pose can explain is not seen then.
+    float network best (``fitted``), which hides errors that a pose can explain.
 
     Returns (u, v, x, y, pose); the arrays have shape (N,).
     """
@@ -158,7 +158,7 @@ def corrected_points(descriptor, points, path):
 
 
 def _fitted(descriptor, index, x, y):
-    """Homography from ``index`` to corrected pixels by the network's inverse; None: too few."""
+    """Homography from ``index`` to corrected pixels by the network's inverse, or None."""
     geometry = descriptor.geometry
     network = float_map(descriptor.network, geometry)
     u, v = _some_valid(descriptor, 5000)

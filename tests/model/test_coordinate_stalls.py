@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ncdc_model.planner.coordinate_waits import coordinate_lags
+from ncdc_model.planner.coordinate_stalls import coordinate_stalls
 from ncdc_model.planner.corrector_timing import CorrectorTiming
 from ncdc_model.planner.lookups import Windows, lookups
 
@@ -45,7 +45,7 @@ def entered(boxes, timing, strip, width, height):
 def test_lags_are_those_of_a_loop(nodes, width, strip, lanes, node_clocks, apart):
     boxes = lookups(windows(width, 5, apart), strip, lanes)
     timing = replace(TIMING, nodes=nodes, node_clocks=node_clocks)
-    steps = coordinate_lags(boxes, timing)
+    steps = coordinate_stalls(boxes, timing)
     number = np.arange(len(boxes))
     at = np.array([-1, *(step[0] for step in steps)])
     lag = np.array([0, *(step[1] for step in steps)])
@@ -57,11 +57,11 @@ def test_lags_are_those_of_a_loop(nodes, width, strip, lanes, node_clocks, apart
 def test_a_network_at_every_pixel_gives_a_group_in_so_many_clocks():
     boxes = lookups(windows(8, 2, 0), 0, 2)
     timing = replace(TIMING, nodes=1, node_clocks=3)
-    assert coordinate_lags(boxes, timing) == [(k, 2 * k) for k in range(1, 8)]
-    assert coordinate_lags(boxes, replace(timing, node_clocks=1)) == []
+    assert coordinate_stalls(boxes, timing) == [(k, 2 * k) for k in range(1, 8)]
+    assert coordinate_stalls(boxes, replace(timing, node_clocks=1)) == []
 
 
 def test_nothing_waits_where_the_nodes_of_a_row_come_in_its_clocks():
     boxes = lookups(windows(320, 20, 0), 0, 1)
-    assert coordinate_lags(boxes, replace(TIMING, nodes=16, node_clocks=13)) == []
-    assert coordinate_lags(boxes, replace(TIMING, nodes=16, node_clocks=14)) != []
+    assert coordinate_stalls(boxes, replace(TIMING, nodes=16, node_clocks=13)) == []
+    assert coordinate_stalls(boxes, replace(TIMING, nodes=16, node_clocks=14)) != []

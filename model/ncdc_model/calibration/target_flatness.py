@@ -1,4 +1,4 @@
-"""Relief of a target that is not flat: what moves its points along the picture of its normal."""
+"""Relief of a target that is not flat: displacements along the projection of its normal."""
 
 from dataclasses import dataclass, replace
 
@@ -7,35 +7,35 @@ from numpy.polynomial.chebyshev import chebvander
 
 __all__ = ["Relief", "find_relief", "line_scatter", "polynomial"]
 
-_DEGREES = (3, 5, 7, 9, 11)   # of the polynomial that the lens may differ from the smooth one by
-_BETTER = 0.97         # a higher degree must lessen the error to this part of it
+_DEGREES = (3, 5, 7, 9, 11)   # of the polynomial by which the lens may differ from the smooth one
+_BETTER = 0.97         # a higher degree must reduce the error to this part of it
 _FOLDS = 5
-_LEAST = 200           # points of a photo below which no relief is looked for
+_MIN_POINTS = 200           # of a photo, below which no relief is looked for
 _DENSE = 200           # the same, for their scatter
-_LONGER = 1.5          # times as much along the normal as across it: then there may be relief
-_KNOWN = 0.6           # of the rms along the normal: neighbours must predict all but this part
+_LONGER = 1.5          # ratio of the rms along the normal to that across it: more may be relief
+_KNOWN = 0.6           # of the rms along the normal: the most that neighbours may fail to predict
 _WINDOWS = ((2, 2), (3, 1), (1, 3), (4, 0), (0, 4))   # columns and rows to either side
-_ROUNDS = 20           # of fitting lens and relief by turns
+_ROUNDS = 20           # of fitting lens and relief in turn
 _SHRINK = 0.3          # weight of the prior that neighbours are alike
 
 
 @dataclass(frozen=True)
 class Relief:
-    """How the shape of one photo's target shows in the picture.
+    """Effect of the target's shape on one photo.
 
     Parameters
     ----------
     along : ndarray, shape (n, 2)
-        Unit vectors, in the picture, of a move along the target's normal.
+        Unit vectors in the picture: directions of a displacement along the target's normal.
     shift : ndarray, shape (n, 2)
-        Pixels by which the relief moves the points, each told from its neighbours alone; zeros
-        if there is no relief.
+        Pixels by which the relief displaces the points, each estimated from its neighbours
+        alone; zeros if there is no relief.
     degree : int
-        Of the polynomial, in column and row, that describes what is left of the lens.
+        Degree of the polynomial in column and row that describes the rest of the lens.
     found : bool
         Whether there may be relief.
     height : ndarray, shape (n,)
-        Of the target at its points, in steps; the shift is that times the normal.
+        Height of the target at its points, in steps; the shift is that times the normal.
     """
     along: np.ndarray
     shift: np.ndarray
@@ -45,21 +45,23 @@ class Relief:
 
     @property
     def flat(self):
-        """The same of a target that is taken as flat."""
+        """The same with the target taken as flat."""
         return replace(self, shift=np.zeros_like(self.shift), found=False,
                        height=np.zeros_like(self.height))
 
 
 def find_relief(index, residual, normal):
-    """What may be relief of a target, from one photo of it.
+    """Possible relief of a target, from one photo of it.
 
-    A lens moves the points of a small area alike in any direction. A dent of the target moves them
-    only along the picture of its normal. So the lens is a polynomial in column and row, of the
-    degree that predicts held-out residuals *across* the normal best; what is left *along* the
-    normal is relief, if it is much more than is left across and if the neighbours of a point
-    predict it. A smooth bend of the target can not be told from a flaw of the lens: it is
-    the lens's. A lens with a flaw that lies along the normal looks the same: one photo proves
-    nothing (:mod:`ncdc_model.calibration.same_relief`).
+    A lens displaces the points of a small area by the same amount in any direction. A dent of the
+    target displaces them only along the projection of its normal. So the lens is a polynomial in
+    column and row, of the degree that best predicts held-out residuals *across* the normal.
+    Residuals *along* the normal are relief if they are much larger than those across it and the
+    neighbours of a point predict them.
+
+    A smooth bend of the target cannot be separated from a flaw of the lens: it counts as lens. A
+    lens flaw along the normal looks like relief, so that one photo is no proof
+    (:mod:`ncdc_model.calibration.same_relief`).
 
     Parameters
     ----------
@@ -78,7 +80,7 @@ def find_relief(index, residual, normal):
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     degree = _degree(index, residual, across)
     nothing = Relief(along, np.zeros_like(residual), degree, False, np.zeros(len(index)))
-    if len(index) < _LEAST:
+    if len(index) < _MIN_POINTS:
         return nothing
     basis = np.linalg.qr(polynomial(index, degree))[0]
 
@@ -87,7 +89,7 @@ def find_relief(index, residual, normal):
     rest = left(residual)
     if _rms(rest * along) < _LONGER * _rms(rest * across):
         return nothing
-    # A dent of one height moves the points by the normal's length: smooth the height, not pixels.
+    # A dent displaces points by its height times the normal: smooth the height, not the pixels.
     scale = np.maximum(length, 0.1 * np.median(length))
     best = None
     for window in _WINDOWS:
@@ -116,23 +118,23 @@ def polynomial(index, degree):
 
 
 def line_scatter(index, xy, direction):
-    """How far each point is from where its line says, along ``direction``, in pixels.
+    """Distance (k,) of each point from the course of its line, along ``direction``, in pixels.
 
-    Four neighbours in a row or column, two on either side, tell where the fifth is: no smooth lens
-    shows in that. The differences are divided by 1.39, as the four are uncertain too: so their
-    standard deviation is that of a single point. Shape (k,); empty if the photo has fewer than
-    200 points, between which the lens would show.
+    Four neighbours in a row or column, two on either side, predict the fifth: a smooth lens does
+    not contribute. The differences are divided by 1.39, since the four are uncertain too, so that
+    their standard deviation is that of a single point. The result is empty if the photo has fewer
+    than 200 points: their distances are so large that the lens would contribute.
     """
-    place = {tuple(key): n for n, key in enumerate(np.asarray(index).tolist())}
+    number_of = {tuple(key): n for n, key in enumerate(np.asarray(index).tolist())}
     scatter = []
-    if len(place) < _DENSE:
+    if len(number_of) < _DENSE:
         return np.empty(0)
     steps = (1, 0), (0, 1)
     if len(np.unique(np.sum(index, axis=1) % 2)) == 1:         # staggered
         steps = (1, 1), (1, -1)
-    for (i, j), n in place.items():
+    for (i, j), n in number_of.items():
         for di, dj in steps:
-            line = [place.get((i + k * di, j + k * dj)) for k in (-2, -1, 1, 2)]
+            line = [number_of.get((i + k * di, j + k * dj)) for k in (-2, -1, 1, 2)]
             if None not in line:
                 a, b, c, d = xy[line]
                 scatter.append((xy[n] - (4 * (b + c) - a - d) / 6) @ direction[n])
@@ -154,7 +156,7 @@ def _degree(index, residual, across):
         error = []
         for k, (a, b) in enumerate(parts):
             left, right = (sum(pair[n] for m, pair in enumerate(normal) if m != k) for n in (0, 1))
-            # A move along the normal is not seen across it: of all solutions the least.
+            # A displacement along the normal is not seen across it: take the smallest solution.
             error.append(a @ (np.linalg.pinv(left, 1e-9, hermitian=True) @ right) - b)
         error = _rms(np.concatenate(error))
         if best is not None and error >= _BETTER * best[0]:
@@ -169,10 +171,10 @@ def _smoother(index, window):
     A paraboloid is fitted to the neighbours, with a prior that it is level; the point itself is
     left out. Neighbours that do not exist have the weight zero.
     """
-    place = {tuple(key): n for n, key in enumerate(index.tolist())}
+    number_of = {tuple(key): n for n, key in enumerate(index.tolist())}
     offsets = [(a, b) for a in range(-window[0], window[0] + 1)
                for b in range(-window[1], window[1] + 1) if (a, b) != (0, 0)]
-    others = np.array([[place.get((i + a, j + b), -1) for a, b in offsets]
+    others = np.array([[number_of.get((i + a, j + b), -1) for a, b in offsets]
                        for i, j in index.tolist()])
     a, b = np.array(offsets, np.float64).T
     terms = np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=1)

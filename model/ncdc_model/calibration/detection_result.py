@@ -1,32 +1,32 @@
-"""What one photo shows: each kind of target is looked for at most once."""
+"""What one photo shows: each kind of target is searched for at most once."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ncdc_model.calibration.belief import oblique
 from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco, has_markers
 from ncdc_model.calibration.dots import dots_of, find_spots
 from ncdc_model.calibration.fiducials import other_board
 from ncdc_model.calibration.grids import corners_touch, read_grid
+from ncdc_model.calibration.outliers import oblique
 from ncdc_model.calibration.smooth import misfit
 from ncdc_spec.errors import InputError
 
-__all__ = ["MIN_DOTS", "Look", "Sight"]
+__all__ = ["MIN_DOTS", "DetectionResult", "TargetKind"]
 
-MIN_DOTS = 49          # dots that make ``auto`` take a photo for that of a dot page
-_WHOLE_GRID = 0.999    # of the rectangle's places filled: circles that are all of a grid
-_NEARLY = 0.85         # of the places filled: a staggered grid that lacks little is taken as whole
-_SQUARE_PAGE = 1.5     # pixels, median: a lens that leaves more does not explain a square lattice
-_TRIED = 300           # dots that a lens is tried on
-_BOARD_FILLED = 0.75   # of a board's rectangle that is seen, if nobody says its size
-_BOARD_LIKE = 800      # spots on a lattice beyond which nobody takes a page for a chessboard
+MIN_DOTS = 49          # dots from which on ``auto`` takes a photo for that of a dot page
+_WHOLE_GRID = 0.999    # of the rectangle's positions have a circle: the grid is complete
+_NEARLY = 0.85         # the same, of a staggered grid that is taken as complete
+_SQUARE_PAGE = 1.5     # pixels, median residual of a lens: a square lattice has less
+_TRIED = 300           # dots that a lens is fitted to
+_BOARD_FILLED = 0.75   # of a board's rectangle that is seen, if its size is not given
+_BOARD_LIKE = 800      # spots on a lattice: a page with as many is no chessboard
 
 
 @dataclass(frozen=True)
-class Sight:
+class TargetKind:
     """Kind, columns and rows of the target that a photo shows best; None both for dots."""
     kind: str
     columns: int | None = None
@@ -36,21 +36,21 @@ class Sight:
         return self.kind if self.columns is None else f"{self.kind}:{self.columns}x{self.rows}"
 
 
-class Look:
-    """One photo, and what was found on it.
+class DetectionResult:
+    """One photo and the targets found on it.
 
     Parameters
     ----------
     name : str
     image : ndarray of uint8, or a function without arguments that returns it
-        What the function returned is dropped by :meth:`release`, and read again when needed: so
+        :meth:`release` drops what the function returned, and it is called again when needed. So
         only one of many photos is in memory.
     """
 
     def __init__(self, name, image):
         self.name, self._image = name, None if callable(image) else image
         self._read = image if callable(image) else None
-        self.sight, self.doubt = None, ""
+        self.target, self.doubt = None, ""
         self.size = self.image.shape[1::-1]
 
     @property
@@ -66,14 +66,16 @@ class Look:
             self._image = None
 
     def prepare(self, kind):
-        """Look for targets of ``kind``; with ``auto`` for all, and settle on the best, ``sight``,
-        or say in ``doubt`` why there is none."""
+        """Search for targets of ``kind``, with ``auto`` for all.
+
+        ``auto`` sets ``target`` to the best, or ``doubt`` to the reason why there is none.
+        """
         if kind == "auto":
             try:
-                self.sight = self._recognise()
+                self.target = self._recognise()
             except InputError as error:
                 self.doubt = str(error)
-            kind = self.sight.kind if self.sight else "none"
+            kind = self.target.kind if self.target else "none"
         if kind in ("circles", "acircles"):
             self.spots
         elif kind == "dots":
@@ -106,8 +108,8 @@ class Look:
     def _spots_are_squares(self):
         """Whether the spots are the dark squares of a chessboard.
 
-        Between dots there are saddles of brightness too, which may pass for a board's corners, but
-        a ragged lattice of them; and dots do not touch.
+        Saddles of brightness between dots may look like a board's corners, but their lattice is
+        ragged; and dots do not touch.
         """
         lattice = self.spots.lattices[0] if self.spots.lattices else None
         count = 0 if lattice is None else len(lattice.index)
@@ -131,17 +133,17 @@ class Look:
         seen = len(self.spots.lattices[0].index) if not whole and self.spots.lattices else 0
         if (board is None or len(board.index) <= seen
                 or not (whole or self._spots_are_squares())):
-            sight = self._round()
-            if sight is not None:
-                return sight
+            target = self._round()
+            if target is not None:
+                return target
         if board is None or not whole or has_markers(self.image, board):
             try:
-                return Sight("charuco", *find_any_charuco(self.image))
+                return TargetKind("charuco", *find_any_charuco(self.image))
             except InputError:
                 pass
-        # Dots out of focus look like squares that stand on their corners: a ragged lattice of them.
+        # Dots out of focus look like squares that stand on their corners, on a ragged lattice.
         if board is not None and _filled(board) > _BOARD_FILLED and min(span) >= 3:
-            return Sight("chessboard", int(max(span)), int(min(span)))
+            return TargetKind("chessboard", int(max(span)), int(min(span)))
         doubt = self.spots.doubt or self._part()
         board = other_board(grey_picture(self.image))
         raise InputError(
@@ -150,7 +152,7 @@ class Look:
             + (f"; of what looks like dots, {doubt}" if doubt else ""))
 
     def _part(self):
-        """Text on the spots that lie on one lattice, but are no whole grid."""
+        """Text on the spots that lie on one lattice, but are no complete grid."""
         if not self.spots.lattices:
             return ""
         index = self.spots.lattices[0].index
@@ -159,7 +161,7 @@ class Look:
                 f"circles:CxR names the size of a grid")
 
     def _thin(self):
-        """Each how many dots are enough to try a lens on."""
+        """Step through the dots that leaves about 300 to fit a lens to."""
         return max(1, len(self.spots.lattices[0].index) // _TRIED)
 
     def _round(self):
@@ -174,29 +176,29 @@ class Look:
         columns, rows = map(int, np.ptp(grid.photo.index, axis=0) + 1)
         if not grid.staggered:
             page = self.page if len(lattice.index) >= MIN_DOTS else None
-            # A grid that goes on beyond the border is a page, however whole its rectangle is.
+            # A grid that continues beyond the border is a page, even if its rectangle is complete.
             if whole and min(columns, rows) >= 3 and (page is None or not page.cut.any()):
-                return Sight("circles", columns, rows)
-            return Sight("dots") if page is not None else None
+                return TargetKind("circles", columns, rows)
+            return TargetKind("dots") if page is not None else None
         if not whole and oblique(lattice):
             if grid.filled < _NEARLY:
                 raise InputError(f"it shows {len(lattice.index)} circles of a staggered grid, too "
-                                 f"few to tell its size: --target acircles:CxR names it")
+                                 f"few to find its size: --target acircles:CxR names it")
             whole = True
         if not whole and len(lattice.index) >= MIN_DOTS:
-            # A page that lies askew, or a part of it: if a lens explains its steps as square ones.
+            # A tilted page, or a part of one, if a lens explains its steps as square ones.
             off = misfit(self.size, [(lattice.index[::self._thin()], lattice.xy[::self._thin()])])
-            return Sight("dots") if off < _SQUARE_PAGE and self.page is not None else None
+            return TargetKind("dots") if off < _SQUARE_PAGE and self.page is not None else None
         if whole and not corners_touch(self.spots.dark(self.image), grid):
             if columns % 2:
                 columns, rows = rows, columns
             if columns % 2:
                 columns += 1
             if min(columns // 2, rows) >= 3:
-                return Sight("acircles", columns // 2, rows)
+                return TargetKind("acircles", columns // 2, rows)
         return None
 
 
 def _filled(board):
-    """Part of the places of a board's rectangle that are seen."""
+    """Part of the positions of a board's rectangle that are seen."""
     return len(board.index) / np.prod(np.ptp(board.index, axis=0) + 1)

@@ -1,4 +1,4 @@
-"""Dots that the picture's border cuts: their centres from the part that is seen."""
+"""Centres of dots that the picture's border cuts, from the visible part."""
 
 import cv2
 import numpy as np
@@ -8,9 +8,9 @@ from ncdc_model.calibration.sampling import sample
 
 __all__ = ["recover_cut_dots"]
 
-_MOVE = 0.35           # of a step: farthest that a centre may lie from where it is expected
-_LIKE = 0.70           # least correlation of a cut dot's picture with that of a whole one
-_STEPS = 12            # of Gauss and Newton, at most
+_MOVE = 0.35           # of a step: largest distance of a centre from its expected position
+_LIKE = 0.70           # smallest correlation of a cut dot's picture with that of a whole one
+_STEPS = 12            # Gauss-Newton iterations, at most
 _DONE = 1e-3           # pixels
 
 
@@ -18,10 +18,10 @@ def recover_cut_dots(image, xy, index, area):
     """Dots next to the numbered ones that the border cuts but whose centre lies in the picture.
 
     The picture of a dot is nearly that of its neighbour further in. So the neighbour's picture,
-    with its size changed as the lattice's steps change, is laid over what is seen of the cut dot
-    and moved until the squares of the differences, free in brightness and contrast, are least. The
-    place where the whole dot's centroid then lies is the cut dot's: it has the bias of a whole
-    dot's centroid and no other. A centre outside the picture is not determined and not used.
+    scaled as the lattice's steps change, is registered on the visible part of the cut dot by least
+    squares, free in brightness and contrast. The position of the whole dot's centroid is then the
+    cut dot's: it has the same bias as a whole dot's centroid. A centre outside the picture is not
+    determined and not used.
 
     Parameters
     ----------
@@ -33,54 +33,54 @@ def recover_cut_dots(image, xy, index, area):
     Returns
     -------
     xy, index, area : ndarray
-        Of the recovered dots only; indices as the given ones count, so they may be negative.
+        The recovered dots only; their indices continue the given ones, so they may be negative.
     """
     flat = flat_field(image)
     limit = np.array(image.shape[1::-1]) - 0.5
     whole = {tuple(key): n for n, key in enumerate(index.tolist())}
-    place = {key: xy[n] for key, n in whole.items()}
-    found, front = {}, list(place)
+    position = {key: xy[n] for key, n in whole.items()}
+    found, front = {}, list(position)
     while front:
         reached = []
-        for key, lines in _expected(place, front):
-            result = _centre(flat, place, whole, area, lines)
+        for key, lines in _expected(position, front):
+            result = _centre(flat, position, whole, area, lines)
             if result is None:
                 continue
             centre, size = result
             edge = min(centre.min() + 0.5, (limit - centre).min())
-            apart = np.linalg.norm(np.array(list(place.values())) - centre, axis=1).min()
+            apart = np.linalg.norm(np.array(list(position.values())) - centre, axis=1).min()
             if 0 <= edge < 1.5 * np.sqrt(size / np.pi) + 2 and apart > np.sqrt(size):
-                place[key], found[key] = centre, size
+                position[key], found[key] = centre, size
                 reached.append(key)
         front = reached
     keys = sorted(found)
-    return (np.array([place[key] for key in keys]).reshape(-1, 2),
+    return (np.array([position[key] for key in keys]).reshape(-1, 2),
             np.array(keys, int).reshape(-1, 2), np.array([found[key] for key in keys]))
 
 
-def _expected(place, front):
-    """Free neighbours of the dots ``front``, each with the lines of three that lead to it."""
+def _expected(position, front):
+    """Missing neighbours of the dots ``front``, each with the lines of three that lead to it."""
     guesses = {}
     for i, j in front:
         for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1)):
             key = i + di, j + dj
             line = [(i - k * di, j - k * dj) for k in range(3)]
-            if key not in place and all(other in place for other in line):
+            if key not in position and all(other in position for other in line):
                 guesses.setdefault(key, []).append(line)
     return sorted(guesses.items())
 
 
-def _centre(flat, place, whole, area, lines):
+def _centre(flat, position, whole, area, lines):
     """Centre and area of the cut dot that ``lines`` lead to, or None."""
     results, sizes = [], []
     for line in lines:
-        first, second, third = (place[key] for key in line)
-        # Along a line of four the third difference is that of a parabola: zero.
+        first, second, third = (position[key] for key in line)
+        # The third difference along a line of four is zero, as that of a parabola.
         expected, step = 3 * first - 3 * second + third, first - second
         if line[0] not in whole:
             continue
         size = area[whole[line[0]]]
-        shape = _change(place, line, expected - first)
+        shape = _change(position, line, expected - first)
         result = _register(flat, first, expected, shape, 1.7 * np.sqrt(size / np.pi) + 1)
         if result is None or np.linalg.norm(result - expected) > _MOVE * np.linalg.norm(step):
             return None
@@ -89,15 +89,15 @@ def _centre(flat, place, whole, area, lines):
     return (np.mean(results, axis=0), float(np.mean(sizes))) if results else None
 
 
-def _change(place, line, step):
-    """Matrix (2, 2) that takes the shape of the dot ``line[0]`` to that of the one beyond it.
+def _change(position, line, step):
+    """Matrix (2, 2) that takes the shape of the dot ``line[0]`` to that of the next one.
 
-    The change of the steps along and across the line from the dot before to this one, once more.
+    The steps along and across the line change again as they did from the previous dot to this one.
     """
     (i, j), (k, l) = line[:2]
-    across = [(place.get((a + l - j, b + k - i)), place.get((a - l + j, b - k + i)))
+    across = [(position.get((a + l - j, b + k - i)), position.get((a - l + j, b - k + i)))
               for a, b in line[:2]]
-    before = place[line[0]] - place[line[1]]
+    before = position[line[0]] - position[line[1]]
     if any(point is None for pair in across for point in pair):
         return np.eye(2) * np.linalg.norm(step) / np.linalg.norm(before)
     here, inner = (first - second for first, second in across)
@@ -106,9 +106,9 @@ def _change(place, line, step):
 
 
 def _register(flat, model, start, shape, radius):
-    """Where the surroundings of the whole dot at ``model`` are found again near ``start``.
+    """Position near ``start`` where the picture around the whole dot at ``model`` fits best.
 
-    None if the two are not alike.
+    The result is None if the correlation of the two is too small.
     """
     height, width = flat.shape
     centre, back = np.array(start, np.float64), np.linalg.inv(shape)
@@ -142,5 +142,5 @@ def _register(flat, model, start, shape, radius):
             return None
         if np.linalg.norm(move) < _DONE:
             break
-    alike = np.corrcoef(values, seen)[0, 1]
-    return centre if alike > _LIKE and gain > 0.3 else None
+    correlation = np.corrcoef(values, seen)[0, 1]
+    return centre if correlation > _LIKE and gain > 0.3 else None

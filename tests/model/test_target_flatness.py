@@ -14,7 +14,7 @@ from ncdc_model.calibration.measure import measure_map, measure_smooth
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.calibration.quality import Dropped, uneven, warnings_of
-from ncdc_model.calibration.relief import line_scatter, polynomial
+from ncdc_model.calibration.target_flatness import line_scatter, polynomial
 from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import write_image
 from ncdc_model.lens import Camera, rotation
@@ -191,7 +191,7 @@ def test_lost_points_and_noise_are_told():
     assert warnings_of(points, frame, measured(0.02)) == []
     holes = spoilt(points, lost=40)
     (text,) = warnings_of(holes, frame, measured(0.02))
-    assert "places between other points" in text and "have no point" in text
+    assert "positions between other points" in text and "have no point" in text
     (text,) = warnings_of(points, frame, measured(0.4))
     assert "scatter by 0.40 px rms about their lines, more than 0.25 px" in text
 
